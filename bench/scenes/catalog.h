@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/instance.h"
+
+namespace zwang {
+
+// One parameter of a scene.
+struct Knob {
+  std::string name;
+  double value;      // the default
+  double low, high;  // accepted range, inclusive
+  bool integer;
+  std::string help;  // with the unit
+};
+
+using Knobs = std::map<std::string, double>;
+
+// One line of `./zwang scenes`: a seeded, parametric generator.
+struct SceneEntry {
+  std::string name;
+  std::string family;  // groups problems in charts; usually the name
+  std::string line;
+  std::string sweep;  // the knob that scaling and break-point charts use, or ""
+  std::vector<Knob> knobs;
+  std::function<Instance(const Knobs&)> make;  // all knobs present and in range
+};
+
+// Every scene there is. Explicit: a new scene is one line in catalog.cpp.
+std::span<const SceneEntry> scenes();
+const SceneEntry* find_scene(std::string_view name);
+
+// "tower(boxes=10,100),hand(contacts=64,seed=1..5)" -> every combination, named "tower(boxes=10)" and so on.
+// Throws std::invalid_argument with the nearest name, or the knob's range.
+std::vector<Instance> make_scenes(std::string_view text);
+
+}  // namespace zwang

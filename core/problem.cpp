@@ -1,0 +1,57 @@
+#include "core/problem.h"
+
+#include <Eigen/SparseCholesky>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace zwang {
+
+void require_matching_sizes(const Problem& p) {
+  const Index n = p.size(), m = p.rows();
+  const bool ok = p.M.rows() == n && p.M.cols() == n && p.J.rows() == m && p.J.cols() == n &&
+                  static_cast<Index>(p.kind.size()) == m && static_cast<Index>(p.key.size()) == m;
+  if (ok) return;
+  std::ostringstream text;
+  text << "problem '" << p.name << "': sizes do not match: z_u " << n << ", c " << m << ", M " << p.M.rows() << " x "
+       << p.M.cols() << ", J " << p.J.rows() << " x " << p.J.cols() << ", kind " << p.kind.size() << ", key "
+       << p.key.size();
+  throw std::invalid_argument(text.str());
+}
+
+namespace {
+
+template <class Sparse>
+std::string non_finite(const Sparse& A, const char* letter) {
+  for (Index k = 0; k < A.outerSize(); ++k)
+    for (typename Sparse::InnerIterator it(A, k); it; ++it)
+      if (!std::isfinite(it.value()))
+        return std::string(letter) + "(" + std::to_string(it.row()) + ", " + std::to_string(it.col()) +
+               ") is not a finite number";
+  return {};
+}
+
+}  // namespace
+
+std::string bad_input(const Problem& p) {
+  if (std::string text = non_finite(p.M, "M"); !text.empty()) return text;
+  if (std::string text = non_finite(p.J, "J"); !text.empty()) return text;
+  for (Index i = 0; i < p.size(); ++i)
+    if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
+  for (Index i = 0; i < p.rows(); ++i) {
+    const bool inactive = !p.is_equality(i) && p.c[i] == -std::numeric_limits<double>::infinity();
+    if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
+  }
+  for (Index k = 0; k < p.M.outerSize(); ++k)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, k); it; ++it)
+      if (it.row() != it.col() && p.M.coeff(it.col(), it.row()) != it.value())
+        return "M is not symmetric at (" + std::to_string(it.row()) + ", " + std::to_string(it.col()) + ")";
+  return {};
+}
+
+bool is_positive_definite(const Eigen::SparseMatrix<double>& M) {
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(M);
+  return M.rows() == 0 || factor.info() == Eigen::Success;
+}
+
+}  // namespace zwang

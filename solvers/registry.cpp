@@ -1,0 +1,111 @@
+#include "solvers/registry.h"
+
+#include <charconv>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/nearest.h"
+
+namespace zwang {
+namespace {
+
+template <class S>
+std::string default_value(const Setting<S>& setting) {
+  std::ostringstream text;
+  std::visit([&](auto member) { text << std::boolalpha << S{}.*member; }, setting.member);
+  return text.str();
+}
+
+[[maybe_unused]] void parse(const std::string& text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) throw std::invalid_argument("a number");
+}
+[[maybe_unused]] void parse(const std::string& text, int& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) throw std::invalid_argument("an integer");
+}
+[[maybe_unused]] void parse(const std::string& text, bool& value) {
+  if (text == "on" || text == "true" || text == "1")
+    value = true;
+  else if (text == "off" || text == "false" || text == "0")
+    value = false;
+  else
+    throw std::invalid_argument("on or off");
+}
+
+template <class S>
+std::vector<Setting<S>> settings_of() {
+  if constexpr (requires { S::settings(); }) return S::settings();
+  return {};
+}
+
+template <class S>
+AnySolver make(std::string_view text) {
+  S solver;
+  const auto settings = settings_of<S>();
+  std::vector<std::string> names;
+  for (const auto& s : settings) names.emplace_back(s.name);
+  std::stringstream parts{std::string(text)};
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto equal = part.find('=');
+    const std::string key = part.substr(0, equal), value = equal == std::string::npos ? "on" : part.substr(equal + 1);
+    const Setting<S>* found = nullptr;
+    for (const auto& s : settings)
+      if (s.name == key) found = &s;
+    if (!found)
+      throw std::invalid_argument("solver '" + std::string(S::name) + "' has no setting '" + key + "'" +
+                                  did_you_mean(key, names));
+    try {
+      std::visit([&](auto member) { parse(value, solver.*member); }, found->member);
+    } catch (const std::invalid_argument& expected) {
+      throw std::invalid_argument("solver '" + std::string(S::name) + "': setting " + key + "=" + value +
+                                  " should be " + expected.what());
+    }
+  }
+  return solver;
+}
+
+struct Traits {
+  bool foreign = false, exact = false;
+};
+
+template <class S>
+SolverEntry entry(std::string method, std::string limits, Traits traits = {}) {
+  SolverEntry e;
+  e.name = S::name;
+  e.method = std::move(method);
+  e.limits = std::move(limits);
+  e.foreign = traits.foreign;
+  e.exact = traits.exact;
+  for (const auto& s : settings_of<S>())
+    e.settings.push_back({std::string(s.name), std::string(s.help), default_value(s)});
+  e.make = make<S>;
+  return e;
+}
+
+}  // namespace
+
+std::span<const SolverEntry> solvers() {
+  static const std::vector<SolverEntry> all = {
+      // One line a solver: entry<Type>(method, limits, {.foreign, .exact}).
+  };
+  return all;
+}
+
+const SolverEntry* find_solver(std::string_view name) {
+  for (const SolverEntry& e : solvers())
+    if (e.name == name) return &e;
+  return nullptr;
+}
+
+AnySolver make_solver(std::string_view text) {
+  const auto colon = text.find(':');
+  const std::string name(text.substr(0, colon));
+  if (const SolverEntry* e = find_solver(name))
+    return e->make(colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1));
+  std::vector<std::string> names;
+  for (const SolverEntry& e : solvers()) names.push_back(e.name);
+  throw std::invalid_argument("no solver '" + name + "'" + did_you_mean(name, names) + " (./zwang solvers lists all)");
+}
+
+}  // namespace zwang

@@ -1,0 +1,13 @@
+#include "core/nearest.h"
+
+#include <gtest/gtest.h>
+
+namespace zwang {
+
+TEST(Nearest, OffersTheClosestName) {
+  EXPECT_EQ(did_you_mean("towr", {"hand", "tower", "wall"}), "; did you mean 'tower'?");
+}
+
+TEST(Nearest, StaysSilentWhenNothingIsClose) { EXPECT_EQ(did_you_mean("xyzzy", {"hand", "tower"}), ""); }
+
+}  // namespace zwang
