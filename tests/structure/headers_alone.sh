@@ -2,7 +2,10 @@
 # Each header compiles by itself. Usage: headers_alone.sh SOURCE_DIR COMPILER EIGEN_INCLUDE
 set -euo pipefail
 cd "$1"
-check() { "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -Wno-pragma-once-outside-header -I. -isystem "$2" -x c++ "$3" || { echo "$3 does not compile alone"; exit 1; }; }
+check() {
+  echo "#include \"$3\"" | "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I. -isystem "$2" -x c++ - ||
+    { echo "$3 does not compile alone"; exit 1; }
+}
 export -f check
 find core constraints solvers collision bench experiments -name node_modules -prune -o -name '*.h' -print |
   xargs -P 2 -I{} bash -c 'check "$@"' _ "$2" "$3" {}

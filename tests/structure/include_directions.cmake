@@ -1,8 +1,8 @@
 # Checks that the folders include each other only in the directions of docs/architecture.md, and that third-party
 # headers stay in .cpp files. Run: cmake -DSOURCE_DIR=... -P include_directions.cmake
-set(core_may core)
 cmake_minimum_required(VERSION 3.25)
 
+set(core_may core)
 set(constraints_may core constraints)
 set(solvers_may core solvers)
 set(collision_may core collision)
