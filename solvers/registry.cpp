@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "core/nearest.h"
+#include "solvers/apgd.h"
+#include "solvers/pgs.h"
 
 namespace zwang {
 namespace {
@@ -88,6 +90,9 @@ SolverEntry entry(std::string method, std::string limits, Traits traits = {}) {
 std::span<const SolverEntry> solvers() {
   static const std::vector<SolverEntry> all = {
       // One line a solver: entry<Type>(method, limits, {.foreign, .exact}).
+      entry<Pgs>("projected Gauss-Seidel on the dual", "slow on mass ratios and tall stacks; stops at its sweep limit"),
+      entry<Apgd>("accelerated projected gradient on the dual, restarted",
+                  "slow on mass ratios; stops at its step limit"),
   };
   return all;
 }

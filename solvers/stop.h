@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace zwang {
+
+// Seconds of wall clock left before a solve must end.
+class Deadline {
+ public:
+  explicit Deadline(double seconds) : seconds_(seconds) {}
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double left() const { return seconds_ - elapsed(); }
+  bool passed() const { return std::isfinite(seconds_) && left() <= 0; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  double seconds_;
+};
+
+// How far a linearly converging iteration still is from its limit, from the lengths of its steps: a step d that shrinks
+// by rho per iteration leaves d rho / (1 - rho). A short step alone says little where rho is 0.999.
+class Contraction {
+ public:
+  void record(double step) {
+    steps_[count_ % window] = step;
+    ++count_;
+  }
+  double distance_to_go() const {
+    const double last = steps_[(count_ + window - 1) % window];
+    if (last == 0) return 0;
+    if (count_ < window) return std::numeric_limits<double>::infinity();
+    const double rho = std::pow(last / steps_[count_ % window], 1.0 / (window - 1));
+    return rho < 1 ? last * rho / (1 - rho) : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  static constexpr std::size_t window = 8;
+  std::array<double, window> steps_ = {};
+  std::size_t count_ = 0;
+};
+
+}  // namespace zwang

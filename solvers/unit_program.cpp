@@ -1,0 +1,116 @@
+#include "solvers/unit_program.h"
+
+#include <algorithm>
+
+namespace zwang {
+
+bool UnitProgram::build(const Problem& problem, Solution& solution) {
+  if (!whitened_.build(problem)) {
+    solution.reset(0, 0);
+    solution.status = Status::bad_input;
+    solution.message = "M is not positive definite";
+    return false;
+  }
+  if (whitened_.conflict >= 0) {
+    solution.reset(0, 0);
+    solution.status = Status::infeasible;
+    solution.certificate = zero_row_certificate(problem, whitened_.conflict);
+    solution.message = "row " + std::to_string(whitened_.conflict) + " is zero and cannot hold";
+    return false;
+  }
+  const Index n = whitened_.size(), k = whitened_.rows();
+  free_.setZero(n);
+  if (n > 0) {
+    permuted_.noalias() = whitened_.factor.permutationP() * problem.z_u;
+    free_.noalias() = whitened_.factor.matrixL().nestedExpression().transpose() * permuted_;
+  }
+
+  // Only what is violated at z_u sets the scale: a far-away inactive row must not.
+  double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
+  for (Index i = 0; i < k; ++i) largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
+  int exponent = 0;
+  if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
+  sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+  constexpr double out_of_reach = -1e100;
+  h_ = (whitened_.h / sigma_).cwiseMax(out_of_reach);
+  free_ /= sigma_;
+
+  Index nonzeros = 0;
+  for (Index i = 0; i < k; ++i) nonzeros += (whitened_.Gt.col(i).array() != 0).count();
+  G_.resize(k, n);
+  G_.reserve(nonzeros);
+  for (Index i = 0; i < k; ++i) {
+    G_.startVec(i);
+    for (Index j = 0; j < n; ++j)
+      if (const double g = whitened_.Gt(j, i); g != 0) G_.insertBack(i, j) = g;
+  }
+  G_.finalize();
+  return true;
+}
+
+double UnitProgram::dot(Index i, const Vector& y) const {
+  double sum = 0;
+  for (Rows::InnerIterator it(G_, i); it; ++it) sum += it.value() * y[it.col()];
+  return sum;
+}
+
+void UnitProgram::add(Index i, double amount, Vector& y) const {
+  for (Rows::InnerIterator it(G_, i); it; ++it) y[it.col()] += amount * it.value();
+}
+
+void UnitProgram::motion(const Vector& lambda, Vector& y) const {
+  y.setZero(size());
+  for (Index i = 0; i < rows(); ++i)
+    if (lambda[i] != 0) add(i, lambda[i], y);
+}
+
+void UnitProgram::slack(const Vector& y, Vector& slack) const {
+  slack.resize(rows());
+  for (Index i = 0; i < rows(); ++i) slack[i] = dot(i, y) - h_[i];
+}
+
+void UnitProgram::project(Vector& lambda) const {
+  for (Index i = 0; i < rows(); ++i)
+    if (!is_equality(i)) lambda[i] = std::max(0.0, lambda[i]);
+}
+
+double UnitProgram::scale(const Vector& y) const {
+  return std::max({free_.norm(), (free_ + y).norm(), std::numeric_limits<double>::min()});
+}
+
+double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
+
+// Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
+void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) const {
+  lambda.setZero(rows());
+  if (!warm || warm->key.empty()) return;
+  const std::size_t count = std::min(warm->key.size(), static_cast<std::size_t>(warm->lambda.size()));
+  std::size_t next = 0;
+  for (Index i = 0; i < rows(); ++i) {
+    const RowKey& key = problem.key[static_cast<std::size_t>(problem_row(i))];
+    for (std::size_t tried = 0; tried < count; ++tried) {
+      const std::size_t j = (next + tried) % count;
+      if (warm->key[j] != key) continue;
+      lambda[i] = warm->lambda[static_cast<Index>(j)] * whitened_.row_norm[i] / sigma_;
+      next = j + 1;
+      break;
+    }
+  }
+  project(lambda);
+}
+
+void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {
+  scaled_y_ = sigma_ * y;
+  whitened_.primal(problem, scaled_y_, solution.z);
+  scaled_lambda_ = sigma_ * lambda;
+  if (lambda.size() == rows())
+    whitened_.multipliers(problem, scaled_lambda_, solution.lambda);
+  else
+    solution.lambda.resize(0);
+}
+
+void UnitProgram::write_certificate(const Problem& problem, const Vector& u, Solution& solution) const {
+  whitened_.multipliers(problem, u, solution.certificate);
+}
+
+}  // namespace zwang
