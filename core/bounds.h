@@ -1,0 +1,24 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "core/norms.h"
+
+namespace zwang {
+
+// How far a motion d = z - z_u is from the true one, found without a reference; in the gauge's units.
+struct DistanceBound {
+  enum class Rows { open, feasible, infeasible };  // what could be proven about the rows
+
+  double upper = std::numeric_limits<double>::infinity();  // |z - z*|_M <= upper
+  double lower = 0;                                        // |z - z*|_M >= lower
+  double sigma_min = std::numeric_limits<double>::quiet_NaN();
+  std::string method = {};  // "active set" or "gap"; "" when there is no bound
+  Rows rows = Rows::open;
+};
+
+// lambda: multipliers in the gauge's units, or null. docs/referee.md says when which bound is valid.
+DistanceBound bound_distance(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector* lambda);
+
+}  // namespace zwang

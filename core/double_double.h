@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+namespace zwang {
+
+// A number as the unevaluated sum hi + lo of two doubles, |lo| <= ulp(hi) / 2: 106 bits, relative rounding error below
+// 2^-102 per operation (Dekker 1971; the accurate sum and product of Joldes, Muller & Popescu 2017, algorithms 6 and
+// 12), the range of double. Products of two doubles are exact. Needs IEEE arithmetic without contraction, which the
+// build asks for.
+struct DoubleDouble {
+  double hi = 0, lo = 0;
+
+  constexpr DoubleDouble() = default;
+  constexpr DoubleDouble(double value) : hi(value) {}
+  constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
+  explicit constexpr operator double() const { return hi; }
+  explicit constexpr operator long double() const { return static_cast<long double>(hi) + lo; }
+
+  DoubleDouble operator-() const { return {-hi, -lo}; }
+  DoubleDouble& operator+=(const DoubleDouble& b) { return *this = *this + b; }
+  DoubleDouble& operator-=(const DoubleDouble& b) { return *this = *this + -b; }
+
+  friend DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
+    const DoubleDouble s = exact_sum(a.hi, b.hi), t = exact_sum(a.lo, b.lo);
+    const DoubleDouble v = fast_sum(s.hi, s.lo + t.hi);
+    return fast_sum(v.hi, t.lo + v.lo);
+  }
+  friend DoubleDouble operator-(const DoubleDouble& a, const DoubleDouble& b) { return a + -b; }
+  friend DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
+    const DoubleDouble p = exact_product(a.hi, b.hi);
+    return fast_sum(p.hi, p.lo + std::fma(a.hi, b.lo, a.lo * b.hi) + a.lo * b.lo);
+  }
+  friend bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
+    return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo);
+  }
+  friend bool operator==(const DoubleDouble& a, const DoubleDouble& b) { return a.hi == b.hi && a.lo == b.lo; }
+
+  // a + b and a * b without error (barring overflow; for the product also underflow).
+  static DoubleDouble exact_sum(double a, double b) {
+    const double s = a + b, part = s - a;
+    return {s, (a - (s - part)) + (b - part)};
+  }
+  static DoubleDouble exact_product(double a, double b) {
+    const double p = a * b;
+    return {p, std::fma(a, b, -p)};
+  }
+
+ private:
+  // exact_sum for |a| >= |b|.
+  static DoubleDouble fast_sum(double a, double b) {
+    const double s = a + b;
+    return {s, b - (s - a)};
+  }
+};
+
+using ExtendedVector = std::vector<DoubleDouble>;
+
+}  // namespace zwang

@@ -1,0 +1,164 @@
+#include "core/norms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+// The e of x = f 2^e with 1/2 <= f < 1; 0 for 0.
+int exponent_of(double x) {
+  int e = 0;
+  (void)std::frexp(x, &e);
+  return e;
+}
+
+// Sum of squares weighted by 1/D as L^-1 r: forward substitution along the columns that fill in.
+template <class Lower>
+long double forward_squared(const Lower& L, VectorX<long double>& x, Index first) {
+  long double sum = 0;
+  for (Index j = first; j < x.size(); ++j) {
+    if (x[j] == 0) continue;
+    typename Lower::InnerIterator it(L, j);
+    const long double value = x[j] / it.value();
+    sum += value * value;
+    for (++it; it; ++it) x[it.row()] -= it.value() * value;
+    x[j] = 0;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Gauge::Gauge(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p.c), row_norm(Vector::Zero(p.rows())) {
+  const Index n = size(), m = rows();
+  M.makeCompressed();
+  J.makeCompressed();
+  equality.resize(static_cast<std::size_t>(m));
+  row_exponent.assign(static_cast<std::size_t>(m), 0);
+
+  double largest = 0;
+  for (Index k = 0; k < M.nonZeros(); ++k) largest = std::max(largest, std::abs(M.valuePtr()[k]));
+  mass_exponent = exponent_of(largest) / 2 * 2;
+  for (Index k = 0; k < M.nonZeros(); ++k) M.valuePtr()[k] = std::ldexp(M.valuePtr()[k], -mass_exponent);
+
+  // A motion is as large as z_u or as the rows that may force it; c far below zero on a contact forces nothing.
+  largest = n > 0 ? z_u.cwiseAbs().maxCoeff() : 0;
+  for (Index i = 0; i < m; ++i) {
+    equality[static_cast<std::size_t>(i)] = p.is_equality(i);
+    double entry = 0;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
+    const int e = row_exponent[static_cast<std::size_t>(i)] = exponent_of(entry);
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
+    c[i] = std::ldexp(c[i], -e);
+    if (entry > 0 && std::isfinite(c[i])) largest = std::max(largest, p.is_equality(i) ? std::abs(c[i]) : c[i]);
+  }
+  motion_exponent = exponent_of(largest);
+  for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
+  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -motion_exponent);
+
+  if (n > 0) {
+    factor.compute(M.cast<long double>());
+    definite = factor.info() == Eigen::Success;
+  }
+  if (definite) weigh_rows();
+}
+
+void Gauge::weigh_rows() {
+  if (size() == 0) return;
+  const Eigen::SparseMatrix<long double> L = factor.matrixL();
+  const auto& place = factor.permutationP().indices();
+  VectorX<long double> x = VectorX<long double>::Zero(size());
+  for (Index i = 0; i < rows(); ++i) {
+    Index first = size();
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) {
+      const Index k = place.size() > 0 ? place[it.col()] : it.col();
+      x[k] = it.value();
+      first = std::min(first, k);
+    }
+    row_norm[i] = static_cast<double>(std::sqrt(forward_squared(L, x, first)));
+  }
+}
+
+ExtendedVector Gauge::motion(const Vector& z) const {
+  ExtendedVector d(static_cast<std::size_t>(size()));
+  for (Index i = 0; i < size(); ++i)
+    d[static_cast<std::size_t>(i)] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
+  return d;
+}
+
+ExtendedVector Gauge::multipliers(const Vector& lambda) const {
+  ExtendedVector unit(static_cast<std::size_t>(rows()));
+  for (Index i = 0; i < rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    unit[k] = std::ldexp(lambda[i], row_exponent[k] - motion_exponent - mass_exponent);
+  }
+  return unit;
+}
+
+double Gauge::to_problem_norm(double norm) const { return std::ldexp(norm, motion_exponent + mass_exponent / 2); }
+
+double Gauge::row_scale(Index i) const {
+  return std::ldexp(1.0, row_exponent[static_cast<std::size_t>(i)] + motion_exponent);
+}
+
+double Gauge::norm(const ExtendedVector& d) const {
+  const ExtendedVector force = force_residual(d, {});
+  long double sum = 0;
+  for (std::size_t i = 0; i < d.size(); ++i) sum += static_cast<long double>(force[i] * d[i]);
+  return static_cast<double>(std::sqrt(std::max(sum, 0.0L)));
+}
+
+double Gauge::norm_of(const Vector& z) const {
+  ExtendedVector d(static_cast<std::size_t>(size()));
+  for (Index i = 0; i < size(); ++i) d[static_cast<std::size_t>(i)] = std::ldexp(z[i], -motion_exponent);
+  return norm(d);
+}
+
+double Gauge::norm_of_free_motion() const { return norm(ExtendedVector(z_u.data(), z_u.data() + z_u.size())); }
+
+double Gauge::dual_norm(const ExtendedVector& r) const {
+  if (r.empty()) return 0;
+  VectorX<long double> x(size());
+  for (Index i = 0; i < size(); ++i) x[i] = static_cast<long double>(r[static_cast<std::size_t>(i)]);
+  x = factor.permutationP() * x;
+  return static_cast<double>(VectorX<long double>(factor.matrixL().solve(x)).stableNorm());
+}
+
+DoubleDouble Gauge::slack(Index i, const ExtendedVector& d) const {
+  DoubleDouble sum = -violation(i);
+  for (decltype(J)::InnerIterator it(J, i); it; ++it)
+    sum += DoubleDouble(it.value()) * d[static_cast<std::size_t>(it.col())];
+  return sum;
+}
+
+DoubleDouble Gauge::violation(Index i) const {
+  DoubleDouble h = c[i];
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) h -= DoubleDouble::exact_product(it.value(), z_u[it.col()]);
+  return h;
+}
+
+Vector Gauge::unit_row(Index i) const {
+  VectorX<long double> x = VectorX<long double>::Zero(size());
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = it.value();
+  x = factor.permutationP() * x;
+  x = factor.matrixL().solve(x);
+  return (x / x.norm()).cast<double>();
+}
+
+ExtendedVector Gauge::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
+  ExtendedVector r(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      r[static_cast<std::size_t>(it.row())] += DoubleDouble(it.value()) * d[static_cast<std::size_t>(j)];
+  if (lambda.empty()) return r;
+  for (Index i = 0; i < rows(); ++i) {
+    const DoubleDouble weight = lambda[static_cast<std::size_t>(i)];
+    if (weight == DoubleDouble(0)) continue;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it)
+      r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
+  }
+  return r;
+}
+
+}  // namespace zwang
