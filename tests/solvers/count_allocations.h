@@ -1,0 +1,9 @@
+#pragma once
+
+namespace zwang {
+
+// Heap blocks asked for by this process since it started, through any door: malloc, calloc, realloc, aligned
+// allocation, operator new, in the project's code and in every library it is linked with.
+long allocations();
+
+}  // namespace zwang
