@@ -16,23 +16,33 @@ struct AssembleOptions {
 };
 
 // scene -> problem. Stacks every active constraint at the scene's poses so that one symplectic step of length dt lands
-// on it: c = -value / dt^2 - J y / dt (docs/formulation.md). Fixed bodies have no columns; a prescribed body's J_k z_k
-// moves to the right-hand side. Equality rows come first. Reuses the problem's storage: no allocation after warm-up.
-// Throws std::invalid_argument when z_u has not 6 entries per free body.
+// on it (docs/formulation.md):
+//
+//   c = -value / dt^2 - J y / dt - J_k z_k     (y = 0 in the quasi-static mode; z_k: bodies of prescribed motion)
+//
+// Columns: 6 per free body, in the order of the bodies, then one per soft row (mass 1/compliance, z_u = 0). Rows:
+// equality first, each kind in the order of the scene's lists. A constraint between bodies none of which is free has no
+// unknown to act on and is skipped (`skipped()` names those). The sparsity pattern depends on the bodies of the
+// constraints alone, never on their values. Writes in place into the problem's storage: no allocation in a second call
+// of the same shape. Throws std::invalid_argument when z_u has not 6 entries per free body or dt is not positive.
 class Assembler {
  public:
   void assemble(Scene& scene, const Vector& z_u, const AssembleOptions& options, Problem& problem);
 
-  // The names of the rows of the last problem, "type/label" or "type/label [row]".
+  // The names of the rows of the last problem, "type/label" or, of several rows, "type/label [row]".
   std::vector<std::string> origin(const Scene& scene) const;
+  // The names of the constraints that were left out of the last problem.
+  std::vector<std::string> skipped(const Scene& scene) const;
 
  private:
-  struct RowSource {
+  struct Source {
     std::size_t list, item;
-    int row;
+    int row, rows;
   };
+  void write_mass(const Scene& scene, Index soft, Problem& problem) const;
+
   std::vector<int> column_;  // first column of each body, -1 without
-  std::vector<RowSource> source_;
+  std::vector<Source> source_, skipped_;
 };
 
 }  // namespace zwang

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <concepts>
-#include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -11,7 +10,7 @@
 
 namespace zwang {
 
-// Bodies a constraint acts on: 1 or 2.
+// How many bodies a constraint acts on: 1 or 2.
 template <class C>
 inline constexpr int arity = std::tuple_size_v<decltype(C::bodies)>;
 
@@ -44,7 +43,9 @@ using ArityIndices = std::make_index_sequence<static_cast<std::size_t>(arity<C>)
 // A constraint is a copyable struct with a name, a number of rows, a kind, its bodies, and one templated function
 // value(poses...) that must stay zero (equality) or non-negative (inequality). Unit of the value: m or rad.
 // Derivatives come from value() by automatic differentiation unless the struct offers jacobian(poses...). Optional
-// active(poses...) -> bool: rows are written only while it holds (limits).
+// active(poses...) -> bool: rows are written only while it holds (limits). Optional compliance() -> Vec<double, rows>:
+// row i is soft with compliance()[i] [row's unit of acceleration per N or N m]; 0 keeps it hard. Assembly gives every
+// soft row one extra unknown of mass 1/compliance (docs/formulation.md).
 template <class C>
 concept Constraint = std::copyable<C> && requires(const C c, const PosesOf<C, double>& q) {
   { C::name } -> std::convertible_to<std::string_view>;
@@ -57,6 +58,11 @@ concept Constraint = std::copyable<C> && requires(const C c, const PosesOf<C, do
 template <class C>
 concept HasJacobian = requires(const C c, const PosesOf<C, double>& q) {
   { evaluate_jacobian(c, q, ArityIndices<C>{}) } -> std::same_as<Mat<double, C::rows, 6 * arity<C>>>;
+};
+
+template <class C>
+concept HasCompliance = requires(const C c) {
+  { c.compliance() } -> std::same_as<Vec<double, C::rows>>;
 };
 
 template <class C>

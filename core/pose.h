@@ -70,4 +70,39 @@ Pose<T> retract(const Pose<T>& q, const Vec<T, 6>& step) {
   return out;
 }
 
+// The rotation vector of R, of length at most pi: R = exp([w]x). By way of the quaternion, with its largest component
+// as the pivot (Shepperd 1978): accurate at every angle, while the trace alone loses half the digits near 0 and pi.
+template <class T>
+Vec<T, 3> rotation_vector(const Mat<T, 3, 3>& R) {
+  using std::atan2, std::sqrt;
+  Vec<T, 3> v(T(R(2, 1) - R(1, 2)), T(R(0, 2) - R(2, 0)), T(R(1, 0) - R(0, 1)));
+  const T trace = R.trace();
+  T w = trace + T(1);  // up to a common factor, [w; v] is the quaternion
+  int k = 0;
+  for (int i = 1; i < 3; ++i)
+    if (R(i, i) > R(k, k)) k = i;
+  if (R(k, k) > trace) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    w = v[k];
+    v[k] = T(1) + R(k, k) - R(i, i) - R(j, j);
+    v[i] = R(i, k) + R(k, i);
+    v[j] = R(j, k) + R(k, j);
+  }
+  const T sign = w < T(0) ? T(-1) : T(1);
+  const T x2 = v.squaredNorm() / (w * w);
+  // 2 atan(x) / x by its series where the root of x2 has no derivative.
+  if (x2 < T(1e-6)) return v * T((T(2) - x2 * (T(2) / T(3) - x2 * (T(2) / T(5) - x2 * T(2) / T(7)))) / w);
+  const T length = sqrt(v.squaredNorm());
+  return v * T(T(2) * sign * atan2(length, T(sign * w)) / length);
+}
+
+// The twist that takes one pose to another: retract(from, twist_between(from, to)) = to.
+template <class T>
+Vec<T, 6> twist_between(const Pose<T>& from, const Pose<T>& to) {
+  Vec<T, 6> twist;
+  twist.template head<3>() = to.position - from.position;
+  twist.template tail<3>() = rotation_vector<T>(to.rotation * from.rotation.transpose());
+  return twist;
+}
+
 }  // namespace zwang

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,14 +22,28 @@ struct Body {
   Vec<double, 6> prescribed = Vec<double, 6>::Zero();  // z of a prescribed body [m/s^2; rad/s^2]
 };
 
-// One constraint's rows, as the scene hands them to the assembly. The pointers live until the next visit.
+// First column of every body in the problem, -1 where it has none. Returns 6 x (free bodies).
+inline int first_columns(const std::vector<Body>& bodies, std::vector<int>& column) {
+  int next = 0;
+  column.resize(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const bool free = bodies[b].motion == Motion::free;
+    column[b] = free ? next : -1;
+    next += free ? 6 : 0;
+  }
+  return next;
+}
+
+// One constraint's rows, as the scene hands them to the assembly. The pointers live until the next linearization.
 struct RowBlock {
+  std::size_t item;  // of its list
   RowKind kind;
-  int rows;                // 1..6
-  int arity;               // 1 or 2
-  const BodyId* bodies;    // arity
-  const double* value;     // rows
-  const double* jacobian;  // rows x 6*arity, column-major
+  int rows;                  // 1..6
+  int arity;                 // 1 or 2
+  const BodyId* bodies;      // arity
+  const double* value;       // rows
+  const double* jacobian;    // rows x 6*arity, column-major
+  const double* compliance;  // rows, or null: all hard
 };
 
 // Constraints are held by type, one vector each: one virtual call a type, none a constraint.
@@ -40,11 +55,11 @@ class ConstraintList {
   virtual std::size_t size() const = 0;
   virtual const std::string& label(std::size_t i) const = 0;
   virtual std::uint64_t key(std::size_t i) const = 0;
-  // Linearizes all active constraints at the bodies' poses, in order, into blocks (storage reused, no allocation after
-  // warm-up); `which` names the constraint of each block.
-  virtual void linearize_all(const std::vector<Body>& bodies) = 0;
-  std::vector<RowBlock> blocks = {};
-  std::vector<std::size_t> which = {};
+  // Linearizes all active constraints at the bodies' poses, in order. The blocks' storage is reused: no allocation
+  // after warm-up.
+  virtual const std::vector<RowBlock>& linearize_all(const std::vector<Body>& bodies) = 0;
+  // The blocks of the last linearization.
+  virtual const std::vector<RowBlock>& blocks() const = 0;
 };
 
 template <Constraint C>
@@ -55,27 +70,34 @@ class ConstraintListOf final : public ConstraintList {
   std::size_t size() const override { return all.size(); }
   const std::string& label(std::size_t i) const override { return labels[i]; }
   std::uint64_t key(std::size_t i) const override { return keys[i]; }
-  void linearize_all(const std::vector<Body>& bodies) override {
-    blocks.clear();
-    which.clear();
+  const std::vector<RowBlock>& linearize_all(const std::vector<Body>& bodies) override {
+    blocks_.clear();
     linear_.resize(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
       PosesOf<C, double> q;
       for (std::size_t b = 0; b < q.size(); ++b) q[b] = bodies[static_cast<std::size_t>(all[i].bodies[b])].pose;
       if (!is_active(all[i], q)) continue;
-      linear_[i] = linearize(all[i], q);
-      blocks.push_back(
-          {C::kind, C::rows, arity<C>, all[i].bodies.data(), linear_[i].value.data(), linear_[i].jacobian.data()});
-      which.push_back(i);
+      auto& [linear, compliance] = linear_[i];
+      linear = linearize(all[i], q);
+      if constexpr (HasCompliance<C>) compliance = all[i].compliance();
+      blocks_.push_back({i, C::kind, C::rows, arity<C>, all[i].bodies.data(), linear.value.data(),
+                         linear.jacobian.data(), HasCompliance<C> ? compliance.data() : nullptr});
     }
+    return blocks_;
   }
+  const std::vector<RowBlock>& blocks() const override { return blocks_; }
 
   std::vector<C> all = {};
   std::vector<std::string> labels = {};
   std::vector<std::uint64_t> keys = {};
 
  private:
-  std::vector<Linearization<C>> linear_ = {};
+  struct Rows {
+    Linearization<C> linear;
+    Vec<double, C::rows> compliance;
+  };
+  std::vector<Rows> linear_ = {};
+  std::vector<RowBlock> blocks_ = {};
 };
 
 // Bodies and the constraints among them.
@@ -102,8 +124,10 @@ class Scene {
   }
 
   // `label` names the constraint to people; `key` names its rows over frames (0: one is made from type and label).
+  // Throws std::invalid_argument when it names a body that is not there, or one body twice.
   template <Constraint C>
   void add(C constraint, std::string label = {}, std::uint64_t key = 0) {
+    require_bodies(C::name, constraint.bodies.data(), arity<C>);
     auto& list = list_of<C>();
     if (label.empty()) label = std::to_string(list.all.size());
     if (key == 0) key = hash_name(std::string(C::name) + "/" + label);
@@ -123,6 +147,15 @@ class Scene {
   const std::vector<std::unique_ptr<ConstraintList>>& lists() const { return lists_; }
 
  private:
+  void require_bodies(std::string_view type, const BodyId* id, int count) const {
+    const auto known = [&](BodyId b) { return b >= 0 && static_cast<std::size_t>(b) < bodies.size(); };
+    for (int i = 0; i < count; ++i)
+      if (!known(id[i]) || (i > 0 && id[i] == id[0]))
+        throw std::invalid_argument(std::string(type) + " on body " + std::to_string(id[i]) + ": " +
+                                    (known(id[i]) ? "it needs two different bodies" : "there are ") +
+                                    (known(id[i]) ? "" : std::to_string(bodies.size()) + " bodies"));
+  }
+
   // FNV-1a.
   static std::uint64_t hash_name(const std::string& text) {
     std::uint64_t h = 1469598103934665603ull;

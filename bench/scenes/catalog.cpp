@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/scenes/physical.h"
 #include "core/nearest.h"
 
 namespace zwang {
@@ -87,6 +88,12 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 std::span<const SceneEntry> scenes() {
   static const std::vector<SceneEntry> all = {
       // One line a scene.
+      {"tower",
+       "tower",
+       "boxes one on another, narrower upwards, four corner contacts a face; at rest",
+       "boxes",
+       {{"boxes", 10, 1, 1000, true, "number of boxes"}},
+       tower},
   };
   return all;
 }

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include "bench/scenes/catalog.h"
+#include "core/assemble.h"
+
+namespace zwang {
+
+// Physical scenes are built in dyadic numbers where that is cheap, so that the stored doubles are the problem.
+inline const Vec3 gravity{0, 0, -9.8125};  // m/s^2
+
+// Seeded draws, the same on every machine (the distributions of <random> are not).
+class Draw {
+ public:
+  explicit Draw(double seed) : engine_(static_cast<std::uint64_t>(seed)) {}
+  // Uniform in [low, high), a multiple of (high - low) / 2^bits.
+  double uniform(double low, double high, int bits = 32) {
+    return low + (high - low) * std::ldexp(static_cast<double>(engine_() >> (64 - bits)), -bits);
+  }
+  int below(int count) { return static_cast<int>(uniform(0, count)); }
+  Vec3 cube(double half) {
+    const double x = uniform(-half, half), y = uniform(-half, half);
+    return {x, y, uniform(-half, half)};
+  }
+  Vec3 direction() {
+    for (;;)
+      if (const Vec3 v = cube(1); v.squaredNorm() <= 1 && v.squaredNorm() > 0.01) return v.normalized();
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// A rotation by a vector [rad].
+inline Mat3 rotation(const Vec3& w) {
+  Vec<double, 6> twist;
+  twist << Vec3::Zero(), w;
+  return retract(Pose<double>{}, twist).rotation;
+}
+
+// A solid box (full widths, m) of a mass [kg].
+Body box_body(const Vec3& widths, double mass, const Vec3& position);
+BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
+
+// The scene's problem, its rows named.
+Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& options);
+
+// Boxes, spheres, links. All take the knobs that catalog.cpp declares for them.
+Instance tower(const Knobs& knobs);
+
+}  // namespace zwang

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "constraints/rows.h"
+#include "core/scene.h"
+
+namespace zwang {
+
+// A point of A stays outside a face of B (Eq. 23-24):
+//
+//   gap = n . (r_A - r_B) >= 0,   n from B to A.
+//
+// One type for every partner: a static obstacle is a fixed body, a moving one is prescribed or free; only free bodies
+// have columns. The normal turns with B. The paper's row [n, u x n | -n, -(u_B x n)], both levers to r_A, is then the
+// exact derivative, also for a gap that is not zero. The frame and the friction coefficient stay with the row for
+// whoever reads its multiplier; the frictionless row does not use them (friction_pyramid.h does).
+struct Contact {
+  static constexpr auto name = "contact";
+  static constexpr int rows = 1;
+  static constexpr RowKind kind = RowKind::inequality;
+  std::array<BodyId, 2> bodies = {};
+  Vec3 point_a = Vec3::Zero();    // m, in A's axes
+  Vec3 point_b = Vec3::Zero();    // m, in B's axes
+  Mat3 frame = Mat3::Identity();  // columns n, t_1, t_2, orthonormal, in B's axes
+  double friction = 0;            // Coulomb's coefficient
+
+  template <class T>
+  Vec<T, 1> value(const Pose<T>& a, const Pose<T>& b) const {
+    const Vec<T, 3> apart = a * point_a - b * point_b;
+    return Vec<T, 1>(b.turn(frame.col(0)).dot(apart));
+  }
+
+  Mat<double, 1, 12> jacobian(const Pose<double>& a, const Pose<double>& b) const {
+    return row::separation(b.turn(frame.col(0)), a * point_a, a.position, b.position);
+  }
+};
+static_assert(Constraint<Contact> && HasJacobian<Contact>);
+
+// An orthonormal frame [n, t_1, t_2] over a unit normal.
+inline Mat3 contact_frame(const Vec3& normal) {
+  Mat3 frame;
+  frame.col(0) = normal;
+  frame.col(1) = normal.unitOrthogonal();
+  frame.col(2) = normal.cross(frame.col(1));
+  return frame;
+}
+
+// The contact of A at `point` [m, world] with the face of B that lies `gap` [m] below it along -normal [world, unit].
+inline Contact contact_at(const std::vector<Body>& bodies, BodyId a, BodyId b, const Vec3& point, const Vec3& normal,
+                          double gap = 0, double friction = 0) {
+  const Pose<double>& on = bodies[static_cast<std::size_t>(a)].pose;
+  const Pose<double>& by = bodies[static_cast<std::size_t>(b)].pose;
+  return {.bodies = {a, b},
+          .point_a = on.rotation.transpose() * (point - on.position),
+          .point_b = by.rotation.transpose() * (point - gap * normal - by.position),
+          .frame = by.rotation.transpose() * contact_frame(normal),
+          .friction = friction};
+}
+
+}  // namespace zwang
