@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+namespace zwang {
+
+// What a third-party library keeps between solves, of a type that only one .cpp knows. A copy starts without it, as a
+// solver's workspace may.
+template <class T>
+class Session {
+ public:
+  Session() = default;
+  Session(const Session&) {}
+  Session& operator=(const Session&) { return *this; }
+
+  template <class... Arguments>
+  T& open(Arguments&&... arguments) {
+    if (!state_) state_ = std::make_shared<T>(std::forward<Arguments>(arguments)...);
+    return *state_;
+  }
+
+ private:
+  std::shared_ptr<T> state_;
+};
+
+}  // namespace zwang

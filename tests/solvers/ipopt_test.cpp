@@ -1,0 +1,127 @@
+#include "solvers/ipopt.h"
+
+#include <gtest/gtest.h>
+
+#include "solvers/kkt_check.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+Solution solve(const Problem& problem, const SolveOptions& options = {}, Ipopt ipopt = {}) {
+  Solution solution;
+  ipopt.solve(problem, options, solution);
+  return solution;
+}
+
+// M z_0 = 0 twice over two unknowns: three equality rows, rank 2.
+Problem overdetermined(double last) {
+  return test::make_problem(test::vec({1, 2}), test::vec({3, 5}),
+                            {{RowKind::equality, test::vec({1, 0}), 1},
+                             {RowKind::equality, test::vec({0, 1}), 2},
+                             {RowKind::equality, test::vec({1, 1}), last}});
+}
+
+TEST(Ipopt, PullsThroughAnEqualityRow) {
+  const Problem p = test::tied_pair();
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE(test::z_error(p, s.z, test::vec({0, 0})), 1e-10);
+  EXPECT_NEAR(s.lambda[0], -40, 1e-7);
+  EXPECT_NEAR(s.lambda[1], 50, 1e-7);
+}
+
+TEST(Ipopt, CarriesATowerOfLargeMassRatio) {
+  const Problem p = test::tower(10, 1048576);
+  const Solution s = solve(p, {.tolerance = 1e-12});
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE(test::z_error(p, s.z, Vector::Zero(10)), 1e-11);
+}
+
+TEST(Ipopt, MeetsTheToleranceAskedForOnAWeaklyActiveRow) {
+  // z = z_u touches the row with no force on it: lambda slack <= T alone would let z off by sqrt(T).
+  const Problem p =
+      test::make_problem(test::vec({1, 1}), test::vec({0, 1}), {{RowKind::inequality, test::vec({1, 0}), 0}});
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+    const Solution s = solve(p, {.tolerance = tolerance});
+    ASSERT_EQ(s.status, Status::solved) << s.message;
+    EXPECT_LE(test::z_error(p, s.z, p.z_u), 10 * tolerance);
+  }
+}
+
+TEST(Ipopt, DropsAConsistentDependentEqualityRowAndNamesIt) {
+  const Problem p = overdetermined(3);
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_EQ(s.redundant.size(), 1u);
+  EXPECT_LE(test::z_error(p, s.z, test::vec({1, 2})), 1e-10);
+}
+
+TEST(Ipopt, CertifiesAContradictionAmongEqualityRows) {
+  const Problem p = overdetermined(3.5);
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::infeasible);
+  EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-12);
+}
+
+TEST(Ipopt, DetectsAConflictOfInequalityRows) {
+  const Solution s = solve(test::squeezed());
+  ASSERT_EQ(s.status, Status::infeasible) << s.message;
+  EXPECT_LE(test::farkas_residual(test::squeezed(), s.certificate), 1e-8);
+}
+
+TEST(Ipopt, CertifiesAZeroRowThatCannotHold) {
+  const Solution s = solve(test::zero_row_conflict());
+  ASSERT_EQ(s.status, Status::infeasible);
+  EXPECT_EQ(s.certificate, test::vec({1}));
+}
+
+TEST(Ipopt, ReturnsTheUnconstrainedMotionWithoutRows) {
+  const Problem p = test::make_problem(test::vec({1, 2}), test::vec({3, 5}), {});
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::solved);
+  EXPECT_EQ(s.z, p.z_u);
+}
+
+TEST(Ipopt, StopsAtTheSmallerOfItsTwoLimits) {
+  EXPECT_EQ(solve(test::tower(10), {}, Ipopt{.max_iterations = 2}).status, Status::iteration_limit);
+  const Solution s = solve(test::tower(10), {.max_iterations = 1});
+  EXPECT_EQ(s.status, Status::iteration_limit);
+  EXPECT_EQ(s.iterations, 1);
+  EXPECT_EQ(s.z.size(), 10);
+}
+
+TEST(Ipopt, StopsAtItsTimeLimit) { EXPECT_EQ(solve(test::tower(10), {.time_limit = 0}).status, Status::time_limit); }
+
+TEST(Ipopt, ShowsItsIteratesToAnObserver) {
+  const Problem p = test::tower(10);
+  std::vector<double> errors;
+  const SolveOptions options{
+      .observe = [&](int, const Vector& z, const Vector&) { errors.push_back(test::z_error(p, z, Vector::Zero(10))); }};
+  const Solution s = solve(p, options);
+  ASSERT_EQ(s.status, Status::solved);
+  ASSERT_EQ(errors.size(), static_cast<std::size_t>(s.iterations + 1));
+  EXPECT_LT(errors.back(), 1e-8);
+  EXPECT_GT(errors.front(), errors.back());
+}
+
+TEST(Ipopt, PrintsNothing) {
+  testing::internal::CaptureStdout();
+  solve(test::tower(5));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+TEST(KktCheck, SeesWhatAProductOfMultiplierAndSlackHides) {
+  const Problem p = test::make_problem(test::vec({1}), test::vec({1}), {{RowKind::inequality, test::vec({1}), 1}});
+  UnitProgram program;
+  Solution solution;
+  ASSERT_TRUE(program.build(p, solution));
+  const Vector small = test::vec({1e-5});
+  const KktCheck check = kkt_check(program, small, small);  // lambda slack = 1e-10, yet both are 1e-5
+  EXPECT_LE(check.stationarity, 1e-15);
+  EXPECT_GT(check.natural, 1e-6);
+  EXPECT_EQ(check.worst_row, 0);
+}
+
+}  // namespace
+}  // namespace zwang
