@@ -1,0 +1,263 @@
+#include "core/files/hdf5.h"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <type_traits>
+
+#include "core/files/natural_order.h"
+#include "core/problem_file.h"
+
+namespace zwang::hdf5 {
+namespace {
+
+static_assert(std::is_same_v<hid_t, std::int64_t>);
+using Close = herr_t (*)(hid_t);
+
+// An identifier of the library with the function that gives it back.
+class Handle {
+ public:
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  Close close_;
+};
+
+std::shared_ptr<const std::int64_t> share(hid_t id, Close close) {
+  return {new hid_t(id), [close](const hid_t* p) {
+            close(*p);
+            delete p;
+          }};
+}
+
+// A number's type in memory, and on disk: little-endian, whatever machine writes.
+template <class T>
+hid_t memory_type() {
+  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_NATIVE_UINT64;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_NATIVE_UINT32;
+  return H5T_NATIVE_UINT8;
+}
+template <class T>
+hid_t disk_type() {
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_STD_U64LE;
+  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_STD_U32LE;
+  return H5T_STD_U8LE;
+}
+
+// The library prints a stack of its own for every failure; ours is one line.
+void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+H5O_type_t type_of(hid_t group, const std::string& name) {
+  H5O_info_t info;
+  const bool found = H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0 &&
+                     H5Oget_info_by_name2(group, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0;
+  return found ? info.type : H5O_TYPE_UNKNOWN;
+}
+
+// gzip's best ratio: what n stored bytes can grow to.
+constexpr std::uintmax_t largest_expansion = 1032;
+
+}  // namespace
+
+struct Group::File {
+  std::string name;
+  std::uintmax_t bytes;
+};
+
+// An open dataset of n elements, known to be no larger than its file can hold.
+struct Group::Dataset {
+  Handle id, space, type;
+  std::vector<hsize_t> dims;
+  std::size_t n;
+
+  Dataset(const Group& group, const std::string& name)
+      : id(type_of(*group.id_, name) == H5O_TYPE_DATASET ? H5Dopen2(*group.id_, name.c_str(), H5P_DEFAULT) : -1,
+           H5Dclose),
+        space(id < 0 ? -1 : H5Dget_space(id), H5Sclose),
+        type(id < 0 ? -1 : H5Dget_type(id), H5Tclose) {
+    if (id < 0) group.fail(name, "missing; expected a dataset");
+    const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+    if (rank < 0 || type < 0) group.fail(name, "damaged; expected a dataset with a shape and a type");
+    dims.resize(static_cast<std::size_t>(rank));
+    H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+    const std::size_t width = std::max<std::size_t>(H5Tget_size(type), 1);
+    const std::uintmax_t most = largest_expansion * group.file_->bytes / width;
+    n = H5Sget_simple_extent_type(space) == H5S_NULL ? 0 : 1;
+    for (const hsize_t d : dims) {
+      if (d != 0 && n > most / d)
+        group.fail(name, "more elements than the file can hold; expected an undamaged dataset");
+      n *= d;
+    }
+    if (n > 0 && H5Dget_storage_size(id) == 0) group.fail(name, "declared but never written; expected its numbers");
+  }
+};
+
+std::string Group::path_to(const std::string& name) const {
+  if (name.empty()) return path_;
+  return (path_ == "/" ? "" : path_) + "/" + name;
+}
+
+void Group::fail(const std::string& name, const std::string& what) const {
+  throw BadFile(file_->name + ": " + path_to(name) + ": " + what);
+}
+
+Group Group::open(const std::filesystem::path& file) {
+  silence();
+  std::error_code error;
+  const std::string name = file.string();
+  if (!std::filesystem::exists(file, error)) throw BadFile(name + ": no such file; expected an HDF5 file");
+  if (!std::filesystem::is_regular_file(file, error)) throw BadFile(name + ": not a file; expected an HDF5 file");
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (H5Fis_hdf5(name.c_str()) <= 0) throw BadFile(name + ": not HDF5, or unreadable; expected an HDF5 file");
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(access, false, true);
+  const hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access);
+  if (id < 0) throw BadFile(name + ": truncated or damaged; expected a complete HDF5 file");
+  return {std::make_shared<File>(name, bytes), share(id, H5Fclose), "/"};
+}
+
+Group Group::create(const std::filesystem::path& file) {
+  silence();
+  const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (id < 0) throw BadFile(file.string() + ": cannot be written; expected a folder that exists and may be written to");
+  return {std::make_shared<File>(file.string(), 0), share(id, H5Fclose), "/"};
+}
+
+bool Group::has_group(const std::string& name) const { return type_of(*id_, name) == H5O_TYPE_GROUP; }
+
+bool Group::has_data(const std::string& name) const {
+  if (type_of(*id_, name) != H5O_TYPE_DATASET) return false;
+  const Handle id(H5Dopen2(*id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle space(id < 0 ? -1 : H5Dget_space(id), H5Sclose);
+  return space < 0 || H5Sget_simple_extent_npoints(space) == 0 || H5Dget_storage_size(id) > 0;
+}
+
+Group Group::group(const std::string& name) const {
+  const hid_t id = has_group(name) ? H5Gopen2(*id_, name.c_str(), H5P_DEFAULT) : -1;
+  if (id < 0) fail(name, "missing; expected a group");
+  return {file_, share(id, H5Gclose), path_to(name)};
+}
+
+std::vector<std::string> Group::groups() const {
+  std::vector<std::string> links, names;
+  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
+    static_cast<std::vector<std::string>*>(into)->emplace_back(name);
+    return 0;
+  };
+  if (H5Literate(*id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &links) < 0)
+    fail("", "its list of contents is damaged; expected a readable group");
+  std::ranges::copy_if(links, std::back_inserter(names), [&](const std::string& name) { return has_group(name); });
+  std::ranges::sort(names, natural_less);
+  return names;
+}
+
+std::vector<std::size_t> Group::shape(const std::string& name) const {
+  const Dataset data(*this, name);
+  return {data.dims.begin(), data.dims.end()};
+}
+
+template <class T>
+std::vector<T> Group::read(const std::string& name) const {
+  const Dataset data(*this, name);
+  const H5T_class_t kind = H5Tget_class(data.type);
+  const bool whole = kind == H5T_INTEGER || kind == H5T_ENUM;
+  if (!whole && !(std::is_same_v<T, double> && kind == H5T_FLOAT))
+    fail(name, std::string("not of the right type; expected ") + (std::is_same_v<T, double> ? "numbers" : "integers"));
+  std::vector<T> values(data.n);
+  if (data.n > 0 && H5Dread(data.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
+                   std::to_string(data.n) + " numbers");
+  return values;
+}
+
+template <class T>
+std::vector<T> Group::read(const std::string& name, std::size_t expected) const {
+  std::vector<T> values = read<T>(name);
+  if (values.size() != expected)
+    fail(name, "holds " + std::to_string(values.size()) + " numbers; expected " + std::to_string(expected));
+  return values;
+}
+
+std::vector<std::string> Group::read_strings(const std::string& name) const {
+  const Dataset data(*this, name);
+  if (H5Tget_class(data.type) != H5T_STRING) fail(name, "not of the right type; expected text");
+  std::vector<std::string> texts(data.n);
+  if (data.n == 0) return texts;
+  const Handle type(H5Tcopy(data.type), H5Tclose);
+  if (H5Tis_variable_str(data.type) > 0) {
+    std::vector<char*> raw(data.n, nullptr);
+    if (H5Dread(data.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0) fail(name, "damaged; expected text");
+    for (std::size_t i = 0; i < data.n; ++i) texts[i] = raw[i] ? raw[i] : "";
+    H5Dvlen_reclaim(type, data.space, H5P_DEFAULT, raw.data());
+  } else {
+    const std::size_t width = H5Tget_size(type);
+    std::string raw(width * data.n, '\0');
+    if (H5Dread(data.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0) fail(name, "damaged; expected text");
+    for (std::size_t i = 0; i < data.n; ++i) texts[i] = raw.substr(i * width, width).c_str();
+  }
+  return texts;
+}
+
+Group Group::add_group(const std::string& name) {
+  const hid_t id = H5Gcreate2(*id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  if (id < 0) fail(name, "cannot be written; expected room on the disk");
+  return {file_, share(id, H5Gclose), path_to(name)};
+}
+
+// No time stamps: the same contents give the same bytes.
+void Group::write_raw(const std::string& name, std::int64_t disk, std::int64_t memory, std::size_t n,
+                      const void* data) {
+  const hsize_t dim = n;
+  const Handle space(H5Screate_simple(1, &dim, nullptr), H5Sclose), settings(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(settings, false);
+  const Handle id(H5Dcreate2(*id_, name.c_str(), disk, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || (n > 0 && H5Dwrite(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail(name, "cannot be written; expected room on the disk");
+}
+
+template <class T>
+void Group::write(const std::string& name, std::span<const T> values) {
+  write_raw(name, disk_type<T>(), memory_type<T>(), values.size(), values.data());
+}
+
+void Group::write_strings(const std::string& name, std::span<const std::string> texts) {
+  std::size_t width = 1;
+  for (const std::string& text : texts) width = std::max(width, text.size());
+  std::string raw(width * texts.size(), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(raw.data() + i * width, width);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, width);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  write_raw(name, type, type, texts.size(), raw.data());
+}
+
+void Group::flush() {
+  if (H5Fflush(*id_, H5F_SCOPE_GLOBAL) < 0) fail("", "cannot be written; expected room on the disk");
+}
+
+template std::vector<double> Group::read(const std::string&) const;
+template std::vector<std::int64_t> Group::read(const std::string&) const;
+template std::vector<std::uint64_t> Group::read(const std::string&) const;
+template std::vector<double> Group::read(const std::string&, std::size_t) const;
+template std::vector<std::int64_t> Group::read(const std::string&, std::size_t) const;
+template std::vector<std::uint64_t> Group::read(const std::string&, std::size_t) const;
+template void Group::write(const std::string&, std::span<const double>);
+template void Group::write(const std::string&, std::span<const std::int32_t>);
+template void Group::write(const std::string&, std::span<const std::uint64_t>);
+template void Group::write(const std::string&, std::span<const std::uint32_t>);
+template void Group::write(const std::string&, std::span<const std::uint8_t>);
+
+}  // namespace zwang::hdf5

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace zwang::hdf5 {
+
+// A group of an open HDF5 file. Whatever goes wrong is a BadFile whose one line names the file, the place in it and
+// what was expected. Sizes are checked against the file's before memory is taken, so that a damaged file cannot ask for
+// more than it could hold. A dataset that was declared but never written counts as absent. Not for use by two threads.
+class Group {
+ public:
+  static Group open(const std::filesystem::path& file);    // the root group, for reading
+  static Group create(const std::filesystem::path& file);  // the root group of a new file
+
+  bool has_group(const std::string& name) const;
+  bool has_data(const std::string& name) const;
+  Group group(const std::string& name) const;
+  std::vector<std::string> groups() const;  // names of the groups inside, numbers in their natural order
+  std::vector<std::size_t> shape(const std::string& dataset) const;
+
+  // The numbers of a dataset (row by row), converted to T: double, std::int64_t, std::uint64_t.
+  template <class T>
+  std::vector<T> read(const std::string& dataset) const;
+  // As many as expected, else BadFile.
+  template <class T>
+  std::vector<T> read(const std::string& dataset, std::size_t expected) const;
+  template <class T>
+  T read_one(const std::string& dataset) const {
+    return read<T>(dataset, 1).front();
+  }
+  std::vector<std::string> read_strings(const std::string& dataset) const;
+
+  Group add_group(const std::string& name);
+  // T: double, std::int32_t, std::uint64_t, std::uint32_t, std::uint8_t.
+  template <class T>
+  void write(const std::string& dataset, std::span<const T> values);
+  template <class T>
+  void write_one(const std::string& dataset, T value) {
+    write(dataset, std::span<const T>(&value, 1));
+  }
+  void write_strings(const std::string& dataset, std::span<const std::string> texts);
+  void flush();
+
+  // Throws BadFile("FILE: PLACE: what").
+  [[noreturn]] void fail(const std::string& name, const std::string& what) const;
+
+ private:
+  struct File;
+  struct Dataset;
+  Group(std::shared_ptr<const File> file, std::shared_ptr<const std::int64_t> id, std::string path)
+      : file_(std::move(file)), id_(std::move(id)), path_(std::move(path)) {}
+  std::string path_to(const std::string& name) const;
+  void write_raw(const std::string& name, std::int64_t disk, std::int64_t memory, std::size_t n, const void* data);
+
+  std::shared_ptr<const File> file_;
+  std::shared_ptr<const std::int64_t> id_;
+  std::string path_;
+};
+
+}  // namespace zwang::hdf5

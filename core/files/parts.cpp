@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "core/files/layouts.h"
+
+namespace zwang {
+
+namespace {
+
+std::string bracketed(const std::string& name, std::size_t i) { return name + "[" + std::to_string(i) + "]"; }
+
+void require_finite(const hdf5::Group& group, const std::string& name, const std::vector<double>& values) {
+  const auto bad = std::ranges::find_if(values, [](double x) { return !std::isfinite(x); });
+  if (bad != values.end())
+    group.fail(bracketed(name, static_cast<std::size_t>(bad - values.begin())),
+               "not a number or infinite; expected a finite number");
+}
+
+std::vector<std::int64_t> read_at_least(const hdf5::Group& group, const std::string& name, std::size_t count) {
+  std::vector<std::int64_t> values = group.read<std::int64_t>(name);
+  if (values.size() < count)
+    group.fail(name, "holds " + std::to_string(values.size()) + " numbers; expected " + std::to_string(count));
+  return values;
+}
+
+}  // namespace
+
+Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_t size) {
+  const std::vector<double> values = group.read<double>(name, size);
+  require_finite(group, name, values);
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(size));
+}
+
+Sparse read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count) {
+  const bool by_row = storage == Storage::rows, compressed = storage != Storage::triplets;
+  const Index outer = by_row ? rows : cols, inner = by_row ? cols : rows;
+  const std::vector<std::int64_t> i = read_at_least(group, "i", count);
+  const std::vector<std::int64_t> p =
+      read_at_least(group, "p", compressed ? static_cast<std::size_t>(outer) + 1 : count);
+  std::vector<double> x = group.read<double>("x");
+  if (x.size() < count)
+    group.fail("x", "holds " + std::to_string(x.size()) + " numbers; expected " + std::to_string(count));
+  x.resize(count);
+  require_finite(group, "x", x);
+
+  const auto in_range = [&](const char* name, std::size_t k, std::int64_t index, Index size) {
+    if (index < 0 || index >= size)
+      group.fail(bracketed(name, k),
+                 "is " + std::to_string(index) + "; expected an index below " + std::to_string(size));
+    return static_cast<int>(index);
+  };
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(count);
+  const auto add = [&](int line, std::size_t k) {
+    const int across = in_range("i", k, i[k], inner);
+    entries.emplace_back(by_row ? line : across, by_row ? across : line, x[k]);
+  };
+  if (compressed) {
+    for (Index line = 0; line < outer; ++line) {
+      const auto at = static_cast<std::size_t>(line);
+      if (p[at] < 0 || p[at] > p[at + 1] || p[at + 1] > static_cast<std::int64_t>(count))
+        group.fail(bracketed("p", at + 1),
+                   "out of order; expected pointers that rise from 0 to " + std::to_string(count));
+      for (auto k = static_cast<std::size_t>(p[at]); k < static_cast<std::size_t>(p[at + 1]); ++k)
+        add(static_cast<int>(line), k);
+    }
+  } else {
+    for (std::size_t k = 0; k < count; ++k) add(in_range("p", k, p[k], outer), k);
+  }
+  Sparse A(rows, cols);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+// World inertias R I R' come out symmetric only up to rounding; more than that is another matrix.
+void complete_symmetric(const hdf5::Group& group, const std::string& name, Sparse& M, std::vector<std::string>& notes) {
+  constexpr double rounding = 1e-10;
+  Index lower = 0, upper = 0;
+  double asymmetry = 0;
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (Sparse::InnerIterator it(M, j); it; ++it) {
+      if (it.row() == it.col() || it.value() == 0) continue;
+      ++(it.row() > it.col() ? lower : upper);
+      const double scale = std::sqrt(std::abs(M.coeff(it.row(), it.row()))) * std::sqrt(std::abs(M.coeff(j, j)));
+      asymmetry = std::max(asymmetry, std::abs(it.value() - M.coeff(it.col(), it.row())) / scale);
+    }
+  if (asymmetry == 0) return;
+  std::ostringstream note;
+  if (lower == 0 || upper == 0) {
+    note << "M holds its " << (lower == 0 ? "upper" : "lower") << " triangle only: mirrored";
+  } else if (asymmetry <= rounding) {
+    note << "M is symmetric up to rounding (" << asymmetry << "): its lower triangle was mirrored";
+  } else {
+    note << "not symmetric (relative difference " << asymmetry << "); expected a symmetric matrix";
+    group.fail(name, note.str());
+  }
+  M = lower == 0 ? Sparse(M.selfadjointView<Eigen::Upper>()) : Sparse(M.selfadjointView<Eigen::Lower>());
+  notes.push_back(note.str());
+}
+
+}  // namespace zwang

@@ -1,0 +1,232 @@
+#!/usr/bin/python3
+"""Reads FCLIB files with h5py and numpy alone, and compares with what the project reads from them.
+
+fclib_reference.py CONVERT variants          files made here, one for each trap of the format
+fclib_reference.py CONVERT files FOLDER      every *.hdf5 of a folder
+CONVERT is the test program convert_problems. Exit code 77: the folder is not there.
+"""
+import glob
+import hashlib
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+
+def dense(group):
+    """A matrix group of FCLIB, entry by entry."""
+    m, n, nz = (int(group[k][0]) for k in ("m", "n", "nz"))
+    p, i, x = group["p"][:], group["i"][:], group["x"][:]
+    A = np.zeros((m, n))
+    if nz >= 0:
+        for k in range(nz):
+            A[i[k], p[k]] += x[k]
+    elif nz == -1:
+        for col in range(n):
+            for k in range(p[col], p[col + 1]):
+                A[i[k], col] += x[k]
+    else:
+        for row in range(m):
+            for k in range(p[row], p[row + 1]):
+                A[row, i[k]] += x[k]
+    return A
+
+
+def sparse(group, m, n, by_row):
+    """A matrix of the project's own layout."""
+    A = np.zeros((m, n))
+    p, i, x = group["p"][:], group["i"][:], group["x"][:]
+    for line in range(len(p) - 1):
+        for k in range(p[line], p[line + 1]):
+            A[(line, i[k]) if by_row else (i[k], line)] += x[k]
+    return A
+
+
+def read_own(group):
+    n, m = len(group["z_u"]), len(group["c"])
+    return {"M": sparse(group["M"], n, n, False), "J": sparse(group["J"], m, n, True), "z_u": group["z_u"][:],
+            "c": group["c"][:], "kind": group["kind"][:]}
+
+
+def sha256(own):
+    """The problem's name, computed from its arrays."""
+    digest = hashlib.sha256(struct.pack("<qq", len(own["z_u"]), len(own["c"])))
+    M, J = own["M"], own["J"]
+    for A, lines in ((M, [(i, j) for j in range(len(M)) for i in range(len(M))]),
+                     (J, [(i, j) for i in range(len(J)) for j in range(J.shape[1])])):
+        for i, j in lines:
+            if A[i, j] != 0:
+                digest.update(struct.pack("<qqd", i, j, A[i, j]))
+        digest.update(struct.pack("<q", -1))
+    digest.update(own["z_u"].tobytes() + own["c"].tobytes() + own["kind"].astype("<u8").tobytes())
+    return digest.hexdigest()
+
+
+def contact_rows(H, w, mu, dim, sliding, pyramid):
+    """Normal rows, or the edges of the friction pyramids: rows of J and entries of c."""
+    J, c = [], []
+    for k in range(H.shape[1] // dim):
+        N, wN = H[:, k * dim], w[k * dim]
+        if not pyramid or mu[k] == 0:
+            J.append(N)
+            c.append(-wN)
+            continue
+        for t in range(1, sliding + 1):
+            for sign in (1, -1):
+                J.append(N + sign * mu[k] * H[:, k * dim + t])
+                c.append(-(wN + sign * mu[k] * w[k * dim + t]))
+    return np.array(J).reshape(-1, H.shape[0]), np.array(c)
+
+
+def close(name, a, b, tolerance, scale=None):
+    assert a.shape == b.shape, f"{name}: {a.shape} read, {b.shape} expected"
+    scale = scale or max(np.abs(b).max(initial=0), np.finfo(float).tiny)
+    error = np.abs(a - b).max(initial=0) / scale
+    assert error <= tolerance, f"{name}: relative difference {error}"
+
+
+def check_global(own, group, pyramid, rolling):
+    vectors = {k: v[:] for k, v in group["vectors"].items()}
+    M, H, dim = dense(group["M"]), dense(group["H"]), int(group["spacedim"][0])
+    if np.count_nonzero(np.tril(M, -1)) == 0 or np.count_nonzero(np.triu(M, 1)) == 0:
+        M = M + M.T - np.diag(np.diag(M))
+    G = dense(group["G"]) if "G" in group else np.zeros((len(M), 0))
+    b = vectors["b"] if "G" in group else np.zeros(0)
+    z_u = vectors["z_u"] if "z_u" in vectors else np.linalg.solve(M, vectors["f"])
+    sliding = (dim - 1) // 2 if rolling else dim - 1
+    J, c = contact_rows(H, vectors["w"], vectors["mu"], dim, sliding, pyramid)
+    close("M", own["M"], M, 0)
+    close("z_u", own["z_u"], z_u, 0 if "z_u" in vectors else 1e-11)
+    close("J", own["J"], np.vstack([G.T, J]), 0)
+    close("c", own["c"], np.concatenate([-b, c]), 0)
+    assert own["kind"].tolist() == [0] * len(b) + [1] * len(c), "equality rows come first"
+
+
+def check_local(own, group, pyramid):
+    vectors = {k: v[:] for k, v in group["vectors"].items()}
+    W, dim = dense(group["W"]), int(group["spacedim"][0])
+    e = len(vectors["s"]) if "R" in group else 0
+    S = np.zeros((e + len(W), e + len(W)))
+    S[e:, e:] = (W + W.T) / 2
+    s = np.zeros(0)
+    if e:
+        S[:e, :e], S[e:, :e], s = dense(group["R"]), dense(group["V"]), vectors["s"]
+        S[:e, e:] = S[e:, :e].T
+    # Rows are combinations of the Delassus form's unit directions: J J' = P S P'.
+    P, c = contact_rows(np.eye(len(W)), vectors["q"], vectors["mu"], dim, dim - 1, pyramid)
+    P = np.block([[np.eye(e), np.zeros((e, len(W)))], [np.zeros((len(P), e)), P]])
+    expected = P @ S @ P.T
+    close("J J'", own["J"] @ own["J"].T, expected, 1e-12)
+    close("M", own["M"], np.eye(own["J"].shape[1]), 0)
+    assert not own["z_u"].any()
+    close("c", own["c"], np.concatenate([-s, c]), 0)
+    assert own["J"].shape[1] <= np.linalg.matrix_rank(S, tol=1e-15 * np.abs(S).max()), "J is rank-revealing"
+
+
+def check(convert, file):
+    """Reads one file with both friction models; a short description."""
+    with h5py.File(file) as source, tempfile.TemporaryDirectory() as folder:
+        name = next(k for k in source if k.startswith("fclib"))
+        for friction in ("none", "pyramid"):
+            out = os.path.join(folder, "out.h5")
+            run = subprocess.run([convert, file, out, friction], capture_output=True, text=True)
+            assert run.returncode == 0, run.stderr
+            with h5py.File(out) as converted:
+                own = read_own(converted["zwang"])
+                notes = [text.decode() for text in converted["zwang"].get("notes", [])]
+            if name == "fclib_local":
+                check_local(own, source[name], friction == "pyramid")
+            else:
+                check_global(own, source[name], friction == "pyramid", name.endswith("rolling"))
+            assert run.stdout.split()[-1] == sha256(own), "the SHA-256 computed outside differs"
+            print(f"{os.path.basename(file)}: friction {friction}: n {own['J'].shape[1]}, m {own['J'].shape[0]}", *notes, sep="; ")
+        return notes
+
+
+def put_matrix(group, A, storage, extra=0, split=False):
+    """Writes a matrix group; `extra` entries beyond the used ones, `split` halves each entry into two."""
+    m, n = A.shape
+    i, p = np.nonzero(A)
+    x = A[i, p]
+    if split:
+        i, p, x = np.repeat(i, 2), np.repeat(p, 2), np.repeat(x / 2, 2)
+    nz = len(x)
+    if storage == "columns":
+        order = np.lexsort((i, p))
+        i, x, p, nz = i[order], x[order], np.searchsorted(p[order], range(n + 1)), -1
+    elif storage == "rows":
+        order = np.lexsort((p, i))
+        i, x, p, nz = p[order], x[order], np.searchsorted(i[order], range(m + 1)), -2
+    else:
+        p = np.concatenate([p, np.full(extra, 99)])
+    i, x = np.concatenate([i, np.full(extra, 99)]), np.concatenate([x, np.full(extra, np.nan)])
+    for key, value in (("m", m), ("n", n), ("nz", nz), ("nzmax", len(x))):
+        group[key] = np.array([value], "i4")
+    group["i"], group["p"], group["x"] = i.astype("i4"), p.astype("i4"), x
+
+
+def variants(convert):
+    random = np.random.default_rng(1)
+    n, contacts, e = 6, 2, 2
+    B = random.standard_normal((n, n))
+    M = B @ B.T + n * np.eye(n)
+    M = (M + M.T) / 2
+
+    def write(name, kind="fclib_global", dim=3, storage="triplets", M=M, mu=(0.5, 0), **options):
+        file = os.path.join(folder, name + ".hdf5")
+        with h5py.File(file, "w") as h:
+            g = h.create_group(kind)
+            H, G = random.standard_normal((n, dim * contacts)), random.standard_normal((n, e))
+            A = np.hstack([G, H])
+            S = A.T @ A
+            if kind == "fclib_local":
+                put_matrix(g.create_group("W"), S[e:, e:], storage, **options)
+                put_matrix(g.create_group("V"), S[e:, :e], storage, **options)
+                put_matrix(g.create_group("R"), S[:e, :e], storage, **options)
+                g["vectors/q"], g["vectors/s"] = random.standard_normal(dim * contacts), random.standard_normal(e)
+            else:
+                put_matrix(g.create_group("M"), M, storage, **options)
+                put_matrix(g.create_group("H"), H, storage, **options)
+                if name != "no_equality":
+                    put_matrix(g.create_group("G"), G, storage, **options)
+                    g["vectors/b"] = random.standard_normal(e)
+                g["vectors/f"], g["vectors/w"] = random.standard_normal(n), random.standard_normal(dim * contacts)
+                if name == "exact_motion":
+                    g["vectors/z_u"] = random.standard_normal(n)
+            g["vectors/mu"], g["spacedim"] = np.array(mu, float), np.array([dim], "i4")
+            # Real files declare a solution and write only part of it.
+            h.create_dataset("solution/v", (n,), "f8")
+            h["solution/u"] = np.ones(dim * contacts)
+        return check(convert, file)
+
+    with tempfile.TemporaryDirectory() as folder:
+        assert write("triplets") == []
+        write("unused_entries", extra=3)
+        write("duplicate_entries", split=True)
+        write("columns", storage="columns", extra=2)
+        write("rows", storage="rows", extra=2)
+        write("planar", dim=2)
+        write("no_equality")
+        write("exact_motion")
+        assert any("upper triangle only" in note for note in write("upper", M=np.triu(M)))
+        assert any("lower triangle only" in note for note in write("lower", M=np.tril(M), storage="rows"))
+        assert any("rolling" in note for note in write("rolling", kind="fclib_global_rolling", dim=5))
+        write("local", kind="fclib_local")
+        write("local_rows", kind="fclib_local", storage="rows", dim=2)
+
+
+def files(convert, folder):
+    all_files = sorted(glob.glob(os.path.join(folder, "*.hdf5")))
+    if not all_files:
+        print(f"skipped: no real contact files in {folder}")
+        sys.exit(77)
+    for file in all_files:
+        check(convert, file)
+
+
+if __name__ == "__main__":
+    {"variants": variants, "files": files}[sys.argv[2]](sys.argv[1], *sys.argv[3:])
