@@ -168,7 +168,7 @@ class IpoptSession {
                              "acceptable_constr_viol_tol"})
       options->SetNumericValue(name, half);
     for (const char* name : {"compl_inf_tol", "acceptable_compl_inf_tol"})
-      options->SetNumericValue(name, std::max(half * half, 1e-20));
+      options->SetNumericValue(name, std::max(half * half, 1e-22));
     options->SetIntegerValue("max_iter", iterations);
     options->SetNumericValue("max_cpu_time", std::clamp(seconds, 1e-3, 1e6));
     options->SetStringValue("mehrotra_algorithm", mehrotra ? "yes" : "no");

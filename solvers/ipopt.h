@@ -12,7 +12,7 @@ class IpoptSession;
 // Ipopt 3.11.9 (Waechter & Biegler 2006), interior point with MUMPS, on the whitened problem with settings a convex QP
 // deserves: constant Jacobians and Hessian announced, bounds not relaxed, no scaling on top of unit rows, start at
 // y = 0. Rows enter as G y - h, so their bounds are 0 and the slacks keep full precision. The tolerance T goes to
-// Ipopt as tol = dual_inf_tol = constr_viol_tol = T/2 and compl_inf_tol = T^2/4 (>= 1e-20), because lambda_i slack_i
+// Ipopt as tol = dual_inf_tol = constr_viol_tol = T/2 and compl_inf_tol = T^2/4 (>= 1e-22), because lambda_i slack_i
 // <= T alone leaves a weakly active row off by sqrt(T). Settling for an "acceptable" point is switched off.
 // Ipopt refuses more equality rows than unknowns and stumbles over dependent ones: those are dropped by a
 // rank-revealing QR beforehand and reported as redundant, unless they contradict the rest, which proves infeasibility.

@@ -57,8 +57,9 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
       options.observe(solution.iterations, solution.z, solution.lambda);
     }
 
-    const double tolerance = options.tolerance * program.scale(y);
-    if (largest <= tolerance && contraction.distance_to_go() <= tolerance) {
+    const double scale = program.scale(y), tolerance = options.tolerance * scale;
+    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+    if (largest <= tolerance && contraction.distance_to_go(rounding * scale) <= tolerance) {
       program.motion(lambda, y);
       if (natural_residual(program, y, lambda) <= options.tolerance) {
         solution.status = Status::solved;

@@ -29,9 +29,10 @@ class Contraction {
     steps_[count_ % window] = step;
     ++count_;
   }
-  double distance_to_go() const {
+  // Steps no longer than `rounding` have arrived: they shrink no more.
+  double distance_to_go(double rounding) const {
     const double last = steps_[(count_ + window - 1) % window];
-    if (last == 0) return 0;
+    if (last <= rounding) return 0;
     if (count_ < window) return std::numeric_limits<double>::infinity();
     const double rho = std::pow(last / steps_[count_ % window], 1.0 / (window - 1));
     return rho < 1 ? last * rho / (1 - rho) : std::numeric_limits<double>::infinity();
