@@ -2,26 +2,80 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "core/island_split.h"
+#include "core/proof.h"
 
 namespace zwang {
+namespace {
 
-DistanceBound bound_distance(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector* lambda) {
+using Rows = DistanceBound::Rows;
+
+// The bound that needs no answer of our own: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
+// stops at 1e-8 for answers in double; a z outside a row by more than rounding gets no bound.
+DistanceBound gap_bound(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector& given) {
   DistanceBound bound;
-  if (!lambda) return bound;
+  ExtendedVector lambda = given;
   DoubleDouble weighted_slack;
   for (Index i = 0; i < gauge.rows(); ++i) {
-    const DoubleDouble weight = (*lambda)[static_cast<std::size_t>(i)];
-    if (gauge.is_vacuous(i)) continue;
+    DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
+    if (gauge.is_vacuous(i) || gauge.is_zero(i)) {
+      if (gauge.is_zero(i) && !gauge.zero_row_holds(i)) return bound;
+      weight = 0;
+      continue;
+    }
     const DoubleDouble slack = gauge.slack(i, d);
-    const bool equality = gauge.is_equality(i);
-    if (slack.hi < 0 || (equality && slack.hi > 0) || (!equality && weight.hi < 0)) return bound;
+    if (gauge.is_equality(i) ? !(slack == DoubleDouble(0)) : slack.hi < 0) return bound;
+    if (!gauge.is_equality(i) && weight.hi < 0) weight = 0;
     weighted_slack += weight * slack;
   }
-  const double residual = gauge.dual_norm(gauge.force_residual(d, *lambda));
+  const double residual = gauge.dual_norm(gauge.force_residual(d, lambda));
   bound.upper = std::sqrt(std::max(0.0, residual * residual + 2 * weighted_slack.hi));
   bound.method = "gap";
-  bound.rows = DistanceBound::Rows::feasible;
+  bound.rows = Rows::feasible;
   return bound;
+}
+
+DistanceBound bound_island(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector* lambda) {
+  const Proof proof = prove_answer(gauge, d, lambda);
+  DistanceBound bound{.sigma_min = proof.sigma_min, .rows = proof.rows};
+  if (proof.rows == Rows::infeasible || proof.radius == std::numeric_limits<double>::infinity()) {
+    if (proof.rows == Rows::infeasible) bound.lower = std::max(0.0, proof.farther_than - gauge.norm(d));
+    return proof.rows == Rows::infeasible || !lambda ? bound : gap_bound(gauge, d, *lambda);
+  }
+  ExtendedVector error = d;
+  for (std::size_t i = 0; i < error.size(); ++i) error[i] -= proof.d[i];
+  const double distance = gauge.norm(error);
+  bound.upper = (distance + proof.radius) * (1 + 1e-12);
+  bound.lower = std::max(0.0, distance - proof.radius) * (1 - 1e-12);
+  bound.method = "active set";
+  return bound;
+}
+
+}  // namespace
+
+DistanceBound bound_distance(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector* lambda) {
+  for (Index i = 0; i < gauge.rows(); ++i)
+    if (gauge.is_zero(i) && !gauge.is_vacuous(i) && !gauge.zero_row_holds(i)) return {.rows = Rows::infeasible};
+  const std::vector<IslandPart> islands = split_islands(gauge);
+  if (islands.size() <= 1) return bound_island(gauge, d, lambda);
+  DistanceBound total{.upper = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
+  for (const IslandPart& island : islands) {
+    const Gauge own(island.problem);
+    ExtendedVector part_lambda;
+    if (lambda) part_lambda = own.multipliers(island.rows_of(*lambda));
+    const DistanceBound part = bound_island(own, own.motion_of(island.columns_of(d)), lambda ? &part_lambda : nullptr);
+    total.upper = std::hypot(total.upper, own.to_problem_norm(part.upper));
+    total.lower = std::hypot(total.lower, own.to_problem_norm(part.lower));
+    total.sigma_min = std::min(total.sigma_min, part.sigma_min);
+    if (part.method != "active set") total.method = part.method;
+    if (part.rows == Rows::infeasible || total.rows == Rows::infeasible)
+      total.rows = Rows::infeasible;
+    else if (part.rows == Rows::open)
+      total.rows = Rows::open;
+  }
+  return total;
 }
 
 }  // namespace zwang

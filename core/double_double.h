@@ -19,6 +19,7 @@ struct DoubleDouble {
   explicit constexpr operator long double() const { return static_cast<long double>(hi) + lo; }
 
   DoubleDouble operator-() const { return {-hi, -lo}; }
+  DoubleDouble scaled(int exponent) const { return {std::ldexp(hi, exponent), std::ldexp(lo, exponent)}; }
   DoubleDouble& operator+=(const DoubleDouble& b) { return *this = *this + b; }
   DoubleDouble& operator-=(const DoubleDouble& b) { return *this = *this + -b; }
 

@@ -63,7 +63,10 @@ Verdict judge_infeasible(const Gauge& gauge, const Solution& solution, const Ref
   out.farkas = farkas.distance / s;
   out.conflicting = farkas.conflicting;
   if (reference && reference->feasible) return Verdict::wrong;
-  return farkas.proven ? Verdict::infeasible_proven : Verdict::infeasible_claimed;
+  if (farkas.proven) return Verdict::infeasible_proven;
+  if (reference) return Verdict::infeasible_claimed;
+  const DistanceBound own = bound_distance(gauge, ExtendedVector(static_cast<std::size_t>(gauge.size())), nullptr);
+  return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
 Verdict judge_z(const Gauge& gauge, const Solution& solution, const Reference* reference, double tolerance,
@@ -88,7 +91,10 @@ Verdict judge_z(const Gauge& gauge, const Solution& solution, const Reference* r
   if (reference && !reference->feasible) return Verdict::wrong;
 
   const DistanceBound bound = bound_distance(gauge, d, given);
-  out.z_bound = bound.upper / s;
+  // |z*| is not known, but no less than |z| - upper: z_bound then holds for z_error, whose s it is.
+  const double least_s =
+      std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(solution.z)) - bound.upper, smallest});
+  out.z_bound = bound.upper / least_s;
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;
   if (bound.rows == DistanceBound::Rows::infeasible) return Verdict::wrong;

@@ -87,13 +87,19 @@ ExtendedVector Gauge::motion(const Vector& z) const {
   return d;
 }
 
+ExtendedVector Gauge::motion_of(ExtendedVector d) const {
+  for (DoubleDouble& x : d) x = x.scaled(-motion_exponent);
+  return d;
+}
+
+ExtendedVector Gauge::multipliers(ExtendedVector lambda) const {
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    lambda[i] = lambda[i].scaled(row_exponent[i] - motion_exponent - mass_exponent);
+  return lambda;
+}
+
 ExtendedVector Gauge::multipliers(const Vector& lambda) const {
-  ExtendedVector unit(static_cast<std::size_t>(rows()));
-  for (Index i = 0; i < rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    unit[k] = std::ldexp(lambda[i], row_exponent[k] - motion_exponent - mass_exponent);
-  }
-  return unit;
+  return multipliers(ExtendedVector(lambda.data(), lambda.data() + lambda.size()));
 }
 
 double Gauge::to_problem_norm(double norm) const { return std::ldexp(norm, motion_exponent + mass_exponent / 2); }
@@ -117,13 +123,21 @@ double Gauge::norm_of(const Vector& z) const {
 
 double Gauge::norm_of_free_motion() const { return norm(ExtendedVector(z_u.data(), z_u.data() + z_u.size())); }
 
-double Gauge::dual_norm(const ExtendedVector& r) const {
-  if (r.empty()) return 0;
+VectorX<long double> Gauge::whiten(const ExtendedVector& r) const {
   VectorX<long double> x(size());
   for (Index i = 0; i < size(); ++i) x[i] = static_cast<long double>(r[static_cast<std::size_t>(i)]);
+  if (size() == 0) return x;
   x = factor.permutationP() * x;
-  return static_cast<double>(VectorX<long double>(factor.matrixL().solve(x)).stableNorm());
+  return factor.matrixL().solve(x);
 }
+
+VectorX<long double> Gauge::unwhiten(const VectorX<long double>& y) const {
+  if (size() == 0) return y;
+  const VectorX<long double> x = factor.matrixU().solve(y);
+  return factor.permutationPinv() * x;
+}
+
+double Gauge::dual_norm(const ExtendedVector& r) const { return static_cast<double>(whiten(r).stableNorm()); }
 
 DoubleDouble Gauge::slack(Index i, const ExtendedVector& d) const {
   DoubleDouble sum = -violation(i);
@@ -138,12 +152,19 @@ DoubleDouble Gauge::violation(Index i) const {
   return h;
 }
 
-Vector Gauge::unit_row(Index i) const {
+VectorX<long double> Gauge::unit_row(Index i) const {
   VectorX<long double> x = VectorX<long double>::Zero(size());
   for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = it.value();
   x = factor.permutationP() * x;
   x = factor.matrixL().solve(x);
-  return (x / x.norm()).cast<double>();
+  return x / row_norm[i];
+}
+
+double Gauge::rounding(Index i, const ExtendedVector& d) const {
+  double sum = std::abs(c[i]);
+  for (decltype(J)::InnerIterator it(J, i); it; ++it)
+    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[static_cast<std::size_t>(it.col())].hi));
+  return 0x1p-98 * sum / row_norm[i] + std::numeric_limits<double>::min();
 }
 
 ExtendedVector Gauge::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
@@ -159,6 +180,19 @@ ExtendedVector Gauge::force_residual(const ExtendedVector& d, const ExtendedVect
       r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
   }
   return r;
+}
+
+// The dual norm of the entrywise bound; it bounds that of any residual below it when M is diagonal, and stands for it
+// within the condition of M's blocks otherwise. 2^-98 leaves 16 bits for that.
+double Gauge::force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const {
+  ExtendedVector sum(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      sum[static_cast<std::size_t>(it.row())].hi += std::abs(it.value() * d[static_cast<std::size_t>(j)].hi);
+  for (Index i = 0; i < rows(); ++i)
+    for (decltype(J)::InnerIterator it(J, i); it; ++it)
+      sum[static_cast<std::size_t>(it.col())].hi += std::abs(it.value() * lambda[static_cast<std::size_t>(i)].hi);
+  return 0x1p-98 * dual_norm(sum);
 }
 
 }  // namespace zwang

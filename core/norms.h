@@ -31,17 +31,23 @@ class Gauge {
   // From the problem's units to these, and back.
   ExtendedVector motion(const Vector& z) const;            // d = z - z_u
   ExtendedVector multipliers(const Vector& lambda) const;  // so that M d = J' lambda stays true
-  double to_problem_norm(double norm) const;               // kg^1/2 m/s^2
-  double row_scale(Index i) const;                         // J z - c of the problem = row_scale * ours
+  ExtendedVector motion_of(ExtendedVector d) const;        // of a d in the problem's units
+  ExtendedVector multipliers(ExtendedVector lambda) const;
+  double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
+  double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
 
-  double norm(const ExtendedVector& d) const;                  // sqrt(d' M d)
-  double norm_of(const Vector& z) const;                       // the same of z itself, z in the problem's units
-  double norm_of_free_motion() const;                          // |z_u|_M
-  double dual_norm(const ExtendedVector& r) const;             // sqrt(r' M^-1 r)
-  DoubleDouble slack(Index i, const ExtendedVector& d) const;  // J_i (z_u + d) - c_i, not divided by |G_i|
-  DoubleDouble violation(Index i) const;                       // h_i = c_i - J_i z_u
-  Vector unit_row(Index i) const;                              // G_i / |G_i|, n, rounded to double
+  double norm(const ExtendedVector& d) const;                          // sqrt(d' M d)
+  double norm_of(const Vector& z) const;                               // the same of z itself, z in the problem's units
+  double norm_of_free_motion() const;                                  // |z_u|_M
+  double dual_norm(const ExtendedVector& r) const;                     // sqrt(r' M^-1 r)
+  DoubleDouble slack(Index i, const ExtendedVector& d) const;          // J_i (z_u + d) - c_i, not divided by |G_i|
+  DoubleDouble violation(Index i) const;                               // h_i = c_i - J_i z_u
+  VectorX<long double> unit_row(Index i) const;                        // G_i / |G_i|, n, permuted as Q = L'P
+  VectorX<long double> whiten(const ExtendedVector& r) const;          // Q^-T r: |.| is the dual norm
+  VectorX<long double> unwhiten(const VectorX<long double>& y) const;  // Q^-1 y: its M-norm is |y|
+  double rounding(Index i, const ExtendedVector& d) const;  // bounds the error of slack(i, d), divided by |G_i|
   ExtendedVector force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const;  // M d - J' lambda
+  double force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const;          // of its dual norm
 
   using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<long double>>;
 

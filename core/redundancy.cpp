@@ -1,10 +1,10 @@
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "core/measure.h"
 #include "core/norms.h"
+#include "core/orthogonal_rows.h"
 
 namespace zwang {
 
@@ -43,9 +43,9 @@ std::vector<std::string> constraint_names(const Instance& instance, const std::v
   return names;
 }
 
-// Modified Gram-Schmidt with one reorthogonalization in the M^-1 inner product, over unit rows in the problem's order:
-// equality rows first, then touched inequality rows. What is left of a unit row after the rows before it is its
-// distance from their span; below 1e-10 it is a combination of them. Dense: O(rank n) memory, O(rank) passes a row.
+// Gram-Schmidt in the M^-1 inner product over unit rows in the problem's order, equality rows first, then touched
+// inequality rows. What is left of a unit row after the rows before it is its distance from their span; below 1e-10 it
+// counts as a combination of them. Dense: O(rank n) memory, O(rank n) work a row.
 std::vector<Index> redundant_rows(const Problem& p, const Vector& z) {
   constexpr double dependent = 1e-10, touched = 1e-9;
   const Gauge gauge(p);
@@ -58,20 +58,17 @@ std::vector<Index> redundant_rows(const Problem& p, const Vector& z) {
       if (equality || gauge.is_zero(i) || gauge.slack(i, d).hi <= touched * s * gauge.row_norm[i])
         considered.push_back(i);
     }
-  std::vector<Vector> basis;
+  OrthogonalRows basis(p.size());
   for (const Index i : considered) {
     if (gauge.is_zero(i)) {
       out.push_back(i);
       continue;
     }
-    Vector g = gauge.unit_row(i);
-    for (int pass = 0; pass < 2; ++pass)
-      for (const Vector& q : basis) g -= q.dot(g) * q;
-    const double left = g.norm();
-    if (left <= dependent)
+    const OrthogonalRows::Split split = basis.split(gauge.unit_row(i));
+    if (split.dependent || split.left <= dependent)
       out.push_back(i);
     else
-      basis.push_back(g / left);
+      basis.append(split);
   }
   std::sort(out.begin(), out.end());
   return out;

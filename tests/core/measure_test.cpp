@@ -103,15 +103,16 @@ TEST(Verdict, BrokenAnswersAreWrong) {
     EXPECT_EQ(measure(floor_problem(), answer(Vec3(0, nan_value, 0), {}), reference, 1e-10).verdict, Verdict::wrong);
     EXPECT_EQ(measure(floor_problem(), answer(Vector::Zero(2), {}), reference, 1e-10).verdict, Verdict::wrong);
     EXPECT_EQ(measure(floor_problem(), answer({}, {}), reference, 1e-10).verdict, Verdict::wrong);
+    EXPECT_EQ(measure(floor_problem(), answer(Vec3(0, 0, 1e300), {}), reference, 1e-10).verdict, Verdict::wrong);
   }
-  EXPECT_EQ(measure(floor_problem(), answer(Vec3(0, 0, 1e300), {}), &truth, 1e-10).verdict, Verdict::wrong);
 }
 
 TEST(Verdict, InfeasibleSaidOfAFeasibleProblemIsWrong) {
   const Reference truth = at_rest();
   const Solution claim{.status = Status::infeasible, .certificate = Vector::Ones(1)};
   EXPECT_EQ(measure(floor_problem(), claim, &truth, 1e-10).verdict, Verdict::wrong);
-  EXPECT_EQ(measure(floor_problem(), claim, nullptr, 1e-10).verdict, Verdict::infeasible_claimed);
+  EXPECT_EQ(measure(floor_problem(), claim, nullptr, 1e-10).verdict, Verdict::wrong)
+      << "the referee finds a feasible z";
 }
 
 TEST(Verdict, AnyZOfAnInfeasibleProblemIsWrong) {
