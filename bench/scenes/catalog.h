@@ -27,7 +27,7 @@ struct SceneEntry {
   std::string name;
   std::string family;  // groups problems in charts; usually the name
   std::string line;
-  std::string sweep;  // the knob that scaling and break-point charts use, or ""
+  std::string sweep;  // the knob that scaling and break-point charts use, or ""; it runs from benign to hard upwards
   std::vector<Knob> knobs;
   std::function<Instance(const Knobs&)> make;  // all knobs present and in range
 };

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "bench/scenes/catalog.h"
+
+// Families of problems with one knob each, from benign to impossible, written as matrices. Their entries are dyadic,
+// so that the stored doubles ARE the problem, and truth comes from a closed form.
+namespace zwang {
+
+// The value of k that stands for 2^-k = 0, where a family has such a point.
+inline constexpr double zero_knob = 60;
+
+Instance mass_ratio(const Knobs& knobs);                // MR: k
+Instance mass_ratio_one_contact(const Knobs& knobs);    // MR1: k
+Instance near_parallel_equalities(const Knobs& knobs);  // NPE: k, seed
+Instance four_bar_loop(const Knobs& knobs);             // LOOP: k
+Instance contact_gap(const Knobs& knobs);               // GAP: k, feasible
+Instance inconsistent_equalities(const Knobs& knobs);   // INC: k
+Instance weak_contacts(const Knobs& knobs);             // WEAK: k, seed
+Instance random_rows(const Knobs& knobs);  // n, m, entries, equalities, active, condition, redundancy, seed
+
+}  // namespace zwang

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "bench/known_answer.h"
+#include "bench/scenes/families.h"
+#include "bench/scenes/row_by_row.h"
+
+namespace zwang {
+namespace {
+
+// Draws that are the same with every standard library.
+class Draw {
+ public:
+  explicit Draw(double seed) : random_(static_cast<std::uint64_t>(seed)) {}
+  int integer(int low, int high) {
+    return low + static_cast<int>(random_() % static_cast<std::uint64_t>(high - low + 1));
+  }
+  Vector integers(Index n, int bound) {
+    Vector v(n);
+    for (double& x : v) x = integer(-bound, bound);
+    return v;
+  }
+  Index index(Index n) { return static_cast<Index>(random_() % static_cast<std::uint64_t>(n)); }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+std::string numbered(const char* name, Index i) { return name + std::to_string(i); }
+
+}  // namespace
+
+// Pairs of equality rows a and a + eps d with c = J z0. The multipliers (alpha - beta / eps, beta / eps) push by
+// alpha a + beta d for every eps, so z_u = z0 - M^-1 J' lambda has the same integers at each knob, and is exact.
+Instance near_parallel_equalities(const Knobs& knobs) {
+  constexpr Index n = 12, pairs = 3, contacts = 6;
+  const double eps = std::exp2(-knobs.at("k"));
+  Draw draw(knobs.at("seed"));
+  Vector mass(n);
+  for (double& m : mass) m = std::exp2(draw.integer(-1, 1));
+  const Vector z0 = draw.integers(n, 4);
+  Vector force = Vector::Zero(n), lambda = Vector::Zero(2 * pairs + contacts);
+  std::vector<Vector> J;
+  for (Index k = 0; k < pairs; ++k) {
+    const Vector a = draw.integers(n, 4), d = draw.integers(n, 4);
+    const double alpha = draw.integer(-2, 2), beta = draw.integer(1, 4);
+    J.push_back(a);
+    J.push_back(a + eps * d);
+    force += alpha * a + beta * d;
+    lambda[2 * k] = alpha - beta / eps;
+    lambda[2 * k + 1] = beta / eps;
+  }
+  for (Index k = 0; k < contacts; ++k) {
+    J.push_back(draw.integers(n, 4));
+    lambda[2 * pairs + k] = k < 2 ? draw.integer(1, 2) : 0;
+    force += lambda[2 * pairs + k] * J.back();
+  }
+  RowByRow rows(mass, z0 - force.cwiseQuotient(mass));
+  for (Index i = 0; i < 2 * pairs + contacts; ++i) {
+    const Vector& row = J[static_cast<std::size_t>(i)];
+    const bool equality = i < 2 * pairs;
+    const double slack = equality || lambda[i] > 0 ? 0 : draw.integer(1, 30);
+    rows.add(
+        equality ? RowKind::equality : RowKind::inequality, row, row.dot(z0) - slack,
+        equality ? numbered("equality/pair ", i / 2) + (i % 2 ? " tilted" : "") : numbered("contact/", i - 2 * pairs));
+  }
+  return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
+}
+
+// Twelve contacts, all touching; six push with lambda = 1 and six with eps: strict complementarity fades.
+Instance weak_contacts(const Knobs& knobs) {
+  constexpr Index n = 24, m = 12;
+  const double k = knobs.at("k"), eps = k == zero_knob ? 0 : std::exp2(-k);
+  Draw draw(knobs.at("seed"));
+  const Vector z0 = draw.integers(n, 4);
+  Vector z_u = z0, lambda(m);
+  std::vector<Vector> J;
+  for (Index i = 0; i < m; ++i) {
+    J.push_back(draw.integers(n, 3));
+    lambda[i] = i < m / 2 ? 1 : eps;
+    z_u -= lambda[i] * J.back();
+  }
+  RowByRow rows(Vector::Ones(n), z_u);
+  for (Index i = 0; i < m; ++i) {
+    const Vector& row = J[static_cast<std::size_t>(i)];
+    rows.add(RowKind::inequality, row, row.dot(z0),
+             numbered(i < m / 2 ? "contact/strong " : "contact/weak ", i % (m / 2)));
+  }
+  return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
+}
+
+// Sparse rows of small integers over pairs of coupled unknowns with masses from 2^(-condition/2) to 2^(condition/2).
+// A redundant row is the sum of two rows of its kind.
+Instance random_rows(const Knobs& knobs) {
+  const auto n = static_cast<Index>(knobs.at("n")), m = static_cast<Index>(knobs.at("m"));
+  const Index entries = std::min(n, static_cast<Index>(knobs.at("entries")));
+  const auto equalities = static_cast<Index>(std::lround(knobs.at("equalities") * static_cast<double>(m)));
+  const int half = static_cast<int>(knobs.at("condition")) / 2;
+  Draw draw(knobs.at("seed"));
+  Instance instance;
+  Problem& p = instance.problem;
+
+  // M = L D L' with L unit lower triangular, one integer below the diagonal of every other column.
+  std::vector<Eigen::Triplet<double>> mass;
+  const auto diagonal = [&](Index j) { return std::exp2(j == 0 ? half : j == 1 ? -half : draw.integer(-half, half)); };
+  for (Index j = 0; j < n; j += 2) {
+    const int a = static_cast<int>(j), b = a + 1;
+    const double d = diagonal(j), l = draw.integer(-1, 1);
+    mass.emplace_back(a, a, d);
+    if (j + 1 == n) break;
+    mass.emplace_back(b, b, diagonal(j + 1) + l * l * d);
+    if (l == 0) continue;
+    mass.emplace_back(b, a, l * d);
+    mass.emplace_back(a, b, l * d);
+  }
+  p.M.resize(n, n);
+  p.M.setFromTriplets(mass.begin(), mass.end());
+  p.z_u = Vector::Zero(n);
+  p.c = Vector::Zero(m);
+
+  std::vector<Eigen::Triplet<double>> J;
+  std::vector<std::vector<std::pair<int, double>>> rows;
+  for (Index i = 0; i < m; ++i) {
+    const bool equality = i < equalities;
+    const Index first = equality ? 0 : equalities, before = i - first;
+    const bool redundant = before >= 2 && draw.integer(1, 1000) <= static_cast<int>(1000 * knobs.at("redundancy"));
+    std::vector<std::pair<int, double>> row;
+    if (redundant) {
+      const Index a = first + draw.index(before), b = first + draw.index(before);
+      row = rows[static_cast<std::size_t>(a)];
+      const auto& other = rows[static_cast<std::size_t>(b)];
+      row.insert(row.end(), other.begin(), other.end());
+    } else {
+      for (Index k = 0; k < entries; ++k)
+        row.emplace_back(draw.index(n), draw.integer(1, 4) * (draw.integer(0, 1) ? 1 : -1));
+    }
+    for (const auto& [column, value] : row) J.emplace_back(static_cast<int>(i), column, value);
+    rows.push_back(std::move(row));
+    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    instance.origin.push_back(numbered(equality ? "equality/" : "contact/", i - first) + (redundant ? " (a sum)" : ""));
+  }
+  p.J.resize(m, n);
+  p.J.setFromTriplets(J.begin(), J.end());
+  return with_known_answer(std::move(instance), static_cast<std::uint64_t>(knobs.at("seed")), knobs.at("active"));
+}
+
+}  // namespace zwang

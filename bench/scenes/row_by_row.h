@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/instance.h"
+
+namespace zwang {
+
+// A problem written down row by row, as a paper prints it, with a diagonal M.
+class RowByRow {
+ public:
+  RowByRow(const Vector& mass, const Vector& z_u) {
+    const Index n = mass.size();
+    instance_.problem.M.resize(n, n);
+    for (Index j = 0; j < n; ++j) instance_.problem.M.insert(j, j) = mass[j];
+    instance_.problem.z_u = z_u;
+  }
+
+  void add(RowKind kind, const Vector& row, double c, std::string origin) {
+    const int i = static_cast<int>(c_.size());
+    for (Index j = 0; j < row.size(); ++j)
+      if (row[j] != 0) entries_.emplace_back(i, static_cast<int>(j), row[j]);
+    c_.push_back(c);
+    instance_.problem.kind.push_back(kind);
+    instance_.problem.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    instance_.origin.push_back(std::move(origin));
+  }
+
+  Instance finish(Reference reference) {
+    Problem& p = instance_.problem;
+    p.c = Eigen::Map<const Vector>(c_.data(), static_cast<Index>(c_.size()));
+    p.J.resize(p.c.size(), p.z_u.size());
+    p.J.setFromTriplets(entries_.begin(), entries_.end());
+    p.M.makeCompressed();
+    instance_.reference = std::move(reference);
+    return std::move(instance_);
+  }
+
+ private:
+  Instance instance_ = {};
+  std::vector<Eigen::Triplet<double>> entries_ = {};
+  std::vector<double> c_ = {};
+};
+
+}  // namespace zwang

@@ -1,0 +1,191 @@
+#include "bench/scenes/families.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "bench/known_answer.h"
+#include "core/measure.h"
+#include "core/problem_file.h"
+
+namespace zwang {
+namespace {
+
+// The reference, handed to the referee as a solver's answer.
+Metrics judge(const Instance& in) {
+  Solution s;
+  s.status = in.reference->feasible ? Status::solved : Status::infeasible;
+  s.z = in.reference->z;
+  s.lambda = in.reference->lambda;
+  s.certificate = in.reference->certificate;
+  return measure(in.problem, s, &*in.reference, 1e-13);
+}
+
+void expect_true_answer(const Instance& in) {
+  SCOPED_TRACE(in.problem.name);
+  ASSERT_TRUE(in.reference);
+  EXPECT_EQ(bad_input(in.problem), "");
+  EXPECT_EQ(in.origin.size(), in.problem.kind.size());
+  const Metrics m = judge(in);
+  if (!in.reference->feasible) {
+    EXPECT_EQ(m.verdict, Verdict::infeasible_proven);
+    return;
+  }
+  EXPECT_LE(m.primal, 4e-16);
+  if (in.reference->lambda.size() == 0) return;
+  EXPECT_EQ(m.dual, 0);
+  EXPECT_LE(m.stationarity, 4e-16);
+  EXPECT_LE(m.complementarity, 4e-16);
+}
+
+class Family : public testing::TestWithParam<std::string> {};
+
+TEST_P(Family, AnswersMeetTheKktConditionsOfTheStoredDoubles) {
+  const std::string range = GetParam()[0] == 'M' ? "(k=0..48)" : "(k=1..45)";
+  for (const Instance& in : make_scenes(GetParam() + range)) expect_true_answer(in);
+}
+INSTANTIATE_TEST_SUITE_P(Atlas, Family, testing::Values("MR", "MR1", "NPE", "LOOP", "GAP", "INC", "WEAK"));
+
+TEST(Families, ZeroPointsAreFeasible) {
+  for (const char* text : {"LOOP(k=60)", "GAP(k=60)", "INC(k=60)", "WEAK(k=60)", "GAP(k=3,feasible=1)"}) {
+    const Instance in = make_scenes(text).at(0);
+    expect_true_answer(in);
+    EXPECT_TRUE(in.reference->feasible) << text;
+  }
+}
+
+// At delta = 0 the linkage moves: z is the point of its one-dimensional motion nearest to z_u.
+TEST(Families, UntiltedLoopMoves) {
+  const Instance in = make_scenes("LOOP(k=60)").at(0);
+  EXPECT_NEAR(in.reference->z.norm(), 0.5299, 5e-5);
+  EXPECT_EQ(redundant_rows(in.problem, in.reference->z).size(), 3u) << "20 rows of rank 17";
+  const Vector held = in.problem.M * (in.problem.z_u - in.reference->z);
+  EXPECT_NEAR(held.dot(in.reference->z), 0, 1e-14);
+}
+
+// The atlas of problems that the measured figures refer to, where it is at hand.
+class Atlas : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("ZWANG_DATA");
+    const std::filesystem::path folder = data ? data : ZWANG_SOURCE_DIR "/../shared/data";
+    const std::filesystem::path file = folder / "problems/atlas.h5";
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
+    all = read_problems(file);
+  }
+  std::vector<Instance> all = {};
+};
+
+Instance our_version(const Instance& point) {
+  const double knob = point.knob_value;
+  const double k = knob == 0 ? zero_knob : std::abs(std::log2(std::abs(knob)));
+  const std::string feasible = point.family == "GAP" && knob >= 0 ? ",feasible=1)" : ")";
+  return make_scenes(point.family + "(k=" + std::to_string(static_cast<int>(k)) + feasible).at(0);
+}
+
+TEST_F(Atlas, FullyDeterminedFamiliesAreTheSameProblems) {
+  int compared = 0;
+  for (const Instance& point : all) {
+    const std::string& f = point.family;
+    if (f != "MR" && f != "MR1" && f != "LOOP" && f != "GAP" && f != "INC") continue;
+    const Instance ours = our_version(point);
+    SCOPED_TRACE(point.problem.name + " is " + ours.problem.name);
+    EXPECT_EQ(Matrix(ours.problem.M), Matrix(point.problem.M));
+    EXPECT_EQ(ours.problem.z_u, point.problem.z_u);
+    EXPECT_EQ(ours.problem.c, point.problem.c);
+    EXPECT_EQ(ours.problem.kind, point.problem.kind);
+    ASSERT_EQ(ours.problem.rows(), point.problem.rows());
+    // The four corners of a box may come in another order.
+    const Matrix J = ours.problem.J, theirs = point.problem.J;
+    const Index block = f == "MR" ? 4 : 1;
+    for (Index i = 0; i < J.rows(); ++i) {
+      bool found = false;
+      for (Index k = i - i % block; k < i - i % block + block; ++k) found = found || J.row(i) == theirs.row(k);
+      EXPECT_TRUE(found) << "row " << i;
+    }
+    ASSERT_EQ(ours.reference->feasible, point.reference->feasible);
+    if (ours.reference->feasible) {
+      EXPECT_LE((ours.reference->z - point.reference->z).norm(), 1e-15 * point.problem.z_u.norm());
+    }
+    ++compared;
+  }
+  EXPECT_EQ(compared, 12 + 12 + 17 + 33 + 17);
+}
+
+TEST_F(Atlas, DrawnFamiliesHaveTheSameShape) {
+  int compared = 0;
+  for (const Instance& point : all) {
+    if (point.family != "NPE" && point.family != "WEAK") continue;
+    const Instance ours = our_version(point);
+    SCOPED_TRACE(ours.problem.name);
+    EXPECT_EQ(ours.problem.size(), point.problem.size());
+    EXPECT_EQ(ours.problem.kind, point.problem.kind);
+    EXPECT_EQ(ours.reference->feasible, point.reference->feasible);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 15 + 14);
+}
+
+TEST(RandomRows, AnswersAreExact) {
+  for (const Instance& in : make_scenes("random(seed=1..20)")) {
+    expect_true_answer(in);
+    EXPECT_EQ(in.reference->bound, 0) << "small integers and powers of two round nothing";
+    EXPECT_GT(in.reference->z.norm(), 1);
+    EXPECT_EQ(in.reference->method, "known answer");
+  }
+}
+
+TEST(RandomRows, KnobsDoWhatTheySay) {
+  const Instance in = make_scenes("random(n=200,m=300,equalities=0.2,active=1,condition=20,redundancy=0.5)").at(0);
+  expect_true_answer(in);
+  EXPECT_EQ(in.problem.size(), 200);
+  EXPECT_EQ(in.problem.rows(), 300);
+  EXPECT_EQ(std::ranges::count(in.problem.kind, RowKind::equality), 60);
+  EXPECT_GE((in.reference->lambda.array() != 0).count(), 299);
+  const Vector mass = Matrix(in.problem.M).diagonal();
+  EXPECT_GE(mass.maxCoeff() / mass.minCoeff(), std::exp2(19));
+  const auto is_sum = [](const std::string& origin) { return origin.ends_with("(a sum)"); };
+  EXPECT_GT(std::ranges::count_if(in.origin, is_sum), 100);
+  EXPECT_LT(std::ranges::count_if(in.origin, is_sum), 200);
+  EXPECT_EQ(make_scenes("random(m=0)").at(0).problem.rows(), 0);
+  EXPECT_EQ(make_scenes("random(n=1,m=3)").at(0).problem.size(), 1);
+}
+
+TEST(RandomRows, SameSeedSameBitsOtherSeedOtherProblem) {
+  const auto name = [](const char* text) { return problem_sha256(make_scenes(text).at(0).problem); };
+  EXPECT_EQ(name("random(seed=7)"), name("random(seed=7)"));
+  EXPECT_NE(name("random(seed=7)"), name("random(seed=8)"));
+  EXPECT_NE(name("NPE(seed=7)"), name("NPE(seed=8)"));
+}
+
+// Rows of full mantissas: the structure of a tower of boxes with sizes that round.
+TEST(KnownAnswer, FitsTheStructureOfAnyProblem) {
+  for (Instance in : make_scenes("tower(boxes=3,30)")) {
+    const Problem before = in.problem;
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      in = with_known_answer(std::move(in), seed, 0.3);
+      expect_true_answer(in);
+      EXPECT_EQ(Matrix(in.problem.J), Matrix(before.J));
+      EXPECT_EQ(Matrix(in.problem.M), Matrix(before.M));
+      EXPECT_LE(in.reference->bound, 1e-15);
+      EXPECT_GT(in.reference->z.norm(), 1);
+      const auto pushing = (in.reference->lambda.array() > 0).count();
+      EXPECT_GT(pushing, before.rows() / 8);
+      EXPECT_LT(pushing, before.rows() / 2);
+    }
+  }
+}
+
+TEST(KnownAnswer, KeepsInactiveRowsAndRefusesAnIndefiniteMass) {
+  Instance in = make_scenes("GAP").at(0);
+  in.problem.c[1] = -std::numeric_limits<double>::infinity();
+  in = with_known_answer(std::move(in), 1, 1);
+  EXPECT_EQ(in.problem.c[1], -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(in.reference->lambda[1], 0);
+  in.problem.M.coeffRef(0, 0) = -1;
+  EXPECT_THROW(with_known_answer(std::move(in), 1, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace zwang
