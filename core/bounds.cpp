@@ -12,6 +12,8 @@ namespace {
 
 using Rows = DistanceBound::Rows;
 
+double or_infinity(double x) { return std::isnan(x) ? std::numeric_limits<double>::infinity() : x; }
+
 // The bound that needs no answer of our own: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
 // stops at 1e-8 for answers in double; a z outside a row by more than rounding gets no bound.
 DistanceBound gap_bound(const Gauge& gauge, const ExtendedVector& d, const ExtendedVector& given) {
@@ -32,6 +34,8 @@ DistanceBound gap_bound(const Gauge& gauge, const ExtendedVector& d, const Exten
   }
   const double residual = gauge.dual_norm(gauge.force_residual(d, lambda));
   bound.upper = std::sqrt(std::max(0.0, residual * residual + 2 * weighted_slack.hi));
+  bound.least_norm = std::max(0.0, gauge.norm_with_free_motion(d) - bound.upper);
+  bound.greatest_norm = gauge.norm_with_free_motion(d) + bound.upper;
   bound.method = "gap";
   bound.rows = Rows::feasible;
   return bound;
@@ -46,7 +50,9 @@ DistanceBound bound_island(const Gauge& gauge, const ExtendedVector& d, const Ex
   }
   ExtendedVector error = d;
   for (std::size_t i = 0; i < error.size(); ++i) error[i] -= proof.d[i];
-  const double distance = gauge.norm(error);
+  const double distance = or_infinity(gauge.norm(error)), norm = gauge.norm_with_free_motion(proof.d);
+  bound.least_norm = std::max(0.0, norm - proof.radius) * (1 - 1e-12);
+  bound.greatest_norm = (norm + proof.radius) * (1 + 1e-12);
   bound.upper = (distance + proof.radius) * (1 + 1e-12);
   bound.lower = std::max(0.0, distance - proof.radius) * (1 - 1e-12);
   bound.method = "active set";
@@ -60,7 +66,7 @@ DistanceBound bound_distance(const Gauge& gauge, const ExtendedVector& d, const 
     if (gauge.is_zero(i) && !gauge.is_vacuous(i) && !gauge.zero_row_holds(i)) return {.rows = Rows::infeasible};
   const std::vector<IslandPart> islands = split_islands(gauge);
   if (islands.size() <= 1) return bound_island(gauge, d, lambda);
-  DistanceBound total{.upper = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
+  DistanceBound total{.upper = 0, .greatest_norm = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
   for (const IslandPart& island : islands) {
     const Gauge own(island.problem);
     ExtendedVector part_lambda;
@@ -68,6 +74,8 @@ DistanceBound bound_distance(const Gauge& gauge, const ExtendedVector& d, const 
     const DistanceBound part = bound_island(own, own.motion_of(island.columns_of(d)), lambda ? &part_lambda : nullptr);
     total.upper = std::hypot(total.upper, own.to_problem_norm(part.upper));
     total.lower = std::hypot(total.lower, own.to_problem_norm(part.lower));
+    total.least_norm = std::hypot(total.least_norm, own.to_problem_norm(part.least_norm));
+    total.greatest_norm = std::hypot(total.greatest_norm, own.to_problem_norm(part.greatest_norm));
     total.sigma_min = std::min(total.sigma_min, part.sigma_min);
     if (part.method != "active set") total.method = part.method;
     if (part.rows == Rows::infeasible || total.rows == Rows::infeasible)

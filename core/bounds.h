@@ -13,6 +13,8 @@ struct DistanceBound {
 
   double upper = std::numeric_limits<double>::infinity();  // |z - z*|_M <= upper
   double lower = 0;                                        // |z - z*|_M >= lower
+  double least_norm = 0;                                   // least_norm <= |z*|_M <= greatest_norm
+  double greatest_norm = std::numeric_limits<double>::infinity();
   double sigma_min = std::numeric_limits<double>::quiet_NaN();
   std::string method = {};  // "active set" or "gap"; "" when there is no bound
   Rows rows = Rows::open;

@@ -91,14 +91,14 @@ Verdict judge_z(const Gauge& gauge, const Solution& solution, const Reference* r
   if (reference && !reference->feasible) return Verdict::wrong;
 
   const DistanceBound bound = bound_distance(gauge, d, given);
-  // |z*| is not known, but no less than |z| - upper: z_bound then holds for z_error, whose s it is.
-  const double least_s =
-      std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(solution.z)) - bound.upper, smallest});
+  // z_error is divided by max(|z_u|, |z*|): the bound takes the least that can be, the verdict "wrong" the greatest.
+  const double least_s = std::max({gauge.norm_of_free_motion(), bound.least_norm, smallest});
+  const double greatest_s = std::max({gauge.norm_of_free_motion(), bound.greatest_norm, smallest});
   out.z_bound = bound.upper / least_s;
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;
   if (bound.rows == DistanceBound::Rows::infeasible) return Verdict::wrong;
-  return by_error(out.z_bound, bound.lower / s, tolerance);
+  return by_error(out.z_bound, bound.lower / greatest_s, tolerance);
 }
 
 }  // namespace

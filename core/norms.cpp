@@ -123,6 +123,11 @@ double Gauge::norm_of(const Vector& z) const {
 
 double Gauge::norm_of_free_motion() const { return norm(ExtendedVector(z_u.data(), z_u.data() + z_u.size())); }
 
+double Gauge::norm_with_free_motion(ExtendedVector d) const {
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] += z_u[static_cast<Index>(i)];
+  return norm(d);
+}
+
 VectorX<long double> Gauge::whiten(const ExtendedVector& r) const {
   VectorX<long double> x(size());
   for (Index i = 0; i < size(); ++i) x[i] = static_cast<long double>(r[static_cast<std::size_t>(i)]);

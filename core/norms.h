@@ -39,6 +39,7 @@ class Gauge {
   double norm(const ExtendedVector& d) const;                          // sqrt(d' M d)
   double norm_of(const Vector& z) const;                               // the same of z itself, z in the problem's units
   double norm_of_free_motion() const;                                  // |z_u|_M
+  double norm_with_free_motion(ExtendedVector d) const;                // |z_u + d|_M
   double dual_norm(const ExtendedVector& r) const;                     // sqrt(r' M^-1 r)
   DoubleDouble slack(Index i, const ExtendedVector& d) const;          // J_i (z_u + d) - c_i, not divided by |G_i|
   DoubleDouble violation(Index i) const;                               // h_i = c_i - J_i z_u
