@@ -1,5 +1,7 @@
 #include "solvers/equality_rows.h"
 
+#include <Eigen/SparseCholesky>
+
 #include <algorithm>
 
 #include "solvers/kkt_check.h"

@@ -6,6 +6,7 @@
 
 #include "core/nearest.h"
 #include "solvers/apgd.h"
+#include "solvers/dual_active_set.h"
 #include "solvers/ipopt.h"
 #include "solvers/pgs.h"
 
@@ -91,6 +92,8 @@ SolverEntry entry(std::string method, std::string limits, Traits traits = {}) {
 std::span<const SolverEntry> solvers() {
   static const std::vector<SolverEntry> all = {
       // One line a solver: entry<Type>(method, limits, {.foreign, .exact}).
+      entry<DualActiveSet>("Goldfarb-Idnani by orthogonal updates, refined", "dense: slow beyond 1000 unknowns",
+                           {.exact = true}),
       entry<Ipopt>("Ipopt 3.11.9: interior point with MUMPS, KKT-checked", "weakly active rows; near-dependent rows",
                    {.foreign = true}),
       entry<Pgs>("projected Gauss-Seidel on the dual", "slow on mass ratios and tall stacks; stops at its sweep limit"),

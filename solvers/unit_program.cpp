@@ -19,11 +19,7 @@ bool UnitProgram::build(const Problem& problem, Solution& solution) {
     return false;
   }
   const Index n = whitened_.size(), k = whitened_.rows();
-  free_.setZero(n);
-  if (n > 0) {
-    permuted_.noalias() = whitened_.factor.permutationP() * problem.z_u;
-    free_.noalias() = whitened_.factor.matrixL().nestedExpression().transpose() * permuted_;
-  }
+  free_ = whitened_.free;
 
   // Only what is violated at z_u sets the scale: a far-away inactive row must not.
   double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
@@ -91,7 +87,7 @@ void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm
     for (std::size_t tried = 0; tried < count; ++tried) {
       const std::size_t j = (next + tried) % count;
       if (warm->key[j] != key) continue;
-      lambda[i] = warm->lambda[static_cast<Index>(j)] * whitened_.row_norm[i] / sigma_;
+      lambda[i] = whitened_.unit_multiplier(i, warm->lambda[static_cast<Index>(j)]) / sigma_;
       next = j + 1;
       break;
     }

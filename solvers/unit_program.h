@@ -10,15 +10,10 @@ namespace zwang {
 //
 //   minimize 1/2 |y|^2   subject to  G y = h or >= h;   at the solution y = G' lambda, lambda_I >= 0.
 //
-// Rebuilding it for a problem of the same shape allocates nothing beyond what Whitened does.
+// Rebuilding it for a problem of the same shape allocates nothing.
 class UnitProgram {
  public:
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
-  // A workspace: a copy starts empty (Eigen's factor could not be copied anyway).
-  UnitProgram() = default;
-  UnitProgram(const UnitProgram&) {}
-  UnitProgram& operator=(const UnitProgram&) { return *this; }
 
   // False when the answer is already known, and then written: M not positive definite, or a zero row that cannot hold.
   bool build(const Problem& problem, Solution& solution);
@@ -50,8 +45,7 @@ class UnitProgram {
   Whitened whitened_;
   Rows G_;
   Vector h_;
-  Vector free_;      // n: Q z_u / sigma
-  Vector permuted_;  // n: P z_u, while free_ is built
+  Vector free_;  // n: Q z_u / sigma
   mutable Vector scaled_y_, scaled_lambda_;
   double sigma_ = 1;
 };

@@ -1,33 +1,40 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <vector>
 
 #include "core/solver.h"
+#include "solvers/sparse_cholesky.h"
 
 namespace zwang {
 
-// Gauss' problem in whitened coordinates y = Q (z - z_u), with M = Q'Q and unit rows:
+// Gauss' problem in whitened coordinates, with M = Q'Q, unit rows and a unit of length 2^exponent:
 //
-//   minimize 1/2 |y|^2   subject to  g_i . y = h_i  or  >= h_i,   g_i = J_i Q^-1 / |J_i Q^-1|,  h_i likewise scaled.
+//   y = 2^-exponent Q (z - z_u):
+//   minimize 1/2 |y|^2   subject to  g_i . y = h_i  or  >= h_i,   g_i = J_i Q^-1 / |J_i Q^-1|,  and the worst
+//   violation of z_u (|h_i| of an equality row, h_i of an inequality row) in [1/2, 1).
 //
 // Shared by the native solvers and by the adapters (rivals deserve the whitened problem too). Rows that cannot matter
 // are left out: zero rows that hold trivially, and inequality rows with c = -Inf. A zero row that cannot hold is
-// reported in `conflict`. Every row is first scaled by a power of two, so that entries of 2^+-500 neither overflow nor
-// vanish.
+// reported in `conflict`. Every row, c and z_u are scaled by powers of two before they are multiplied, so that entries
+// of 2^+-500 and c of 1e300 neither overflow nor vanish; powers of two are exact, so a problem and its scaled twin
+// whiten to the same bits. A second build of the same shape and pattern of M allocates nothing.
 template <class Scalar>
 struct BasicWhitened {
-  using SparseMatrix = Eigen::SparseMatrix<Scalar>;
-  using Factor = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>>;
-
-  MatrixX<Scalar> Gt;          // n x k: column i is the unit row g_i
-  VectorX<Scalar> h;           // k, on unit rows
-  VectorX<Scalar> row_norm;    // k: |J_i Q^-1|, divided out of row i
-  std::vector<Index> row;      // k: the problem's row
-  std::vector<char> equality;  // k
-  Index conflict = -1;         // a zero row that cannot hold, or -1
-  Factor factor;               // P M P' = L L', Q = L' P
+  MatrixX<Scalar> Gt;           // n x k: column i is the unit row g_i
+  VectorX<Scalar> h;            // k, on unit rows, in units of 2^exponent
+  VectorX<Scalar> row_norm;     // k: |J_i Q^-1|, divided out of row i
+  VectorX<Scalar> magnitude;    // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
+  std::vector<Index> row;       // k: the problem's row
+  std::vector<char> equality;   // k
+  std::vector<int> begin, end;  // k: g_i is zero outside [begin, end)
+  std::vector<Index> idle;      // the problem's zero rows that hold trivially
+  Index conflict = -1;          // a zero row that cannot hold, or -1
+  VectorX<Scalar> free;         // n: Q z_u, in units of 2^exponent
+  int exponent = 0;
+  SparseCholesky<Scalar> factor;  // P M P' = L L', Q = L' P
 
   Index size() const { return Gt.rows(); }
   Index rows() const { return h.size(); }
@@ -37,14 +44,50 @@ struct BasicWhitened {
 
   // z = z_u + Q^-1 y.
   void primal(const BasicProblem<Scalar>& problem, const VectorX<Scalar>& y, VectorX<Scalar>& z) const {
-    z = factor.permutationPinv() * VectorX<Scalar>(factor.matrixU().solve(y));
-    z += problem.z_u;
+    using std::ldexp;
+    z = y;
+    if (z.size() > 0) factor.solve_upper(z);
+    for (Index i = 0; i < z.size(); ++i) z[i] = problem.z_u[i] + ldexp(z[i], exponent);
   }
   // Multipliers of the problem's rows from those of the unit rows.
   void multipliers(const BasicProblem<Scalar>& problem, const VectorX<Scalar>& unit, VectorX<Scalar>& lambda) const {
     lambda.setZero(problem.rows());
-    for (Index i = 0; i < rows(); ++i) lambda[row[static_cast<std::size_t>(i)]] = unit[i] / row_norm[i];
+    for (Index i = 0; i < rows(); ++i) lambda[row[i]] = multiplier(i, unit[i]);
   }
+  // The same for one row, and back.
+  Scalar multiplier(Index i, const Scalar& unit) const {
+    using std::frexp, std::ldexp;
+    int e = 0;
+    const Scalar mantissa = frexp(row_norm[i], &e);
+    return ldexp(Scalar(unit / mantissa), exponent - e);
+  }
+  Scalar unit_multiplier(Index i, const Scalar& lambda) const {
+    using std::frexp, std::ldexp;
+    int e = 0;
+    const Scalar mantissa = frexp(row_norm[i], &e);
+    return ldexp(Scalar(lambda * mantissa), e - exponent);
+  }
+
+ private:
+  using RowIterator = typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator;
+
+  static int exponent_of(const Scalar& x) {
+    using std::frexp;
+    int e = 0;
+    (void)frexp(x, &e);
+    return e;
+  }
+  static Scalar largest(const BasicProblem<Scalar>& p, Index i) {
+    using std::abs;
+    Scalar top(0);
+    for (RowIterator it(p.J, i); it; ++it)
+      if (const Scalar a = abs(it.value()); a > top) top = a;
+    return top;
+  }
+  void select_rows(const BasicProblem<Scalar>& p);
+
+  std::vector<int> shift_;  // k: power of two still to be multiplied into h
+  std::vector<int> entries_, touched_;
 };
 
 using Whitened = BasicWhitened<double>;
@@ -58,53 +101,82 @@ VectorX<Scalar> zero_row_certificate(const BasicProblem<Scalar>& problem, Index 
 }
 
 template <class Scalar>
-bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p) {
-  using std::abs, std::frexp, std::isfinite, std::ldexp, std::sqrt;
-  const Index n = p.size(), m = p.rows();
+void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
+  using std::isfinite;
   conflict = -1;
   row.clear();
+  idle.clear();
   equality.clear();
-  if (n > 0) {
-    factor.compute(p.M);
-    if (factor.info() != Eigen::Success) return false;
-  }
-  Gt.resize(n, m);
-  h.resize(m);
-  row_norm.resize(m);
-  Index k = 0;
-  VectorX<Scalar> g(n);
-  for (Index i = 0; i < m; ++i) {
-    Scalar largest(0);
-    for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
-      if (abs(it.value()) > largest) largest = abs(it.value());
-    if (largest == Scalar(0)) {
-      const bool holds = p.is_equality(i) ? p.c[i] == Scalar(0) : !(p.c[i] > Scalar(0));
-      if (!holds && conflict < 0) conflict = i;
-      continue;
-    }
+  for (Index i = 0; i < p.rows(); ++i) {
     if (!isfinite(p.c[i])) continue;
-    int exponent = 0;
-    (void)frexp(largest, &exponent);
-    g.setZero();
-    Scalar violation = ldexp(p.c[i], -exponent);
-    for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it) {
-      const Scalar a = ldexp(it.value(), -exponent);
-      g[it.col()] = a;
-      violation -= a * p.z_u[it.col()];
+    if (largest(p, i) > Scalar(0)) {
+      row.push_back(i);
+      equality.push_back(p.is_equality(i));
+    } else if (p.c[i] == Scalar(0) || (!p.is_equality(i) && p.c[i] < Scalar(0))) {
+      idle.push_back(i);
+    } else if (conflict < 0) {
+      conflict = i;
     }
-    const VectorX<Scalar> permuted = factor.permutationP() * g;
-    Gt.col(k) = factor.matrixL().solve(permuted);
-    const Scalar norm = Gt.col(k).norm();
-    Gt.col(k) /= norm;
-    h[k] = violation / norm;
-    row_norm[k] = ldexp(norm, exponent);
-    row.push_back(i);
-    equality.push_back(p.is_equality(i));
-    ++k;
   }
-  Gt.conservativeResize(n, k);
-  h.conservativeResize(k);
-  row_norm.conservativeResize(k);
+}
+
+template <class Scalar>
+bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p) {
+  using std::abs, std::ldexp;
+  const Index n = p.size();
+  if (n > 0 && !factor.factorize(p.M)) return false;
+  select_rows(p);
+  const auto k = static_cast<Index>(row.size());
+  Gt.setZero(n, k);
+  h.resize(k);
+  row_norm.resize(k);
+  magnitude.resize(k);
+  shift_.resize(row.size());
+  begin.assign(row.size(), 0);
+  end.assign(row.size(), static_cast<int>(n));
+
+  // z_u with its largest entry near 1, and |z_u|_M in the same unit.
+  const int z_exponent = n > 0 ? exponent_of(p.z_u.template lpNorm<Eigen::Infinity>()) : 0;
+  free.resize(n);
+  for (Index i = 0; i < n; ++i) free[i] = ldexp(p.z_u[i], -z_exponent);
+
+  exponent = std::numeric_limits<int>::min();
+  for (Index i = 0; i < k; ++i) {
+    const Index r = row[i];
+    const int row_exponent = exponent_of(largest(p, r));
+    const int unit = p.c[r] == Scalar(0) ? z_exponent : std::max(exponent_of(p.c[r]) - row_exponent, z_exponent);
+    Scalar violation = ldexp(p.c[r], -row_exponent - unit);
+    magnitude[i] = abs(violation);
+    entries_.clear();
+    for (RowIterator it(p.J, r); it; ++it) {
+      const Scalar a = ldexp(it.value(), -row_exponent);
+      const Index position = factor.position(it.col());
+      Gt(position, i) = a;
+      violation -= a * ldexp(free[it.col()], z_exponent - unit);
+      entries_.push_back(static_cast<int>(position));
+    }
+    factor.solve_lower(entries_, Gt.col(i), touched_);
+    begin[i] = touched_.front();
+    end[i] = touched_.back() + 1;
+    auto g = Gt.col(i).segment(begin[i], end[i] - begin[i]);
+    const Scalar norm = g.norm();
+    g /= norm;
+    h[i] = violation / norm;
+    magnitude[i] /= norm;
+    row_norm[i] = ldexp(norm, row_exponent);
+    shift_[i] = unit;
+    if (h[i] > Scalar(0) || (equality[i] && h[i] < Scalar(0))) exponent = std::max(exponent, unit + exponent_of(h[i]));
+  }
+  if (exponent == std::numeric_limits<int>::min()) exponent = z_exponent;
+
+  if (n > 0) factor.multiply_upper(free);
+  for (Index i = 0; i < n; ++i) free[i] = ldexp(free[i], z_exponent - exponent);
+  const Scalar free_norm = free.norm();
+  for (Index i = 0; i < k; ++i) {
+    const int shift = shift_[i] - exponent;
+    h[i] = ldexp(h[i], shift);
+    magnitude[i] = ldexp(magnitude[i], shift) + free_norm;
+  }
   return true;
 }
 

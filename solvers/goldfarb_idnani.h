@@ -1,0 +1,403 @@
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "solvers/active_set_refinement.h"
+#include "solvers/equality_elimination.h"
+#include "solvers/orthogonal_updates.h"
+#include "solvers/whiten.h"
+
+namespace zwang {
+
+// The dual active-set method of Goldfarb & Idnani, A numerically stable dual method for solving strictly convex
+// quadratic programs (1983), on the whitened problem
+//
+//   minimize 1/2 |y|^2   subject to  G_E y = h_E,  G_I y >= h_I   (unit rows)
+//
+// for any scalar. The equality rows leave first: y = y_E + N v turns the rest into
+//
+//   minimize 1/2 |v|^2   subject to  A v >= b,   A = G_I N,  b = h_I - G_I y_E
+//
+// in n - rank unknowns. The method climbs the dual: (v, u) is always the optimum of the active rows with u >= 0, and
+// each step takes the most violated row in, dropping rows whose multiplier would turn negative. Everything is done by
+// orthogonal transformations of G; S = G G' is never formed, so digits are lost as eps / pivot, not eps / pivot^2.
+//
+// The answer is then computed afresh from the active set alone (active_set_refinement.h). It does not carry the path's
+// rounding, so a warm start gives the digits of a cold one, and it mends z down to relative pivots near 1e-14, where
+// without it z is lost at 1e-10. Where the mended answer changes a decision (a multiplier turns negative, a resting row
+// is violated), the climb goes on from there.
+template <class Scalar>
+class GoldfarbIdnani {
+ public:
+  using Wide = Wider<Scalar>;
+
+  Status solve(const BasicProblem<Scalar>& problem, const SolveOptions& options);
+
+  // The answer: n; m; m when infeasible.
+  const VectorX<Wide>& z() const { return refinement_.z; }
+  const VectorX<Wide>& lambda() const { return refinement_.lambda; }
+  VectorX<Scalar> certificate;
+  std::vector<Index> redundant;
+  int iterations = 0;
+  Index rank = 0;
+  Scalar smallest_accepted{1}, largest_rejected{0};
+  bool contracted = true;  // the refinement's corrections became negligible
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum State : char { resting, active, retired };
+
+  static Scalar epsilon() { return std::numeric_limits<Scalar>::epsilon(); }
+  // Unit rows come out of whitening with an error of a few epsilon; so do remainders that should be zero.
+  static Scalar rank_tolerance() { return Scalar(64) * epsilon(); }
+  static Scalar violation_tolerance() { return Scalar(64) * epsilon(); }
+
+  bool eliminate_equalities(const BasicProblem<Scalar>& problem);
+  void reduce_inequalities();
+  void warm_start(const BasicProblem<Scalar>& problem, const WarmStart& warm);
+  Status climb(const BasicProblem<Scalar>& problem, const SolveOptions& options);
+  Status enter(Index p, const BasicProblem<Scalar>& problem, const SolveOptions& options);
+  Index most_violated();
+  Index blocking(Scalar& step) const;
+  void drop(Index j);
+  void refresh();
+  bool restore_dual_feasibility();
+  bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign);
+  bool solve_active_set(const BasicProblem<Scalar>& problem);
+  void refine(const BasicProblem<Scalar>& problem);
+  void observe(const BasicProblem<Scalar>& problem, const Observer& observer);
+  void measure_margins();
+
+  BasicWhitened<Scalar> whitened_;
+  EqualityElimination<Scalar> elimination_;
+  OrthogonalUpdates<Scalar> updates_;
+  ActiveSetRefinement<Scalar> refinement_;
+  std::vector<Index> equalities_, inequalities_;    // whitened rows
+  std::vector<Index> equality_rows_, active_rows_;  // whitened rows, in the order of the factors
+  std::vector<Index> active_;                       // columns of A_, in the order of the factor
+  std::vector<char> state_;                         // of the columns of A_
+  MatrixX<Scalar> Nt_, A_;                          // freedom x padded n; freedom x inequality rows
+  VectorX<Scalar> b_, magnitude_, slack_;           // of the inequality rows
+  VectorX<Scalar> v_, u_, r_;                       // (v, u); R^-1 Q'a of the entering row a
+  VectorX<Scalar> y_E_, x_, w_;                     // padded n; padded n; rank
+  Scalar y_E_norm_{0};
+  Clock::time_point start_;
+};
+
+template <class Scalar>
+Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveOptions& options) {
+  start_ = Clock::now();
+  iterations = 0;
+  redundant.clear();
+  smallest_accepted = Scalar(1);
+  largest_rejected = Scalar(0);
+  rank = -1;
+  if (!whitened_.build(p)) return Status::bad_input;
+  if (whitened_.conflict >= 0) {
+    certificate = zero_row_certificate(p, whitened_.conflict);
+    return Status::infeasible;
+  }
+  if (!eliminate_equalities(p)) return Status::infeasible;
+  reduce_inequalities();
+  if (options.warm_start) warm_start(p, *options.warm_start);
+
+  constexpr int rounds = 8;
+  for (int round = 0; round < rounds; ++round) {
+    const Status status = climb(p, options);
+    if (status == Status::infeasible) return status;
+    refine(p);
+    if (status != Status::solved) return status;
+    if (restore_dual_feasibility() && most_violated() < 0) break;
+    if (round + 1 == rounds) contracted = false;
+  }
+  measure_margins();
+  return Status::solved;
+}
+
+// Equality rows that depend on others are dropped when they hold, and prove the problem infeasible when they do not.
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p) {
+  equalities_.clear();
+  inequalities_.clear();
+  for (Index i = 0; i < whitened_.rows(); ++i) (whitened_.equality[i] ? equalities_ : inequalities_).push_back(i);
+  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance());
+  largest_rejected = elimination_.largest_rejected();
+  equality_rows_.clear();
+  for (const Index k : elimination_.order()) equality_rows_.push_back(equalities_[k]);
+  active_.clear();
+  active_rows_.clear();
+
+  // The least-norm point of the accepted rows.
+  const Index rank = elimination_.rank();
+  w_.resize(rank);
+  for (Index k = 0; k < rank; ++k) w_[k] = whitened_.h[equality_rows_[k]];
+  elimination_.solve_transposed(w_);
+  v_.setZero(elimination_.freedom());
+  u_.setZero(elimination_.freedom());
+  r_.setZero(elimination_.freedom());
+  updates_.reset(elimination_.freedom(), elimination_.freedom());
+  y_E_.setZero(elimination_.padded_size());
+  elimination_.join(w_, v_, y_E_);
+  elimination_.rotate_back(y_E_);
+  y_E_norm_ = y_E_.norm();
+  x_.resize(elimination_.padded_size());
+
+  for (const Index k : elimination_.rejected()) {
+    const Index i = equalities_[k];
+    const Scalar rest = whitened_.h[i] - whitened_.Gt.col(i).dot(y_E_.head(whitened_.size()));
+    if (certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1))) return false;
+    redundant.push_back(whitened_.row[i]);
+  }
+  for (const Index i : whitened_.idle)
+    if (p.is_equality(i)) redundant.push_back(i);
+  return true;
+}
+
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::reduce_inequalities() {
+  const auto m = static_cast<Index>(inequalities_.size());
+  const bool reduce = elimination_.rank() > 0;
+  if (reduce) Nt_ = elimination_.null_space().transpose();
+  A_.setZero(elimination_.freedom(), m);
+  b_.resize(m);
+  magnitude_.resize(m);
+  slack_.resize(m);
+  state_.assign(inequalities_.size(), resting);
+  for (Index j = 0; j < m; ++j) {
+    const Index i = inequalities_[j];
+    const auto g = whitened_.Gt.col(i);
+    Scalar held(0);
+    for (Index at = whitened_.begin[i]; at < whitened_.end[i]; ++at) {
+      if (!reduce)
+        A_(at, j) = g[at];
+      else if (g[at] != Scalar(0)) {
+        A_.col(j) += g[at] * Nt_.col(at);
+        held += g[at] * y_E_[at];
+      }
+    }
+    b_[j] = whitened_.h[i] - held;
+    magnitude_[j] = whitened_.magnitude[i];
+  }
+}
+
+// Takes in the earlier frame's active rows that are still there and clearly independent; whatever does not fit now is
+// dropped again, so a bad guess costs time only.
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const WarmStart& warm) {
+  const Scalar clear(1e-7);
+  const std::size_t known = std::min(warm.key.size(), static_cast<std::size_t>(warm.lambda.size()));
+  std::vector<Index>& sorted = active_rows_;
+  sorted.clear();
+  for (std::size_t k = 0; k < known; ++k) sorted.push_back(static_cast<Index>(k));
+  std::sort(sorted.begin(), sorted.end(),
+            [&](Index a, Index b) { return warm.key[a] != warm.key[b] ? warm.key[a] < warm.key[b] : a < b; });
+  for (Index j = 0; j < A_.cols() && updates_.size() < A_.rows(); ++j) {
+    const RowKey& key = p.key[whitened_.row[inequalities_[j]]];
+    const auto at =
+        std::lower_bound(sorted.begin(), sorted.end(), key, [&](Index a, const RowKey& k) { return warm.key[a] < k; });
+    if (at == sorted.end() || warm.key[*at] != key || !(warm.lambda[*at] > 0)) continue;
+    if (!(updates_.split(A_.col(j)) > clear)) continue;
+    updates_.append();
+    active_.push_back(j);
+    state_[j] = active;
+  }
+  refresh();
+  restore_dual_feasibility();
+}
+
+template <class Scalar>
+Status GoldfarbIdnani<Scalar>::climb(const BasicProblem<Scalar>& p, const SolveOptions& options) {
+  for (Index row = most_violated(); row >= 0; row = most_violated())
+    if (const Status status = enter(row, p, options); status != Status::unsolved) return status;
+  return Status::solved;
+}
+
+// The resting row that is violated most on unit rows, or -1.
+template <class Scalar>
+Index GoldfarbIdnani<Scalar>::most_violated() {
+  using std::sqrt;
+  slack_.noalias() = A_.transpose() * v_;
+  slack_ -= b_;
+  const Scalar y_norm = sqrt(y_E_norm_ * y_E_norm_ + v_.squaredNorm());
+  Index worst = -1;
+  for (Index j = 0; j < slack_.size(); ++j)
+    if (state_[j] == resting && (worst < 0 ? slack_[j] < Scalar(0) : slack_[j] < slack_[worst]) &&
+        -slack_[j] > violation_tolerance() * (magnitude_[j] + y_norm))
+      worst = j;
+  return worst;
+}
+
+// The active row whose multiplier reaches zero first along u - t r, or -1. Ties go to the steepest.
+template <class Scalar>
+Index GoldfarbIdnani<Scalar>::blocking(Scalar& step) const {
+  using std::abs;
+  const Index q = updates_.size();
+  const Scalar noise =
+      rank_tolerance() * (q > 0 ? std::max(Scalar(1), Scalar(r_.head(q).cwiseAbs().maxCoeff())) : Scalar(1));
+  Index first = -1;
+  for (Index j = 0; j < q; ++j) {
+    if (!(r_[j] > noise)) continue;
+    const Scalar t = u_[j] / r_[j];
+    if (first >= 0 && !(t < step || (t == step && r_[j] > r_[first]))) continue;
+    step = t;
+    first = j;
+  }
+  return first;
+}
+
+template <class Scalar>
+Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& problem, const SolveOptions& options) {
+  Scalar multiplier(0);
+  while (true) {
+    if (iterations >= options.max_iterations) return Status::iteration_limit;
+    if (std::chrono::duration<double>(Clock::now() - start_).count() > options.time_limit) return Status::time_limit;
+    ++iterations;
+    const Index q = updates_.size();
+    const Scalar length = updates_.split(A_.col(p));
+    auto r = r_.head(q);
+    r = updates_.components();
+    updates_.solve(r);
+    const Scalar violation = std::max(Scalar(0), Scalar(b_[p] - A_.col(p).dot(v_)));
+    Scalar step(0);
+    const Index block = blocking(step);
+
+    // A combination of the active rows: contradicted by them, or satisfied to rounding, or one of them must leave.
+    const bool dependent = !(length > rank_tolerance());
+    if (dependent) {
+      largest_rejected = std::max(largest_rejected, length);
+      Scalar size = magnitude_[p];
+      for (Index j = 0; j < q; ++j) size += std::abs(r_[j]) * magnitude_[active_[j]];
+      const bool holds = violation <= violation_tolerance() * size;
+      if (!holds && block < 0 && certify(problem, inequalities_[p], Scalar(1))) return Status::infeasible;
+      if (holds || block < 0) {
+        state_[p] = retired;
+        return Status::unsolved;
+      }
+    }
+
+    const Scalar full = dependent ? Scalar(0) : Scalar(violation / (length * length));
+    const bool blocked = block >= 0 && (dependent || step < full);
+    if (!blocked) step = full;
+    u_.head(q) -= step * r;
+    multiplier += step;
+    if (!dependent) v_ += step * updates_.remainder();
+    if (blocked) {
+      drop(block);
+      continue;
+    }
+    updates_.append();
+    u_[q] = multiplier;
+    active_.push_back(p);
+    state_[p] = active;
+    for (char& state : state_)
+      if (state == retired) state = resting;
+    if (options.observe) observe(problem, options.observe);
+    return Status::unsolved;
+  }
+}
+
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::drop(Index j) {
+  state_[active_[j]] = resting;
+  updates_.remove(j);
+  active_.erase(active_.begin() + j);
+  for (Index k = j; k < updates_.size(); ++k) u_[k] = u_[k + 1];
+}
+
+// (v, u) afresh from the factor.
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::refresh() {
+  const Index q = updates_.size();
+  auto u = u_.head(q);
+  for (Index j = 0; j < q; ++j) u[j] = b_[active_[j]];
+  updates_.solve_transposed(u);
+  v_.noalias() = updates_.Q() * u;
+  updates_.solve(u);
+}
+
+// Drops the most negative multiplier until none is left. True when there was none.
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::restore_dual_feasibility() {
+  bool clean = true;
+  while (updates_.size() > 0) {
+    const auto u = u_.head(updates_.size());
+    Index j = 0;
+    if (!(u.minCoeff(&j) < -violation_tolerance() * (u.cwiseAbs().maxCoeff() + v_.norm()))) break;
+    drop(j);
+    refresh();
+    clean = false;
+  }
+  u_.head(updates_.size()) = u_.head(updates_.size()).cwiseMax(Scalar(0));
+  return clean;
+}
+
+// Farkas' vector from a row that the accepted equality rows and the active rows combine to: sign (e_row - combination).
+// False when it proves nothing beyond rounding.
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, const Scalar& sign) {
+  using std::abs;
+  const Index n = whitened_.size(), q = active_.empty() ? 0 : updates_.size();
+  x_.setZero();
+  x_.head(n) = whitened_.Gt.col(row);
+  for (Index j = 0; j < q; ++j) x_.head(n) -= r_[j] * whitened_.Gt.col(inequalities_[active_[j]]);
+  elimination_.rotate(x_);
+  elimination_.range(x_, w_);
+  elimination_.solve(w_);
+
+  Scalar proof = sign * whitened_.h[row], size = whitened_.magnitude[row];
+  const auto add = [&](Index i, const Scalar& multiplier) {
+    proof -= sign * multiplier * whitened_.h[i];
+    size += abs(multiplier) * whitened_.magnitude[i];
+  };
+  for (Index k = 0; k < elimination_.rank(); ++k) add(equality_rows_[k], w_[k]);
+  for (Index j = 0; j < q; ++j) add(inequalities_[active_[j]], r_[j]);
+  if (!(proof > violation_tolerance() * size)) return false;
+
+  certificate.setZero(p.rows());
+  const Scalar shortest = whitened_.row_norm.minCoeff();
+  const auto write = [&](Index i, const Scalar& unit) {
+    certificate[whitened_.row[i]] = unit * (shortest / whitened_.row_norm[i]);
+  };
+  write(row, sign);
+  for (Index k = 0; k < elimination_.rank(); ++k) write(equality_rows_[k], -sign * w_[k]);
+  for (Index j = 0; j < q; ++j) write(inequalities_[active_[j]], std::max(Scalar(0), Scalar(-r_[j])));
+  return true;
+}
+
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::solve_active_set(const BasicProblem<Scalar>& p) {
+  active_rows_.clear();
+  for (const Index j : active_) active_rows_.push_back(inequalities_[j]);
+  return refinement_.solve(p, {whitened_, elimination_, updates_, equality_rows_, active_rows_});
+}
+
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::refine(const BasicProblem<Scalar>& p) {
+  contracted = solve_active_set(p);
+  v_ = refinement_.v;
+  u_.head(updates_.size()) = refinement_.mu.head(updates_.size());
+}
+
+// Shows the iterate without touching it, so that an observed solve takes the same path.
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::observe(const BasicProblem<Scalar>& p, const Observer& observer) {
+  solve_active_set(p);
+  observer(iterations, z().template cast<double>(), lambda().template cast<double>());
+}
+
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::measure_margins() {
+  using std::abs;
+  rank = elimination_.rank() + updates_.size();
+  smallest_accepted = elimination_.smallest_accepted();
+  for (Index j = 0; j < updates_.size(); ++j)
+    smallest_accepted = std::min(smallest_accepted, Scalar(abs(updates_.pivot(j))));
+  for (std::size_t j = 0; j < state_.size(); ++j)
+    if (state_[j] == retired) redundant.push_back(whitened_.row[inequalities_[j]]);
+}
+
+}  // namespace zwang
