@@ -1,0 +1,226 @@
+#include "experiments/report/charts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "experiments/report/accuracy.h"
+#include "experiments/report/profile.h"
+#include "experiments/report/statistics.h"
+#include "experiments/report/sweeps.h"
+#include "experiments/report/tables.h"
+
+namespace zwang::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t single_runs = 6000;  // more, and runs that went well are shown by their medians alone
+constexpr std::size_t curve_steps = 60;
+constexpr std::size_t trace_points = 60;
+
+json known(double value, int digits = 4) {
+  if (!std::isfinite(value)) return nullptr;
+  return json::parse(scientific(value, digits - 1));  // four digits draw the same picture in a third of the bytes
+}
+
+std::vector<std::string> names(const Run& run) {
+  std::vector<std::string> out;
+  for (const SolverInfo& s : run.solvers) out.push_back(s.name);
+  return out;
+}
+
+double drawn_error(const Result& r) { return std::isfinite(r.z_error) ? r.z_error : r.z_bound; }
+
+json work_precision(const Run& run) {
+  json rows = json::array();
+  const auto add = [&rows](const std::string& level, const Result& r, double error, double time, double q1, double q3,
+                           double iterations, const std::string& of) {
+    rows.push_back({level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(error), known(time),
+                    known(q1), known(q3), known(iterations, 6), r.claimed, r.verified, of, r.replay});
+  };
+  std::map<std::string, std::map<std::string, int>> problems;  // by family
+  std::map<std::string, double> slowest;
+  for (const Result& r : run.results) {
+    problems[r.family][r.problem] = 1;
+    if (std::isfinite(r.solve_s)) slowest[r.family] = std::max(slowest[r.family], r.solve_s);
+  }
+
+  // Medians over the problems of a family that the solver got right at this tolerance.
+  std::map<std::tuple<std::string, std::string, double>, std::vector<const Result*>> cells;
+  for (const Result& r : run.results) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
+  for (const auto& [key, runs] : cells) {
+    std::vector<const Result*> ok;
+    std::vector<double> error, time, q1, q3, iterations;
+    for (const Result* r : runs) {
+      if (drawn_as(*r) != "ok") continue;
+      ok.push_back(r);
+      error.push_back(drawn_error(*r));
+      time.push_back(r->solve_s);
+      q1.push_back(r->solve_s_q1);
+      q3.push_back(r->solve_s_q3);
+      iterations.push_back(static_cast<double>(r->iterations));
+    }
+    if (ok.empty()) continue;
+    // The run nearest to the median stands for it in the tooltip.
+    const double middle = median(time);
+    const Result& typical = **std::min_element(ok.begin(), ok.end(), [middle](const Result* a, const Result* b) {
+      return std::abs(a->solve_s - middle) < std::abs(b->solve_s - middle);
+    });
+    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
+    add("median", typical, median(error), middle, median(q1), median(q3), median(iterations),
+        runs.size() > 1 ? of : "one problem");
+  }
+
+  const bool all = run.results.size() <= single_runs;
+  for (const Result& r : run.results) {
+    const std::string drawn = drawn_as(r);
+    if (drawn.empty() || (drawn == "ok" && (!all || problems[r.family].size() == 1))) continue;
+    const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
+    add("run", r, drawn_error(r), time, r.solve_s_q1, r.solve_s_q3, static_cast<double>(r.iterations), "one run");
+  }
+  return {{"fields",
+           {"level", "family", "problem", "solver", "tolerance", "drawn", "error", "time", "q1", "q3", "iterations",
+            "claimed", "verified", "of", "replay"}},
+          {"rows", rows}};
+}
+
+// At most curve_steps steps, evenly chosen, the last one kept.
+Curve thinned(const Curve& curve) {
+  if (curve.size() <= curve_steps) return curve;
+  Curve out;
+  for (std::size_t i = 0; i < curve_steps; ++i) out.push_back(curve[i * (curve.size() - 1) / (curve_steps - 1)]);
+  return out;
+}
+
+json profiles(const Run& run) {
+  const auto solvers = names(run);
+  const auto groups = group_by_problem(run.results, solvers);
+  std::vector<std::string> families = families_of(run.results);
+  families.insert(families.begin(), "");
+  json rows = json::array();
+  for (const std::string& family : families)
+    for (const double error : error_levels) {
+      const Times times = times_to_error(groups, family, error);
+      const auto add = [&](const char* kind, const std::vector<Curve>& curves, double start) {
+        double end = start;
+        for (const Curve& curve : curves)
+          if (!curve.empty()) end = std::max(end, curve.back().at);
+        for (std::size_t s = 0; s < curves.size(); ++s) {
+          const Curve curve = thinned(curves[s]);
+          const double last = curve.empty() ? 0 : curve.back().share;
+          // Every staircase runs from the left edge to the right one, also that of a solver that solves nothing.
+          if (curve.empty() || curve.front().at > start)
+            rows.push_back({kind, family, known(error), solvers[s], known(start), 0});
+          for (const Step& step : curve)
+            rows.push_back({kind, family, known(error), solvers[s], known(step.at), known(step.share)});
+          rows.push_back({kind, family, known(error), solvers[s], known(1.3 * end), known(last)});
+        }
+      };
+      double first = std::numeric_limits<double>::infinity();
+      for (const auto& row : times)
+        for (const double t : row) first = std::min(first, t);
+      if (!std::isfinite(first)) continue;
+      add("ratio", performance_profile(times), 1);
+      add("time", data_profile(times), 0.8 * first);
+    }
+  return {{"fields", {"kind", "family", "level", "solver", "at", "share"}}, {"rows", rows}};
+}
+
+json sweep_states(const Run& run) {
+  json rows = json::array();
+  const auto solvers = names(run);
+  std::map<std::string, int> position;  // problems in file order, benign to hard
+  for (const ProblemRuns& group : group_by_problem(run.results, solvers)) {
+    if (!is_stability_family(group.family)) continue;
+    const int at = position[group.family]++;
+    for (const auto& runs : group.by_solver) {
+      if (runs.empty()) continue;
+      const Result& r =
+          **std::min_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->tolerance < b->tolerance; });
+      const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
+      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(drawn_error(r)), r.claimed,
+                      r.verified, r.replay});
+    }
+  }
+  return {
+      {"fields",
+       {"family", "problem", "knob", "value", "position", "solver", "state", "error", "claimed", "verified", "replay"}},
+      {"rows", rows}};
+}
+
+json scaling_points(const Run& run, bool fits) {
+  json rows = json::array();
+  for (const Scaling& family : scaling(run.results, names(run), 1e-6)) {
+    if (fits)
+      for (const ScalingFit& fit : family.fits)
+        for (const double size : {fit.from, fit.to})
+          rows.push_back({family.family, fit.solver, known(size, 9),
+                          known(fit.law.factor * std::pow(size, fit.law.exponent)), known(fit.law.exponent, 3)});
+    else
+      for (const ScalingPoint& p : family.points)
+        rows.push_back({family.family, family.axis, p.solver, p.result->problem, known(p.size, 9), known(p.time_s),
+                        p.result->n, p.result->m, p.result->replay});
+  }
+  if (fits) return {{"fields", {"family", "solver", "size", "time", "exponent"}}, {"rows", rows}};
+  return {{"fields", {"family", "axis", "solver", "problem", "size", "time", "n", "m", "replay"}}, {"rows", rows}};
+}
+
+json convergence(const Run& run) {
+  json rows = json::array();
+  std::map<std::pair<std::string, std::string>, std::vector<const TracePoint*>> traces;
+  std::vector<std::pair<std::string, std::string>> order;
+  for (const TracePoint& point : run.traces) {
+    auto& trace = traces[{point.problem, point.solver}];
+    if (trace.empty()) order.emplace_back(point.problem, point.solver);
+    trace.push_back(&point);
+  }
+  for (const auto& key : order) {
+    auto& trace = traces[key];
+    std::sort(trace.begin(), trace.end(), [](auto* a, auto* b) { return a->iteration < b->iteration; });
+    // Long traces are thinned evenly in the logarithm of the iteration; first and last stay.
+    long next = 0;
+    const double growth = std::pow(static_cast<double>(std::max(trace.back()->iteration, 2L)), 1.0 / trace_points);
+    for (const TracePoint* p : trace) {
+      if (trace.size() > trace_points && p->iteration < next && p != trace.back()) continue;
+      next = std::max(p->iteration + 1, static_cast<long>(static_cast<double>(p->iteration) * growth));
+      rows.push_back({p->problem, p->solver, p->iteration, known(p->time_s), known(p->z_error), known(p->primal),
+                      known(p->stationarity), known(p->gap)});
+    }
+  }
+  return {{"fields", {"problem", "solver", "iteration", "time", "z_error", "primal", "stationarity", "gap"}},
+          {"rows", rows}};
+}
+
+json range_gaps(const Run& run) {
+  json rows = json::array();
+  for (const Result& r : run.results)
+    if (std::isfinite(r.range_gap) && std::isfinite(r.z_error))
+      rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap), known(r.z_error),
+                      r.claimed, r.verified, r.replay});
+  return {
+      {"fields", {"family", "problem", "solver", "m", "tolerance", "gap", "error", "claimed", "verified", "replay"}},
+      {"rows", rows}};
+}
+
+}  // namespace
+
+std::string drawn_as(const Result& r) {
+  if (r.is_blank() || r.verified == "infeasible, proven") return "";
+  if (r.lies()) return "wrong";
+  if (r.verified == "solved") return std::isfinite(drawn_error(r)) ? "ok" : "";
+  if (std::isfinite(r.z_error)) return "missed";
+  if (r.verified == "undecided" || r.verified == "near") return "undecided";
+  return "failed";
+}
+
+std::string chart_rows(const Run& run) {
+  return json{
+      {"work-precision", work_precision(run)}, {"profile", profiles(run)},         {"sweep", sweep_states(run)},
+      {"scaling", scaling_points(run, false)}, {"fit", scaling_points(run, true)}, {"convergence", convergence(run)},
+      {"range-gap", range_gaps(run)}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace zwang::report

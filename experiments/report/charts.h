@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "experiments/report/results.h"
+
+namespace zwang::report {
+
+// Rows of all charts as one JSON object {chart: {fields: [..], rows: [[..], ..]}}, aggregated so that a page draws at
+// most 2,000 marks a chart; every single run stays in results.jsonl.
+std::string chart_rows(const Run& run);
+
+// How a run is drawn in the work-precision diagram: "ok", "missed" (stopped short, and said so), "wrong" (claimed
+// success), "undecided", "failed" (no answer), or "" (blank: unsupported, or a proof of infeasibility).
+std::string drawn_as(const Result& result);
+
+}  // namespace zwang::report

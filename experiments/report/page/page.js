@@ -1,0 +1,309 @@
+// The page: chips and selectors drive every chart and table; all data lies in the page itself.
+(() => {
+  'use strict';
+  const {styles, register, spec, rows, words, all_rows, measures, scientific, superscript} = zwang_charts;
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const all = selector => [...document.querySelectorAll(selector)];
+  const element = (tag, properties = {}, ...children) => {
+    const node = Object.assign(document.createElement(tag), properties);
+    node.append(...children);
+    return node;
+  };
+  const distinct = (name, field) => [...new Set(all_rows(data, name).map(row => row[field]))];
+  register(vega);
+
+  const names = data.solvers.map(s => s.name);
+  const drawn_families = distinct('work-precision', 'family');
+  const state = {
+    on: new Set(names),
+    focus: '',
+    theme: matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light',
+    family: drawn_families.includes('hand') ? 'hand' : drawn_families[0] ?? '',
+    problem: '',
+    group: '',
+    level: 1e-6,
+    trace: distinct('convergence', 'problem')[0] ?? '',
+    measure: 'z_error',
+    sweep: distinct('scaling', 'family')[0] ?? '',
+  };
+  const views = {};
+  const errors = [];
+
+  // ASCII of the data, set for readers: 3.2e-9, 2^-27, 18 us, 5.8x.
+  const typeset = text => text
+    .replace(/\b(\d+(?:\.\d+)?)e(-?\d+)\b/g, (_, m, e) => `${m === '1' ? '' : m + '·'}10${superscript(e)}`)
+    .replace(/\b2\^(-?\d+)/g, (_, e) => `2${superscript(e)}`)
+    .replace(/(\d) us\b/g, '$1 µs')
+    .replace(/(\d)x\b/g, '$1×')
+    .replace(/<= /g, '≤ ')
+    .replace(/\bs\^2/g, 's²');
+
+  // ---- charts ----
+
+  function reason(name) {
+    if (names.length === 0) return 'The run holds no results yet.';
+    if (state.on.size === 0) return 'No solver is chosen in the row at the top.';
+    const none = {
+      'work-precision': 'No run of this family has an error to draw: its answers are proofs of infeasibility, or the solvers shown do not apply.',
+      'families': 'No run has an error to draw.',
+      'profile': 'No problem of this family has an achieved error that small: there is no reference, or every run missed it.',
+      'convergence-iteration': 'The run holds no traces of this measure for the solvers shown; ./zwang bench --trace records them.',
+      'scaling': 'No family of this run sweeps its size over three values or more, for the solvers shown.',
+      'sweep': 'This run holds none of the stability families MR, NPE, LOOP, GAP, INC, WEAK.',
+      'range-gap': 'No run shown reports a range gap together with a measured error.',
+    };
+    return none[name] ?? none[{'data-profile': 'profile', 'convergence-time': 'convergence-iteration'}[name]];
+  }
+
+  const columns_of = (width, cell) => Math.max(1, Math.floor((width - 40) / cell));
+  function placeholders(name, holder) {
+    const width = holder.clientWidth;
+    return {
+      FAMILIES: data.families,
+      COLUMNS: name === 'sweep' ? columns_of(width, 370) : columns_of(width, 228),
+      SWEEP_WIDTH: Math.min(230, width - 150),
+      LIGHT: state.theme === 'light',
+      ...words[name]?.(data, state),
+    };
+  }
+
+  const shown_spec = {};
+  async function draw(name) {
+    const holder = document.querySelector(`[data-chart="${name}"]`);
+    const drawn = rows[name](data, state);
+    views[name]?.finalize();
+    delete views[name];
+    holder.replaceChildren();
+    if (drawn.length === 0) {
+      holder.append(element('p', {className: 'reason', textContent: reason(name)}));
+      return;
+    }
+    const plot = element('div', {className: 'plot'});
+    const code = element('code');
+    const button = (label, action) => element('button', {textContent: label, onclick: action});
+    const zooms = ['work-precision', 'convergence-iteration', 'convergence-time', 'scaling'].includes(name);
+    holder.append(plot, element('div', {className: 'tools'}, button('SVG', () => save(name, 'svg')), button('PNG', () => save(name, 'png')),
+      ...(zooms ? ['drag to pan, Alt+wheel to zoom, double-click to reset'] : []), code));
+    const options = {theme: state.theme, words: placeholders(name, holder), width: 'container'};
+    shown_spec[name] = JSON.stringify(options.words);
+    const result = await vegaEmbed(plot, spec(SPECS[name], drawn, data.solvers, options),
+      {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, tooltip: {theme: state.theme}});
+    const view = views[name] = result.view;
+    view.signal('focus', state.focus);
+    let last = '';
+    const follow = (_, value) => {
+      const solver = value?.solver?.[0] ?? '';
+      if (solver !== last) set_focus(last = solver);
+    };
+    try { view.addSignalListener('near', follow); } catch { /* charts without a nearest point have no such signal */ }
+    view.addEventListener('click', (_, item) => {
+      const datum = item?.datum?.datum ?? item?.datum;
+      if (datum?.replay) code.textContent = datum.replay;
+    });
+    await view.runAsync();
+  }
+
+  // New rows into a drawn chart; drawn anew where its words change or it was empty.
+  async function update(name) {
+    const holder = document.querySelector(`[data-chart="${name}"]`);
+    if (!holder.dataset.seen) return;
+    const drawn = rows[name](data, state);
+    if (!views[name] || drawn.length === 0 || shown_spec[name] !== JSON.stringify(placeholders(name, holder))) return draw(name);
+    await views[name].change('rows', vega.changeset().remove(() => true).insert(drawn)).runAsync();
+  }
+
+  async function save(name, format) {
+    const url = format === 'svg' ? URL.createObjectURL(new Blob([await views[name].toSVG()], {type: 'image/svg+xml'}))
+                                 : await views[name].toImageURL('png', 2);
+    element('a', {href: url, download: `${name}.${format}`}).click();
+  }
+
+  const guarded = (name, work) => work.catch(error => {
+    errors.push(`${name}: ${error.message}`);
+    console.error(name, error);
+  });
+  const chart_names = all('[data-chart]').map(holder => holder.dataset.chart);
+  const update_all = () => Promise.all(chart_names.map(name => guarded(name, update(name))));
+
+  let waiting = 0;
+  function set_focus(solver) {
+    state.focus = solver;
+    for (const chip of all('.chip[data-solver]')) chip.classList.toggle('focus', chip.dataset.solver === solver);
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      for (const name in views) {
+        const box = document.querySelector(`[data-chart="${name}"]`).getBoundingClientRect();
+        if (box.bottom > 0 && box.top < innerHeight) views[name].signal('focus', solver).runAsync();
+      }
+    }, 40);
+  }
+
+  // ---- tables ----
+
+  const short_table = 12;
+  const sorting = {};
+  const unfolded = new Set();
+  function table(holder) {
+    const id = holder.dataset.table;
+    const content = data.tables[id];
+    holder.replaceChildren();
+    if (content.note) holder.append(element('p', {className: content.rows.length ? 'note' : 'reason', textContent: typeset(content.note)}));
+    const group = holder.dataset.group ? state[holder.dataset.group] || 'all' : '';
+    const has_group = group && content.rows.some(row => row.group === group);
+    let shown = content.rows.filter(row => (!row.solver || state.on.has(row.solver)) && (!has_group || row.group === group));
+    if (!shown.length) {
+      if (content.rows.length) holder.append(element('p', {className: 'reason', textContent: 'Nothing to show for the solvers and the family chosen.'}));
+      return;
+    }
+    const used = content.columns.map((_, i) => shown.some(row => row.cells[i]?.text));
+    const sort = sorting[id];
+    if (sort) {
+      const key = row => row.cells[sort.column].value ?? row.cells[sort.column].text;
+      const compare = (a, b) => typeof a === typeof b ? (a < b ? -1 : a > b ? 1 : 0) : typeof a === 'number' ? -1 : 1;
+      shown = [...shown].sort((a, b) => sort.sign * compare(key(a), key(b)));
+    }
+    const head = element('tr');
+    content.columns.forEach((column, i) => {
+      if (!used[i]) return;
+      const cell = element('th', {textContent: typeset(column.name), className: column.numeric ? 'number' : '', scope: 'col'});
+      if (sort?.column === i) cell.ariaSort = sort.sign > 0 ? 'ascending' : 'descending';
+      cell.onclick = () => {
+        sorting[id] = {column: i, sign: sort?.column === i ? -sort.sign : 1};
+        table(holder);
+      };
+      head.append(cell);
+    });
+    const with_commands = holder.dataset.commands === 'shown';
+    const body = element('tbody');
+    const color = Object.fromEntries(styles(data.solvers, state.theme).map(s => [s.name, s.color]));
+    const folded = shown.length > short_table + 3 && !unfolded.has(id);
+    for (const row of folded ? shown.slice(0, short_table) : shown) {
+      const line = element('tr', {className: with_commands && row.command ? 'with-command' : ''});
+      row.cells.forEach((cell, i) => {
+        if (!used[i]) return;
+        const verbatim = id === 'conditions' || cell.text === row.solver || content.columns[i].name === 'problem';
+        const td = element('td', {className: `${content.columns[i].numeric ? 'number' : ''} ${cell.tone ?? ''}`}, verbatim ? cell.text : typeset(cell.text));
+        if (cell.text === row.solver && color[row.solver]) {
+          const dot = element('span', {className: 'swatch'});
+          dot.style.background = color[row.solver];
+          td.prepend(dot);
+        }
+        line.append(td);
+      });
+      if (row.command && !with_commands) line.title = row.command;
+      body.append(line);
+      if (row.command && with_commands)
+        body.append(element('tr', {className: 'command'}, element('td', {colSpan: used.filter(Boolean).length}, element('code', {textContent: row.command}))));
+    }
+    holder.append(element('div', {className: 'scroll'}, element('table', {}, element('thead', {}, head), body)));
+    if (folded) holder.append(element('button', {textContent: `show all ${shown.length} rows`, onclick: () => { unfolded.add(id); table(holder); }}));
+  }
+  const tables = () => all('[data-table]').forEach(holder => { if (data.tables[holder.dataset.table]) table(holder); });
+
+  // ---- chips and selectors ----
+
+  function chips() {
+    const holder = document.getElementById('chips');
+    const button = (label, pick) => element('button', {className: 'chip', textContent: label, onclick: () => choose(new Set(pick))});
+    holder.replaceChildren(button('all', names), button('none', []), ...styles(data.solvers, state.theme).map(s => {
+      const chip = element('button', {className: 'chip', ariaPressed: String(state.on.has(s.name)), title: data.solvers.find(x => x.name === s.name).method});
+      chip.dataset.solver = s.name;
+      chip.style.setProperty('--chip', s.color);
+      chip.innerHTML = `<svg viewBox="0 0 22 10" aria-hidden="true"><line x1="0" x2="22" y1="5" y2="5" stroke="${s.color}" stroke-width="3.2" stroke-dasharray="${s.dash[0] === 1 ? '' : '5 2.5'}"/></svg>`;
+      chip.append(s.name);
+      chip.onclick = event => {
+        const only = event.detail === 2 || event.altKey;
+        const next = only ? new Set([s.name]) : new Set(state.on);
+        if (!only && !next.delete(s.name)) next.add(s.name);
+        choose(next);
+      };
+      chip.onpointerenter = () => set_focus(s.name);
+      return chip;
+    }));
+    holder.onpointerleave = () => set_focus('');
+  }
+  function choose(on) {
+    state.on = on;
+    for (const chip of all('.chip[data-solver]')) chip.ariaPressed = String(on.has(chip.dataset.solver));
+    tables();
+    return update_all();
+  }
+
+  const options = {
+    family: () => drawn_families.map(f => [f, f]),
+    problem: () => {
+      const runs = all_rows(data, 'work-precision').filter(row => row.family === state.family && row.level === 'run');
+      const problems = [...new Set(runs.map(row => row.problem))];
+      const single = all_rows(data, 'work-precision').some(row => row.family === state.family && row.of === 'one problem');
+      return [['', problems.length > 1 && !single ? `median over ${problems.length}` : problems[0] ?? 'all'], ...(problems.length > 1 && !single ? problems.map(p => [p, p]) : [])];
+    },
+    group: () => [['', 'all families'], ...data.families.map(f => [f, f])],
+    level: () => data.levels.map(level => [level, scientific(level)]),
+    trace: () => distinct('convergence', 'problem').map(p => [p, p]),
+    measure: () => Object.entries(measures).map(([key, label]) => [key, label.replace(/ \(1\)$/, '')]),
+    sweep: () => distinct('scaling', 'family').map(f => [f, f]),
+  };
+  function selectors() {
+    for (const select of all('select[data-state]')) {
+      const key = select.dataset.state;
+      const list = options[key]();
+      select.replaceChildren(...list.map(([value, label]) => element('option', {value, textContent: label})));
+      select.value = state[key];
+      select.closest('label').hidden = list.length < 2;
+      select.onchange = () => {
+        state[key] = key === 'level' ? Number(select.value) : select.value;
+        if (key === 'family') state.problem = '';
+        selectors();
+        tables();
+        update_all();
+      };
+    }
+  }
+
+  async function set_theme(theme) {
+    state.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    document.getElementById('theme').textContent = theme === 'dark' ? 'light' : 'dark';
+    chips();
+    tables();
+    for (const name of Object.keys(views)) await guarded(name, draw(name));
+  }
+
+  // ---- start ----
+
+  document.title = data.title;
+  document.querySelector('h1').textContent = data.title;
+  document.getElementById('headline').append(...data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''})));
+  for (const section of all('main > section[data-short]')) {
+    const holder = section.querySelector('[data-table]');
+    if (holder && !data.tables[holder.dataset.table] && !section.querySelector('[data-chart]')) section.remove();
+  }
+  document.querySelector('nav').append(...all('main > section[data-short]').map(s => element('a', {href: `#${s.id}`, textContent: s.dataset.short})));
+  const notes = document.getElementById('notes');
+  notes.append(...data.notes.map(note => element('li', {textContent: note})));
+  if (!data.notes.length) notes.replaceWith(element('p', {className: 'reason', textContent: 'The run holds no notes.'}));
+  document.getElementById('theme').onclick = () => set_theme(state.theme === 'dark' ? 'light' : 'dark');
+  selectors();
+  set_theme(state.theme);
+
+  // Charts are drawn when they come into view.
+  const seen = new IntersectionObserver(entries => {
+    for (const entry of entries) if (entry.isIntersecting) show(entry.target);
+  }, {rootMargin: '400px'});
+  function show(holder) {
+    seen.unobserve(holder);
+    if (holder.dataset.seen) return Promise.resolve();
+    holder.dataset.seen = 'yes';
+    return guarded(holder.dataset.chart, draw(holder.dataset.chart));
+  }
+  all('[data-chart]').forEach(holder => seen.observe(holder));
+  let width = innerWidth;
+  addEventListener('resize', () => {
+    if (Math.abs(innerWidth - width) < 40) return;
+    width = innerWidth;
+    for (const name of ['families', 'sweep']) if (views[name]) guarded(name, draw(name));
+  });
+
+  // For tests and the curious: everything drawn at once, and what is on the page.
+  globalThis.zwang_page = {state, views, errors, choose, set_theme, draw_all: () => Promise.all(all('[data-chart]').map(show))};
+})();

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace zwang::report {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// Worst violated row of one constraint type.
+struct WorstRow {
+  std::string type = {}, row = {};
+  double violation = unknown;  // in the row's own unit
+  double relative = unknown;   // on the unit row, over the scale s
+};
+
+// One line of results.jsonl (docs/formats.md). Numbers the run does not know are NaN.
+struct Result {
+  std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
+  std::string claimed = {}, verified = {};
+  std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
+  std::string replay = {};  // the command that repeats this run
+  double knob_value = unknown, tolerance = unknown;
+  long n = 0, m = 0, equalities = 0;
+  double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
+  double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;  // [s]
+  double range_gap = unknown;  // nnls_paper: |J k - c| / |c|
+  long iterations = 0, repetitions = 0;
+  std::optional<bool> feasible = {};
+  bool fallback = false;
+  std::vector<WorstRow> worst_by_type = {};
+  std::vector<std::string> conflicting = {};
+
+  bool claims_solved() const { return claimed == "solved"; }
+  // Says it has the answer (or that there is none), and the referee finds the opposite.
+  bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }
+  bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
+};
+
+// One line of traces.jsonl: the state after `iteration` steps.
+struct TracePoint {
+  std::string problem = {}, family = {}, solver = {};
+  long iteration = 0;
+  double time_s = unknown, z_error = unknown, primal = unknown, stationarity = unknown, gap = unknown;
+};
+
+struct SolverInfo {
+  std::string name = {}, method = {}, limits = {};
+  bool foreign = false;
+  std::string style = {};  // the name that picks its colour: two runs of one solver share it ("" = name)
+  bool second = false;     // of the second of two runs
+};
+
+struct Run {
+  std::filesystem::path dir;
+  std::string label;  // names the run where two are compared
+  std::string suite, commit;
+  std::vector<std::pair<std::string, std::string>> conditions;  // what and under which circumstances, for people
+  std::vector<std::string> notes;
+  std::vector<SolverInfo> solvers;  // in the order of the run
+  std::vector<Result> results;
+  std::vector<TracePoint> traces;
+  std::string torn;  // "" or what was left out: a line cut off by a killed run
+};
+
+// Reads DIR/results.jsonl, and DIR/run.json and DIR/traces.jsonl where they exist. A torn last line (a killed run) is
+// left out and noted; any other bad line throws std::runtime_error naming file, line and reason in one line.
+Run read_run(const std::filesystem::path& dir);
+
+// Everything the charts group by, in the order of appearance.
+std::vector<std::string> families_of(const std::vector<Result>& results);
+std::vector<std::string> solvers_of(const std::vector<Result>& results);
+
+// `./zwang solve DIR/problems/0007.h5 --solver nnls --tolerance 1e-8`; read_run puts it into Result::replay.
+std::string replay_command(const std::filesystem::path& dir, const Result& result);
+
+std::string scientific(double value, int digits = 1);  // "3.2e-09", "1e-08" with 0 digits; "unknown" for NaN
+std::string duration(double seconds);                  // "18 us", "1.9 ms", "2.4 s"
+
+}  // namespace zwang::report
