@@ -85,11 +85,11 @@ void add_rows(const Directions& d, Instance& instance) {
   for (Index k = 0; k < contacts; ++k) {
     const Index N = k * d.dim;
     const std::uint64_t id = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(k);
-    const std::string origin = "contact/" + std::to_string(k);
+    const std::string number = std::to_string(k);
     const double mu = d.sliding > 0 ? d.mu[k] : 0;
     if (mu == 0) {
       add_column(d.contact, N, 1);
-      finish_row(RowKind::inequality, {id, 0}, -d.w[N], origin);
+      finish_row(RowKind::inequality, {id, 0}, -d.w[N], "contact/" + number);
       continue;
     }
     for (Index edge = 0; edge < 2 * d.sliding; ++edge) {
@@ -98,7 +98,7 @@ void add_rows(const Directions& d, Instance& instance) {
       add_column(d.contact, N, 1);
       add_column(d.contact, T, factor);
       finish_row(RowKind::inequality, {id, static_cast<std::uint32_t>(edge)}, -(d.w[N] + factor * d.w[T]),
-                 origin + " [" + std::to_string(edge) + "]");
+                 "friction_pyramid/" + number + " [" + std::to_string(edge) + "]");
     }
   }
   p.c = Eigen::Map<const Vector>(c.data(), static_cast<Index>(c.size()));

@@ -2,6 +2,8 @@
 """Reads FCLIB files with h5py and numpy alone, and compares with what the project reads from them.
 
 fclib_reference.py CONVERT variants          files made here, one for each trap of the format
+fclib_reference.py CONVERT bad               files spoilt here, each refused in one line
+fclib_reference.py CONVERT golden FOLDER     writes the FCLIB files of tests/data
 fclib_reference.py CONVERT files FOLDER      every *.hdf5 of a folder
 CONVERT is the test program convert_problems. Exit code 77: the folder is not there.
 """
@@ -50,6 +52,10 @@ def read_own(group):
     n, m = len(group["z_u"]), len(group["c"])
     return {"M": sparse(group["M"], n, n, False), "J": sparse(group["J"], m, n, True), "z_u": group["z_u"][:],
             "c": group["c"][:], "kind": group["kind"][:]}
+
+
+def notes_in(file):
+    return [text.decode() for text in file["zwang"].get("notes", [])]
 
 
 def sha256(own):
@@ -137,7 +143,7 @@ def check(convert, file):
             assert run.returncode == 0, run.stderr
             with h5py.File(out) as converted:
                 own = read_own(converted["zwang"])
-                notes = [text.decode() for text in converted["zwang"].get("notes", [])]
+                notes = notes_in(converted)
             if name == "fclib_local":
                 check_local(own, source[name], friction == "pyramid")
             else:
@@ -169,54 +175,125 @@ def put_matrix(group, A, storage, extra=0, split=False):
     group["i"], group["p"], group["x"] = i.astype("i4"), p.astype("i4"), x
 
 
-def variants(convert):
-    random = np.random.default_rng(1)
-    n, contacts, e = 6, 2, 2
+def write(file, kind="fclib_global", dim=3, storage="triplets", mass=lambda M: M, mu=(0.5, 0), equality=True,
+          exact_motion=False, **options):
+    """A random problem of two contacts and two equality rows; the same numbers for the same arguments."""
+    random, n, contacts, e = np.random.default_rng(1), 6, 2, 2
     B = random.standard_normal((n, n))
     M = B @ B.T + n * np.eye(n)
-    M = (M + M.T) / 2
+    H, G = random.standard_normal((n, dim * contacts)), random.standard_normal((n, e))
+    f, z_u = random.standard_normal(n), random.standard_normal(n)
+    w, b = random.standard_normal(dim * contacts), random.standard_normal(e)
+    with h5py.File(file, "w") as h:
+        g = h.create_group(kind)
+        if kind == "fclib_local":
+            S = np.hstack([G, H]).T @ np.hstack([G, H])
+            put_matrix(g.create_group("W"), S[e:, e:], storage, **options)
+            put_matrix(g.create_group("V"), S[e:, :e], storage, **options)
+            put_matrix(g.create_group("R"), S[:e, :e], storage, **options)
+            g["vectors/q"], g["vectors/s"] = w, b
+        else:
+            put_matrix(g.create_group("M"), mass((M + M.T) / 2), storage, **options)
+            put_matrix(g.create_group("H"), H, storage, **options)
+            if equality:
+                put_matrix(g.create_group("G"), G, storage, **options)
+                g["vectors/b"] = b
+            g["vectors/f"], g["vectors/w"] = f, w
+            if exact_motion:
+                g["vectors/z_u"] = z_u
+        g["vectors/mu"], g["spacedim"] = np.array(mu, float), np.array([dim], "i4")
+        # Real files declare a solution and write only part of it.
+        h.create_dataset("solution/v", (n,), "f8")
+        h["solution/u"] = np.ones(dim * contacts)
 
-    def write(name, kind="fclib_global", dim=3, storage="triplets", M=M, mu=(0.5, 0), **options):
-        file = os.path.join(folder, name + ".hdf5")
-        with h5py.File(file, "w") as h:
-            g = h.create_group(kind)
-            H, G = random.standard_normal((n, dim * contacts)), random.standard_normal((n, e))
-            A = np.hstack([G, H])
-            S = A.T @ A
-            if kind == "fclib_local":
-                put_matrix(g.create_group("W"), S[e:, e:], storage, **options)
-                put_matrix(g.create_group("V"), S[e:, :e], storage, **options)
-                put_matrix(g.create_group("R"), S[:e, :e], storage, **options)
-                g["vectors/q"], g["vectors/s"] = random.standard_normal(dim * contacts), random.standard_normal(e)
-            else:
-                put_matrix(g.create_group("M"), M, storage, **options)
-                put_matrix(g.create_group("H"), H, storage, **options)
-                if name != "no_equality":
-                    put_matrix(g.create_group("G"), G, storage, **options)
-                    g["vectors/b"] = random.standard_normal(e)
-                g["vectors/f"], g["vectors/w"] = random.standard_normal(n), random.standard_normal(dim * contacts)
-                if name == "exact_motion":
-                    g["vectors/z_u"] = random.standard_normal(n)
-            g["vectors/mu"], g["spacedim"] = np.array(mu, float), np.array([dim], "i4")
-            # Real files declare a solution and write only part of it.
-            h.create_dataset("solution/v", (n,), "f8")
-            h["solution/u"] = np.ones(dim * contacts)
-        return check(convert, file)
 
+def variants(convert):
     with tempfile.TemporaryDirectory() as folder:
-        assert write("triplets") == []
-        write("unused_entries", extra=3)
-        write("duplicate_entries", split=True)
-        write("columns", storage="columns", extra=2)
-        write("rows", storage="rows", extra=2)
-        write("planar", dim=2)
-        write("no_equality")
-        write("exact_motion")
-        assert any("upper triangle only" in note for note in write("upper", M=np.triu(M)))
-        assert any("lower triangle only" in note for note in write("lower", M=np.tril(M), storage="rows"))
-        assert any("rolling" in note for note in write("rolling", kind="fclib_global_rolling", dim=5))
-        write("local", kind="fclib_local")
-        write("local_rows", kind="fclib_local", storage="rows", dim=2)
+        def notes_of(name, **options):
+            file = os.path.join(folder, name + ".hdf5")
+            write(file, **options)
+            return check(convert, file)
+
+        assert notes_of("triplets") == []
+        notes_of("unused_entries", extra=3)
+        notes_of("duplicate_entries", split=True)
+        notes_of("columns", storage="columns", extra=2)
+        notes_of("rows", storage="rows", extra=2)
+        notes_of("planar", dim=2)
+        notes_of("no_equality", equality=False)
+        notes_of("exact_motion", exact_motion=True)
+        assert any("upper triangle only" in note for note in notes_of("upper", mass=np.triu))
+        assert any("lower triangle only" in note for note in notes_of("lower", mass=np.tril, storage="rows"))
+        assert any("rolling" in note for note in notes_of("rolling", kind="fclib_global_rolling", dim=5))
+        notes_of("local", kind="fclib_local")
+        notes_of("local_rows", kind="fclib_local", storage="rows", dim=2)
+
+
+def rounding(M):
+    M[0, 1] *= 1 + 1e-15
+    return M
+
+
+def shear(M):
+    M[0, 1] += 0.1
+    return M
+
+
+def bad(convert):
+    """Each spoilt file is refused with one line that names the place."""
+    def replace(path, value):
+        def spoil(g):
+            del g[path]
+            if value is not None:
+                g[path] = np.array(value)
+        return spoil
+
+    def change(path, k, value):
+        def spoil(g):
+            g[path][k] = value
+        return spoil
+
+    cases = [
+        ({}, replace("vectors/w", None), "/fclib_global/vectors/w: missing; expected a dataset"),
+        ({}, replace("M", None), "/fclib_global/M: missing; expected a group"),
+        ({}, replace("vectors/w", np.zeros(7)), "/fclib_global: 7 contact rows; expected a multiple of spacedim 3"),
+        ({}, replace("vectors/w", np.zeros(9)), "/fclib_global/H: is 6 x 6; expected 6 x 9"),
+        ({}, replace("vectors/mu", np.zeros(1)), "/fclib_global/vectors/mu: holds 1 numbers; expected 2"),
+        ({}, replace("vectors/mu", [0.5, -0.5]), "/fclib_global/vectors/mu[1]: negative"),
+        ({}, replace("spacedim", [4]), "/fclib_global/spacedim: is 4; expected 2 or 3"),
+        ({}, replace("spacedim", [2.5]), "/fclib_global/spacedim: not of the right type; expected integers"),
+        ({}, replace("H/nz", [-3]), "/fclib_global/H/nz: is -3"),
+        ({}, replace("H/nz", [999]), "/fclib_global/H/i: holds 36 numbers; expected 999"),
+        ({}, change("H/i", 2, 6), "/fclib_global/H/i[2]: is 6; expected an index below 6"),
+        ({}, change("G/p", 0, -1), "/fclib_global/G/p[0]: is -1; expected an index below 2"),
+        ({}, change("M/x", 5, np.nan), "/fclib_global/M/x[5]: not a number or infinite"),
+        ({}, change("vectors/f", 1, np.inf), "/fclib_global/vectors/f[1]: not a number or infinite"),
+        ({}, change("vectors/w", 3, np.nan), "/fclib_global: c("),
+        ({}, change("vectors/b", 1, np.inf), "/fclib_global/vectors/b[1]: not a number or infinite"),
+        ({"mass": lambda M: -M}, lambda g: None, "/fclib_global/M: not positive definite; expected a mass matrix"),
+        ({"mass": shear}, lambda g: None, "/fclib_global/M: not symmetric"),
+        ({"kind": "fclib_local"}, change("W/x", 0, -9), "/fclib_local/W: not positive semi-definite"),
+        ({"kind": "fclib_local"}, replace("vectors/q", None), "/fclib_local/vectors/q: missing; expected a dataset"),
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        file, out = os.path.join(folder, "bad.hdf5"), os.path.join(folder, "out.h5")
+        for options, spoil, expected in cases:
+            write(file, **options)
+            with h5py.File(file, "a") as h:
+                spoil(h[options.get("kind", "fclib_global")])
+            run = subprocess.run([convert, file, out, "pyramid"], capture_output=True, text=True)
+            assert run.returncode == 2 and run.stderr.count("\n") == 1, (expected, run)
+            assert run.stderr.startswith(f"{file}: {expected}"), (expected, run.stderr)
+        write(file, mass=rounding)
+        subprocess.run([convert, file, out], check=True, stdout=subprocess.DEVNULL)
+        with h5py.File(out) as converted:
+            assert "symmetric up to rounding" in notes_in(converted)[0]
+
+
+def golden(_, folder):
+    """Writes the small FCLIB files of tests/data."""
+    write(os.path.join(folder, "fclib_global.hdf5"))
+    write(os.path.join(folder, "fclib_local.hdf5"), kind="fclib_local", storage="rows")
 
 
 def files(convert, folder):
@@ -229,4 +306,4 @@ def files(convert, folder):
 
 
 if __name__ == "__main__":
-    {"variants": variants, "files": files}[sys.argv[2]](sys.argv[1], *sys.argv[3:])
+    {"variants": variants, "bad": bad, "files": files, "golden": golden}[sys.argv[2]](sys.argv[1], *sys.argv[3:])
