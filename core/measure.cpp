@@ -11,7 +11,6 @@ namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double smallest = std::numeric_limits<double>::min();
 
 double or_infinity(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -57,7 +56,7 @@ bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(
 
 // "No z meets the rows" is worth what its certificate is worth.
 Verdict judge_infeasible(const Gauge& gauge, const Solution& solution, const Reference* reference, Metrics& out) {
-  const double s = std::max(gauge.norm_of_free_motion(), smallest);
+  const double s = std::max(gauge.norm_of_free_motion(), gauge.least_scale());
   const Farkas farkas = judge_certificate(gauge, solution.certificate, s);
   out.scale = gauge.to_problem_norm(s);
   out.farkas = farkas.distance / s;
@@ -78,8 +77,8 @@ Verdict judge_z(const Gauge& gauge, const Solution& solution, const Reference* r
   if (fits(solution.lambda, m)) lambda = gauge.multipliers(solution.lambda);
   const ExtendedVector* given = lambda.empty() && m > 0 ? nullptr : &lambda;
 
-  const double s =
-      std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(known ? reference->z : solution.z)), smallest});
+  const double s = std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(known ? reference->z : solution.z)),
+                             gauge.least_scale()});
   out.scale = gauge.to_problem_norm(s);
   take_residuals(gauge, d, given, s, out);
   if (known) {
@@ -92,8 +91,8 @@ Verdict judge_z(const Gauge& gauge, const Solution& solution, const Reference* r
 
   const DistanceBound bound = bound_distance(gauge, d, given);
   // z_error is divided by max(|z_u|, |z*|): the bound takes the least that can be, the verdict "wrong" the greatest.
-  const double least_s = std::max({gauge.norm_of_free_motion(), bound.least_norm, smallest});
-  const double greatest_s = std::max({gauge.norm_of_free_motion(), bound.greatest_norm, smallest});
+  const double least_s = std::max({gauge.norm_of_free_motion(), bound.least_norm, gauge.least_scale()});
+  const double greatest_s = std::max({gauge.norm_of_free_motion(), bound.greatest_norm, gauge.least_scale()});
   out.z_bound = bound.upper / least_s;
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;

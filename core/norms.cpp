@@ -104,6 +104,11 @@ ExtendedVector Gauge::multipliers(const Vector& lambda) const {
 
 double Gauge::to_problem_norm(double norm) const { return std::ldexp(norm, motion_exponent + mass_exponent / 2); }
 
+double Gauge::least_scale() const {
+  const double scale = std::ldexp(std::numeric_limits<double>::min(), -motion_exponent - mass_exponent / 2);
+  return std::max(scale, std::numeric_limits<double>::denorm_min());
+}
+
 double Gauge::row_scale(Index i) const {
   return std::ldexp(1.0, row_exponent[static_cast<std::size_t>(i)] + motion_exponent);
 }

@@ -33,6 +33,7 @@ class Gauge {
   ExtendedVector multipliers(const Vector& lambda) const;  // so that M d = J' lambda stays true
   ExtendedVector motion_of(ExtendedVector d) const;        // of a d in the problem's units
   ExtendedVector multipliers(ExtendedVector lambda) const;
+  double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
   double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
 

@@ -123,12 +123,12 @@ bool OwnAnswer::refine() {
     const Real error = rho.norm() + e.norm();
     if (round == 0) scale = std::max(scale, error);
     if (!std::isfinite(error)) return false;
-    const bool stalled = error > before / 2;
-    before = std::min(before, error);
-    if (error <= 0x1p-100L * scale || stalled) break;
     const Column w = rows.Q().transpose() * rho - rows.solve_transposed(e);
     const Column step = rows.solve(w);
     mu_error_ = r > 0 ? step.lpNorm<Eigen::Infinity>() : 0;
+    const bool stalled = error > before / 2;
+    before = std::min(before, error);
+    if (error <= 0x1p-100L * scale || stalled) break;
     const Column dy = rows.Q() * w - rho;
     const Column dz = gauge_.unwhiten(dy);
     for (std::size_t j = 0; j < n; ++j) d[j] += extended(dz[static_cast<Index>(j)]);

@@ -55,7 +55,7 @@ class OwnAnswer {
   const Gauge& gauge_;
   double work_left_;
   std::vector<Real> mu_;     // multipliers of `basis`, on unit rows
-  Real mu_error_ = 0;        // the last correction to them
+  Real mu_error_ = 0;        // the correction that refine() left undone
   std::vector<char> place_;  // row is in `basis`
 };
 

@@ -125,11 +125,12 @@ double radius_at(const Gauge& gauge, const Anchored& anchored, const ExtendedVec
                  double off) {
   double weighted_slack = 0;
   for (Index i = 0; i < gauge.rows(); ++i) {
-    if (!counts(gauge, i) || anchored.is[static_cast<std::size_t>(i)]) continue;
+    if (!counts(gauge, i)) continue;
+    DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
+    if (!gauge.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
+    if (anchored.is[static_cast<std::size_t>(i)]) continue;
     const double error = gauge.rounding(i, d) + off, slack = unit_slack(gauge, i, d);
     if (!(slack >= error)) return infinity;
-    DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
-    if (weight.hi < 0) weight = 0;
     weighted_slack += weight.hi * gauge.row_norm[i] * (slack + error);
   }
   const double residual = gauge.dual_norm(gauge.force_residual(d, lambda)) + gauge.force_rounding(d, lambda) + off;

@@ -12,7 +12,7 @@ std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& 
   const Problem& p = instance.problem;
   const Gauge gauge(p);
   const ExtendedVector d = gauge.motion(z);
-  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), std::numeric_limits<double>::min()});
+  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), gauge.least_scale()});
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -50,7 +50,7 @@ std::vector<Index> redundant_rows(const Problem& p, const Vector& z) {
   constexpr double dependent = 1e-10, touched = 1e-9;
   const Gauge gauge(p);
   const ExtendedVector d = gauge.motion(z);
-  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), std::numeric_limits<double>::min()});
+  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), gauge.least_scale()});
   std::vector<Index> considered, out;
   for (const bool equality : {true, false})
     for (Index i = 0; i < p.rows(); ++i) {
