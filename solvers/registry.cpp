@@ -6,8 +6,11 @@
 
 #include "core/nearest.h"
 #include "solvers/apgd.h"
+#include "solvers/cholesky.h"
 #include "solvers/dual_active_set.h"
 #include "solvers/ipopt.h"
+#include "solvers/nnls.h"
+#include "solvers/nnls_paper.h"
 #include "solvers/pgs.h"
 
 namespace zwang {
@@ -96,6 +99,15 @@ std::span<const SolverEntry> solvers() {
                            {.exact = true}),
       entry<Ipopt>("Ipopt 3.11.9: interior point with MUMPS, KKT-checked", "weakly active rows; near-dependent rows",
                    {.foreign = true}),
+      entry<Nnls>("Lawson-Hanson NNLS on the scaled least-distance form",
+                  "dense: time grows with rows x unknowns x active rows; meant for up to a few thousand rows",
+                  {.exact = true}),
+      entry<Cholesky>("dual active set on the Delassus form, CHOLMOD factor with row updates",
+                      "squares the condition number: near-dependent rows go to orthogonal factors (fallback)",
+                      {.exact = true}),
+      entry<NnlsPaper>("the paper's Eq. 6-11: k with J k = c, then NNLS",
+                       "wrong where c is outside range(J), and blind to infeasibility; the message gives the range gap",
+                       {.exact = true}),
       entry<Pgs>("projected Gauss-Seidel on the dual", "slow on mass ratios and tall stacks; stops at its sweep limit"),
       entry<Apgd>("accelerated projected gradient on the dual, restarted",
                   "slow on mass ratios; stops at its step limit"),

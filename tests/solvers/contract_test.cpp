@@ -21,16 +21,18 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct Expectation {
   double tolerance;          // asked for
   double z_error;            // allowed where it claims solved, |z - z*|_M / max(|z_u|_M, |z*|_M)
+  double certificate;        // |J'u| allowed, relative
   double solved_share;       // of the random feasible problems, at least
   bool needs_range = false;  // answers rightly only where c lies in range(J); sees no infeasibility
 };
 
 Expectation expectation(const SolverEntry& entry) {
   // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the published method fails.
-  if (entry.name == "nnls_paper") return {.tolerance = 1e-10, .z_error = 1e-12, .solved_share = 1, .needs_range = true};
-  if (entry.exact) return {.tolerance = 1e-10, .z_error = 1e-12, .solved_share = 1};
+  if (entry.name == "nnls_paper")
+    return {.tolerance = 1e-10, .z_error = 1e-12, .certificate = 1e-12, .solved_share = 1, .needs_range = true};
+  if (entry.exact) return {.tolerance = 1e-10, .z_error = 1e-12, .certificate = 1e-12, .solved_share = 1};
   // Iterative methods reach what their tolerance says (the referee's margin: 10 T), or say that they did not.
-  return {.tolerance = 1e-8, .z_error = 1e-7, .solved_share = 0.9};
+  return {.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
 }
 
 Problem make_problem(const Matrix& J, const Vector& c, const Vector& z_u, std::size_t equalities = 0) {
@@ -64,8 +66,8 @@ bool claims_solved(const Solution& s) {
   return s.status == Status::solved || s.status == Status::solved_ill_conditioned;
 }
 
-// u_I >= 0, J'u = 0 up to rounding, c'u > 0.
-bool certificate_holds(const Problem& p, const Vector& u) {
+// u_I >= 0, J'u = 0 up to `tolerance`, c'u > 0.
+bool certificate_holds(const Problem& p, const Vector& u, double tolerance) {
   using Real = long double;
   if (u.size() != p.rows() || !u.allFinite()) return false;
   VectorX<Real> force = VectorX<Real>::Zero(p.size());
@@ -79,7 +81,7 @@ bool certificate_holds(const Problem& p, const Vector& u) {
       size = std::max(size, std::abs(Real(it.value()) * u[i]));
     }
   }
-  return work > 0 && force.lpNorm<Eigen::Infinity>() <= 1e-12L * std::max(size, work);
+  return work > 0 && force.lpNorm<Eigen::Infinity>() <= tolerance * std::max(size, work);
 }
 
 class Contract : public testing::TestWithParam<std::string> {
@@ -109,7 +111,7 @@ class Contract : public testing::TestWithParam<std::string> {
     EXPECT_NE(s.status, Status::unsolved);
     if (s.status == Status::infeasible || entry.exact) {
       EXPECT_EQ(s.status, Status::infeasible) << to_string(s.status) << ": " << s.message;
-      EXPECT_TRUE(certificate_holds(p, s.certificate)) << "u = " << s.certificate.transpose();
+      EXPECT_TRUE(certificate_holds(p, s.certificate, expected.certificate)) << "u = " << s.certificate.transpose();
     }
   }
 };
@@ -263,7 +265,8 @@ TEST_P(Contract, AgreesWithEnumerationOverActiveSets) {
     const Solution s = solver.solve(p, options);
     if (!truth) {
       EXPECT_FALSE(claims_solved(s)) << p.name << " is infeasible";
-      EXPECT_TRUE(s.status != Status::infeasible || certificate_holds(p, s.certificate)) << p.name;
+      EXPECT_TRUE(s.status != Status::infeasible || certificate_holds(p, s.certificate, expected.certificate))
+          << p.name;
       continue;
     }
     ++feasible;

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "solvers/thin_qr.h"
+#include "solvers/whiten.h"
+
+namespace zwang {
+
+// The rows taken to be active, G_A, with a factorization that gains and loses rows. Two of them: orthogonal (QrRows,
+// below; errors grow with cond(G_A)) and by Cholesky on S_A = G_A G_A' (solvers/cholesky_rows.h; with its square).
+class ActiveRows {
+ public:
+  using Part = Eigen::Ref<Vector>;
+  virtual ~ActiveRows() = default;
+
+  const std::vector<Index>& rows() const { return rows_; }  // of the whitened problem, in the factorization's order
+  Index size() const { return static_cast<Index>(rows_.size()); }
+  Index operator[](Index i) const { return rows_[static_cast<std::size_t>(i)]; }
+  bool accepts(double share) const { return share > threshold_; }
+  // A rejected row may be independent all the same: this factorization cannot tell.
+  bool undecided(double share) const { return !accepts(share) && share > certain_; }
+
+  // The part of row `row` outside span(G_A), 1 = orthogonal; the row joins when it is accepted.
+  virtual double append(Index row) = 0;
+  virtual double share(Index row) = 0;
+  virtual void drop(Index position) = 0;
+  virtual double smallest_pivot() const = 0;
+  // t = argmin |v - G_A' t|.
+  virtual void combine(const Vector& v, Part t) = 0;
+  // From r1 (n) and r2 (|A|), in place: dy = r1 + G_A' dl and dl, with G_A dy = r2.
+  virtual void correct(Vector& r1, Part r2) = 0;
+
+ protected:
+  ActiveRows(double threshold, double certain) : threshold_(threshold), certain_(certain) {}
+  ActiveRows(const ActiveRows&) = default;
+  ActiveRows& operator=(const ActiveRows&) = default;
+  void forget(Index position) { rows_.erase(rows_.begin() + position); }
+
+  std::vector<Index> rows_;
+  double threshold_, certain_;
+};
+
+// G_A' = Q R. A row counts as dependent when rounding in the row itself (eps / share) could make it so.
+class QrRows : public ActiveRows {
+ public:
+  QrRows() : ActiveRows(20 * std::numeric_limits<double>::epsilon(), 0) { certain_ = threshold_; }
+
+  // Empty; `w` is kept until the next reset.
+  void reset(const Whitened& w) {
+    w_ = &w;
+    qr_.reset(w.size(), w.rows());
+    rows_.clear();
+    rows_.reserve(static_cast<std::size_t>(w.rows()));
+    part_.resize(std::min(w.size(), w.rows()));
+  }
+  const ThinQr& qr() const { return qr_; }
+
+  double append(Index row) override {
+    const double share = qr_.append(w_->Gt.col(row), threshold_);
+    if (accepts(share)) rows_.push_back(row);
+    return share;
+  }
+  double share(Index row) override {
+    constexpr double never = 2;
+    return qr_.append(w_->Gt.col(row), never);
+  }
+  void drop(Index position) override {
+    qr_.drop(position);
+    forget(position);
+  }
+  double smallest_pivot() const override {
+    double smallest = 1;
+    for (Index i = 0; i < size(); ++i) smallest = std::min(smallest, qr_.pivot(i));
+    return smallest;
+  }
+  void combine(const Vector& v, Part t) override {
+    t.noalias() = qr_.Q().transpose() * v;
+    qr_.solve_R(t);
+  }
+  // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
+  void correct(Vector& r1, Part r2) override {
+    auto t = part_.head(size());
+    qr_.solve_Rt(r2);
+    t.noalias() = qr_.Q().transpose() * r1;
+    r2 -= t;
+    r1.noalias() += qr_.Q() * r2;
+    qr_.solve_R(r2);
+  }
+
+ private:
+  const Whitened* w_ = nullptr;
+  ThinQr qr_;
+  Vector part_;
+};
+
+}  // namespace zwang

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "solvers/cholesky_rows.h"
+#include "solvers/polish.h"
+#include "solvers/registry.h"
+#include "solvers/warm_rows.h"
+#include "solvers/whiten.h"
+
+namespace zwang {
+
+// Sparse Cholesky projection: the dual active-set method (Goldfarb & Idnani 1983, Math. Prog. 27) on the Delassus form
+//
+//   minimize 1/2 l'S l - h'l,  l_I >= 0,   S = G G',   y = G'l,
+//
+// with S_A factorized by CHOLMOD, one row added or taken out per step (its modify module is under the GPL). y is the
+// nearest point to 0 of the active rows; the most violated row r moves it by
+//
+//   l_A -= t S_A^-1 S_Ar,  l_r += t,  y += t (g_r - G_A' S_A^-1 S_Ar),
+//
+// until r holds (r enters) or a multiplier reaches zero (that row leaves).
+//
+// Forming S squares the condition number: alone, CHOLMOD's updates broke at 3e-5 between near-parallel joints and
+// solved a redundant four-bar linkage wrongly. So after every change the KKT residuals are corrected in the primal
+// space; where the correction is large the factor is built anew; and where that does not help, or the polish
+// (solvers/polish.h) finds the factor too coarse for its extended residuals, the rows found so far are handed to
+// orthogonal factors. Solution::fallback tells.
+struct Cholesky {
+  static constexpr const char* name = "cholesky";
+  double refactor_above = 1e-8;  // relative correction of y after a change that makes the factor be built anew
+
+  static std::vector<Setting<Cholesky>> settings() {
+    return {{"refactor_above", &Cholesky::refactor_above, "correction of y, relative, that makes S_A be refactorized"}};
+  }
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  enum class Step { optimal, limit, stuck };
+  void start(const Problem& problem, const SolveOptions& options);
+  Step descend(const Problem& problem, const SolveOptions& options, Solution& solution);
+  bool correct();
+  Index most_violated() const;
+  void drop(Index position);
+
+  Whitened w_;
+  WarmRows warm_rows_;
+  CholeskyRows active_;
+  QrRows orthogonal_;
+  Polish polish_;
+  Vector y_, l_, direction_, rate_, r2_;
+  std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
+};
+
+}  // namespace zwang

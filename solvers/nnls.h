@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/lawson_hanson.h"
+#include "solvers/polish.h"
+#include "solvers/registry.h"
+#include "solvers/warm_rows.h"
+#include "solvers/whiten.h"
+
+namespace zwang {
+
+// Least-distance programming by non-negative least squares (Lawson & Hanson 1974, ch. 23, LDP), in the whitened
+// coordinates of solvers/whiten.h:
+//
+//   E = [G'; h' / sigma],  f = e_{n+1},  u = argmin |E u - f|, u_I >= 0, u_E free;  r = f - E u
+//   y = -sigma r_{1:n} / r_{n+1}   (sign: E u - f in the book),   lambda = sigma u / r_{n+1};   r = 0: infeasible.
+//
+// Needs no k with J k = c, unlike the paper's form (solvers/nnls_paper.h).
+//
+// sigma is the unit of length. Its best value is |y| itself, for then |r|^2 = 1/2; where |y| / sigma is large, r is
+// a small difference of large numbers. So sigma starts at the largest violation and follows |y| up, each round warm
+// started with the passive set of the one before. With sigma fixed at the largest violation the method broke at mass
+// ratios of 4e9; unscaled it breaks near |y| = 1e5.
+//
+// The answer itself comes from solvers/polish.h, on the rows that came out active.
+struct Nnls {
+  static constexpr const char* name = "nnls";
+  bool reduce = true;  // project the equality rows out first (orthogonally) instead of carrying them as free columns
+
+  static std::vector<Setting<Nnls>> settings() {
+    return {{"reduce", &Nnls::reduce, "project the equality rows out first (off: free columns of the least squares)"}};
+  }
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  void eliminate(const Problem& problem);
+  bool least_distance(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void write_iterate(const Problem& problem, Solution& solution);
+
+  Whitened rows_;
+  WarmRows warm_rows_;
+  LawsonHanson least_squares_;
+  QrRows active_;  // the equality rows, then all active rows
+  Polish polish_;
+  Matrix E_;
+  Vector f_, y_E_, h_, length_, y_, unit_, rest_, work_;
+  std::vector<Index> column_;  // column of E -> whitened row
+  std::vector<Index> warm_;    // columns
+  std::vector<char> free_;     // of the columns
+  double sigma_ = 1;
+};
+
+}  // namespace zwang

@@ -1,0 +1,304 @@
+#include "solvers/polish.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
+constexpr long double noise = 32 * real_eps;  // a violation below this share of its terms is rounding
+enum State : char { outside, inside, ignored };
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+auto Polish::row_dot(const Problem& p, const Whitened& w, Index i, const RealVector& v) const -> Real {
+  Real sum = 0;
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+    sum += Real(it.value()) * v[it.col()];
+  return sum / Real(w.row_norm[i]);
+}
+
+void Polish::add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const {
+  factor /= Real(w.row_norm[i]);
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+    v[it.col()] += Real(it.value()) * factor;
+}
+
+auto Polish::violation(const Problem& p, const Whitened& w, Index i) const -> Real {
+  return b_[i] - row_dot(p, w, i, d_);
+}
+
+void Polish::prepare(const Problem& p, Whitened& w) {
+  const Index n = p.size(), k = w.rows();
+  d_.setZero(n);
+  l_.setZero(k);
+  u_.setZero(k);
+  b_.resize(k);
+  force_.resize(n);
+  mu_.resize(std::min(n, k));
+  r1_.resize(n);
+  r2_.resize(std::min(n, k));
+  t_.resize(std::min(n, k));
+  state_.assign(at(k), State::outside);
+  for (Index i = 0; i < k; ++i) {
+    Real sum = p.c[w.row[at(i)]];
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+      sum -= Real(it.value()) * Real(p.z_u[it.col()]);
+    b_[i] = std::ldexp(sum / Real(w.row_norm[i]), -w.exponent);
+  }
+  Real square = 0;
+  for (Index j = 0; j < n; ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+      square += Real(p.z_u[it.row()]) * it.value() * p.z_u[j];
+  z_u_length_ = static_cast<double>(std::ldexp(std::sqrt(std::max(square, Real(0))), -w.exponent));
+}
+
+// False when the corrections do not shrink: the factors no longer describe the rows.
+bool Polish::refine(const Problem& p, Whitened& w, ActiveRows& active) {
+  const Index n = p.size(), a = active.size();
+  auto r2 = r2_.head(a);
+  double last = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < 12; ++step) {
+    force_.setZero();
+    for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
+    for (Index j = 0; j < n; ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+        force_[it.row()] -= Real(it.value()) * d_[j];
+    r1_ = force_.cast<double>();
+    if (n > 0) w.factor.solve_lower(r1_);
+    for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
+
+    active.correct(r1_, r2);
+    for (Index i = 0; i < a; ++i) l_[active[i]] += Real(r2[i]);
+    const double length = r1_.norm();
+    if (n > 0) w.factor.solve_upper(r1_);
+    d_ += r1_.cast<Real>();
+
+    Real square = 0;
+    for (const Index i : active.rows()) square += l_[i] * b_[i];  // |y|^2 = l'b at the solution
+    length_ = static_cast<double>(std::sqrt(std::max(square, Real(0))));
+    scale_ = std::max(z_u_length_, length_);
+    error_ = length;
+    if (!std::isfinite(length)) return false;
+    if (length <= 1e-18 * scale_) return true;
+    if (step > 1 && length > 0.3 * last) return length <= 1e-6 * scale_;
+    last = length;
+  }
+  return true;
+}
+
+// g_row = G_A' mu + rest; returns the length of the rest.
+double Polish::express(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
+  const Index a = active.size();
+  auto t = t_.head(a);
+  mu_.head(a).setZero();
+  for (int step = 0; step < 4; ++step) {
+    force_.setZero();
+    add_row(p, w, row, 1, force_);
+    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i], force_);
+    r1_ = force_.cast<double>();
+    w.factor.solve_lower(r1_);
+    active.combine(r1_, t);
+    mu_.head(a) += t.cast<Real>();
+  }
+  return r1_.norm();
+}
+
+// u = +-(e_row - mu) proves infeasibility when u_I >= 0 and h'u / |G'u| is beyond any motion of this problem: the
+// referee's bound. It is judged after rounding to double, so of three normalizations the one that rounds best is kept
+// (rows in small integers then give integers).
+bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
+  const Real sign = violation(p, w, row) < 0 ? -1 : 1;
+  const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
+  Real first = std::abs(multiplier(row, 1)), smallest = first, largest = first;
+  for (Index i = 0; i < active.size(); ++i) {
+    Real& mu = mu_[i];
+    if (std::abs(mu) <= 16 * real_eps) mu = 0;
+    if (!w.equality[at(active[i])] && sign * mu > 0) return false;
+    if (mu == 0) continue;
+    const Real u = std::abs(multiplier(active[i], mu));
+    smallest = std::min(smallest, u);
+    largest = std::max(largest, u);
+  }
+  for (const Real unit : {first, smallest, largest}) {
+    s.certificate.setZero(p.rows());
+    s.certificate[w.row[at(row)]] = static_cast<double>(multiplier(row, 1) / unit);
+    for (Index i = 0; i < active.size(); ++i)
+      s.certificate[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
+    Real work = 0, noise = 0;
+    force_.setZero();
+    const auto add = [&](Index i) {
+      const Real u = Real(s.certificate[w.row[at(i)]]) * Real(w.row_norm[i]);
+      work += u * b_[i];
+      noise += std::abs(u) * Real(w.magnitude[i]);
+      add_row(p, w, i, u, force_);
+    };
+    add(row);
+    for (const Index i : active.rows()) add(i);
+    r1_ = (force_ / noise).cast<double>();
+    w.factor.solve_lower(r1_);
+    const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
+    if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) return true;
+  }
+  s.certificate.resize(0);
+  return false;
+}
+
+void Polish::remove(ActiveRows& active, Index position) {
+  state_[at(active[position])] = State::outside;
+  l_[active[position]] = 0;
+  active.drop(position);
+}
+
+// The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
+bool Polish::exchange(const Whitened& w, ActiveRows& active, Index row) {
+  const Real sign = w.equality[at(row)] && b_[row] < 0 ? -1 : 1;
+  Index leaving = active.size();
+  Real shortest = std::numeric_limits<Real>::infinity();
+  for (Index i = 0; i < active.size(); ++i) {
+    const Real rate = sign * mu_[i];
+    if (w.equality[at(active[i])] || rate < 1e-9L) continue;
+    const Real step = l_[active[i]] / rate;
+    if (step < shortest) {
+      shortest = step;
+      leaving = i;
+    }
+  }
+  if (leaving == active.size()) return false;
+  remove(active, leaving);
+  if (!active.accepts(active.append(row))) return false;
+  state_[at(row)] = State::inside;
+  return true;
+}
+
+void Polish::write(const Problem& p, const Whitened& w, Solution& s) const {
+  s.z.resize(p.size());
+  for (Index i = 0; i < p.size(); ++i) s.z[i] = static_cast<double>(Real(p.z_u[i]) + std::ldexp(d_[i], w.exponent));
+  s.lambda.setZero(p.rows());
+  for (Index i = 0; i < w.rows(); ++i) {
+    const Real unit = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
+    s.lambda[w.row[at(i)]] = static_cast<double>(std::ldexp(unit / Real(w.row_norm[i]), w.exponent));
+  }
+}
+
+void Polish::name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const {
+  s.redundant.reserve(at(w.rows()) + w.idle.size());
+  s.redundant.assign(w.idle.begin(), w.idle.end());
+  s.margins = {.rank = active.size()};
+  if (active.size() > 0) s.margins.smallest_accepted = active.smallest_pivot();
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::ignored) continue;
+    const double share = active.share(i);
+    if (share > 1e-10) continue;
+    s.redundant.push_back(w.row[at(i)]);
+    s.margins.largest_rejected =
+        std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
+  }
+  std::sort(s.redundant.begin(), s.redundant.end());
+}
+
+// A rejected row that is violated by v and has a share rho outside the others would move z by v / rho if it were
+// obeyed: nothing when it is an exact combination, much when it was only taken for one.
+void Polish::doubt_rejected(const Problem& p, Whitened& w, ActiveRows& active) {
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::ignored) continue;
+    const Real v = violation(p, w, i);
+    if (!w.equality[at(i)] && v <= noise * (Real(w.magnitude[i]) + length_)) continue;
+    const double rho = express(p, w, active, i);
+    if (rho > 64 * real_eps) error_ = std::max(error_, std::min(scale_, static_cast<double>(std::abs(v)) / rho));
+  }
+}
+
+Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
+  prepare(p, w);
+  for (const Index i : active.rows()) state_[at(i)] = State::inside;
+  const Index rounds = 20 + 2 * w.rows();
+  for (Index round = 0; round < rounds; ++round) {
+    if (round > 0) s.fallback = true;
+    if (!refine(p, w, active)) {
+      s.message = "the active rows are too close to dependent to be told apart";
+      break;
+    }
+
+    // The most negative multiplier leaves. One of 1e-15 s moves z by less than that.
+    Index leaving = active.size();
+    Real most = -1e-15L * scale_;
+    for (Index i = 0; i < active.size(); ++i)
+      if (!w.equality[at(active[i])] && l_[active[i]] < most) {
+        most = l_[active[i]];
+        leaving = i;
+      }
+    if (leaving < active.size()) {
+      remove(active, leaving);
+      continue;
+    }
+
+    // The most violated row enters.
+    Index entering = -1;
+    Real worst = noise;
+    for (Index i = 0; i < w.rows(); ++i) {
+      if (state_[at(i)] != State::outside) continue;
+      const Real v = violation(p, w, i), size = Real(w.magnitude[i]) + length_;
+      const Real relative = (w.equality[at(i)] ? std::abs(v) : v) / size;
+      if (relative > worst) {
+        worst = relative;
+        entering = i;
+      }
+    }
+    if (entering < 0) {
+      for (Index i = 0; i < w.rows(); ++i)
+        if (state_[at(i)] == State::outside &&
+            std::abs(violation(p, w, i)) <= 1e-12L * (Real(w.magnitude[i]) + length_))
+          state_[at(i)] = State::ignored;
+      write(p, w, s);
+      name_redundant(w, active, s);
+      error_ = std::max(error_, 64 * static_cast<double>(real_eps) * scale_ / s.margins.smallest_accepted);
+      doubt_rejected(p, w, active);
+      s.status = error_ > std::max(10 * tolerance, 1e-12) * scale_ ? Status::solved_ill_conditioned : Status::solved;
+      return Outcome::solved;
+    }
+    const double share = active.append(entering);
+    if (active.accepts(share)) {
+      state_[at(entering)] = State::inside;
+      continue;
+    }
+    if (active.undecided(share)) {
+      s.message = "a violated row is too close to a combination of the active ones";
+      break;
+    }
+    express(p, w, active, entering);
+    if (farkas(p, w, active, entering, s)) {
+      s.status = Status::infeasible;
+      return Outcome::infeasible;
+    }
+    if (exchange(w, active, entering)) continue;
+    if (worst > 1e-13L) {
+      s.message = "a row that depends on others to rounding contradicts them, but not provably";
+      break;
+    }
+    state_[at(entering)] = State::ignored;
+  }
+  if (s.message.empty()) s.message = "no consistent active set was found";
+  s.status = Status::numerical_failure;
+  write(p, w, s);
+  return Outcome::failed;
+}
+
+bool Polish::certify(const Problem& p, Whitened& w, ActiveRows& active, std::span<const Index> support, Solution& s) {
+  prepare(p, w);
+  for (const Index i : support) {
+    if (active.share(i) > 1e-9 && active.accepts(active.append(i))) continue;
+    express(p, w, active, i);
+    if (farkas(p, w, active, i, s)) {
+      s.status = Status::infeasible;
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace zwang

@@ -1,0 +1,138 @@
+// What the active-set methods promise beyond the contract: digits on ill-conditioned rows, certificates at tiny gaps,
+// and the truths of the stored problems.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/measure.h"
+#include "core/problem_file.h"
+#include "solvers/registry.h"
+
+namespace zwang {
+namespace {
+
+Problem unit_mass(const Matrix& J, const Vector& c, const Vector& z_u, Index equalities) {
+  Problem p{.name = "unit mass"};
+  p.M.resize(z_u.size(), z_u.size());
+  p.M.setIdentity();
+  p.z_u = z_u;
+  p.J = J.sparseView();
+  p.c = c;
+  for (Index i = 0; i < c.size(); ++i) {
+    p.kind.push_back(i < equalities ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({.constraint = static_cast<std::uint64_t>(i), .row = 0});
+  }
+  return p;
+}
+
+class ActiveSet : public testing::TestWithParam<const char*> {
+ protected:
+  AnySolver solver = make_solver(GetParam());
+};
+
+// Two joints whose rows differ by e: z is e-independent, and right as long as the rows can be told apart.
+TEST_P(ActiveSet, NearParallelJointsKeepTheirDigits) {
+  for (int k = 3; k <= 24; ++k) {
+    const double e = std::ldexp(1.0, -k);
+    const Vec3 z0(1, -2, 4);
+    const Matrix J{{1, 2, 2}, {1 + e, 2 - e, 2}};
+    const Problem p = unit_mass(J, J * z0, Vec3(1, -2, 3.5), 2);  // z0 - z_u lies outside the rows' span
+    const Solution s = solver.solve(p);
+    ASSERT_EQ(s.status, Status::solved) << "e = 2^-" << k << ": " << to_string(s.status) << ", " << s.message;
+    EXPECT_LE((J * s.z - p.c).norm(), 1e-14) << "e = 2^-" << k;
+    // The one free direction is orthogonal to both rows: z = z_u + the least-norm correction.
+    const Vec3 free = Vec3(J.row(0)).cross(Vec3(J.row(1))).normalized();
+    EXPECT_NEAR((s.z - p.z_u).dot(free), 0, 1e-11) << "e = 2^-" << k;
+  }
+}
+
+// Rows whose sum is zero: feasible exactly when their c add up to nothing positive.
+TEST_P(ActiveSet, TellsAGapOfOnePartInTenToTheTwelve) {
+  const Matrix J{{1, 0}, {0, 1}, {-1, -1}};
+  for (int k = 3; k <= 40; ++k) {
+    const double gap = std::ldexp(1.0, -k);
+    const Solution open = solver.solve(unit_mass(J, Vec3(1, 1, -2 - gap), Vector{{0, 0}}, 0));
+    EXPECT_EQ(open.status, Status::solved) << "gap = 2^-" << k;
+    const Problem closed = unit_mass(J, Vec3(1, 1, -2 + gap), Vector{{0, 0}}, 0);
+    const Solution s = solver.solve(closed);
+    EXPECT_EQ(s.status, Status::infeasible) << "gap = -2^-" << k;
+    EXPECT_EQ(measure(closed, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << "gap = -2^-" << k;
+  }
+}
+
+TEST_P(ActiveSet, NamesTheRedundantRows) {
+  const Matrix J{{1, 1, 0}, {2, 2, 0}, {0, 0, 1}, {0, 0, 3}};
+  const Solution s = solver.solve(unit_mass(J, Vector{{1, 2, 0, 0}}, Vec3(0, 0, -1), 2));
+  EXPECT_EQ(s.status, Status::solved);
+  ASSERT_EQ(s.redundant.size(), 2u);
+  EXPECT_EQ(s.redundant[0], 1);
+  EXPECT_EQ(s.margins.rank, 2);
+}
+
+TEST_P(ActiveSet, GivesMultipliersThatBalanceTheMotion) {
+  const Matrix J{{1, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+  const Problem p = unit_mass(J, Vector{{1, 0, -5}}, Vec3(0, 0, -1), 1);
+  const Solution s = solver.solve(p);
+  EXPECT_LE((s.z - p.z_u - J.transpose() * s.lambda).norm(), 1e-15);
+  EXPECT_EQ(s.lambda[2], 0);
+}
+
+TEST_P(ActiveSet, StopsAtItsTimeLimit) {
+  const Solution s = solver.solve(unit_mass(Matrix{{1, 0}}, Vector{{1}}, Vector{{0, 0}}, 0), {.time_limit = 0});
+  EXPECT_EQ(s.status, Status::time_limit);
+}
+
+// Hands, towers, duplicated rows, mass ratios, infeasible limits: truths from a 100-digit solve.
+TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
+  const char* set = std::getenv("ZWANG_DATA");
+  const std::filesystem::path data = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
+  if (!std::filesystem::exists(data / "problems")) GTEST_SKIP() << "no " << data / "problems";
+  int compared = 0;
+  for (const char* file : {"H4", "H16", "H64", "H200", "K1", "K2", "tower10", "dup3_H64", "mr1e0", "mr1e2", "mr1e4",
+                           "mr1e6", "infeas_lim", "tight_feas"})
+    for (const Instance& instance : read_problems(data / "problems" / (std::string(file) + ".h5"))) {
+      ASSERT_TRUE(instance.reference) << instance.problem.name;
+      const Solution s = solver.solve(instance.problem);
+      const Metrics found = measure(instance.problem, s, &*instance.reference, 1e-13);
+      EXPECT_EQ(found.verdict, instance.reference->feasible ? Verdict::solved : Verdict::infeasible_proven)
+          << instance.problem.name << ": " << to_string(s.status) << ", " << s.message << ", z_error " << found.z_error;
+      ++compared;
+    }
+  EXPECT_GE(compared, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet, testing::Values("nnls", "nnls:reduce=off", "cholesky"), [](const auto& i) {
+  std::string name = i.param;
+  for (char& letter : name)
+    if (!std::isalnum(static_cast<unsigned char>(letter))) letter = '_';
+  return name;
+});
+
+// c in the range of J: right. Outside: wrong, and the message says how far outside.
+TEST(NnlsPaper, IsRightWhereKExists) {
+  const Problem p = unit_mass(Matrix{{1, 0, 0}, {0, 0, 1}}, Vector{{2, -1}}, Vec3(0, 3, -10), 1);
+  const Solution s = make_solver("nnls_paper").solve(p);
+  EXPECT_EQ(s.status, Status::solved);
+  EXPECT_LE((s.z - Vec3(2, 3, -1)).norm(), 1e-15);
+  EXPECT_EQ(s.message.substr(0, 10), "range gap ");
+  EXPECT_LE(std::stod(s.message.substr(10)), 1e-15);
+}
+
+TEST(NnlsPaper, IsWrongAndSaysWhyOutsideTheRange) {
+  // z >= 1 and z >= 3 are one inequality; no k meets both as equalities, and least squares takes k = 2.
+  const Problem p = unit_mass(Matrix{{1}, {1}}, Vector{{1, 3}}, Vector{{0}}, 0);
+  const Solution s = make_solver("nnls_paper").solve(p);
+  EXPECT_EQ(s.status, Status::solved);
+  EXPECT_NEAR(s.z[0], 2, 1e-15);
+  EXPECT_EQ(s.message, "range gap 4.5e-01");  // sqrt(2) / sqrt(10)
+}
+
+// One body on the ground, z_u = -1: Eq. 10 as printed gives +1.
+TEST(NnlsPaper, PutsTheHalfOutsideTheNorm) {
+  const Solution s = make_solver("nnls_paper").solve(unit_mass(Matrix{{1}}, Vector{{0}}, Vector{{-1}}, 0));
+  EXPECT_EQ(s.z[0], 0);
+}
+
+}  // namespace
+}  // namespace zwang
