@@ -74,7 +74,7 @@ std::string tolerance_range(const std::set<double>& tolerances) {
 std::string knob_text(double value) {
   if (!std::isfinite(value)) return "";
   int exponent = 0;
-  if (const double mantissa = std::frexp(std::abs(value), &exponent); mantissa == 0.5 && std::abs(exponent - 1) > 3)
+  if (const double mantissa = std::frexp(std::abs(value), &exponent); mantissa == 0.5 && (exponent < -2 || exponent > 10))
     return std::string(value < 0 ? "-" : "") + "2^" + std::to_string(exponent - 1);
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -101,7 +101,10 @@ Table claims_table(const Run& run) {
     ++group.runs;
     if (r.z_error > group.worst->z_error) group.worst = &r;
   }
-  const auto rank = [](const Group& g) { return std::pair(gravity(*g.worst), g.worst); };  // then in file order
+  // The gravest first; among them the largest error, and before all errors an answer where none exists.
+  const auto rank = [](const Group& g) {
+    return std::tuple(gravity(*g.worst), std::isfinite(g.worst->z_error) ? -g.worst->z_error : -INFINITY, g.worst);
+  };
   std::sort(groups.begin(), groups.end(), [rank](const Group& a, const Group& b) { return rank(a) < rank(b); });
   int lies = 0;
   for (const Group& group : groups) {
@@ -166,7 +169,7 @@ Table means_table(const Run& run) {
   const auto groups = group_by_problem(run.results, solvers);
   table.rows.resize(solvers.size());
   for (std::size_t s = 0; s < solvers.size(); ++s) table.rows[s] = {solvers[s], "", {{solvers[s]}}, ""};
-  for (const double error : error_levels) {
+  for (const double error : {1e-6, 1e-12}) {
     const Times times = times_to_error(groups, "", error);
     const double near = natural_shift(times);
     if (near == 0) continue;

@@ -45,7 +45,7 @@ Table solver_table(const Run& run);       // method and limits
 Table conditions_table(const Run& run);   // commit, compiler, CPU, libraries, seed
 std::vector<Table> all_tables(const Run& run);
 
-std::string knob_text(double value);  // "2^-27" for powers of two, else "64" or "1e-3"
+std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 
 std::string to_csv(const Table& table);
 std::string to_tex(const Table& table);

@@ -48,7 +48,7 @@
   }
 
   const functions = {
-    power_label: value => value > 2 ? '' : `10${superscript(Math.round(Math.log10(value)))}`,
+    power_label: value => `10${superscript(Math.round(Math.log10(value)))}`,
     // Label decades; 2 and 5 only where the axis is short.
     time_label: (value, domain) => {
       const m = Math.round(mantissa(value));

@@ -87,7 +87,7 @@
     const options = {theme: state.theme, words: placeholders(name, holder), width: 'container'};
     shown_spec[name] = JSON.stringify(options.words);
     const result = await vegaEmbed(plot, spec(SPECS[name], drawn, data.solvers, options),
-      {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, tooltip: {theme: state.theme}});
+      {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, logLevel: vega.Error, tooltip: {theme: state.theme}});
     const view = views[name] = result.view;
     view.signal('focus', state.focus);
     let last = '';
@@ -176,7 +176,7 @@
     const with_commands = holder.dataset.commands === 'shown';
     const body = element('tbody');
     const color = Object.fromEntries(styles(data.solvers, state.theme).map(s => [s.name, s.color]));
-    const folded = shown.length > short_table + 3 && !unfolded.has(id);
+    const folded = holder.dataset.fold !== 'never' && shown.length > short_table + 3 && !unfolded.has(id);
     for (const row of folded ? shown.slice(0, short_table) : shown) {
       const line = element('tr', {className: with_commands && row.command ? 'with-command' : ''});
       row.cells.forEach((cell, i) => {
@@ -187,6 +187,7 @@
           const dot = element('span', {className: 'swatch'});
           dot.style.background = color[row.solver];
           td.prepend(dot);
+          td.classList.add('solver');
         }
         line.append(td);
       });

@@ -1,0 +1,72 @@
+// Drives headless Chromium over its debugging pipe (Chrome DevTools Protocol, messages ended by a zero byte), with
+// Node's standard library alone.
+import {spawn} from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+
+export async function open_browser() {
+  const profile = fs.mkdtempSync(`${os.tmpdir()}/zwang-chromium-`);
+  const child = spawn('chromium', ['--headless=new', '--no-sandbox', '--disable-gpu', '--hide-scrollbars', '--no-first-run', '--disable-background-networking',
+    '--disable-component-update', '--disable-sync', `--user-data-dir=${profile}`, '--remote-debugging-pipe'], {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
+  const waiting = new Map(), listeners = [];
+  let last = 0, rest = '';
+  child.stdio[4].setEncoding('utf8').on('data', chunk => {
+    const parts = (rest + chunk).split('\0');
+    rest = parts.pop();
+    for (const part of parts) {
+      const message = JSON.parse(part);
+      if (message.id === undefined) listeners.forEach(listen => listen(message));
+      else {
+        const {resolve, reject, method} = waiting.get(message.id);
+        waiting.delete(message.id);
+        message.error ? reject(new Error(`${method}: ${message.error.message}`)) : resolve(message.result);
+      }
+    }
+  });
+  child.on('exit', () => waiting.forEach(({reject, method}) => reject(new Error(`Chromium ended during ${method}`))));
+  const send = (method, params = {}, sessionId) => new Promise((resolve, reject) => {
+    waiting.set(++last, {resolve, reject, method});
+    child.stdio[3].write(JSON.stringify({id: last, method, params, sessionId}) + '\0');
+  });
+
+  async function open_page(file, {width = 1280, height = 900, dark = false} = {}) {
+    const {targetId} = await send('Target.createTarget', {url: 'about:blank'});
+    const {sessionId} = await send('Target.attachToTarget', {targetId, flatten: true});
+    const page = (method, params) => send(method, params, sessionId);
+    const requests = [], complaints = [];
+    let loaded;
+    const load = new Promise(resolve => { loaded = resolve; });
+    listeners.push(({method, params, sessionId: from}) => {
+      if (from !== sessionId) return;
+      if (method === 'Network.requestWillBeSent') requests.push(params.request.url);
+      if (method === 'Runtime.exceptionThrown') complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
+      if (method === 'Runtime.consoleAPICalled' && ['error', 'warning'].includes(params.type)) complaints.push(params.args.map(a => a.value ?? a.description).join(' '));
+      if (method === 'Log.entryAdded' && params.entry.level === 'error') complaints.push(params.entry.text);
+      if (method === 'Page.loadEventFired') loaded();
+    });
+    for (const domain of ['Network', 'Runtime', 'Log', 'Page']) await page(`${domain}.enable`);
+    await page('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
+    await page('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: dark ? 'dark' : 'light'}]});
+    await page('Page.navigate', {url: `file://${fs.realpathSync(file)}`});
+    await load;
+    const evaluate = async expression => {
+      const {result, exceptionDetails} = await page('Runtime.evaluate', {expression: `(async () => (${expression}))()`, awaitPromise: true, returnByValue: true});
+      if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+      return result.value;
+    };
+    const screenshot = async (png, top = 0, bottom = Infinity) => {
+      const {cssContentSize: {height: full}} = await page('Page.getLayoutMetrics');
+      const clip = {clip: {x: 0, y: top, width, height: Math.min(full, bottom) - top, scale: 1}, captureBeyondViewport: true};
+      fs.writeFileSync(png, Buffer.from((await page('Page.captureScreenshot', {format: 'png', ...clip})).data, 'base64'));
+    };
+    const mouse = (type, x, y, more = {}) => page('Input.dispatchMouseEvent', {type, x, y, ...more});
+    const close = () => send('Target.closeTarget', {targetId});
+    return {evaluate, screenshot, mouse, close, requests, complaints};
+  }
+  async function close() {
+    await send('Browser.close').catch(() => {});
+    await new Promise(resolve => child.exitCode === null ? child.on('exit', resolve) : resolve());
+    fs.rmSync(profile, {recursive: true, force: true, maxRetries: 5});
+  }
+  return {open_page, close};
+}
