@@ -74,7 +74,8 @@ std::string tolerance_range(const std::set<double>& tolerances) {
 std::string knob_text(double value) {
   if (!std::isfinite(value)) return "";
   int exponent = 0;
-  if (const double mantissa = std::frexp(std::abs(value), &exponent); mantissa == 0.5 && (exponent < -2 || exponent > 10))
+  if (const double mantissa = std::frexp(std::abs(value), &exponent);
+      mantissa == 0.5 && (exponent < -2 || exponent > 10))
     return std::string(value < 0 ? "-" : "") + "2^" + std::to_string(exponent - 1);
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -423,6 +424,7 @@ Table reference_table(const Run& run) {
                            count_cell(static_cast<int>(infeasible.size()))},
                           ""});
   }
+  if (table.rows.empty()) table.note = "The run holds no results.";
   return table;
 }
 
@@ -431,6 +433,7 @@ Table solver_table(const Run& run) {
   for (const SolverInfo& s : run.solvers)
     table.rows.push_back(
         {s.name, "", {{s.name}, {s.method}, {s.limits}, {s.foreign ? "a child process" : "this process"}}, ""});
+  if (table.rows.empty()) table.note = "No solver has run yet.";
   return table;
 }
 

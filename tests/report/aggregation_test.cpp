@@ -1,0 +1,258 @@
+// Aggregations against values worked out by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "experiments/report/accuracy.h"
+#include "experiments/report/charts.h"
+#include "experiments/report/compare.h"
+#include "experiments/report/profile.h"
+#include "experiments/report/statistics.h"
+#include "experiments/report/sweeps.h"
+#include "experiments/report/tables.h"
+
+namespace zwang::report {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Result run(const std::string& problem, const std::string& solver, double tolerance, double error, double seconds,
+           const std::string& claimed = "solved", const std::string& verified = "solved") {
+  Result r;
+  r.problem = problem;
+  r.family = "f";
+  r.solver = solver;
+  r.tolerance = tolerance;
+  r.z_error = error;
+  r.solve_s = seconds;
+  r.claimed = claimed;
+  r.verified = verified;
+  return r;
+}
+
+double reach(const std::vector<Result>& results, double error) {
+  std::vector<const Result*> runs;
+  for (const Result& r : results) runs.push_back(&r);
+  return time_to_error(runs, error);
+}
+
+TEST(Statistics, MedianSkipsTheUnknown) {
+  EXPECT_EQ(median({3, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, unknown, 2, 3}), 2.5);
+  EXPECT_TRUE(std::isnan(median({})));
+}
+
+TEST(Statistics, GeometricMeanWithAndWithoutShift) {
+  EXPECT_NEAR(geometric_mean({1, 100}), 10, 1e-12);
+  EXPECT_NEAR(geometric_mean({1, 7}, 1), 3, 1e-12);  // sqrt(2 * 8) - 1
+}
+
+TEST(Statistics, PowerLawOfExactDataHasNoError) {
+  const PowerLaw law = fit_power_law({1, 2, 4, 8}, {3, 12, 48, 192});
+  EXPECT_NEAR(law.factor, 3, 1e-12);
+  EXPECT_NEAR(law.exponent, 2, 1e-12);
+  EXPECT_NEAR(law.error, 0, 1e-7);
+}
+
+TEST(Statistics, PowerLawErrorOfThreePoints) {
+  // In logarithms to base e: x = 0, 1, 2; y = 0, 2, 1. Slope 1/2, residuals -1/2, 1, -1/2: s.e. = sqrt(1.5 / 1 / 2).
+  const PowerLaw law = fit_power_law({1, std::exp(1), std::exp(2)}, {1, std::exp(2), std::exp(1)});
+  EXPECT_NEAR(law.exponent, 0.5, 1e-12);
+  EXPECT_NEAR(law.error, std::sqrt(0.75), 1e-12);
+}
+
+TEST(Accuracy, InterpolatesBetweenRungsInLogarithms) {
+  // 1e-2 in 1 s, 1e-6 in 100 s: 1e-4 lies half way, at 10 s.
+  const std::vector<Result> ladder = {run("p", "s", 1e-2, 1e-2, 1), run("p", "s", 1e-6, 1e-6, 100)};
+  EXPECT_NEAR(reach(ladder, 1e-4), 10, 1e-9);
+  EXPECT_EQ(reach(ladder, 1e-1), 1);
+  EXPECT_NEAR(reach(ladder, 1e-6), 100, 1e-9);
+  EXPECT_EQ(reach(ladder, 1e-7), infinite);
+}
+
+TEST(Accuracy, TakesTheCheapestRunThatReachesTheError) {
+  EXPECT_EQ(reach({run("p", "s", 1e-2, 1e-15, 7), run("p", "s", 1e-6, 1e-15, 5), run("p", "s", 1e-8, 0, 6)}, 1e-9), 5);
+}
+
+TEST(Accuracy, LiesNeverCount) {
+  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "solved", "wrong")}, 1e-3), infinite);
+  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "iteration limit", "wrong")}, 1e-3), 1);
+}
+
+TEST(Accuracy, OnlyAProofCountsOnAnInfeasibleProblem) {
+  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, proven")}, 1e-9), 2);
+  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, claimed only")}, 1e-9), infinite);
+}
+
+TEST(Accuracy, RanksBySolvedProblemsThenByTimeWithRatiosOnCommonProblems) {
+  const std::vector<Result> results = {run("p", "slow", 1e-9, 1e-12, 4),      run("q", "slow", 1e-9, 1e-12, 9),
+                                       run("p", "quick", 1e-9, 1e-12, 1),     run("q", "quick", 1e-9, 1e-12, 1),
+                                       run("p", "partial", 1e-9, 1e-12, 0.5), run("q", "partial", 1e-9, 1e-3, 0.5)};
+  const auto table = accuracy_matched(results, "f", 1e-9);
+  ASSERT_EQ(table.size(), 3u);
+  EXPECT_EQ(table[0].solver, "quick");
+  EXPECT_EQ(table[0].ratio, 1);
+  EXPECT_EQ(table[1].solver, "slow");
+  EXPECT_NEAR(table[1].time_s, 6, 1e-12);
+  EXPECT_NEAR(table[1].ratio, 6, 1e-12);
+  EXPECT_EQ(table[2].solver, "partial");
+  EXPECT_EQ(table[2].reached, 1);
+  EXPECT_EQ(table[2].problems, 2);
+  EXPECT_NEAR(table[2].ratio, 0.5, 1e-12);
+  EXPECT_EQ(accuracy_headline(results, "f", 1e-9),
+            "On f at 1e-9 achieved error: quick 1.0 s, slow 6.0 s (6.0x), partial 500 ms (0.5x, 1 of 2)");
+  EXPECT_TRUE(accuracy_matched(results, "another", 1e-9).empty());
+  EXPECT_EQ(accuracy_headline(results, "another", 1e-9), "");
+}
+
+// Three problems, two solvers; nobody solves the third.
+const Times times = {{1, 2}, {6, 3}, {infinite, infinite}};
+
+TEST(Profile, StaircaseOfRatiosKeepsUnsolvedProblemsInTheDenominator) {
+  const auto curves = performance_profile(times);
+  ASSERT_EQ(curves.size(), 2u);
+  ASSERT_EQ(curves[0].size(), 2u);
+  EXPECT_EQ(curves[0][0].at, 1);
+  EXPECT_NEAR(curves[0][0].share, 1.0 / 3, 1e-15);
+  EXPECT_EQ(curves[0][1].at, 2);
+  EXPECT_NEAR(curves[0][1].share, 2.0 / 3, 1e-15);
+}
+
+TEST(Profile, EqualRatiosAreOneStep) {
+  const auto curves = performance_profile({{1, 2}, {2, 4}});
+  ASSERT_EQ(curves[1].size(), 1u);
+  EXPECT_EQ(curves[1][0].at, 2);
+  EXPECT_EQ(curves[1][0].share, 1);
+}
+
+TEST(Profile, DataProfileCountsSeconds) {
+  const auto curves = data_profile(times);
+  ASSERT_EQ(curves[0].size(), 2u);
+  EXPECT_EQ(curves[0][1].at, 6);
+  EXPECT_NEAR(curves[0][1].share, 2.0 / 3, 1e-15);
+}
+
+TEST(Profile, AFailureCostsTheMeanTenTimesTheSlowestSuccess) {
+  const auto means = shifted_geometric_means({{1, infinite}, {4, 1}}, 0, 10);
+  EXPECT_NEAR(means[0], 2, 1e-12);
+  EXPECT_NEAR(means[1], std::sqrt(10.0), 1e-12);
+  EXPECT_EQ(natural_shift({{1.9e-5, infinite}, {3.3e-5, 2.4e-5}}), 2e-5);
+}
+
+Result sweep_run(double knob, double error, const std::string& claimed, const std::string& verified) {
+  Result r = run("mr " + std::to_string(knob), "s", 1e-10, error, 1, claimed, verified);
+  r.family = "MR";
+  r.knob = "ratio";
+  r.knob_value = knob;
+  return r;
+}
+
+TEST(Sweeps, FirstFailureAndFirstLieInFileOrder) {
+  const std::vector<Result> results = {
+      sweep_run(1, 1e-15, "solved", "solved"), sweep_run(16, 1e-5, "iteration limit", "wrong"),
+      sweep_run(256, unknown, "solved", "undecided"), sweep_run(4096, 1e-2, "solved", "wrong")};
+  const auto points = break_points(results, {"s"});
+  ASSERT_EQ(points.size(), 1u);
+  ASSERT_NE(points[0].fails, nullptr);
+  EXPECT_EQ(points[0].fails->knob_value, 16);
+  ASSERT_NE(points[0].lies, nullptr);
+  EXPECT_EQ(points[0].lies->knob_value, 4096);
+  EXPECT_EQ(points[0].undecided, 1);
+  EXPECT_EQ(points[0].problems, 4);
+}
+
+TEST(Sweeps, TheTightestToleranceSpeaksForASolver) {
+  std::vector<Result> results = {sweep_run(1, 1e-3, "solved", "solved"), sweep_run(1, 1e-12, "solved", "solved")};
+  results[0].tolerance = 1e-2;
+  EXPECT_EQ(break_points(results, {"s"})[0].fails, nullptr);
+}
+
+TEST(Sweeps, StatesOfASingleRun) {
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "infeasible, proven")), "right");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "wrong")), "lies");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "unsupported", "unsupported")), "");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "time limit", "timeout")), "fails");
+  EXPECT_EQ(sweep_state(sweep_run(1, 1e-4, "solved, ill-conditioned", "wrong")), "fails");
+}
+
+TEST(Sweeps, ExponentOverTheUpperHalfOfTheSizes) {
+  std::vector<Result> results;
+  for (const int size : {1, 2, 4, 8, 16, 32, 64}) {
+    Result r = run(std::to_string(size), "s", 1e-8, 1e-9, size < 8 ? 1.0 : size * size / 64.0);
+    r.knob = "boxes";
+    r.knob_value = size;
+    r.m = size;
+    r.n = 6 * size;
+    results.push_back(r);
+  }
+  const auto families = scaling(results, {"s"}, 1e-6);
+  ASSERT_EQ(families.size(), 1u);
+  EXPECT_EQ(families[0].axis, "boxes");
+  EXPECT_EQ(families[0].points.size(), 7u);
+  ASSERT_EQ(families[0].fits.size(), 1u);
+  EXPECT_EQ(families[0].fits[0].from, 8);
+  EXPECT_NEAR(families[0].fits[0].law.exponent, 2, 1e-9);
+}
+
+TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
+  report::Run all;
+  all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),
+                 run("p", "s", 1e-10, 1e-2, 1, "solved", "wrong"), run("p", "s", 1e-12, 1e-1, 1, "solved", "wrong"),
+                 run("p", "s", 1e-2, 1e-1, 1, "iteration limit", "wrong")};
+  for (Result& r : all.results) r.replay = scientific(r.tolerance, 0);
+  const Table table = claims_table(all);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0].command, "1e-12");
+  EXPECT_EQ(table.rows[0].cells[2].text, "1e-10 to 1e-12");
+  EXPECT_EQ(table.rows[0].cells[4].tone, "bad");
+  EXPECT_EQ(table.rows[1].cells[4].text, "solved, ill-conditioned");
+}
+
+TEST(Tables, FilesEscapeWhatTheirFormatReads) {
+  const Table table{"t", "", {{"a_b"}, {"x, y", true}}, {{"", "", {{"50 %"}, {"2.0 us", 2e-6}}, ""}}};
+  EXPECT_EQ(to_csv(table), "a_b,\"x, y\"\n50 %,2e-06\n");
+  EXPECT_NE(to_tex(table).find("a\\_b & x, y \\\\"), std::string::npos);
+  EXPECT_NE(to_tex(table).find("50 \\% & 2.0 $\\mu$s \\\\"), std::string::npos);
+}
+
+TEST(Tables, PowersOfTwoFarFromOne) {
+  EXPECT_EQ(knob_text(std::ldexp(1, -27)), "2^-27");
+  EXPECT_EQ(knob_text(std::ldexp(1, 48)), "2^48");
+  EXPECT_EQ(knob_text(64), "64");
+  EXPECT_EQ(knob_text(-std::ldexp(1, -20)), "-2^-20");
+}
+
+TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
+  report::Run a, b;
+  a.results = {run("p", "s", 1e-8, 1e-9, 4), run("q", "s", 1e-8, 1e-9, 1)};
+  b.results = {run("p renamed", "s", 1e-8, 1e-9, 1), run("r", "s", 1e-8, 1e-9, 1),
+               run("p renamed", "new", 1e-8, 1e-9, 2)};
+  a.results[0].problem_sha256 = b.results[0].problem_sha256 = b.results[2].problem_sha256 = "same";
+  a.solvers = {{.name = "s"}};
+  b.solvers = {{.name = "s"}, {.name = "new"}};
+  const report::Run both = merged(a, b);
+  ASSERT_EQ(both.solvers.size(), 3u);
+  EXPECT_EQ(both.solvers[0].name, "s @A");
+  EXPECT_EQ(both.solvers[1].name, "s @B");
+  EXPECT_EQ(both.solvers[2].name, "new");
+  EXPECT_EQ(both.results[2].problem, "p");
+  const Table table = comparison_table(a, b);
+  ASSERT_EQ(table.rows.size(), 1u);
+  EXPECT_EQ(table.rows[0].cells[1].value, 1);              // one problem in both
+  EXPECT_NEAR(table.rows[0].cells[4].value, 0.25, 1e-12);  // B needs a quarter of the time
+  EXPECT_NE(table.note.find("Only in run B: new"), std::string::npos);
+}
+
+TEST(Charts, HowARunIsDrawn) {
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-9, 1)), "ok");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "solved", "wrong")), "wrong");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "iteration limit", "wrong")), "missed");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "solved", "undecided")), "undecided");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "time limit", "timeout")), "failed");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "unsupported", "unsupported")), "");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "infeasible", "infeasible, proven")), "");
+}
+
+}  // namespace
+}  // namespace zwang::report

@@ -1,0 +1,23 @@
+// node figures_test.mjs WRITE_PAGES: figures and tables for print, of a small synthetic run.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+
+const here = new URL('.', import.meta.url).pathname;
+const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);
+try {
+  execFileSync('node', [`${here}make_results.mjs`, dir, 'one']);
+  const files = execFileSync(process.argv[2], [dir, 'figures'], {encoding: 'utf8'}).trim().split('\n');
+  for (const name of ['figures/work-precision.svg', 'figures/work-precision.pdf', 'figures/profile.svg', 'tables/accuracy.tex', 'tables/accuracy.csv'])
+    assert.ok(files.includes(`${dir}/${name}`), `${name} among ${files}`);
+  const svg = fs.readFileSync(`${dir}/figures/work-precision-hand.svg`, 'utf8');
+  assert.match(svg, /cafebabe0000/, 'a figure names its commit');
+  assert.match(svg, /achieved error/, 'axes have titles');
+  assert.match(svg, /dual_active_set/, 'the legend names the solver');
+  assert.equal(fs.readFileSync(`${dir}/figures/profile.pdf`).subarray(0, 5).toString(), '%PDF-');
+  assert.match(fs.readFileSync(`${dir}/tables/accuracy.csv`, 'utf8'), /^hand,dual_active_set,\d/m);
+  assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
+} finally {
+  fs.rmSync(dir, {recursive: true, force: true});
+}

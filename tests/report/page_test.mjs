@@ -1,0 +1,141 @@
+// node page_test.mjs WRITE_PAGES: the report of synthetic runs, driven in headless Chromium.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import {open_browser} from './chromium.mjs';
+
+const write_pages = process.argv[2];
+const here = new URL('.', import.meta.url).pathname;
+const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-page-`);
+const run_of = kind => {
+  execFileSync('node', [`${here}make_results.mjs`, `${folder}/${kind}`, kind]);
+  return `${folder}/${kind}`;
+};
+const report_of = kind => execFileSync(write_pages, [run_of(kind)], {encoding: 'utf8'}).trim();
+
+const charts = ['work-precision', 'families', 'profile', 'data-profile', 'convergence-iteration', 'convergence-time', 'scaling', 'sweep', 'range-gap'];
+const settled = 'new Promise(done => setTimeout(done, 300))';
+const ink = name => `(() => {
+  const canvas = document.querySelector('[data-chart="${name}"] canvas');
+  if (!canvas) return 0;
+  const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let inked = 0;
+  for (let i = 3; i < pixels.length; i += 4) inked += pixels[i] > 20;
+  return inked / (pixels.length / 4);
+})()`;
+const solvers_in = name => `[...new Set(zwang_page.views['${name}'].data('rows').map(row => row.solver))]`;
+
+const browser = await open_browser();
+try {
+  await browses_a_full_run();
+  await fits_a_phone_in_the_dark();
+  for (const kind of ['empty', 'one', 'undecided', 'torn']) await explains_what_is_missing(kind);
+  await sets_two_runs_side_by_side();
+} finally {
+  await browser.close();
+  fs.rmSync(folder, {recursive: true, force: true});
+}
+
+// Nothing but the page itself is asked for, and nobody complains.
+async function is_quiet(page) {
+  assert.deepEqual(page.complaints, []);
+  assert.deepEqual(await page.evaluate('zwang_page.errors'), []);
+  assert.equal(page.requests.filter(url => !/^(data|blob):/.test(url)).length, 1, page.requests.join(' '));
+}
+
+async function browses_a_full_run() {
+  const page = await browser.open_page(report_of('full'));
+  await page.evaluate('zwang_page.draw_all()');
+  assert.equal(await page.evaluate('document.title'), 'zwang: synthetic suite');
+  for (const name of charts) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink`);
+  const first_heading = await page.evaluate(`document.querySelector('main table').closest('section').id`);
+  assert.equal(first_heading, 'claims', 'the first table is the one of false claims');
+  const first_row = await page.evaluate(`document.querySelector('#claims tbody tr').innerText`);
+  assert.match(first_row, /solved|infeasible/);
+  assert.match(await page.evaluate(`document.querySelector('#claims tr.command code').textContent`), /^\.\/zwang solve \S+\.h5 --solver \S+ --tolerance 1e-\d+$/);
+
+  const chip = `document.querySelector('.chip[data-solver=nnls]')`;
+  assert.ok((await page.evaluate(solvers_in('work-precision'))).includes('nnls'));
+  await page.evaluate(`(${chip}.click(), ${settled})`);
+  for (const name of ['work-precision', 'families', 'profile', 'scaling', 'sweep'])
+    assert.ok(!(await page.evaluate(solvers_in(name))).includes('nnls'), `${name} hides nnls`);
+  assert.ok(!(await page.evaluate(`[...document.querySelectorAll('#accuracy td.solver')].map(td => td.textContent)`)).includes('nnls'));
+  await page.evaluate(`(${chip}.click(), ${settled})`);
+  assert.ok((await page.evaluate(solvers_in('work-precision'))).includes('nnls'));
+  await page.evaluate(`zwang_page.choose(new Set())`);
+  assert.match(await page.evaluate(`document.querySelector('[data-chart=profile]').innerText`), /No solver is chosen/);
+  await page.evaluate(`zwang_page.choose(new Set(['nnls', 'pgs']))`);
+  assert.ok(await page.evaluate(ink('profile')) > 0.005, 'drawn again after none');
+
+  // A point found through the scales: tooltip, replay command on click, zoom only with Alt.
+  const find = `(() => {
+    const view = zwang_page.views['work-precision'], box = document.querySelector('[data-chart=work-precision] canvas').getBoundingClientRect();
+    const row = view.data('rows').find(row => row.solver === 'pgs' && row.drawn === 'ok');
+    return {x: box.left + view.origin()[0] + view.scale('x')(row.x), y: box.top + view.origin()[1] + view.scale('y')(row.time), replay: row.replay};
+  })()`;
+  await page.evaluate(`(document.querySelector('[data-chart=work-precision]').scrollIntoView({block: 'center'}), ${settled})`);
+  const point = await page.evaluate(find);
+  await page.mouse('mouseMoved', point.x + 2, point.y + 1);
+  await page.mouse('mouseMoved', point.x, point.y);
+  await page.evaluate(settled);
+  const tip = await page.evaluate(`document.querySelector('#vg-tooltip-element').innerText`);
+  for (const part of ['pgs', 'tolerance asked', 'error achieved', 'claimed', 'verified', 'replay']) assert.ok(tip.includes(part), `tooltip has ${part}: ${tip}`);
+  for (const type of ['mousePressed', 'mouseReleased']) await page.mouse(type, point.x, point.y, {button: 'left', clickCount: 1});
+  await page.evaluate(settled);
+  assert.equal(await page.evaluate(`document.querySelector('[data-chart=work-precision] .tools code').textContent`), point.replay);
+  const domain = `zwang_page.views['work-precision'].scale('x').domain()`;
+  const before = await page.evaluate(domain);
+  await page.mouse('mouseWheel', point.x, point.y, {deltaX: 0, deltaY: 60});
+  await page.evaluate(settled);
+  assert.deepEqual(await page.evaluate(domain), before, 'the wheel alone scrolls the page');
+  const again = await page.evaluate(find);
+  await page.mouse('mouseWheel', again.x, again.y, {deltaX: 0, deltaY: -200, modifiers: 1});
+  await page.evaluate(settled);
+  assert.notDeepEqual(await page.evaluate(domain), before, 'Alt and the wheel zoom');
+
+  // The policy in the page stops a request before it leaves.
+  assert.equal(await page.evaluate(`fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'stopped')`), 'stopped');
+  page.complaints.length = 0;  // the browser reports the stopped request itself
+  page.requests.splice(1);
+  await is_quiet(page);
+  await page.close();
+}
+
+async function fits_a_phone_in_the_dark() {
+  const page = await browser.open_page(`${folder}/full/report.html`, {width: 390, height: 800, dark: true});
+  await page.evaluate('zwang_page.draw_all()');
+  assert.equal(await page.evaluate('document.documentElement.dataset.theme'), 'dark');
+  assert.ok(await page.evaluate('document.documentElement.scrollWidth') <= 390, 'nothing sticks out at the side');
+  for (const name of charts) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink in the dark`);
+  await page.evaluate(`zwang_page.set_theme('light')`);
+  assert.ok(await page.evaluate(ink('profile')) > 0.005, 'drawn again in the light');
+  await is_quiet(page);
+  await page.close();
+}
+
+async function explains_what_is_missing(kind) {
+  const page = await browser.open_page(report_of(kind));
+  await page.evaluate('zwang_page.draw_all()');
+  const text = await page.evaluate('document.body.innerText');
+  const bare = await page.evaluate(`[...document.querySelectorAll('[data-chart], [data-table]')].filter(x => x.innerText.trim() === '' && !x.querySelector('canvas')).map(x => x.outerHTML)`);
+  assert.deepEqual(bare, [], `${kind}: each empty chart and table says why`);
+  if (kind === 'empty') assert.match(text, /holds no results/);
+  if (kind === 'one') assert.match(text, /none of the stability families/);
+  if (kind === 'undecided') assert.match(text, /no reference/);
+  if (kind === 'torn') assert.match(text, /last line of results.jsonl is torn/);
+  await is_quiet(page);
+  await page.close();
+}
+
+async function sets_two_runs_side_by_side() {
+  const file = execFileSync(write_pages, [`${folder}/full`, run_of('later'), `${folder}/comparison.html`], {encoding: 'utf8'}).trim();
+  const page = await browser.open_page(file);
+  await page.evaluate('zwang_page.draw_all()');
+  const chips = await page.evaluate(`[...document.querySelectorAll('.chip[data-solver]')].map(chip => chip.dataset.solver)`);
+  for (const name of ['nnls @A', 'nnls @B', 'mine']) assert.ok(chips.includes(name), `${name} among ${chips}`);
+  assert.match(await page.evaluate(`document.querySelector('#comparison').innerText`), /Only in run B: mine/);
+  assert.ok(await page.evaluate(ink('work-precision')) > 0.005);
+  await is_quiet(page);
+  await page.close();
+}

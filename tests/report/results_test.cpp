@@ -1,0 +1,89 @@
+#include "experiments/report/results.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace zwang::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A run folder that holds the given text as results.jsonl.
+fs::path folder(const std::string& results) {
+  const fs::path dir =
+      fs::path(testing::TempDir()) / "zwang_results" / testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::create_directories(dir);
+  std::ofstream(dir / "results.jsonl") << results;
+  return dir;
+}
+
+const std::string line =
+    R"({"problem":"p","family":"f","problem_file":"problems/0.h5","solver":"nnls","tolerance":1e-8,"claimed":"solved","verified":"wrong","z_error":null,"solve_s":2e-5})";
+
+TEST(Results, ReadsNullAsUnknownAndBuildsTheReplayCommand) {
+  const fs::path dir = folder(line + "\n");
+  const report::Run run = read_run(dir);
+  ASSERT_EQ(run.results.size(), 1u);
+  EXPECT_TRUE(std::isnan(run.results[0].z_error));
+  EXPECT_EQ(run.results[0].solve_s, 2e-5);
+  EXPECT_EQ(run.results[0].replay,
+            "./zwang solve " + (dir / "problems/0.h5").generic_string() + " --solver nnls --tolerance 1e-8");
+  ASSERT_EQ(run.solvers.size(), 1u);
+  EXPECT_EQ(run.solvers[0].name, "nnls");
+}
+
+TEST(Results, LeavesOutATornLastLineAndSaysSo) {
+  const report::Run run = read_run(folder(line + "\n" + line.substr(0, 40)));
+  EXPECT_EQ(run.results.size(), 1u);
+  EXPECT_NE(run.torn.find("results.jsonl"), std::string::npos);
+}
+
+TEST(Results, NamesFileAndLineOfABadLineInTheMiddle) {
+  try {
+    read_run(folder(line + "\n{broken\n" + line + "\n"));
+    FAIL() << "a bad line passed";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("results.jsonl line 2"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Results, SaysWhichFileIsMissing) {
+  EXPECT_THROW(
+      try { read_run("/nowhere/at/all"); } catch (const std::runtime_error& error) {
+        EXPECT_STREQ(error.what(), "cannot read /nowhere/at/all/results.jsonl");
+        throw;
+      },
+      std::runtime_error);
+}
+
+TEST(Results, ALieIsAFalseClaimAndNothingElse) {
+  EXPECT_TRUE((Result{.claimed = "solved", .verified = "wrong"}.lies()));
+  EXPECT_TRUE((Result{.claimed = "infeasible", .verified = "wrong"}.lies()));
+  EXPECT_FALSE((Result{.claimed = "solved, ill-conditioned", .verified = "wrong"}.lies()));
+  EXPECT_FALSE((Result{.claimed = "iteration limit", .verified = "wrong"}.lies()));
+  EXPECT_FALSE((Result{.claimed = "solved", .verified = "undecided"}.lies()));
+}
+
+TEST(Results, QuotesWhatAShellWouldRead) {
+  const Result r{.problem_file = "problems/a b.h5", .solver = "nnls:reduce=on", .tolerance = 1e-10};
+  EXPECT_EQ(replay_command("runs", r),
+            "./zwang solve 'runs/problems/a b.h5' --solver nnls:reduce=on --tolerance 1e-10");
+}
+
+TEST(Results, WritesNumbersForPeople) {
+  EXPECT_EQ(scientific(3.24e-9), "3.2e-9");
+  EXPECT_EQ(scientific(1e-12, 0), "1e-12");
+  EXPECT_EQ(scientific(2), "2.0");
+  EXPECT_EQ(scientific(0), "0");
+  EXPECT_EQ(scientific(unknown), "unknown");
+  EXPECT_EQ(scientific(1.7976931348623157e308), "infinite");
+  EXPECT_EQ(duration(18.4e-6), "18 us");
+  EXPECT_EQ(duration(1.94e-3), "1.9 ms");
+  EXPECT_EQ(duration(2.41), "2.4 s");
+}
+
+}  // namespace
+}  // namespace zwang::report
