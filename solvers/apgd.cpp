@@ -1,5 +1,6 @@
 #include "solvers/apgd.h"
 
+#include "solvers/farkas.h"
 #include "solvers/kkt_check.h"
 #include "solvers/stop.h"
 
@@ -51,6 +52,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
       difference = lambda - marked;
       if (proves_infeasible(program, difference, gradient)) {
         solution.status = Status::infeasible;
+        sharpen(program, difference);
         program.write_certificate(problem, difference, solution);
         break;
       }

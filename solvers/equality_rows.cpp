@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "solvers/kkt_check.h"
+#include "solvers/farkas.h"
 
 namespace zwang {
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "solvers/farkas.h"
 #include "solvers/kkt_check.h"
 #include "solvers/stop.h"
 
@@ -239,6 +240,7 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
     if (equalities.conflict(program, u)) {
       solution.status = Status::infeasible;
       solution.z.resize(0);
+      sharpen(program, u);
       program.write_certificate(problem, u, solution);
       solution.message = "equality rows contradict each other, found before Ipopt was called";
       return;
@@ -290,6 +292,7 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
     solution.status = Status::solved;
   } else if (certificate(program, qp->y, qp->lambda, u)) {
     solution.status = Status::infeasible;
+    sharpen(program, u);
     program.write_certificate(problem, u, solution);
   } else if (claims_success) {
     std::ostringstream text;

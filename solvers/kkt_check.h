@@ -41,14 +41,4 @@ inline double natural_residual(const UnitProgram& program, const Vector& y, cons
   return worst / program.scale(y);
 }
 
-// True when u, its negative inequality parts cut off, proves that no y meets the rows: any y would be at least
-// h'u / |G'u| long (docs/formulation.md), and 1e8 times the longest length of the problem stands for no y at all.
-inline bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion) {
-  program.project(u);
-  const double gain = program.h().dot(u);
-  if (!(gain > 0) || !std::isfinite(gain)) return false;
-  program.motion(u, motion);
-  return gain >= 1e8 * program.reach() * motion.norm();
-}
-
 }  // namespace zwang

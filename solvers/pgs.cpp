@@ -1,5 +1,6 @@
 #include "solvers/pgs.h"
 
+#include "solvers/farkas.h"
 #include "solvers/kkt_check.h"
 #include "solvers/stop.h"
 
@@ -29,6 +30,7 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
       before = lambda - marked;
       if (proves_infeasible(program, before, motion)) {
         solution.status = Status::infeasible;
+        sharpen(program, before);
         program.write_certificate(problem, before, solution);
         break;
       }

@@ -6,9 +6,11 @@
 
 #include "core/nearest.h"
 #include "solvers/apgd.h"
+#include "solvers/bullet.h"
 #include "solvers/cholesky.h"
 #include "solvers/dual_active_set.h"
 #include "solvers/ipopt.h"
+#include "solvers/nlopt.h"
 #include "solvers/nnls.h"
 #include "solvers/nnls_paper.h"
 #include "solvers/pgs.h"
@@ -108,9 +110,20 @@ std::span<const SolverEntry> solvers() {
       entry<NnlsPaper>("the paper's Eq. 6-11: k with J k = c, then NNLS",
                        "wrong where c is outside range(J), and blind to infeasibility; the message gives the range gap",
                        {.exact = true}),
+      entry<NloptSlsqp>("NLopt 2.7.1 SLSQP (contains Lawson-Hanson)", "dense; no multipliers; 1000 unknowns",
+                        {.foreign = true}),
+      entry<NloptMma>("NLopt 2.7.1 MMA, equality rows eliminated", "no multipliers; 1000 unknowns", {.foreign = true}),
+      entry<NloptCcsaq>("NLopt 2.7.1 CCSAQ, equality rows eliminated", "no multipliers; 1000 unknowns",
+                        {.foreign = true}),
+      entry<NloptCobyla>("NLopt 2.7.1 COBYLA, derivative-free, equality rows eliminated",
+                         "no multipliers; slow beyond a few unknowns; 30 unknowns", {.foreign = true}),
       entry<Pgs>("projected Gauss-Seidel on the dual", "slow on mass ratios and tall stacks; stops at its sweep limit"),
       entry<Apgd>("accelerated projected gradient on the dual, restarted",
                   "slow on mass ratios; stops at its step limit"),
+      entry<BulletDantzig>("Bullet 3.24's Dantzig MLCP solver on the Delassus form",
+                           "redundant rows; claims what it did not reach; 2000 rows", {.foreign = true}),
+      entry<BulletPgs>("Bullet 3.24's projected Gauss-Seidel on the Delassus form",
+                       "as pgs, with step length as its only test; 2000 rows", {.foreign = true}),
   };
   return all;
 }

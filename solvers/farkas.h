@@ -1,0 +1,16 @@
+#pragma once
+
+#include "solvers/unit_program.h"
+
+namespace zwang {
+
+// True when u, its negative inequality parts cut off, proves that no y meets the rows: any y would be at least
+// h'u / |G'u| long (docs/formulation.md), and 1e8 times the longest length of the problem stands for no y at all.
+bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion);
+
+// Takes a proof found by iteration, with |G'u| near 1e-9 |u|, down to rounding: small parts are dropped, and the
+// shortest correction d with G'(u + d) = 0 over the rest is added. Leaves u alone where that would lose the proof, or
+// where the dense factorization would be large. Allocates; runs once, at the end of an infeasible solve.
+void sharpen(const UnitProgram& program, Vector& u);
+
+}  // namespace zwang
