@@ -251,6 +251,7 @@ Index GoldfarbIdnani<Scalar>::blocking(Scalar& step) const {
 
 template <class Scalar>
 Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& problem, const SolveOptions& options) {
+  using std::abs;
   Scalar multiplier(0);
   while (true) {
     if (iterations >= options.max_iterations) return Status::iteration_limit;
@@ -270,7 +271,7 @@ Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& proble
     if (dependent) {
       largest_rejected = std::max(largest_rejected, length);
       Scalar size = magnitude_[p];
-      for (Index j = 0; j < q; ++j) size += std::abs(r_[j]) * magnitude_[active_[j]];
+      for (Index j = 0; j < q; ++j) size += abs(r_[j]) * magnitude_[active_[j]];
       const bool holds = violation <= violation_tolerance() * size;
       if (!holds && block < 0 && certify(problem, inequalities_[p], Scalar(1))) return Status::infeasible;
       if (holds || block < 0) {

@@ -1,0 +1,57 @@
+#include "bench/references/reference.h"
+
+#include "bench/references/cache.h"
+#include "bench/references/witnesses.h"
+#include "core/problem_file.h"
+
+namespace zwang {
+namespace {
+
+// Raised whenever a change here or in the method could change an answer: older entries are then never read.
+constexpr const char* version = "1";
+constexpr Index multiprecision_limit = 200, rational_limit = 96, extended_limit = 1200;
+constexpr double agreement = 1e-14;  // of two answers that are each rounded once
+
+FoundReference compute(const Problem& problem, bool second_witness) {
+  if (problem.size() > extended_limit) return {.note = "no reference beyond n = 1200"};
+  if (problem.size() > multiprecision_limit) {
+    FoundReference found{.reference = extended_reference(problem)};
+    if (!found.reference) found.note = "the active-set bound does not certify the long double answer";
+    return found;
+  }
+  FoundReference found{.reference = multiprecision_reference(problem)};
+  if (!found.reference) return {.note = "100 digits leave a decision open, or M is not positive definite"};
+  if (!second_witness) return found;
+
+  const std::optional<Reference> witness = rational_reference(problem);
+  Reference& first = *found.reference;
+  if (!witness) return {.note = "CGAL's solver gave no answer"};
+  if (witness->feasible != first.feasible ||
+      (first.feasible && !(relative_distance(problem, first.z, witness->z) <= agreement)))
+    return {.note = "mpfr and CGAL disagree"};
+  first.method += " + CGAL exact";
+  return found;
+}
+
+bool fits(const Reference& r, const Problem& p) {
+  return r.feasible ? r.z.size() == p.size() : r.certificate.size() == p.rows();
+}
+
+}  // namespace
+
+FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
+                             const ReferenceOptions& options) {
+  if (instance.reference) return {.reference = instance.reference};
+  const Problem& problem = instance.problem;
+  const bool second_witness = options.second_witness && problem.size() <= rational_limit;
+  if (cache_dir.empty()) return compute(problem, second_witness);
+
+  const std::filesystem::path file =
+      cache_dir / (problem_sha256(problem) + "-v" + version + (second_witness ? "-two" : "") + ".reference");
+  if (std::optional<Reference> kept = read_cached(file); kept && fits(*kept, problem)) return {.reference = kept};
+  FoundReference found = compute(problem, second_witness);
+  if (found.reference) write_cached(file, *found.reference);
+  return found;
+}
+
+}  // namespace zwang

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/instance.h"
+
+namespace zwang {
+
+// What is known of a problem, and how: docs/references.md.
+struct FoundReference {
+  std::optional<Reference> reference = {};  // empty: nothing certain is known
+  std::string note = {};                    // then: why, in one line
+};
+
+struct ReferenceOptions {
+  bool second_witness = false;  // n <= 96: CGAL's rational solver must agree (1 to 2 s a hand)
+};
+
+// The instance's own reference where it has one (closed form, known answer, file); otherwise
+//   n <= 200   the dual active-set method in 100-digit arithmetic, bound 0: z* rounded once;
+//   n <= 1200  the same method in long double, with the referee's active-set bound;
+//   beyond     nothing.
+// Two witnesses that disagree leave nothing known, and `note` says so. Answers are kept in cache_dir by the hash of the
+// problem's content; an entry that cannot be read, or does not fit, is computed again. An empty cache_dir keeps none.
+FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
+                             const ReferenceOptions& options = {});
+
+}  // namespace zwang

@@ -1,0 +1,151 @@
+#include "bench/references/reference.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "bench/references/cache.h"
+#include "bench/references/witnesses.h"
+#include "core/problem_file.h"
+#include "solvers/dual_active_set.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+using test::make_problem;
+using test::vec;
+
+// Entries -1, 0, 1 make ties, degenerate vertices, duplicated and contradicting rows the rule, not the exception.
+Problem ternary_problem(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto pick = [&](int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+  };
+  const int n = pick(1, 5), m = pick(0, 8), equalities = pick(0, 2);
+  Vector mass(n), z_u(n);
+  for (double& a : mass) a = std::ldexp(1.0, pick(-1, 1));
+  for (double& a : z_u) a = pick(-2, 2);
+  std::vector<test::Row> rows;
+  for (int i = 0; i < m; ++i) {
+    test::Row row{i < equalities ? RowKind::equality : RowKind::inequality, Vector(n),
+                  static_cast<double>(pick(-1, 1))};
+    for (double& a : row.J) a = pick(-1, 1);
+    if (i > 0 && pick(0, 4) == 0) row.J = pick(0, 1) ? rows.back().J : Vector(-rows.back().J);
+    rows.push_back(row);
+  }
+  Problem p = make_problem(mass, z_u, rows);
+  p.name = "ternary " + std::to_string(seed);
+  return p;
+}
+
+struct Folder {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("zwang-reference-test-" + std::to_string(::getpid()));
+  Folder() { std::filesystem::remove_all(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::filesystem::path only_file() const { return std::filesystem::directory_iterator(path)->path(); }
+};
+
+TEST(Reference, DoubleAgreesWithHundredDigitsAndWithRationalsOnDegenerateProblems) {
+  int infeasible = 0, degenerate = 0;
+  DualActiveSet in_double;
+  for (unsigned seed = 0; seed < 3000; ++seed) {
+    const Problem p = ternary_problem(seed);
+    const auto digits = multiprecision_reference(p), rational = rational_reference(p);
+    ASSERT_TRUE(digits && rational) << p.name;
+    ASSERT_EQ(digits->feasible, rational->feasible) << p.name;
+    Solution s;
+    in_double.solve(p, {}, s);
+    ASSERT_EQ(s.status, digits->feasible ? Status::solved : Status::infeasible) << p.name;
+    infeasible += !digits->feasible;
+    degenerate += !s.redundant.empty();
+    if (!digits->feasible) {
+      EXPECT_LE(test::farkas_residual(p, digits->certificate), 1e-15) << p.name;
+      EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-13) << p.name;
+      continue;
+    }
+    EXPECT_LE(relative_distance(p, rational->z, digits->z), 1e-15) << p.name;
+    EXPECT_LE(relative_distance(p, rational->z, s.z), 1e-15) << p.name;
+  }
+  EXPECT_GT(infeasible, 300);
+  EXPECT_GT(degenerate, 100);
+}
+
+TEST(Reference, KeepsWhatTheInstanceBrings) {
+  Instance instance{.problem = test::tied_pair()};
+  instance.reference = Reference{.z = vec({7, 7}), .method = "closed form"};
+  const FoundReference found = reference_for(instance, {});
+  ASSERT_TRUE(found.reference);
+  EXPECT_EQ(found.reference->method, "closed form");
+  EXPECT_EQ(found.reference->z, vec({7, 7}));
+}
+
+TEST(Reference, IsComputedOnceAndKeptByContent) {
+  const Folder folder;
+  Instance instance{.problem = test::tied_pair()};
+  const FoundReference first = reference_for(instance, folder.path, {.second_witness = true});
+  ASSERT_TRUE(first.reference) << first.note;
+  EXPECT_EQ(first.reference->method, "mpfr 100 digits + CGAL exact");
+  EXPECT_EQ(first.reference->z, vec({0, 0}));
+  EXPECT_EQ(first.reference->lambda, vec({-40, 50}));
+
+  // A mark in the kept file shows that it is read; the same content under another name finds it.
+  Reference marked = *first.reference;
+  marked.method = "marked";
+  write_cached(folder.only_file(), marked);
+  instance.problem.name = "another name";
+  EXPECT_EQ(reference_for(instance, folder.path, {.second_witness = true}).reference->method, "marked");
+  instance.problem.c[0] = 1;
+  EXPECT_EQ(reference_for(instance, folder.path, {.second_witness = true}).reference->method,
+            "mpfr 100 digits + CGAL exact");
+}
+
+TEST(Reference, ComputesAgainWhereTheKeptFileIsTornOrAltered) {
+  const Folder folder;
+  const Instance instance{.problem = test::tied_pair()};
+  ASSERT_TRUE(reference_for(instance, folder.path).reference);
+  const auto file = folder.only_file();
+  const auto size = std::filesystem::file_size(file);
+  for (const auto length : {size / 2, std::uintmax_t{0}}) {
+    std::filesystem::resize_file(file, length);
+    EXPECT_FALSE(read_cached(file));
+    const FoundReference again = reference_for(instance, folder.path);
+    ASSERT_TRUE(again.reference);
+    EXPECT_EQ(again.reference->z, vec({0, 0}));
+    EXPECT_EQ(std::filesystem::file_size(file), size);
+  }
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(40).put('\x7f');
+  EXPECT_FALSE(read_cached(file));
+}
+
+TEST(Reference, ProvesInfeasibility) {
+  const FoundReference found = reference_for({.problem = test::squeezed()}, {}, {.second_witness = true});
+  ASSERT_TRUE(found.reference) << found.note;
+  EXPECT_FALSE(found.reference->feasible);
+  EXPECT_EQ(test::farkas_residual(test::squeezed(), found.reference->certificate), 0);
+}
+
+TEST(Reference, IsNotGivenForAnIndefiniteMass) {
+  Problem p = test::tied_pair();
+  p.M.coeffRef(0, 0) = -1;
+  const FoundReference found = reference_for({.problem = p}, {});
+  EXPECT_FALSE(found.reference);
+  EXPECT_NE(found.note, "");
+}
+
+TEST(Reference, BeyondTwoHundredUnknownsCarriesAProvenBound) {
+  const Problem p = test::tower(220);
+  const FoundReference found = reference_for({.problem = p}, {});
+  ASSERT_TRUE(found.reference) << found.note;
+  EXPECT_EQ(found.reference->method, "long double, active-set bound");
+  EXPECT_GT(found.reference->bound, 0);
+  EXPECT_LE(found.reference->bound, 1e-9);
+  EXPECT_LE(test::z_error(p, found.reference->z, Vector::Zero(220)), found.reference->bound);
+}
+
+}  // namespace
+}  // namespace zwang

@@ -1,0 +1,184 @@
+#include "solvers/dual_active_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/solvers/count_allocations.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+using test::make_problem;
+using test::vec;
+
+Solution solve(const Problem& p, const SolveOptions& options = {}) {
+  Solution s;
+  DualActiveSet().solve(p, options, s);
+  return s;
+}
+
+TEST(DualActiveSet, PullsThroughAnEqualityRow) {
+  const Solution s = solve(test::tied_pair());
+  EXPECT_EQ(s.status, Status::solved);
+  EXPECT_EQ(s.z, vec({0, 0}));
+  EXPECT_EQ(s.lambda, vec({-40, 50}));
+  EXPECT_EQ(s.margins.rank, 2);
+}
+
+TEST(DualActiveSet, TowerCarriesItsWeightAtAnyMassRatio) {
+  for (const double ratio : {1.0, 0x1p20, 0x1p44}) {
+    const Problem p = test::tower(30, ratio);
+    const Solution s = solve(p);
+    EXPECT_LE(test::z_error(p, s.z, Vector::Zero(30)), 1e-15) << ratio;
+    EXPECT_NEAR(s.lambda[0], 9.8125 * (29 + ratio), 1e-13 * ratio * 9.8125 * 30) << ratio;
+  }
+}
+
+TEST(DualActiveSet, NamesTheRedundantEqualityRow) {
+  const Solution s = solve(make_problem(vec({1, 1, 1}), vec({0, 0, 5}),
+                                        {{RowKind::equality, vec({1, 1, 0}), 1},
+                                         {RowKind::equality, vec({0, 1, 1}), 2},
+                                         {RowKind::equality, vec({1, 2, 1}), 3},
+                                         {RowKind::equality, vec({0, 0, 0}), 0}}));
+  EXPECT_EQ(s.status, Status::solved);
+  ASSERT_EQ(s.redundant.size(), 2u);
+  EXPECT_EQ(s.redundant[1], 3);
+  EXPECT_EQ(s.margins.rank, 2);
+  EXPECT_LE(s.margins.largest_rejected, 1e-15);
+}
+
+TEST(DualActiveSet, CertifiesContradictingEqualityRows) {
+  const Problem p = make_problem(
+      vec({1, 2}), vec({0, 0}), {{RowKind::equality, vec({1, 2}), 1}, {RowKind::equality, vec({2, 4}), 2.0 + 0x1p-20}});
+  const Solution s = solve(p);
+  EXPECT_EQ(s.status, Status::infeasible);
+  EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-9);
+}
+
+TEST(DualActiveSet, CertifiesAContactAgainstJointsAndContacts) {
+  const Problem p = make_problem(vec({1, 1, 1}), vec({0, 0, 0}),
+                                 {{RowKind::equality, vec({1, 1, 0}), 1},
+                                  {RowKind::inequality, vec({-1, 0, 1}), 0},
+                                  {RowKind::inequality, vec({0, -1, -1}), 0}});
+  const Solution s = solve(p);
+  EXPECT_EQ(s.status, Status::infeasible);
+  EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-15);
+}
+
+// Near-parallel joints a, a + eps d with right-hand sides of a known z: without refinement z is lost at eps = 1e-10.
+TEST(DualActiveSet, IsRightOnNearParallelEqualityRowsAndFlagsThemBelowOneInTenBillion) {
+  for (int k = 3; k <= 40; ++k) {
+    const double eps = std::ldexp(1.0, -k);
+    const Vector a = vec({1, -2, 3}), b = a + eps * vec({2, 1, -1}), z0 = vec({3, -1, 2});
+    const Problem p = make_problem(
+        vec({1, 2, 0.5}), vec({1, 1, 1}),
+        {{RowKind::equality, a, a.dot(z0)}, {RowKind::equality, b, b.dot(z0)}, {RowKind::equality, vec({0, 1, 1}), 1}});
+    const Solution s = solve(p);
+    EXPECT_LE(test::z_error(p, s.z, z0), 1e-12) << k;
+    EXPECT_NEAR(s.margins.smallest_accepted / eps, 1, 0.9) << k;
+    EXPECT_EQ(s.status, s.margins.smallest_accepted < 1e-10 ? Status::solved_ill_conditioned : Status::solved) << k;
+  }
+}
+
+TEST(DualActiveSet, ScalesOfRowsAndRightHandSidesDoNotMatter) {
+  const Problem p = test::tied_pair();
+  const Vector truth = solve(p).z;
+  for (const int k : {-500, -20, 20, 500}) {
+    Problem scaled = p;
+    scaled.J = std::ldexp(1.0, k) * p.J;
+    EXPECT_EQ(solve(scaled).z, truth) << k;
+  }
+  Problem huge = make_problem(vec({1}), vec({0}), {{RowKind::inequality, vec({0x1p-500}), 0x1p490}});
+  EXPECT_EQ(solve(huge).z, vec({0x1p990}));
+}
+
+TEST(DualActiveSet, IterationLimitGivesTheLastIterate) {
+  const Solution s = solve(test::tower(10), {.max_iterations = 3});
+  EXPECT_EQ(s.status, Status::iteration_limit);
+  EXPECT_EQ(s.iterations, 3);
+  EXPECT_TRUE(s.z.allFinite());
+}
+
+TEST(DualActiveSet, WarmStartTakesNoStepWhenNothingChanged) {
+  const Problem p = test::tower(20);
+  const Solution cold = solve(p);
+  EXPECT_GT(cold.iterations, 10);
+  const WarmStart warm{.key = p.key, .lambda = cold.lambda};
+  const Solution again = solve(p, {.warm_start = &warm});
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_EQ(again.z, cold.z);
+}
+
+TEST(DualActiveSet, WarmStartFollowsKeysNotPositions) {
+  const Problem p = test::tower(6);
+  const Solution cold = solve(p);
+  WarmStart warm{.key = {p.key.rbegin(), p.key.rend()}, .lambda = cold.lambda.reverse()};
+  warm.key[2] = {.constraint = 77, .row = 0};
+  const Solution again = solve(p, {.warm_start = &warm});
+  EXPECT_EQ(again.iterations, 1);
+  EXPECT_EQ(again.z, cold.z);
+}
+
+TEST(DualActiveSet, ObserverSeesEveryEnteringRowAndChangesNothing) {
+  const Problem p = test::tower(12);
+  const Solution plain = solve(p);
+  int seen = 0;
+  Vector last;
+  SolveOptions options;
+  options.observe = [&](int, const Vector& z, const Vector& lambda) {
+    ++seen;
+    last = z;
+    EXPECT_EQ(lambda.size(), 12);
+  };
+  const Solution observed = solve(p, options);
+  EXPECT_EQ(observed.z, plain.z);
+  EXPECT_EQ(observed.iterations, plain.iterations);
+  EXPECT_GE(seen, 12);
+  EXPECT_EQ(last, plain.z);
+}
+
+TEST(DualActiveSet, SecondSolveAllocatesNothingWarmOrCold) {
+  const Problem p = test::tower(40);
+  DualActiveSet solver;
+  Solution s;
+  solver.solve(p, {}, s);
+  const WarmStart warm{.key = p.key, .lambda = s.lambda};
+  solver.solve(p, {.warm_start = &warm}, s);
+  const long before = allocations();
+  solver.solve(p, {}, s);
+  solver.solve(p, {.warm_start = &warm}, s);
+  EXPECT_EQ(allocations() - before, 0);
+}
+
+TEST(SparseCholesky, SolvesWithAConnectedMassMatrixOfAnyPattern) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> real(-1, 1);
+  for (const Index n : {1, 7, 40}) {
+    Matrix A = Matrix::Zero(n, n);
+    for (Index i = 0; i < n; ++i) {
+      A(i, i) = 4;
+      const Index j = static_cast<Index>(random() % static_cast<unsigned>(n));
+      if (j != i) A(i, j) = A(j, i) = real(random);
+    }
+    const Eigen::SparseMatrix<double> M = A.sparseView();
+    SparseCholesky<double> factor;
+    ASSERT_TRUE(factor.factorize(M));
+    Vector b(n);
+    for (double& x : b) x = real(random);
+    Vector x = b;
+    factor.solve_lower(x);
+    const double length = x.norm();
+    factor.solve_upper(x);
+    EXPECT_LE((A * x - b).norm(), 1e-14 * n);
+    EXPECT_NEAR(length * length, b.dot(x), 1e-13);
+    Vector y = b;
+    factor.multiply_upper(y);
+    EXPECT_NEAR(y.squaredNorm(), b.dot(A * b), 1e-12 * n);
+  }
+}
+
+}  // namespace
+}  // namespace zwang
