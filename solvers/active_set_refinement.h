@@ -21,7 +21,8 @@ using Wider = std::conditional_t<std::is_same_v<Scalar, double>, long double, Sc
 //
 // by iterative refinement from z = z_u, lambda = 0: residuals of the original data in the wider scalar, corrections
 // through the orthogonal factors of the whitened rows. The first pass is the solution, the next ones mend it (Bjorck,
-// Numerical Methods for Least Squares Problems, 1996, sec. 2.9.2: error contracts by eps / smallest pivot a pass).
+// Numerical Methods for Least Squares Problems, 1996, sec. 2.9.2): the error contracts by eps / smallest pivot a pass
+// and ends near eps of the wider scalar / smallest pivot.
 // The answer depends on the active set alone: not on the path to it, and not on the rounding of whitening.
 template <class Scalar>
 class ActiveSetRefinement {
@@ -128,10 +129,11 @@ Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
   y += step_;
   v += dv_;
   this->mu.head(q) += mu;
-  for (std::size_t k = 0; k < f.equality_rows.size(); ++k)
-    lambda[f.whitened.row[f.equality_rows[k]]] += Wide(f.whitened.multiplier(f.equality_rows[k], mu_E_[k]));
-  for (Index j = 0; j < q; ++j)
-    lambda[f.whitened.row[f.active_rows[j]]] += Wide(f.whitened.multiplier(f.active_rows[j], mu[j]));
+  const auto add = [&](Index i, const Scalar& unit) {
+    lambda[f.whitened.row[i]] += ldexp(Wide(Wide(unit) / Wide(f.whitened.row_norm[i])), f.whitened.exponent);
+  };
+  for (std::size_t k = 0; k < f.equality_rows.size(); ++k) add(f.equality_rows[k], mu_E_[k]);
+  for (Index j = 0; j < q; ++j) add(f.active_rows[j], mu[j]);
   const Scalar length = step_.norm();
   rho_ = step_.head(n);
   if (n > 0) f.whitened.factor.solve_upper(rho_);

@@ -27,8 +27,8 @@ namespace zwang {
 // orthogonal transformations of G; S = G G' is never formed, so digits are lost as eps / pivot, not eps / pivot^2.
 //
 // The answer is then computed afresh from the active set alone (active_set_refinement.h). It does not carry the path's
-// rounding, so a warm start gives the digits of a cold one, and it mends z down to relative pivots near 1e-14, where
-// without it z is lost at 1e-10. Where the mended answer changes a decision (a multiplier turns negative, a resting row
+// rounding, so a warm start gives the digits of a cold one, and it leaves in z an error of eps_wide / pivot instead of
+// eps / pivot. Where the mended answer changes a decision (a multiplier turns negative, a resting row
 // is violated), the climb goes on from there.
 template <class Scalar>
 class GoldfarbIdnani {

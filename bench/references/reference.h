@@ -15,7 +15,7 @@ struct FoundReference {
 };
 
 struct ReferenceOptions {
-  bool second_witness = false;  // n <= 96: CGAL's rational solver must agree (1 to 2 s a hand)
+  bool second_witness = false;  // n <= 96: CGAL's rational solver must agree (16 to 20 s a hand)
 };
 
 // The instance's own reference where it has one (closed form, known answer, file); otherwise
