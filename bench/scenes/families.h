@@ -11,6 +11,7 @@ inline constexpr double zero_knob = 60;
 
 Instance mass_ratio(const Knobs& knobs);                // MR: k
 Instance mass_ratio_one_contact(const Knobs& knobs);    // MR1: k
+Instance mass_ratio_chain(const Knobs& knobs);          // MRC: k, seed
 Instance near_parallel_equalities(const Knobs& knobs);  // NPE: k, seed
 Instance four_bar_loop(const Knobs& knobs);             // LOOP: k
 Instance contact_gap(const Knobs& knobs);               // GAP: k, feasible

@@ -68,6 +68,42 @@ Instance near_parallel_equalities(const Knobs& knobs) {
   return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
 }
 
+// Six bodies on ball joints, masses 1 and 2^k in turn, one contact each. The structure is drawn; a known answer is put
+// on it.
+Instance mass_ratio_chain(const Knobs& knobs) {
+  constexpr Index bodies = 6, n = 6 * bodies;
+  Draw draw(knobs.at("seed"));
+  Vector mass(n);
+  for (Index b = 0; b < bodies; ++b) {
+    mass.segment<6>(6 * b) << 1, 1, 1, .25, .125, .0625;
+    if (b % 2 == 1) mass.segment<6>(6 * b) *= std::exp2(knobs.at("k"));
+  }
+  RowByRow rows(mass, Vector::Zero(n));
+  // sign * direction . (v + w x point), the row of a point that moves with a body.
+  const auto add_point = [](Vector& row, Index body, double sign, const Vec3& point, const Vec3& direction) {
+    row.segment<3>(6 * body) += sign * direction;
+    row.segment<3>(6 * body + 3) += sign * point.cross(direction);
+  };
+  const auto eighths = [&] { return Vec3(draw.integers(3, 8) / 8); };
+  for (Index b = 0; b < bodies; ++b) {
+    const Vec3 before = eighths(), here = eighths();
+    for (Index axis = 0; axis < 3; ++axis) {
+      Vector row = Vector::Zero(n);
+      add_point(row, b, 1, here, Vec3::Unit(axis));
+      if (b > 0) add_point(row, b - 1, -1, before, Vec3::Unit(axis));
+      rows.add(RowKind::equality, row, 0, numbered("ball_joint/", b) + " [" + std::to_string(axis) + "]");
+    }
+  }
+  for (Index b = 0; b < bodies; ++b) {
+    Vector row = Vector::Zero(n);
+    Vec3 normal = eighths();
+    normal.z() = 1;
+    add_point(row, b, 1, eighths(), normal);
+    rows.add(RowKind::inequality, row, 0, numbered("contact/", b));
+  }
+  return with_known_answer(rows.finish({}), static_cast<std::uint64_t>(knobs.at("seed")), .5);
+}
+
 // Twelve contacts, all touching; six push with lambda = 1 and six with eps: strict complementarity fades.
 Instance weak_contacts(const Knobs& knobs) {
   constexpr Index n = 24, m = 12;

@@ -169,8 +169,10 @@ std::vector<std::size_t> Group::shape(const std::string& name) const {
 }
 
 template <class T>
-std::vector<T> Group::read(const std::string& name) const {
+std::vector<T> Group::read(const std::string& name, std::size_t expected) const {
   const Dataset data(*this, name);
+  if (expected != any && data.n != expected)
+    fail(name, "holds " + std::to_string(data.n) + " numbers; expected " + std::to_string(expected));
   const H5T_class_t kind = H5Tget_class(data.type);
   const bool whole = kind == H5T_INTEGER || kind == H5T_ENUM;
   if (!whole && !(std::is_same_v<T, double> && kind == H5T_FLOAT))
@@ -179,14 +181,6 @@ std::vector<T> Group::read(const std::string& name) const {
   if (data.n > 0 && H5Dread(data.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
                    std::to_string(data.n) + " numbers");
-  return values;
-}
-
-template <class T>
-std::vector<T> Group::read(const std::string& name, std::size_t expected) const {
-  std::vector<T> values = read<T>(name);
-  if (values.size() != expected)
-    fail(name, "holds " + std::to_string(values.size()) + " numbers; expected " + std::to_string(expected));
   return values;
 }
 
@@ -248,9 +242,6 @@ void Group::flush() {
   if (H5Fflush(*id_, H5F_SCOPE_GLOBAL) < 0) fail("", "cannot be written; expected room on the disk");
 }
 
-template std::vector<double> Group::read(const std::string&) const;
-template std::vector<std::int64_t> Group::read(const std::string&) const;
-template std::vector<std::uint64_t> Group::read(const std::string&) const;
 template std::vector<double> Group::read(const std::string&, std::size_t) const;
 template std::vector<std::int64_t> Group::read(const std::string&, std::size_t) const;
 template std::vector<std::uint64_t> Group::read(const std::string&, std::size_t) const;

@@ -23,12 +23,11 @@ class Group {
   std::vector<std::string> groups() const;  // names of the groups inside, numbers in their natural order
   std::vector<std::size_t> shape(const std::string& dataset) const;
 
-  // The numbers of a dataset (row by row), converted to T: double, std::int64_t, std::uint64_t.
+  // The numbers of a dataset (row by row), converted to T: double, std::int64_t, std::uint64_t. BadFile unless there
+  // are as many as expected.
+  static constexpr std::size_t any = ~std::size_t{0};
   template <class T>
-  std::vector<T> read(const std::string& dataset) const;
-  // As many as expected, else BadFile.
-  template <class T>
-  std::vector<T> read(const std::string& dataset, std::size_t expected) const;
+  std::vector<T> read(const std::string& dataset, std::size_t expected = any) const;
   template <class T>
   T read_one(const std::string& dataset) const {
     return read<T>(dataset, 1).front();

@@ -45,7 +45,7 @@ TEST_P(Family, AnswersMeetTheKktConditionsOfTheStoredDoubles) {
   const std::string range = GetParam()[0] == 'M' ? "(k=0..48)" : "(k=1..45)";
   for (const Instance& in : make_scenes(GetParam() + range)) expect_true_answer(in);
 }
-INSTANTIATE_TEST_SUITE_P(Atlas, Family, testing::Values("MR", "MR1", "NPE", "LOOP", "GAP", "INC", "WEAK"));
+INSTANTIATE_TEST_SUITE_P(Atlas, Family, testing::Values("MR", "MR1", "MRC", "NPE", "LOOP", "GAP", "INC", "WEAK"));
 
 TEST(Families, ZeroPointsAreFeasible) {
   for (const char* text : {"LOOP(k=60)", "GAP(k=60)", "INC(k=60)", "WEAK(k=60)", "GAP(k=3,feasible=1)"}) {
@@ -116,15 +116,18 @@ TEST_F(Atlas, FullyDeterminedFamiliesAreTheSameProblems) {
 TEST_F(Atlas, DrawnFamiliesHaveTheSameShape) {
   int compared = 0;
   for (const Instance& point : all) {
-    if (point.family != "NPE" && point.family != "WEAK") continue;
+    if (point.family != "NPE" && point.family != "WEAK" && point.family != "MRC") continue;
     const Instance ours = our_version(point);
     SCOPED_TRACE(ours.problem.name);
     EXPECT_EQ(ours.problem.size(), point.problem.size());
     EXPECT_EQ(ours.problem.kind, point.problem.kind);
+    if (point.family != "NPE") {
+      EXPECT_EQ(Matrix(ours.problem.M), Matrix(point.problem.M));
+    }
     EXPECT_EQ(ours.reference->feasible, point.reference->feasible);
     ++compared;
   }
-  EXPECT_EQ(compared, 15 + 14);
+  EXPECT_EQ(compared, 15 + 14 + 13);
 }
 
 TEST(RandomRows, AnswersAreExact) {
