@@ -128,19 +128,19 @@ std::span<const SolverEntry> solvers() {
   return all;
 }
 
-const SolverEntry* find_solver(std::string_view name) {
-  for (const SolverEntry& e : solvers())
+const SolverEntry* find_solver(std::string_view name, std::span<const SolverEntry> among) {
+  for (const SolverEntry& e : among)
     if (e.name == name) return &e;
   return nullptr;
 }
 
-AnySolver make_solver(std::string_view text) {
+AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among) {
   const auto colon = text.find(':');
   const std::string name(text.substr(0, colon));
-  if (const SolverEntry* e = find_solver(name))
+  if (const SolverEntry* e = find_solver(name, among))
     return e->make(colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1));
   std::vector<std::string> names;
-  for (const SolverEntry& e : solvers()) names.push_back(e.name);
+  for (const SolverEntry& e : among) names.push_back(e.name);
   throw std::invalid_argument("no solver '" + name + "'" + did_you_mean(name, names) + " (./zwang solvers lists all)");
 }
 

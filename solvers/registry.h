@@ -38,10 +38,10 @@ struct SolverEntry {
 // Every solver there is, in the order of `./zwang solvers`. Explicit: a new solver is one line in registry.cpp.
 std::span<const SolverEntry> solvers();
 
-// Null when there is none of that name.
-const SolverEntry* find_solver(std::string_view name);
+// Null when there is none of that name. `among`: a test may bring solvers of its own.
+const SolverEntry* find_solver(std::string_view name, std::span<const SolverEntry> among = solvers());
 
 // "nnls" or "nnls:key=value,..." -> solver. Throws std::invalid_argument with the nearest name.
-AnySolver make_solver(std::string_view text);
+AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among = solvers());
 
 }  // namespace zwang

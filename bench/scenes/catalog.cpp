@@ -169,7 +169,7 @@ const SceneEntry* find_scene(std::string_view name) {
   return nullptr;
 }
 
-std::vector<Instance> make_scenes(std::string_view text) {
+std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
   std::vector<Instance> all;
   for (const std::string& part : split(text)) {
     const auto open = part.find('(');
@@ -189,7 +189,7 @@ std::vector<Instance> make_scenes(std::string_view text) {
     std::vector<std::size_t> digit(chosen.size(), 0);
     for (bool more = true; more;) {
       Knobs knobs;
-      for (const Knob& k : scene->knobs) knobs[k.name] = k.value;
+      for (const Knob& k : scene->knobs) knobs[k.name] = k.name == "seed" ? static_cast<double>(seed) : k.value;
       std::string label;
       for (std::size_t i = 0; i < chosen.size(); ++i) {
         knobs[chosen[i].knob->name] = chosen[i].values[digit[i]];

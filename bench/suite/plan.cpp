@@ -1,0 +1,107 @@
+#include "bench/suite/plan.h"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+#include "bench/scenes/catalog.h"
+#include "core/nearest.h"
+
+namespace zwang {
+namespace {
+
+std::string every_scene() {
+  std::string names;
+  for (const SceneEntry& scene : scenes()) names += (names.empty() ? "" : ",") + scene.name;
+  return names;
+}
+
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.path().extension() == ".h5" || entry.path().extension() == ".hdf5") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) throw BadFile(path.string() + ": no *.h5 or *.hdf5 file in this folder");
+  return files;
+}
+
+}  // namespace
+
+std::span<const Suite> suites() {
+  static const std::vector<Suite> all = {
+      {"quick", every_scene(), {1e-2, 1e-6, 1e-10, 1e-14}, 45, 0.5},
+      {"standard", every_scene(), {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}, 480, 2},
+      {"full",
+       every_scene(),
+       {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14},
+       4 * 3600,
+       20},
+  };
+  return all;
+}
+
+const Suite& find_suite(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Suite& s : suites()) {
+    if (s.name == name) return s;
+    names.emplace_back(s.name);
+  }
+  throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) + " (quick, standard, full)");
+}
+
+std::vector<std::string> split_solvers(const std::string& text) {
+  std::vector<std::string> all;
+  std::stringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const bool setting = part.find('=') != std::string::npos && part.find(':') == std::string::npos;
+    if (setting && !all.empty())
+      all.back() += "," + part;
+    else
+      all.push_back(part);
+  }
+  return all;
+}
+
+std::string why_bad(const Problem& problem) {
+  if (std::string reason = bad_input(problem); !reason.empty()) return reason;
+  return is_positive_definite(problem.M) ? "" : "M is not positive definite";
+}
+
+Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
+  const Suite& suite = find_suite(options.suite);
+  Plan plan;
+  plan.limit_s = suite.limit_s;
+  plan.time_limit = suite.time_limit;
+  if (options.scenes.empty() && options.problems.empty()) options.scenes = suite.scenes;
+  if (options.tolerances.empty()) options.tolerances = suite.tolerances;
+  if (options.solvers.empty())
+    for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;
+
+  std::sort(options.tolerances.rbegin(), options.tolerances.rend());
+  options.tolerances.erase(std::unique(options.tolerances.begin(), options.tolerances.end()), options.tolerances.end());
+  for (const double t : options.tolerances)
+    if (!(t > 0 && t < 1)) throw std::invalid_argument("a tolerance should be between 0 and 1, as in 1e-6");
+  for (const std::string& text : split_solvers(options.solvers)) {
+    make_solver(text, among);
+    const bool foreign = find_solver(text.substr(0, text.find(':')), among)->foreign;
+    for (const double t : options.tolerances) plan.runs.push_back({text, foreign, t});
+  }
+  if (plan.runs.empty()) throw std::invalid_argument("no solver chosen");
+
+  if (!options.scenes.empty()) plan.instances = make_scenes(options.scenes, options.seed);
+  for (std::filesystem::path& path : options.problems) {
+    for (const std::filesystem::path& file : files_of(path))
+      for (Instance& instance : read_problems(file, options.friction)) {
+        if (const std::string reason = why_bad(instance.problem); !reason.empty())
+          throw BadFile(file.string() + ", problem " + instance.problem.name + ": " + reason);
+        plan.instances.push_back(std::move(instance));
+      }
+    path = std::filesystem::absolute(path);
+  }
+  if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
+  plan.options = std::move(options);
+  return plan;
+}
+
+}  // namespace zwang

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/suite/batch.h"
+#include "core/problem_file.h"
+
+namespace zwang {
+
+// What somebody asked for, as typed. Empty or 0: the suite's own choice.
+struct SuiteOptions {
+  std::string suite = "standard";
+  std::string scenes = {};
+  std::vector<std::filesystem::path> problems = {};  // files, or folders of *.h5 and *.hdf5
+  Friction friction = Friction::none;
+  std::string solvers = {};  // "nnls,nlopt:algorithm=2"
+  std::vector<double> tolerances = {};
+  int repetitions = 0;
+  std::uint64_t seed = 1;
+  bool trace = false;
+};
+
+// A named choice of scenes and tolerances that fits into a time.
+struct Suite {
+  std::string_view name;
+  std::string scenes;
+  std::vector<double> tolerances;
+  double limit_s;     // of the whole run, references and repetitions included
+  double time_limit;  // s of CPU time a solve
+};
+std::span<const Suite> suites();
+const Suite& find_suite(const std::string& name);  // throws std::invalid_argument with the nearest name
+
+// Which solver on which problem at which tolerance. Batch i is instances[i] with every run.
+struct Plan {
+  SuiteOptions options = {};  // with nothing left to choose
+  double limit_s = 0, time_limit = 0;
+  std::vector<Instance> instances = {};
+  std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
+  std::size_t size() const { return instances.size() * runs.size(); }
+};
+
+// `among`: the solvers there are. Throws std::invalid_argument (unknown names, tolerances outside (0, 1)) or BadFile
+// (files that cannot be read, or whose M is not positive definite).
+Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solvers());
+
+// "a,b:key=1,key=2,c" -> a | b:key=1,key=2 | c.
+std::vector<std::string> split_solvers(const std::string& text);
+
+// One line saying why the problem cannot be solved by anybody, or "".
+std::string why_bad(const Problem& problem);
+
+}  // namespace zwang

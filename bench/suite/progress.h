@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+namespace zwang {
+
+// "9 min 20 s", "4 s", "180 ms".
+std::string duration(double seconds);
+
+// 3402 -> "3,402".
+std::string grouped(std::size_t count);
+
+// How far a long run is: one line that is redrawn on a terminal, a plain line every 10 % elsewhere. Writes to stderr.
+class Progress {
+ public:
+  explicit Progress(bool terminal) : terminal_(terminal) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // fraction: 0..1 of the whole; what: "hand c=64   ipopt @ 1e-08"; left [s]: negative when not yet known.
+  void show(double fraction, const std::string& what, double left);
+  void clear();
+
+ private:
+  bool terminal_, drawn_ = false;
+  double last_ = -1;  // s of the monotonic clock
+  int tenths_ = 0;
+};
+
+}  // namespace zwang

@@ -1,0 +1,136 @@
+#include "bench/suite/run_record.h"
+
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "bench/suite/conditions.h"
+
+namespace zwang {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const SuiteOptions& o) {
+  Json problems = Json::array();
+  for (const auto& path : o.problems) problems.push_back(path.string());
+  return {{"suite", o.suite},
+          {"scenes", o.scenes},
+          {"problems", problems},
+          {"friction", o.friction == Friction::pyramid ? "pyramid" : "none"},
+          {"solvers", o.solvers},
+          {"tolerances", o.tolerances},
+          {"repetitions", o.repetitions},
+          {"seed", o.seed},
+          {"trace", o.trace}};
+}
+
+SuiteOptions options_from(const Json& j) {
+  SuiteOptions o;
+  o.suite = j.at("suite");
+  o.scenes = j.at("scenes");
+  for (const std::string path : j.at("problems")) o.problems.emplace_back(path);
+  o.friction = j.at("friction") == "pyramid" ? Friction::pyramid : Friction::none;
+  o.solvers = j.at("solvers");
+  o.tolerances = j.at("tolerances").get<std::vector<double>>();
+  o.repetitions = j.at("repetitions");
+  o.seed = j.at("seed");
+  o.trace = j.at("trace");
+  return o;
+}
+
+// What must not change within a run, since it decides times or results.
+Json fixed_conditions(const Conditions& c) {
+  return {{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
+          {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}};
+}
+
+Json load(const std::filesystem::path& directory) {
+  const auto file = directory / "run.json";
+  std::ifstream in(file);
+  if (!in) throw BadFile(directory.string() + " holds no run: run.json is missing");
+  try {
+    return Json::parse(in);
+  } catch (const Json::exception&) {
+    throw BadFile(file.string() + ": not a JSON object");
+  }
+}
+
+}  // namespace
+
+std::string now_iso8601() {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  return text;
+}
+
+void write_run_record(const std::filesystem::path& directory, const Plan& plan, std::span<const SolverEntry> among,
+                      const RunRecord& record) {
+  const Conditions c = conditions();
+  Json solvers = Json::array(), hashes = Json::array();
+  for (const std::string& text : split_solvers(plan.options.solvers)) {
+    const SolverEntry& e = *find_solver(text.substr(0, text.find(':')), among);
+    solvers.push_back(
+        {{"name", text}, {"method", e.method}, {"limits", e.limits}, {"foreign", e.foreign}, {"exact", e.exact}});
+  }
+  for (const Instance& instance : plan.instances) hashes.push_back(problem_sha256(instance.problem));
+  Json j = {{"zwang", c.version},
+            {"suite", plan.options.suite},
+            {"command", record.command},
+            {"started", record.started},
+            {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
+            {"seed", plan.options.seed}};
+  j.update(fixed_conditions(c));
+  j["debug"] = c.debug;
+  j["cores"] = c.cores;
+  j["tolerances"] = plan.options.tolerances;
+  j["solvers"] = solvers;
+  j["problems"] = plan.instances.size();
+  j["runs"] = plan.size();
+  j["options"] = to_json(plan.options);
+  j["problem_sha256"] = hashes;
+  j["notes"] = record.notes;
+
+  const auto file = directory / "run.json", draft = directory / "run.json.new";
+  std::ofstream(draft) << j.dump(2) << '\n';
+  std::filesystem::rename(draft, file);
+}
+
+RunRecord read_run_record(const std::filesystem::path& directory) {
+  const Json j = load(directory);
+  RunRecord record;
+  record.command = j.at("command");
+  record.started = j.at("started");
+  if (j.at("finished").is_string()) record.finished = j.at("finished");
+  record.notes = j.at("notes").get<std::vector<std::string>>();
+  return record;
+}
+
+SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
+                               const std::vector<std::string>& given) {
+  const Json j = load(directory);
+  const Json here = fixed_conditions(conditions()), asked = to_json(typed);
+  for (const auto& [name, value] : here.items())
+    if (j.at(name) != value)
+      throw std::invalid_argument(directory.string() + " cannot go on, its times would not compare: its " + name +
+                                  " is " + j.at(name).dump() + ", now it is " + value.dump());
+  for (const std::string& name : given)
+    if (j.at("options").at(name) != asked.at(name))
+      throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
+                                  j.at("options").at(name).dump() + ", not " + asked.at(name).dump());
+  return options_from(j.at("options"));
+}
+
+void require_same_problems(const std::filesystem::path& directory, const Plan& plan) {
+  const auto stored = load(directory).at("problem_sha256").get<std::vector<std::string>>();
+  for (std::size_t i = 0; i < plan.instances.size(); ++i)
+    if (i >= stored.size() || stored[i] != problem_sha256(plan.instances[i].problem))
+      throw std::invalid_argument(directory.string() + " cannot go on: problem " + plan.instances[i].problem.name +
+                                  " is no longer what it was");
+}
+
+}  // namespace zwang

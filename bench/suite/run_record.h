@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/suite/plan.h"
+
+namespace zwang {
+
+// DIR/run.json: under which conditions a run was made, and what it takes to go on with it (docs/formats.md).
+struct RunRecord {
+  std::string command = {};
+  std::string started = {}, finished = {};  // ISO 8601, UTC; finished is "" until the run is complete
+  std::vector<std::string> notes = {};
+};
+
+// "2026-11-20T23:54:03Z"
+std::string now_iso8601();
+
+// Replaces the file in one step: a killed run leaves the old one or the new one.
+void write_run_record(const std::filesystem::path& directory, const Plan& plan, std::span<const SolverEntry> among,
+                      const RunRecord& record);
+RunRecord read_run_record(const std::filesystem::path& directory);
+
+// The options of the run in this folder. Throws std::invalid_argument when it cannot go on because it was made by
+// another commit, compiler, build or CPU, or because an option typed now (`given`: the names of those) differs from
+// the stored one; BadFile when the folder holds no run.
+SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
+                               const std::vector<std::string>& given);
+
+// Throws std::invalid_argument when the plan's problems are not the ones that the run in this folder began with.
+void require_same_problems(const std::filesystem::path& directory, const Plan& plan);
+
+}  // namespace zwang

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+
+#include "bench/suite/plan.h"
+#include "bench/suite/result.h"
+
+namespace zwang {
+
+// The line of results that a run leaves: `problem` from describe(), the referee's findings, the times.
+Result to_result(Result problem, const Instance& instance, const Run& run, const Timed& timed);
+
+// Where a run stands when run_suite returns.
+struct Outcome {
+  Tally tally = {};         // lines in results.jsonl, those of before a resume included
+  std::size_t planned = 0;  // lines when complete
+  double seconds = 0;       // wall clock of this call
+  bool interrupted = false;
+  std::vector<std::string> notes = {};  // what a reader should know: what was cut, what the files' reader assumed
+};
+
+struct SuiteSettings {
+  std::filesystem::path directory = {};  // of the results (docs/formats.md)
+  std::filesystem::path cache = {};      // of references
+  std::string command = {};              // for run.json
+  bool terminal = false;                 // draw a progress bar on stderr
+  std::span<const SolverEntry> solvers = zwang::solvers();
+};
+
+// problem -> solve -> solution -> measure -> results: runs the plan, one batch a problem, into settings.directory,
+// and skips what is finished there. Each batch's lines are on the disk before the next begins.
+Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted);
+
+}  // namespace zwang

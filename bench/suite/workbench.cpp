@@ -1,0 +1,56 @@
+#include "bench/suite/workbench.h"
+
+#include <ctime>
+
+namespace zwang {
+
+double thread_cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+bool is_rung(int iteration) {
+  // 2^k and 3 * 2^k.
+  while (iteration > 3 && iteration % 2 == 0) iteration /= 2;
+  return iteration >= 0 && iteration <= 3;
+}
+
+AnySolver& Workbench::solver(const Call& call) {
+  const auto kept = kept_.find(call.solver);
+  if (kept == kept_.end()) return kept_.emplace(call.solver, make_(call.solver)).first->second;
+  if (call.fresh) kept->second = make_(call.solver);
+  return kept->second;
+}
+
+Answer Workbench::run(const Problem& problem, const Call& call) {
+  Answer answer;
+  Solution& solution = answer.solution;
+  SolveOptions options;
+  options.tolerance = call.tolerance;
+  options.time_limit = call.time_limit;
+  options.max_iterations = call.max_iterations;
+  if (call.observe)
+    options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {
+      if (is_rung(iteration)) answer.iterates.push_back({iteration, z, lambda});
+    };
+  try {
+    AnySolver& chosen = solver(call);
+    if (std::string reason = chosen.supports(problem); !reason.empty()) {
+      solution.status = Status::unsupported;
+      solution.message = std::move(reason);
+      return answer;
+    }
+    if (call.warm_up) chosen.solve(problem, options, solution);
+    const double start = thread_cpu_seconds();
+    for (int i = 0; i < call.solves; ++i) chosen.solve(problem, options, solution);
+    answer.seconds = (thread_cpu_seconds() - start) / call.solves;
+  } catch (const std::exception& thrown) {
+    solution.reset(0, 0);
+    solution.status = Status::numerical_failure;
+    solution.message = std::string("threw: ") + thrown.what();
+  }
+  return answer;
+}
+
+}  // namespace zwang

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/solver.h"
+
+namespace zwang {
+
+// CPU seconds of the calling thread (CLOCK_THREAD_CPUTIME_ID): what other processes do does not count.
+double thread_cpu_seconds();
+
+// "nnls" or "nnls:key=value" -> solver; throws std::invalid_argument.
+using MakeSolver = std::function<AnySolver(std::string_view text)>;
+
+// One request to solve a problem and to time it.
+struct Call {
+  std::string solver = {};  // as given on the command line
+  double tolerance = 1e-10;
+  double time_limit = 1;         // s of CPU time, for one solve
+  int max_iterations = 1000000;  // in the method's own unit
+  int solves = 1;                // solves between the two readings of the clock
+  bool fresh = false;            // build the solver anew: its first solve includes allocations and analyses
+  bool warm_up = false;          // one untimed solve first, to fill the caches
+  bool observe = false;          // keep iterates (never in timed calls)
+};
+
+struct Iterate {
+  int iteration;
+  Vector z, lambda;
+};
+
+struct Answer {
+  Solution solution = {};
+  double seconds = 0;                  // CPU time of one solve
+  std::vector<Iterate> iterates = {};  // at the rungs, when observed
+};
+
+// Whether convergence rows are taken at this iteration: 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, ... and so on.
+bool is_rung(int iteration);
+
+// Solvers by their text, kept from call to call, so that a repeated solve finds its storage allocated. The suite has
+// one for native solvers; a child process has one for foreign solvers. An exception of a backend is a numerical
+// failure with the exception's words, as a status like any other.
+class Workbench {
+ public:
+  explicit Workbench(MakeSolver make) : make_(std::move(make)) {}
+  Answer run(const Problem& problem, const Call& call);
+
+ private:
+  AnySolver& solver(const Call& call);
+
+  MakeSolver make_;
+  std::map<std::string, AnySolver, std::less<>> kept_ = {};
+};
+
+}  // namespace zwang

@@ -1,0 +1,168 @@
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <stdexcept>
+
+#include "bench/suite/conditions.h"
+#include "bench/suite/progress.h"
+#include "bench/suite/run_record.h"
+#include "bench/suite/suite.h"
+#include "experiments/commands.h"
+#include "experiments/options.h"
+#include "experiments/report/report.h"
+
+namespace zwang {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+// The first Ctrl-C ends the run cleanly, a second one at once.
+void stop_on_interrupt() {
+  struct sigaction action = {};
+  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// results/20261120-2354, or with -2, -3, ... where that is taken.
+std::filesystem::path fresh_directory() {
+  const std::time_t now = std::time(nullptr);
+  char name[32];
+  std::strftime(name, sizeof name, "%Y%m%d-%H%M", std::localtime(&now));
+  std::filesystem::path path = std::filesystem::path("results") / name;
+  for (int i = 2; std::filesystem::exists(path); ++i)
+    path = std::filesystem::path("results") / (name + ("-" + std::to_string(i)));
+  return path;
+}
+
+// Of references: they take longer than the solves they judge.
+std::filesystem::path cache_directory() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return std::filesystem::path(cache) / "zwang" / "references";
+  if (const char* home = std::getenv("HOME"); home && *home)
+    return std::filesystem::path(home) / ".cache" / "zwang" / "references";
+  return std::filesystem::temp_directory_path() / "zwang" / "references";
+}
+
+std::string counts(const Tally& t) {
+  std::string text = grouped(t.solved) + " solved, " + grouped(t.near) + " near, " + grouped(t.wrong) + " wrong, " +
+                     grouped(t.failed) + " failed";
+  if (t.undecided > 0) text += ", " + grouped(t.undecided) + " undecided";
+  if (t.unsupported > 0) text += ", " + grouped(t.unsupported) + " not applicable";
+  if (t.lies > 0)
+    text += "   (" + grouped(t.lies) + (t.lies == 1 ? " of them was" : " of them were") +
+            " claimed as success: see the first table)";
+  return text;
+}
+
+struct Asked {
+  SuiteOptions suite = {};
+  std::string tolerances = {}, out = {}, resume = {};
+  std::vector<std::string> problems = {};
+};
+
+void add_options(CLI::App& options, Asked& asked) {
+  SuiteOptions& s = asked.suite;
+  options.add_option("--suite", s.suite, "quick (a minute), standard (ten minutes, the default) or full (hours)")
+      ->group("What is run");
+  options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
+      ->group("What is run");
+  options.add_option("--problems", asked.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
+      ->group("What is run")
+      ->type_name("PATH");
+  add_friction(options, s.friction)->group("What is run");
+  options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)")->group("What is run");
+  options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder")
+      ->group("What is run");
+  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->group("What is run");
+  options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
+      ->group("How it is run")
+      ->check(CLI::PositiveNumber);
+  options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family")
+      ->group("How it is run");
+  options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")
+      ->group("Where it goes")
+      ->type_name("DIR");
+  options.add_option("--resume", asked.resume, "go on with a run that was stopped")
+      ->group("Where it goes")
+      ->type_name("DIR");
+}
+
+bool holds_run(const std::filesystem::path& directory) {
+  return std::filesystem::exists(directory / "run.json") || std::filesystem::exists(directory / "results.jsonl");
+}
+
+}  // namespace
+
+int bench_command(std::vector<std::string> words) {
+  CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
+  introduce(options, "bench",
+            "  ./zwang bench\n"
+            "  ./zwang bench --suite quick --out first\n"
+            "  ./zwang bench --scenes \"tower(boxes=10,100),hand(contacts=64,seed=1..5)\" \\\n"
+            "                --solvers nnls,dual_active_set,ipopt --tolerances 1e-6,1e-10\n"
+            "  ./zwang bench --problems rover/*.hdf5 --friction pyramid --trace --out rover\n"
+            "  ./zwang bench --resume rover");
+  Asked asked;
+  add_options(options, asked);
+  std::string command = "./zwang bench";
+  for (const std::string& word : words) command += " " + word;
+  if (!read(options, std::move(words))) return done;
+  asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
+  if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
+
+  SuiteSettings settings;
+  if (!asked.resume.empty()) {
+    if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
+    std::vector<std::string> given;
+    for (const char* name :
+         {"suite", "scenes", "problems", "friction", "solvers", "tolerances", "repetitions", "seed", "trace"})
+      if (options.count(std::string("--") + name) > 0) given.emplace_back(name);
+    settings.directory = asked.resume;
+    asked.suite = options_to_resume(settings.directory, asked.suite, given);
+  } else {
+    settings.directory = asked.out.empty() ? fresh_directory() : std::filesystem::path(asked.out);
+    if (holds_run(settings.directory))
+      throw std::invalid_argument(settings.directory.string() + " holds a run already: go on with --resume " +
+                                  settings.directory.string() + ", or choose another --out");
+  }
+  settings.cache = cache_directory();
+  settings.command = command;
+  settings.terminal = isatty(STDERR_FILENO) == 1;
+
+  // scene -> assemble -> problem
+  const Plan plan = make_plan(std::move(asked.suite));
+  const Conditions c = conditions();
+  const std::size_t solvers = plan.runs.size() / plan.options.tolerances.size();
+  const bool own = asked.resume.empty() && (options.count("--scenes") > 0 || options.count("--problems") > 0);
+  std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
+              own ? "your problems" : (plan.options.suite + " suite").c_str(), solvers, plan.instances.size(),
+              plan.options.tolerances.size(), static_cast<unsigned long long>(plan.options.seed));
+  if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
+  std::fflush(stdout);
+
+  // problem -> solve -> solution -> measure -> results
+  stop_on_interrupt();
+  const Outcome outcome = run_suite(plan, settings, interrupted);
+  const std::string directory = settings.directory.string();
+  if (outcome.interrupted) {
+    std::printf("Stopped after %s of %s runs; nothing lost. Go on with: ./zwang bench --resume %s\n",
+                grouped(outcome.tally.runs).c_str(), grouped(outcome.planned).c_str(), directory.c_str());
+    return stopped;
+  }
+  std::printf("%s runs in %s: %s\n", grouped(outcome.tally.runs).c_str(), duration(outcome.seconds).c_str(),
+              counts(outcome.tally).c_str());
+  for (const std::string& note : outcome.notes) std::printf("Note: %s\n", note.c_str());
+
+  // results -> report
+  const auto results = report::read_run(settings.directory).results;
+  const std::string headline = report::accuracy_headline(results, report::headline_family(results), 1e-9);
+  if (!headline.empty()) std::printf("%s\n", headline.c_str());
+  std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
+  return done;
+}
+
+}  // namespace zwang
