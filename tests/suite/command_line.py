@@ -1,0 +1,178 @@
+"""The command line as people meet it: exit codes, one line for each mistake, keys of --json.
+
+Usage: command_line.py PROGRAM
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+program = os.path.abspath(sys.argv[1])
+failures = 0
+
+
+def run(words, **more):
+    return subprocess.run([program] + words, capture_output=True, text=True, timeout=120, **more)
+
+
+def check(what, holds, detail=""):
+    global failures
+    if not holds:
+        failures += 1
+        print(f"FAILED: {what}\n{detail}")
+
+
+def write(name, **changes):
+    """A box on the floor, or what is left of it after the changes (None: leave out)."""
+    parts = {
+        "M": np.diag([2.0, 2.0, 2.0]), "z_u": np.array([0.0, 0.5, -9.81]), "J": np.array([[0.0, 0.0, 1.0]]),
+        "c": np.array([0.0]), "kind": np.array([1], "u1"), **changes}
+    with h5py.File(name, "w") as file:
+        group = file.create_group("zwang")
+        for key, value in parts.items():
+            if value is not None:
+                group[key] = value
+
+
+def write_inputs():
+    write("box.h5")
+    write("nan.h5", J=np.array([[0.0, math.nan, 1.0]]))
+    write("sizes.h5", c=np.array([0.0, 1.0]))
+    write("indefinite.h5", M=np.diag([2.0, -2.0, 2.0]))
+    write("no_c.h5", c=None)
+    with open("box.h5", "rb") as whole, open("truncated.h5", "wb") as part:
+        part.write(whole.read()[:1500])
+    with open("text.h5", "w") as file:
+        file.write("not HDF5\n")
+    with h5py.File("two.h5", "w") as file:
+        for name in ("first", "second"):
+            with h5py.File("box.h5") as box:
+                box.copy("zwang", file.create_group(name))
+    os.makedirs("empty", exist_ok=True)
+    os.makedirs("taken", exist_ok=True)
+    open("taken/results.jsonl", "w").close()
+
+
+# words, exit code, what the one line on stderr says
+MISTAKES = [
+    (["slove"], 2, "did you mean 'solve'?"),
+    (["bench", "--suit", "quick"], 2, "did you mean '--suite'?"),
+    (["bench", "--suite", "quik"], 2, "did you mean 'quick'?"),
+    (["bench", "--suite"], 2, "--suite"),
+    (["bench", "--scenes", "towr"], 2, "no scene 'towr'; did you mean 'tower'?"),
+    (["bench", "--scenes", "tower(boxs=3)"], 2, "did you mean 'boxes'?"),
+    (["bench", "--scenes", "tower(boxes=-3)"], 2, "from 1 to"),
+    (["bench", "--scenes", "tower(boxes=3"], 2, "parenthesis"),
+    (["bench", "--solvers", "pgz"], 2, "no solver 'pgz'; did you mean 'pgs'?"),
+    (["bench", "--solvers", "pgs:max_sweps=3"], 2, "did you mean 'max_sweeps'?"),
+    (["bench", "--solvers", "pgs:max_sweeps=many"], 2, "should be an integer"),
+    (["bench", "--tolerances", "1e-6,tiny"], 2, "'tiny' should be a number"),
+    (["bench", "--tolerances", "2"], 2, "between 0 and 1"),
+    (["bench", "--repetitions", "-1"], 2, "--repetitions"),
+    (["bench", "--friction", "some"], 2, "none or pyramid"),
+    (["bench", "--out", "taken"], 2, "--resume taken"),
+    (["bench", "--resume", "empty"], 3, "holds no run"),
+    (["bench", "--problems", "missing.h5"], 3, "missing.h5"),
+    (["bench", "--problems", "empty"], 3, "no *.h5 or *.hdf5"),
+    (["bench", "--problems", "box.h5", "nan.h5"], 3, "nan.h5"),
+    (["solve", "box.h5"], 2, "--solver"),
+    (["solve", "box.h5", "--solver", "pgz"], 2, "did you mean 'pgs'?"),
+    (["solve", "box.h5", "--solver", "pgs", "--tolerance", "0"], 2, "between 0 and 1"),
+    (["solve", "box.h5", "--solver", "pgs", "--problem", "bax"], 2, "no problem 'bax'"),
+    (["solve", "two.h5", "--solver", "pgs"], 2, "holds 2 problems"),
+    (["solve", "two.h5", "--solver", "pgs", "--problem", "secnd"], 2, "did you mean 'second'?"),
+    (["solve", "missing.h5", "--solver", "pgs"], 3, "missing.h5"),
+    (["solve", "truncated.h5", "--solver", "pgs"], 3, "truncated.h5"),
+    (["solve", "text.h5", "--solver", "pgs"], 3, "text.h5"),
+    (["solve", "nan.h5", "--solver", "pgs"], 3, "nan.h5"),
+    (["solve", "sizes.h5", "--solver", "pgs"], 3, "sizes.h5"),
+    (["solve", "indefinite.h5", "--solver", "pgs"], 3, "positive definite"),
+    (["solve", "no_c.h5", "--solver", "pgs"], 3, "no_c.h5"),
+    (["export", "towr", "--out", "t.h5"], 2, "did you mean 'tower'?"),
+    (["export", "tower", "--boxs=3", "--out", "t.h5"], 2, "did you mean 'boxes'?"),
+    (["export", "tower", "--boxes", "--out", "t.h5"], 2, "boxes"),
+    (["export", "tower(boxes=3,4)", "--out", "t.h5"], 2, "names 2 problems"),
+    (["export", "tower"], 2, "--out"),
+    (["export", "tower", "--out", "nowhere/t.h5"], 3, "nowhere/t.h5"),
+    (["report", "empty"], 3, "empty"),
+    (["report", "box.h5", "--figures", "pfd"], 2, "did you mean 'pdf'?"),
+    (["report"], 2, "DIR"),
+    (["solvers", "--all"], 2, "no option '--all'"),
+]
+
+KEYS = set("""problem family knob knob_value n m equalities seed problem_sha256 problem_file solver foreign tolerance
+claimed verified z_error z_bound bound_method bound_sigma_min primal dual stationarity complementarity gap natural scale
+farkas setup_s solve_s solve_s_q1 solve_s_q3 repetitions iterations reference reference_bound feasible worst_row
+worst_by_type rank smallest_pivot largest_rejected_pivot redundant conflicting fallback range_gap message batch
+z lambda""".split())
+
+
+def check_mistakes():
+    for words, code, says in MISTAKES:
+        result = run(words)
+        shown = f"zwang {' '.join(words)}\nexit {result.returncode}\n{result.stdout}{result.stderr}"
+        check(f"exit code {code}", result.returncode == code, shown)
+        check(f"says: {says}", says in result.stderr, shown)
+        check("one line", result.stderr.count("\n") == 1, shown)
+
+
+def check_help():
+    for words in (["--help"], *([word, "--help"] for word in "bench solve export scenes solvers report".split())):
+        result = run(words)
+        check(f"{words} has examples", result.returncode == 0 and "Examples:" in result.stdout, result.stdout)
+    check("version", run(["--version"]).stdout.startswith("zwang "))
+    check("no words at all", run([]).returncode == 2)
+    check("scenes lists knobs", "boxes=" in run(["scenes"]).stdout)
+    check("solvers lists settings", "max_sweeps=" in run(["solvers"]).stdout)
+
+
+def check_solve():
+    result = run(["solve", "box.h5", "--solver", "pgs", "--json"])
+    box = json.loads(result.stdout)
+    check("one line of JSON", result.stdout.count("\n") == 1, result.stdout)
+    check("all keys", set(box) == KEYS, str(set(box) ^ KEYS))
+    check("z", np.allclose(box["z"], [0, 0.5, 0], atol=1e-9), str(box["z"]))
+    check("lambda", np.allclose(box["lambda"], [19.62]), str(box["lambda"]))
+    check("verified", box["verified"] == "solved", str(box))
+    both = run(["solve", "box.h5", "--solver", "pgs", "--json", "--trace"])
+    check("trace", len(json.loads(both.stdout)["trace"]) >= 1, both.stdout)
+    people = run(["solve", "two.h5", "--problem", "second", "--solver", "pgs:relaxation=1.2", "--trace"])
+    for word in ("claimed", "verified", "residuals", "time", "iteration"):
+        check(f"solve prints {word}", people.returncode == 0 and word in people.stdout, people.stdout + people.stderr)
+
+
+def check_export_and_bench():
+    out = run(["export", "tower", "--boxes=2", "--out", "tower.h5"])
+    check("export", out.returncode == 0, out.stderr)
+    words = ["bench", "--problems", "box.h5", "tower.h5", "--solvers", "pgs", "--tolerances", "1e-6", "--out", "run"]
+    bench = run(words + ["--repetitions", "2"])
+    check("bench", bench.returncode == 0, bench.stdout + bench.stderr)
+    check("counts", "2 runs in" in bench.stdout and "Report: run/report.html" in bench.stdout, bench.stdout)
+    lines = [json.loads(line) for line in open("run/results.jsonl")]
+    check("a line a run", [line["repetitions"] for line in lines] == [2, 2], str(lines))
+    replay = run(["solve", os.path.join("run", lines[1]["problem_file"]), "--solver", "pgs", "--tolerance", "1e-6",
+                  "--json"])
+    check("a replay gives the same", json.loads(replay.stdout)["z_error"] == lines[1]["z_error"], replay.stdout)
+    again = run(["bench", "--resume", "run"])
+    check("nothing left to resume", again.returncode == 0 and "2 runs in" in again.stdout, again.stdout + again.stderr)
+    other = run(["bench", "--resume", "run", "--seed", "2"])
+    check("other options", other.returncode == 2 and "its seed is 1, not 2" in other.stderr, other.stderr)
+    report = run(["report", "run"])
+    check("report", report.returncode == 0 and "Report: run/report.html" in report.stdout, report.stderr)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    os.environ["XDG_CACHE_HOME"] = folder
+    write_inputs()
+    check_mistakes()
+    check_help()
+    check_solve()
+    check_export_and_bench()
+    os.chdir("/")
+sys.exit(1 if failures else 0)
