@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "bench/scenes/physical.h"
 #include "constraints/contact.h"
 #include "core/motion.h"
@@ -13,6 +16,18 @@ void add_patch(Scene& scene, BodyId a, BodyId b, const Vec3& low, const Vec3& hi
     const Vec3 point(corner & 1 ? high.x() : low.x(), corner & 2 ? high.y() : low.y(), low.z());
     scene.add(contact_at(scene.bodies, a, b, point, Vec3::UnitZ()), label + ", corner " + std::to_string(corner + 1));
   }
+}
+
+// Gravity, and on every box a random push of up to `push` times its weight, at random levers within 1/8 m.
+Vector pushed(const Scene& scene, double push, Draw& draw) {
+  Vector z_u;
+  std::vector<Vec<double, 6>> wrench(scene.bodies.size());
+  for (std::size_t b = 0; b < wrench.size(); ++b) {
+    const Vec3 force = draw.cube(-push * gravity.z() * scene.bodies[b].mass);
+    wrench[b] << force, draw.cube(0.125).cross(force);
+  }
+  move_freely(scene, gravity, wrench, z_u);
+  return z_u;
 }
 
 // z* = 0 and the multipliers that a statics book gives.
@@ -43,6 +58,77 @@ Instance tower(const Knobs& knobs) {
   Vector lambda(4 * boxes);
   for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
   instance.reference = at_rest(instance.problem, std::move(lambda));
+  return instance;
+}
+
+// Equal boxes, each with four corner contacts to the one below, pushed about. With push = 0 all rest.
+Instance stack(const Knobs& knobs) {
+  const int boxes = static_cast<int>(knobs.at("boxes"));
+  const double push = knobs.at("push");
+  Draw draw(knobs.at("seed"));
+  Scene scene;
+  BodyId below = add_fixed(scene);
+  for (int i = 0; i < boxes; ++i) {
+    const double foot = 0.5 * i;
+    const BodyId box = scene.add(box_body({1, 1, 0.5}, 1, {0, 0, foot + 0.25}));
+    add_patch(scene, box, below, {-0.5, -0.5, foot}, {0.5, 0.5, foot},
+              "box " + std::to_string(i + 1) + (i == 0 ? " on ground" : " on box " + std::to_string(i)));
+    below = box;
+  }
+  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = step, .mode = Mode::dynamic});
+  if (push > 0) return instance;
+  Vector lambda(4 * boxes);
+  for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
+  instance.reference = at_rest(instance.problem, std::move(lambda));
+  return instance;
+}
+
+// A brick wall in running bond, about as many courses as bricks in a course; every second course begins and ends with
+// half a brick. With push = 0 it rests, under a pressure that is even along each bed joint.
+Instance wall(const Knobs& knobs) {
+  const int boxes = static_cast<int>(knobs.at("boxes"));
+  const int across = static_cast<int>(std::ceil(std::sqrt(boxes)));
+  const double push = knobs.at("push"), width = 1, height = 0.5;
+  Draw draw(knobs.at("seed"));
+
+  struct Brick {
+    double left, right;
+    int course;
+    BodyId body;
+  };
+  std::vector<Brick> bricks;
+  const int courses = static_cast<int>(std::ceil(boxes / (across + 0.5)));
+  for (int course = 0; course < courses; ++course) {
+    const int shifted = course % 2;
+    for (int k = 0; k < across + shifted; ++k)
+      bricks.push_back({std::max(0., (k - 0.5 * shifted) * width),
+                        std::min(across * width, (k + 1 - 0.5 * shifted) * width), course, 0});
+  }
+
+  Scene scene;
+  const BodyId ground = add_fixed(scene);
+  std::vector<double> lambda;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    Brick& b = bricks[i];
+    const double foot = height * b.course, length = b.right - b.left, bottom = length * (courses - b.course);
+    b.body = scene.add(box_body({length, 0.5, height}, length, {(b.left + b.right) / 2, 0, foot + height / 2}));
+    const std::string name = "brick " + std::to_string(i + 1);
+    const auto stand_on = [&](BodyId below, double left, double right, const std::string& what) {
+      add_patch(scene, b.body, below, {left, -0.25, foot}, {right, 0.25, foot}, name + " on " + what);
+      const double share = (right - left) / length * bottom;
+      lambda.insert(lambda.end(), 4, -gravity.z() * share / 4);
+    };
+    if (b.course == 0) stand_on(ground, b.left, b.right, "ground");
+    for (std::size_t j = 0; j < i; ++j)
+      if (const Brick& under = bricks[j]; under.course == b.course - 1) {
+        const double left = std::max(b.left, under.left), right = std::min(b.right, under.right);
+        if (left < right) stand_on(under.body, left, right, "brick " + std::to_string(j + 1));
+      }
+  }
+  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = step, .mode = Mode::dynamic});
+  if (push > 0) return instance;
+  instance.reference =
+      at_rest(instance.problem, Eigen::Map<const Vector>(lambda.data(), static_cast<Index>(lambda.size())));
   return instance;
 }
 

@@ -86,6 +86,15 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 
 }  // namespace
 
+namespace {
+
+const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
+const Knob push_knob{"push", 0.25, 0, 4, false, "largest random push on a box, in weights; 0 leaves it at rest"};
+const Knob limits_knob{"limits", 5, 0, 20, true, "violated joint limits"};
+const Knob drift_knob{"drift", 0x1p-13, 0, 0x1p-7, false, "opening of the joints (m)"};
+
+}  // namespace
+
 std::span<const SceneEntry> scenes() {
   static const std::vector<SceneEntry> all = {
       // One line a scene.
@@ -95,6 +104,72 @@ std::span<const SceneEntry> scenes() {
        "boxes",
        {{"boxes", 10, 1, 1000, true, "number of boxes"}},
        tower},
+      {"stack",
+       "stack",
+       "equal boxes one on another, four corner contacts a face, pushed about",
+       "boxes",
+       {{"boxes", 10, 1, 1000, true, "number of boxes"}, push_knob, seed_knob},
+       stack},
+      {"wall",
+       "wall",
+       "bricks in running bond, four corner contacts where two overlap, pushed about",
+       "boxes",
+       {{"boxes", 25, 1, 2000, true, "number of bricks, rounded up to whole courses"}, push_knob, seed_knob},
+       wall},
+      {"pile",
+       "pile",
+       "spheres heaped into a square pyramid on the ground, rolling apart",
+       "spheres",
+       {{"spheres", 30, 1, 2000, true, "number of spheres"},
+        {"gap", 0x1p-8, 0, 0.125, false, "largest gap or penetration, as a part of the diameter"},
+        seed_knob},
+       pile},
+      {"arch",
+       "arch",
+       "wedge-shaped stones in half a circle, four contacts a joint, no friction",
+       "stones",
+       {{"stones", 9, 3, 500, true, "number of stones"}},
+       arch},
+      {"chain",
+       "chain",
+       "links on ball joints, hanging from one end, tumbling",
+       "links",
+       {{"links", 16, 1, 4000, true, "number of links"},
+        {"drift", 0, 0, 0.125, false, "opening of the joints (m)"},
+        seed_knob},
+       chain},
+      {"four_bar",
+       "four_bar",
+       "a linkage of three bars and four hinges: 20 rows of rank 17",
+       "",
+       {{"lean", 0.5, -2, 2, false, "horizontal offset of the coupler (m)"}},
+       four_bar},
+      {"leash",
+       "leash",
+       "the constraint of docs/add-a-constraint.md: dogs pulling at their leashes",
+       "dogs",
+       {{"dogs", 4, 1, 1000, true, "number of dogs"}, seed_knob},
+       leash},
+      {"hand",
+       "hand",
+       "the 16-body hand pressed into a wall: joints, violated limits, redundant contacts",
+       "contacts",
+       {{"contacts", 16, 0, 400, true, "number of contacts"},
+        limits_knob,
+        drift_knob,
+        {"feasible", 1, 0, 1, true, "1: feasible by construction; 0: gaps at random, perhaps infeasible"},
+        seed_knob},
+       hands},
+      {"hands",
+       "hands",
+       "independent hands in one problem",
+       "hands",
+       {{"hands", 2, 1, 64, true, "number of hands"},
+        {"contacts", 16, 0, 400, true, "contacts of each hand"},
+        limits_knob,
+        drift_knob,
+        seed_knob},
+       hands},
       {"MR",
        "MR",
        "ten boxes on four corners each, the top one heavier: mass ratio 2^k",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 
@@ -47,7 +48,17 @@ BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
 // The scene's problem, its rows named.
 Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& options);
 
-// Boxes, spheres, links. All take the knobs that catalog.cpp declares for them.
+// All take the knobs that catalog.cpp declares for them. boxes.cpp:
 Instance tower(const Knobs& knobs);
+Instance stack(const Knobs& knobs);
+Instance wall(const Knobs& knobs);
+// mechanisms.cpp:
+Instance pile(const Knobs& knobs);
+Instance arch(const Knobs& knobs);
+Instance chain(const Knobs& knobs);
+Instance four_bar(const Knobs& knobs);
+Instance leash(const Knobs& knobs);
+// hands.cpp: `hands` of them (default 1), independent of each other.
+Instance hands(const Knobs& knobs);
 
 }  // namespace zwang

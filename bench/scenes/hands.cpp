@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <numeric>
+
+#include "bench/scenes/hand.h"
+#include "bench/scenes/physical.h"
+#include "constraints/contact.h"
+#include "core/motion.h"
+
+namespace zwang {
+namespace {
+
+constexpr double step = 0x1p-7;  // s
+
+// A hand pressed into a wall: where it is, where it wants to be, and the points at which its pads touch.
+struct PressedHand {
+  hand::Poses god, target;
+  struct Touch {
+    int body;
+    Vec3 point, normal;  // m; unit, out of the wall
+    double gap;          // m
+  };
+  std::vector<Touch> touches;
+};
+
+template <class T>
+void shuffle(std::vector<T>& items, Draw& draw) {
+  for (std::size_t k = items.size(); k > 1; --k)
+    std::swap(items[k - 1], items[static_cast<std::size_t>(draw.below(static_cast<int>(k)))]);
+}
+
+// Angles within the middle of their ranges, but `violated` of them 2 to 4 degrees beyond a bound.
+hand::Angles draw_angles(int violated, Draw& draw) {
+  hand::Angles angles;
+  std::vector<int> order(hand::angles);
+  std::iota(order.begin(), order.end(), 0);
+  shuffle(order, draw);
+  for (int k = 0; k < hand::angles; ++k) {
+    const int angle = order[static_cast<std::size_t>(k)];
+    const auto [low, high] = hand::range(angle);
+    const double excess = draw.uniform(0x1p-5, 0x1p-4);
+    double value = draw.uniform(low + 0.2 * (high - low), high - 0.4 * (high - low));
+    if (k < violated) value = draw.below(2) ? high + excess : low - excess;
+    angles[static_cast<std::size_t>(angle)] = value;
+  }
+  return angles;
+}
+
+// Moves every phalanx by up to `distance` [m] and turns it by what moves its ends as far.
+void disturb(hand::Poses& poses, double distance, Draw& draw) {
+  for (int b = 1; b < hand::bodies; ++b) {
+    Vec<double, 6> twist;
+    twist.head<3>() = draw.cube(distance);
+    twist.tail<3>() = draw.cube(distance / (hand::phalanx(b).length / 2));
+    Pose<double>& pose = poses[static_cast<std::size_t>(b)];
+    pose = retract(pose, twist);
+  }
+}
+
+// A motion that meets the joints and the violated limits: the smallest one.
+Vector free_motion(const hand::Poses& poses) {
+  Scene scene;
+  hand::add(scene, poses);
+  Problem problem;
+  Assembler{}.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = step}, problem);
+  return Matrix(problem.J).completeOrthogonalDecomposition().solve(problem.c);
+}
+
+// Several contacts per phalanx, on one flat face under its pad: four or more rows of rank three, with different gaps,
+// so that no k with J k = c exists for the paper's form. By construction one motion meets all rows with room to spare:
+// gaps are drawn around that motion. Otherwise gaps are drawn at random, which may ask for too much.
+PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& draw) {
+  PressedHand out;
+  const int contacts = static_cast<int>(knobs.at("contacts"));
+  const double drift = knobs.at("drift");
+  hand::Angles angles = draw_angles(static_cast<int>(knobs.at("limits")), draw);
+  const Pose<double> palm{place, rotation(draw.cube(0.5))};
+  out.god = hand::assemble(palm, angles);
+  disturb(out.god, drift, draw);
+
+  // The target: the palm 10 to 20 mm toward the wall, the fingers curled further, each bone off by up to 2 mm.
+  for (double& angle : angles) angle += draw.uniform(0, 0.25);
+  const Vec3 into_wall = palm.turn(Vec3(0, 0, -draw.uniform(0.01, 0.02)));
+  out.target = hand::assemble({place + into_wall + draw.cube(0.005), palm.rotation * rotation(draw.cube(0.1))}, angles);
+  disturb(out.target, 0.002, draw);
+
+  std::vector<int> order(hand::bodies - 1);
+  std::iota(order.begin(), order.end(), 1);
+  shuffle(order, draw);
+  const int touched = std::min(hand::bodies - 1, (contacts + 3) / 4);
+  std::array<Vec3, hand::bodies> face;  // normals in phalanx axes, out of the wall
+  for (Vec3& n : face) n = rotation(draw.uniform(-0.4, 0.4) * Vec3::UnitY()) * Vec3::UnitZ();
+  const Vector z_free = feasible ? free_motion(out.god) : Vector();
+  for (int k = 0; k < contacts; ++k) {
+    const int b = order[static_cast<std::size_t>(k % touched)];
+    const auto s = static_cast<std::size_t>(b);
+    const hand::Phalanx p = hand::phalanx(b);
+    const Vec3 across = Vec3::UnitY().cross(face[s]);
+    const Vec3 local = draw.uniform(-0.5, 0.5) * p.length * Vec3::UnitY() +
+                       draw.uniform(-0.5, 0.5) * p.radius * across - p.radius * face[s];
+    const Vec3 lever = out.god[s].turn(local), normal = out.god[s].turn(face[s]);
+    double gap = draw.uniform(-0x1p-10, 0x1p-10);
+    if (feasible) {
+      const Vec3 moved = z_free.segment<3>(6 * b) + z_free.segment<3>(6 * b + 3).cross(lever);
+      gap = draw.uniform(0x1p-20, 0x1p-10) - step * step * normal.dot(moved);
+    }
+    out.touches.push_back({b, out.god[s].position + lever, normal, gap});
+  }
+  return out;
+}
+
+}  // namespace
+
+Instance hands(const Knobs& knobs) {
+  const int count = knobs.contains("hands") ? static_cast<int>(knobs.at("hands")) : 1;
+  const bool feasible = !knobs.contains("feasible") || knobs.at("feasible") > 0;
+  Draw draw(knobs.at("seed"));
+  Scene scene;
+  std::vector<Pose<double>> target(1);
+  const BodyId wall = add_fixed(scene);
+  for (int h = 0; h < count; ++h) {
+    const PressedHand pressed = press(Vec3(0.5 * h, 0, 0), knobs, feasible, draw);
+    const std::string prefix = count > 1 ? "hand " + std::to_string(h + 1) + " " : "";
+    const BodyId palm = hand::add(scene, pressed.god, prefix);
+    target.insert(target.end(), pressed.target.begin(), pressed.target.end());
+    std::array<int, hand::bodies> number{};
+    for (const PressedHand::Touch& t : pressed.touches)
+      scene.add(contact_at(scene.bodies, palm + t.body, wall, t.point, t.normal, t.gap),
+                prefix + hand::body_name(t.body) + " " + std::to_string(++number[static_cast<std::size_t>(t.body)]) +
+                    " on wall");
+  }
+  Vector z_u;
+  couple_to_targets(scene, target, reaching_stiffness(step), z_u);
+  return to_instance(scene, z_u, {.dt = step});
+}
+
+}  // namespace zwang

@@ -1,0 +1,175 @@
+#include "core/islands.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+namespace zwang {
+namespace {
+
+template <class Sparse>
+Index count_entries(const Sparse& A, const std::vector<Index>& outer) {
+  Index count = 0;
+  for (const Index k : outer) count += A.outerIndexPtr()[k + 1] - A.outerIndexPtr()[k];
+  return count;
+}
+
+// `part` becomes the chosen rows (columns) of the compressed matrix A, its inner indices renumbered. Entries that leave
+// the island are stored zeros.
+template <class Sparse>
+void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& local,
+             const std::vector<Index>& island, Index mine, Index rows, Index cols, Sparse& part) {
+  part.resize(rows, cols);
+  part.resizeNonZeros(count_entries(A, outer));
+  int at = 0;
+  for (std::size_t k = 0; k < outer.size(); ++k) {
+    part.outerIndexPtr()[k] = at;
+    for (typename Sparse::InnerIterator it(A, outer[k]); it; ++it) {
+      const auto inner = static_cast<std::size_t>(it.index());
+      if (island[inner] != mine) continue;
+      part.innerIndexPtr()[at] = static_cast<int>(local[inner]);
+      part.valuePtr()[at++] = it.value();
+    }
+  }
+  part.outerIndexPtr()[outer.size()] = at;
+  part.resizeNonZeros(at);
+}
+
+// From best to worst; what stands further right wins when islands differ.
+int severity(Status status) {
+  static constexpr std::array order{Status::solved,
+                                    Status::solved_ill_conditioned,
+                                    Status::iteration_limit,
+                                    Status::time_limit,
+                                    Status::numerical_failure,
+                                    Status::unsolved,
+                                    Status::unsupported,
+                                    Status::crashed,
+                                    Status::bad_input,
+                                    Status::infeasible};
+  return static_cast<int>(std::find(order.begin(), order.end(), status) - order.begin());
+}
+
+}  // namespace
+
+// Union-find with path halving; the root of an island is its smallest unknown.
+Index Islands::root(Index unknown) {
+  auto k = static_cast<std::size_t>(unknown);
+  while (parent_[k] != static_cast<Index>(k)) {
+    parent_[k] = parent_[static_cast<std::size_t>(parent_[k])];
+    k = static_cast<std::size_t>(parent_[k]);
+  }
+  return static_cast<Index>(k);
+}
+
+void Islands::couple(Index a, Index b) {
+  const Index ra = root(a), rb = root(b);
+  parent_[static_cast<std::size_t>(std::max(ra, rb))] = std::min(ra, rb);
+}
+
+Island& Islands::next_island() {
+  if (count_ == islands_.size()) islands_.emplace_back();
+  Island& island = islands_[count_++];
+  island.columns.clear();
+  island.rows.clear();
+  return island;
+}
+
+void Islands::split(const Problem& p) {
+  require_matching_sizes(p);
+  const Index n = p.size(), m = p.rows();
+  parent_.resize(static_cast<std::size_t>(n));
+  island_.resize(static_cast<std::size_t>(n));
+  local_.resize(static_cast<std::size_t>(n));
+  for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k;
+
+  const auto couple_inner = [&](const auto& A, Index outer, Index first) {
+    for (typename std::decay_t<decltype(A)>::InnerIterator it(A, outer); it; ++it) {
+      if (it.value() == 0) continue;
+      if (first >= 0) couple(first, it.index());
+      first = it.index();
+    }
+  };
+  for (Index k = 0; k < n; ++k) couple_inner(p.M, k, k);
+  for (Index i = 0; i < m; ++i) couple_inner(p.J, i, -1);
+
+  count_ = 0;
+  for (Index k = 0; k < n; ++k) {
+    const auto s = static_cast<std::size_t>(k), r = static_cast<std::size_t>(root(k));
+    if (r == s) {
+      island_[s] = static_cast<Index>(count_);
+      next_island();
+    }
+    island_[s] = island_[r];
+    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[s])].columns;
+    local_[s] = static_cast<Index>(columns.size());
+    columns.push_back(k);
+  }
+  if (n == 0) next_island();
+  for (Index i = 0; i < m; ++i) {
+    std::size_t home = 0;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
+      if (it.value() != 0) home = static_cast<std::size_t>(island_[static_cast<std::size_t>(it.index())]);
+    islands_[home].rows.push_back(i);
+  }
+  for (std::size_t k = 0; k < count_; ++k) fill(p, islands_[k]);
+}
+
+void Islands::fill(const Problem& p, Island& island) {
+  Problem& part = island.problem;
+  const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
+  const Index mine = n > 0 ? island_[static_cast<std::size_t>(island.columns[0])] : 0;
+  part.name = p.name;
+  part.z_u.resize(n);
+  part.c.resize(m);
+  part.kind.resize(island.rows.size());
+  part.key.resize(island.rows.size());
+  extract(p.M, island.columns, local_, island_, mine, n, n, part.M);
+  extract(p.J, island.rows, local_, island_, mine, m, n, part.J);
+  for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
+  for (std::size_t i = 0; i < island.rows.size(); ++i) {
+    const Index row = island.rows[i];
+    part.c[static_cast<Index>(i)] = p.c[row];
+    part.kind[i] = p.kind[static_cast<std::size_t>(row)];
+    part.key[i] = p.key[static_cast<std::size_t>(row)];
+  }
+}
+
+void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
+  split(problem);
+  solution.reset(problem.size(), problem.rows());
+  SolveOptions quiet = options;
+  quiet.observe = nullptr;
+  solution.status = Status::solved;
+  solution.margins.rank = 0;
+  for (std::size_t k = 0; k < count_; ++k) {
+    solver.solve(islands_[k].problem, quiet, part_);
+    join(islands_[k], part_, problem.rows(), solution);
+    if (part_.message.empty()) continue;
+    if (!solution.message.empty()) solution.message += "; ";
+    solution.message += "island " + std::to_string(k + 1) + ": " + part_.message;
+  }
+}
+
+void Islands::join(const Island& island, const Solution& part, Index rows, Solution& whole) const {
+  const auto scatter = [](const Vector& from, const std::vector<Index>& to, Vector& into) {
+    if (from.size() != static_cast<Index>(to.size())) into.resize(0);  // one island without: the whole without
+    for (std::size_t k = 0; k < to.size() && into.size() > 0; ++k) into[to[k]] = from[static_cast<Index>(k)];
+  };
+  scatter(part.z, island.columns, whole.z);
+  scatter(part.lambda, island.rows, whole.lambda);
+  if (part.certificate.size() > 0 && whole.certificate.size() == 0) {
+    whole.certificate.setZero(rows);
+    scatter(part.certificate, island.rows, whole.certificate);
+  }
+  for (const Index row : part.redundant) whole.redundant.push_back(island.rows[static_cast<std::size_t>(row)]);
+  if (severity(part.status) > severity(whole.status)) whole.status = part.status;
+  whole.iterations += part.iterations;
+  whole.fallback = whole.fallback || part.fallback;
+  whole.margins.rank = part.margins.rank < 0 || whole.margins.rank < 0 ? -1 : whole.margins.rank + part.margins.rank;
+  whole.margins.smallest_accepted = std::fmin(whole.margins.smallest_accepted, part.margins.smallest_accepted);
+  whole.margins.largest_rejected = std::fmax(whole.margins.largest_rejected, part.margins.largest_rejected);
+}
+
+}  // namespace zwang

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/solver.h"
+
+namespace zwang {
+
+// A part of a problem that shares no unknown with the rest: two hands in the air, two towers (section 5 of the paper
+// calls them clusters). Keys are kept, so warm starts and row names survive.
+struct Island {
+  Problem problem = {};
+  std::vector<Index> columns = {};  // of the whole problem, ascending
+  std::vector<Index> rows = {};     // of the whole problem, ascending
+};
+
+// Splits a problem into islands, solves them apart with any solver and joins the answers. Unknowns belong together when
+// a non-zero of M or J couples them (stored zeros do not); islands are ordered by their first unknown. A row without
+// non-zeros goes to the first island, so that no infeasible row is lost. The storage of islands of the same shape is
+// reused: splitting again allocates nothing.
+class Islands {
+ public:
+  void split(const Problem& problem);
+  std::span<const Island> all() const { return {islands_.data(), count_}; }
+
+  // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
+  // its certificate padded with zeros being one of the whole. Iterations are added up, margins are the closest ones,
+  // messages name their island. The limits of `options` hold per island; the observer is not called (iterates of
+  // problems solved apart are no iterates of the whole).
+  void solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  Index root(Index unknown);
+  void couple(Index a, Index b);
+  Island& next_island();
+  void fill(const Problem& problem, Island& island);
+  void join(const Island& island, const Solution& part, Index rows, Solution& whole) const;
+
+  std::vector<Island> islands_;
+  std::size_t count_ = 0;
+  std::vector<Index> parent_, island_, local_;
+  Solution part_;
+};
+
+}  // namespace zwang

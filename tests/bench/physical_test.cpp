@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "bench/scenes/catalog.h"
+#include "bench/scenes/hand.h"
+#include "constraints/joint_limit.h"
+#include "core/islands.h"
+#include "core/measure.h"
+
+namespace zwang {
+namespace {
+
+const std::vector<std::string> physical{"tower", "stack",    "wall",  "pile", "arch",
+                                        "chain", "four_bar", "leash", "hand", "hands"};
+
+Instance only(const std::string& text) { return make_scenes(text).at(0); }
+
+double seen(const Instance& instance) {
+  const Problem& p = instance.problem;
+  return (Vector(p.J * p.z_u) - p.c).norm();
+}
+
+TEST(PhysicalScenes, AreValidProblemsWhoseRowsHaveDifferentNamesAndKeys) {
+  for (const std::string& name : physical) {
+    const Instance instance = only(name);
+    require_matching_sizes(instance.problem);
+    EXPECT_EQ(bad_input(instance.problem), "") << name;
+    EXPECT_TRUE(is_positive_definite(instance.problem.M)) << name;
+    ASSERT_EQ(instance.origin.size(), instance.problem.key.size()) << name;
+    EXPECT_EQ(std::set<std::string>(instance.origin.begin(), instance.origin.end()).size(), instance.origin.size());
+    EXPECT_EQ(std::set<RowKey>(instance.problem.key.begin(), instance.problem.key.end()).size(),
+              instance.origin.size());
+  }
+}
+
+TEST(PhysicalScenes, AreTheSameForTheSameSeedAndDifferForAnother) {
+  for (const std::string& name : physical) {
+    const SceneEntry& scene = *find_scene(name);
+    EXPECT_EQ(seen(only(name)), seen(only(name))) << name;
+    const auto has_seed = [](const Knob& k) { return k.name == "seed"; };
+    if (std::any_of(scene.knobs.begin(), scene.knobs.end(), has_seed)) {
+      EXPECT_NE(seen(only(name + "(seed=1)")), seen(only(name + "(seed=2)"))) << name;
+    }
+  }
+}
+
+TEST(PhysicalScenes, ClosedFormsMeetTheKktConditions) {
+  for (const std::string text : {"tower(boxes=1,7,100)", "stack(boxes=1,30,push=0)", "wall(boxes=1,5,25,100,push=0)"}) {
+    int found = 0;
+    for (const Instance& instance : make_scenes(text)) {
+      if (!instance.reference) continue;
+      ++found;
+      const Problem& p = instance.problem;
+      const Reference& r = *instance.reference;
+      EXPECT_EQ(r.method, "closed form");
+      EXPECT_EQ(r.z.norm(), 0);
+      const Vector force = p.J.transpose() * r.lambda - p.M * (r.z - p.z_u);
+      EXPECT_LE(force.cwiseAbs().maxCoeff(), 1e-13 * r.lambda.maxCoeff() * static_cast<double>(p.rows())) << p.name;
+      EXPECT_GE(r.lambda.minCoeff(), 0);
+      EXPECT_GE((p.J * r.z - p.c).minCoeff(), 0);
+    }
+    EXPECT_GE(found, 2) << text;
+  }
+}
+
+TEST(Hand, HasSeventyJointRowsTheViolatedLimitsAndTheContacts) {
+  for (const int limits : {0, 5, 20})
+    for (const int contacts : {0, 4, 200}) {
+      const Instance hand =
+          only("hand(limits=" + std::to_string(limits) + ",contacts=" + std::to_string(contacts) + ")");
+      std::map<std::string, int> rows;
+      for (const std::string& origin : hand.origin) ++rows[origin_type(origin)];
+      EXPECT_EQ(hand.problem.size(), 96);
+      EXPECT_EQ(rows["universal_joint"], 20);
+      EXPECT_EQ(rows["revolute_joint"], 50);
+      EXPECT_EQ(rows["joint_limit"], limits);
+      EXPECT_EQ(rows["contact"], contacts);
+    }
+}
+
+TEST(Hand, AssembledPosesCloseAllJointsAndAnglesAreTheLimitsAngles) {
+  hand::Angles angles;
+  for (int k = 0; k < hand::angles; ++k) {
+    const auto [low, high] = hand::range(k);
+    angles[static_cast<std::size_t>(k)] = low + (high - low) * (k + 1) / 22;
+  }
+  Scene scene;
+  Pose<double> palm;
+  palm.position = {1, 2, 3};
+  hand::add(scene, hand::assemble(palm, angles));
+  for (const auto& list : scene.lists())
+    for (const RowBlock& block : list->linearize_all(scene.bodies))
+      for (int r = 0; r < block.rows; ++r) EXPECT_NEAR(block.value[r], 0, 1e-15) << list->label(block.item);
+  auto& limits = scene.list_of<JointLimit>();
+  ASSERT_EQ(limits.size(), 40u);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const JointLimit& limit = limits.all[i];
+    const auto body = [&](int k) {
+      return scene.bodies[static_cast<std::size_t>(limit.bodies[static_cast<std::size_t>(k)])].pose;
+    };
+    const double angle = angles[i / 2];
+    EXPECT_NEAR(limit.value(body(0), body(1))[0], limit.side == Side::lower ? angle - limit.bound : limit.bound - angle,
+                1e-14)
+        << limits.label(i);
+  }
+}
+
+// The paper's form needs k with J k = c. With several contacts on one face of one bone there is none.
+TEST(Hand, RightHandSideLeavesTheRangeOfJWithManyContacts) {
+  const auto outside = [](const Instance& hand) {
+    const Matrix J(hand.problem.J);
+    const Vector k = J.completeOrthogonalDecomposition().solve(hand.problem.c);
+    return (J * k - hand.problem.c).norm() / hand.problem.c.norm();
+  };
+  EXPECT_LE(outside(only("hand(contacts=0)")), 1e-12);
+  EXPECT_GE(outside(only("hand(contacts=64)")), 1e-3);
+}
+
+TEST(Hand, TwoHandsAreTwoIslands) {
+  Islands islands;
+  islands.split(only("hands(hands=2,contacts=8)").problem);
+  ASSERT_EQ(islands.all().size(), 2u);
+  EXPECT_EQ(islands.all()[0].problem.size(), 96);
+  EXPECT_EQ(islands.all()[0].problem.rows(), islands.all()[1].problem.rows());
+}
+
+TEST(FourBar, HasThreeRedundantRowsThatAgree) {
+  const Instance linkage = only("four_bar");
+  const Matrix J(linkage.problem.J);
+  EXPECT_EQ(J.rows(), 20);
+  EXPECT_EQ(J.fullPivLu().rank(), 17);
+  EXPECT_EQ(linkage.problem.c.norm(), 0);
+}
+
+}  // namespace
+}  // namespace zwang
