@@ -33,7 +33,7 @@ Vec<double, 6> entries(const RowBlock& block, int row, int body) {
 
 template <class Sparse>
 void reshape(Sparse& A, Index rows, Index cols, Index entries) {
-  A.resize(rows, cols);
+  if (A.rows() != rows || A.cols() != cols) A.resize(rows, cols);  // Eigen's would allocate for no rows
   A.resizeNonZeros(entries);
 }
 

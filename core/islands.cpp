@@ -20,7 +20,7 @@ Index count_entries(const Sparse& A, const std::vector<Index>& outer) {
 template <class Sparse>
 void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& local,
              const std::vector<Index>& island, Index mine, Index rows, Index cols, Sparse& part) {
-  part.resize(rows, cols);
+  if (part.rows() != rows || part.cols() != cols) part.resize(rows, cols);  // Eigen's would allocate for no rows
   part.resizeNonZeros(count_entries(A, outer));
   int at = 0;
   for (std::size_t k = 0; k < outer.size(); ++k) {
