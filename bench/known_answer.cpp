@@ -24,7 +24,8 @@ Vector draw_exact(const Problem& p, std::mt19937_64& random, Vector& product) {
   Vector z = Vector::Zero(p.size());
   product.setZero(p.rows());
   for (const Index j : order) {
-    const double value = std::ldexp(random() % 2 ? 1 : -1, static_cast<int>(random() % 3) - 1);
+    const double sign = random() % 2 ? 1 : -1;
+    const double value = std::ldexp(sign, static_cast<int>(random() % 3) - 1);
     bool exact = true;
     for (Eigen::SparseMatrix<double>::InnerIterator it(J, j); it && exact; ++it) {
       const DoubleDouble sum = DoubleDouble(product[it.row()]) + DoubleDouble(it.value() * value);

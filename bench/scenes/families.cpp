@@ -22,13 +22,6 @@ double small(const Knobs& knobs) {
   return k == zero_knob ? 0 : std::exp2(-k);
 }
 
-// The row of sign * (velocity at `point` of a body along axis `axis`): v + w x p.
-void add_point_row(Vector& row, Index body, double sign, const Vec3& point, Index axis) {
-  const Vec3 n = Vec3::Unit(axis);
-  row.segment<3>(6 * body) += sign * n;
-  row.segment<3>(6 * body + 3) += sign * point.cross(n);
-}
-
 }  // namespace
 
 // Unit boxes with I = m/8 on four corners each; all weigh 1 but the top one, 2^k. At rest: z = 0, and the four corners
@@ -49,8 +42,8 @@ Instance mass_ratio(const Knobs& knobs) {
     for (int corner = 0; corner < 4; ++corner) {
       const Vec3 p(corner % 2 ? .5 : -.5, corner / 2 ? .5 : -.5, -.5);
       Vector row = Vector::Zero(6 * boxes);
-      add_point_row(row, i, 1, p, 2);
-      if (i > 0) add_point_row(row, i - 1, -1, p + Vec3::UnitZ(), 2);
+      add_point(row, i, 1, p, Vec3::UnitZ());
+      if (i > 0) add_point(row, i - 1, -1, p + Vec3::UnitZ(), Vec3::UnitZ());
       lambda[4 * i + corner] = g * (top + static_cast<double>(boxes - 1 - i)) / 4;
       rows.add(RowKind::inequality, row, 0, label + ", corner " + std::to_string(corner));
     }
@@ -103,7 +96,7 @@ Instance four_bar_loop(const Knobs& knobs) {
       const auto add = [&](Index body, double sign, const Vec3& point) {
         if (body < 0) return;
         if (i < 3)
-          add_point_row(row, body, sign, point, i);
+          add_point(row, body, sign, point, Vec3::Unit(i));
         else
           row.segment<3>(6 * body + 3) = sign * across[static_cast<std::size_t>(i - 3)];
       };

@@ -79,11 +79,6 @@ Instance mass_ratio_chain(const Knobs& knobs) {
     if (b % 2 == 1) mass.segment<6>(6 * b) *= std::exp2(knobs.at("k"));
   }
   RowByRow rows(mass, Vector::Zero(n));
-  // sign * direction . (v + w x point), the row of a point that moves with a body.
-  const auto add_point = [](Vector& row, Index body, double sign, const Vec3& point, const Vec3& direction) {
-    row.segment<3>(6 * body) += sign * direction;
-    row.segment<3>(6 * body + 3) += sign * point.cross(direction);
-  };
   const auto eighths = [&] { return Vec3(draw.integers(3, 8) / 8); };
   for (Index b = 0; b < bodies; ++b) {
     const Vec3 before = eighths(), here = eighths();
@@ -168,8 +163,10 @@ Instance random_rows(const Knobs& knobs) {
       const auto& other = rows[static_cast<std::size_t>(b)];
       row.insert(row.end(), other.begin(), other.end());
     } else {
-      for (Index k = 0; k < entries; ++k)
-        row.emplace_back(draw.index(n), draw.integer(1, 4) * (draw.integer(0, 1) ? 1 : -1));
+      for (Index k = 0; k < entries; ++k) {
+        const int column = static_cast<int>(draw.index(n)), size = draw.integer(1, 4), sign = draw.integer(0, 1);
+        row.emplace_back(column, sign == 1 ? size : -size);
+      }
     }
     for (const auto& [column, value] : row) J.emplace_back(static_cast<int>(i), column, value);
     rows.push_back(std::move(row));

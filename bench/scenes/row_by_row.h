@@ -8,6 +8,12 @@
 
 namespace zwang {
 
+// Adds sign * direction . (v + w x point), the row of a point that moves with a body, in [linear; angular] columns.
+inline void add_point(Vector& row, Index body, double sign, const Vec3& point, const Vec3& direction) {
+  row.segment<3>(6 * body) += sign * direction;
+  row.segment<3>(6 * body + 3) += sign * point.cross(direction);
+}
+
 // A problem written down row by row, as a paper prints it, with a diagonal M.
 class RowByRow {
  public:
