@@ -54,7 +54,7 @@ double CholeskyRows::share(Index row) {
   for (int pass = 0; pass < 3 && size() > 0; ++pass) {
     x_.setZero();
     for (const Index i : rows_) x_[i] = dot(i, rest_);
-    healthy_ = factor_.solve(x_) && healthy_;
+    factor_.solve(x_);
     for (Index i = 0; i < size(); ++i) {
       t[i] = x_[(*this)[i]];
       add((*this)[i], -t[i], rest_);
@@ -88,7 +88,7 @@ void CholeskyRows::combine(const Vector& v, Part t) {
   for (int pass = 0; pass < 2 && size() > 0; ++pass) {
     x_.setZero();
     for (const Index i : rows_) x_[i] = dot(i, rest_);
-    healthy_ = factor_.solve(x_) && healthy_;
+    factor_.solve(x_);
     for (Index i = 0; i < size(); ++i) {
       t[i] += x_[(*this)[i]];
       add((*this)[i], -x_[(*this)[i]], rest_);
@@ -100,7 +100,7 @@ void CholeskyRows::combine(const Vector& v, Part t) {
 void CholeskyRows::correct(Vector& r1, Part r2) {
   x_.setZero();
   for (Index i = 0; i < size(); ++i) x_[(*this)[i]] = r2[i] - dot((*this)[i], r1);
-  if (size() > 0) healthy_ = factor_.solve(x_) && healthy_;
+  if (size() > 0) factor_.solve(x_);
   for (Index i = 0; i < size(); ++i) {
     r2[i] = x_[(*this)[i]];
     add((*this)[i], r2[i], r1);

@@ -11,7 +11,6 @@ namespace zwang {
 struct UpdatedCholesky::Cholmod {
   cholmod_common common = {};
   cholmod_factor* L = nullptr;
-  cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;
 
   Cholmod() {
     cholmod_start(&common);
@@ -19,18 +18,12 @@ struct UpdatedCholesky::Cholmod {
     common.error_handler = nullptr;
   }
   ~Cholmod() {
-    release();
+    cholmod_free_factor(&L, &common);
     cholmod_finish(&common);
   }
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
 
-  void release() {
-    cholmod_free_factor(&L, &common);
-    cholmod_free_dense(&X, &common);
-    cholmod_free_dense(&Y, &common);
-    cholmod_free_dense(&E, &common);
-  }
   double pivot(Index j) const { return static_cast<double*>(L->x)[static_cast<int*>(L->p)[j]]; }
   bool ok() const { return common.status >= CHOLMOD_OK; }
 };
@@ -55,7 +48,7 @@ bool UpdatedCholesky::reset(Index size) {
     }
     return true;
   }
-  c_->release();
+  cholmod_free_factor(&c_->L, &c_->common);
   if (size == 0) return true;
   c_->L = cholmod_allocate_factor(static_cast<std::size_t>(size), &c_->common);
   return c_->L && cholmod_change_factor(CHOLMOD_REAL, 0, 0, 0, 0, c_->L, &c_->common);
@@ -99,18 +92,19 @@ double UpdatedCholesky::rcond() const {
   return largest > 0 ? smallest_pivot() / largest : 1;
 }
 
-bool UpdatedCholesky::solve(Vector& x) {
-  if (x.size() == 0) return true;
-  cholmod_dense b = {};
-  b.nrow = b.nzmax = b.d = static_cast<std::size_t>(x.size());
-  b.ncol = 1;
-  b.x = x.data();
-  b.xtype = CHOLMOD_REAL;
-  b.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod_solve2(CHOLMOD_LDLt, c_->L, &b, nullptr, &c_->X, nullptr, &c_->Y, &c_->E, &c_->common) || !c_->X)
-    return false;
-  std::copy_n(static_cast<const double*>(c_->X->x), x.size(), x.data());
-  return true;
+// Column by column over CHOLMOD's own arrays: cholmod_solve2 allocates its workspace at every call.
+void UpdatedCholesky::solve(Vector& x) const {
+  if (x.size() == 0) return;
+  const auto *first = static_cast<const int*>(c_->L->p), *count = static_cast<const int*>(c_->L->nz),
+             *row = static_cast<const int*>(c_->L->i);
+  const auto* value = static_cast<const double*>(c_->L->x);
+  const int n = static_cast<int>(x.size());
+  for (int j = 0; j < n; ++j)
+    for (int p = first[j] + 1; p < first[j] + count[j]; ++p) x[row[p]] -= value[p] * x[j];
+  for (int j = n - 1; j >= 0; --j) {
+    x[j] /= value[first[j]];
+    for (int p = first[j] + 1; p < first[j] + count[j]; ++p) x[j] -= value[p] * x[row[p]];
+  }
 }
 
 }  // namespace zwang

@@ -12,7 +12,7 @@ namespace zwang {
 //
 // CHOLMOD's modify module, used here, is under the GPL.
 //
-// What CHOLMOD 5.12 does not say (docs/formulation.md): rowadd accepts a pivot of -1.7e-17 with success, a singular
+// What CHOLMOD (SuiteSparse 5.12) does not say: rowadd accepts a pivot of -1.7e-17 with success, a singular
 // factor solves to NaN with success, and a large update followed by its downdate leaves its error behind. So the
 // caller asks rcond() after every change and checks residuals. False from any call: no memory, or a pivot that is not
 // positive; the factor is then to be reset.
@@ -29,7 +29,7 @@ class UpdatedCholesky {
   bool remove(Index at);
   double smallest_pivot() const;  // of D
   double rcond() const;           // smallest over largest of D
-  bool solve(Vector& x);          // x := S_A^-1 x, length size
+  void solve(Vector& x) const;    // x := S_A^-1 x, length size
 
  private:
   struct Cholmod;
