@@ -6,7 +6,6 @@
 namespace zwang {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 constexpr long double noise = 32 * real_eps;  // a violation below this share of its terms is rounding
 enum State : char { outside, inside, ignored };

@@ -14,6 +14,7 @@
 #include "solvers/nnls.h"
 #include "solvers/nnls_paper.h"
 #include "solvers/pgs.h"
+#include "solvers/projected_gradient.h"
 
 namespace zwang {
 namespace {
@@ -117,6 +118,8 @@ std::span<const SolverEntry> solvers() {
                         {.foreign = true}),
       entry<NloptCobyla>("NLopt 2.7.1 COBYLA, derivative-free, equality rows eliminated",
                          "no multipliers; slow beyond a few unknowns; 30 unknowns", {.foreign = true}),
+      entry<ProjectedGradient>("projected gradient on the dual: the example of docs/add-a-solver.md",
+                               "slow; no infeasibility certificates; stops at 20000 steps"),
       entry<Pgs>("projected Gauss-Seidel on the dual", "slow on mass ratios and tall stacks; stops at its sweep limit"),
       entry<Apgd>("accelerated projected gradient on the dual, restarted",
                   "slow on mass ratios; stops at its step limit"),

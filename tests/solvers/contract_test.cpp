@@ -3,9 +3,13 @@
 // `expectation`, with its reason; everything else holds for all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include "core/solver.h"
@@ -292,6 +296,22 @@ std::vector<std::string> names() {
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Contract);
 INSTANTIATE_TEST_SUITE_P(Solvers, Contract, testing::ValuesIn(names()), [](const auto& i) { return i.param; });
+
+// docs/add-a-solver.md prints the file that is built, and the struct has at most 25 lines.
+TEST(Guide, TheSolverOfTheGuideIsTheOneThatIsBuilt) {
+  const auto read = [](const char* file) {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string code = read(ZWANG_SOURCE_DIR "/solvers/projected_gradient.h");
+  ASSERT_FALSE(code.empty());
+  EXPECT_NE(read(ZWANG_SOURCE_DIR "/docs/add-a-solver.md").find("```cpp\n" + code + "```"), std::string::npos);
+  std::istringstream text(code.substr(code.find("struct ")));
+  int lines = 0;
+  for (std::string line; std::getline(text, line) && line != "};";) lines += !line.empty();
+  EXPECT_LE(lines + 1, 25);
+  ASSERT_NE(find_solver("projected_gradient"), nullptr);
+}
 
 // The yardstick itself: its answers meet the KKT conditions, and all three kinds of problem occur.
 TEST(BruteForce, AnswersMeetTheKktConditions) {
