@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "experiments/report/accuracy.h"
 #include "experiments/report/profile.h"
@@ -40,14 +41,16 @@ json work_precision(const Run& run) {
     rows.push_back({level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(error), known(time),
                     known(q1), known(q3), known(iterations, 6), r.claimed, r.verified, of, r.replay});
   };
-  std::map<std::string, std::map<std::string, int>> problems;  // by family
+  std::map<std::string, std::set<std::string>> problems;  // by family
   std::map<std::string, double> slowest;
   for (const Result& r : run.results) {
-    problems[r.family][r.problem] = 1;
+    problems[r.family].insert(r.problem);
     if (std::isfinite(r.solve_s)) slowest[r.family] = std::max(slowest[r.family], r.solve_s);
   }
 
-  // Medians over the problems of a family that the solver got right at this tolerance.
+  // Medians over the problems of a family that the solver got right at this tolerance, where those are at least half:
+  // a median over the few easy ones would draw a line to a place the solver rarely is.
+  std::set<const Result*> lone;  // right, but without a median to stand behind
   std::map<std::tuple<std::string, std::string, double>, std::vector<const Result*>> cells;
   for (const Result& r : run.results) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
   for (const auto& [key, runs] : cells) {
@@ -62,23 +65,27 @@ json work_precision(const Run& run) {
       q3.push_back(r->solve_s_q3);
       iterations.push_back(static_cast<double>(r->iterations));
     }
-    if (ok.empty()) continue;
+    const auto meant = std::count_if(runs.begin(), runs.end(), [](const Result* r) { return !drawn_as(*r).empty(); });
+    if (2 * static_cast<std::ptrdiff_t>(ok.size()) < meant) lone.insert(ok.begin(), ok.end());
+    if (ok.empty() || lone.contains(ok.front())) continue;
     // The run nearest to the median stands for it in the tooltip.
     const double middle = median(time);
     const Result& typical = **std::min_element(ok.begin(), ok.end(), [middle](const Result* a, const Result* b) {
       return std::abs(a->solve_s - middle) < std::abs(b->solve_s - middle);
     });
-    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
-    add("median", typical, median(error), middle, median(q1), median(q3), median(iterations),
-        runs.size() > 1 ? of : "one problem");
+    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(meant);
+    const bool several = problems[typical.family].size() > 1;
+    add(several ? "median" : "single", typical, median(error), middle, median(q1), median(q3), median(iterations),
+        several ? of : "one run");
   }
 
   const bool all = run.results.size() <= single_runs;
   for (const Result& r : run.results) {
     const std::string drawn = drawn_as(r);
-    if (drawn.empty() || (drawn == "ok" && (!all || problems[r.family].size() == 1))) continue;
+    if (drawn.empty() || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
-    add("run", r, drawn_error(r), time, r.solve_s_q1, r.solve_s_q3, static_cast<double>(r.iterations), "one run");
+    add(lone.contains(&r) ? "lone" : "run", r, drawn_error(r), time, r.solve_s_q1, r.solve_s_q3,
+        static_cast<double>(r.iterations), "one run");
   }
   return {{"fields",
            {"level", "family", "problem", "solver", "tolerance", "drawn", "error", "time", "q1", "q3", "iterations",

@@ -110,7 +110,7 @@ Table comparison_table(const Run& a, const Run& b) {
     };
     char text[32];
     std::snprintf(text, sizeof text, "%.2fx", ratio);
-    table.rows.push_back({s.name,
+    table.rows.push_back({"",
                           "",
                           {{s.name},
                            cell(both),

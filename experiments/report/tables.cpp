@@ -31,7 +31,7 @@ Cell number_cell(double value, int digits = 1) { return {scientific(value, digit
 Cell error_cell(const Result& r) {
   if (std::isfinite(r.z_error)) return number_cell(r.z_error);
   if (std::isfinite(r.z_bound)) return {"<= " + scientific(r.z_bound), r.z_bound};
-  return {"no reference", unknown};
+  return {r.feasible == std::optional(false) ? "no z exists" : "no reference", unknown};
 }
 
 // Rows are accelerations J z - c: of a point, of an angle, or of both in the joints that lock both.
@@ -57,8 +57,8 @@ std::string reason(const Result& r) {
   std::string text;
   if (std::isfinite(r.range_gap) && r.range_gap > 1e-12)
     text = "c leaves range(J): |J k - c|/|c| = " + scientific(r.range_gap);
-  if (r.feasible == std::optional(false) && r.claims_solved()) text = "the rows are inconsistent: no z exists";
-  if (r.feasible == std::optional(true) && r.claimed == "infeasible") text = "the rows are consistent: z exists";
+  if (r.feasible == std::optional(false) && r.claims_solved()) text = "the rows are inconsistent";
+  if (r.feasible == std::optional(true) && r.claimed == "infeasible") text = "the rows are consistent";
   if (text.empty() && !r.worst_row.empty() && std::isfinite(r.primal))
     text = "worst row " + r.worst_row + ", violation " + scientific(r.primal) + " of the scale";
   return text;

@@ -135,6 +135,7 @@ async function sets_two_runs_side_by_side() {
   const chips = await page.evaluate(`[...document.querySelectorAll('.chip[data-solver]')].map(chip => chip.dataset.solver)`);
   for (const name of ['nnls @A', 'nnls @B', 'mine']) assert.ok(chips.includes(name), `${name} among ${chips}`);
   assert.match(await page.evaluate(`document.querySelector('#comparison').innerText`), /Only in run B: mine/);
+  assert.equal(await page.evaluate(`document.querySelectorAll('#comparison tbody tr').length`), 11);
   assert.ok(await page.evaluate(ink('work-precision')) > 0.005);
   await is_quiet(page);
   await page.close();

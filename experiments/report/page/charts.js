@@ -125,11 +125,12 @@
   }
 
   // One run, or the median over a family, ready to draw: errors below 1e-17 (0 is exact) sit at the left edge, runs
-  // without an answer in the strip at the right.
-  function placed(row) {
+  // without an answer in the strip at the right. Among medians, a run that has none is a dot off the line.
+  function placed(row, among_medians) {
     const in_strip = row.drawn === 'failed' || row.error === null;
     return {
       ...row,
+      drawn: among_medians && row.level === 'lone' ? 'lone' : row.drawn,
       x: in_strip ? 20 : Math.min(Math.max(row.error, 1e-17), 3),
       error_text: row.error === null ? 'unknown' : (row.drawn === 'undecided' ? '≤ ' : '') + scientific(row.error),
       time_text: duration(row.time) + (row.q1 === null ? '' : `  [${duration(row.q1)}, ${duration(row.q3)}]`),
@@ -152,12 +153,11 @@
   const rows = {
     'work-precision': (data, state) => all_rows(data, 'work-precision')
       .filter(row => state.on.has(row.solver) && row.family === state.family)
-      .filter(row => state.problem ? row.problem === state.problem && (row.level === 'run' || row.of === 'one problem')
-                                   : row.level === 'median' || row.drawn !== 'ok')
-      .map(placed),
+      .filter(row => state.problem ? row.problem === state.problem && row.level !== 'median' : row.level !== 'run' || row.drawn !== 'ok')
+      .map(row => placed(row, !state.problem)),
     'families': (data, state) => all_rows(data, 'work-precision')
-      .filter(row => state.on.has(row.solver) && (row.level === 'median' || row.drawn !== 'ok'))
-      .map(placed),
+      .filter(row => state.on.has(row.solver) && (row.level !== 'run' || row.drawn !== 'ok'))
+      .map(row => placed(row, true)),
     'profile': (data, state) => all_rows(data, 'profile')
       .filter(row => row.kind === 'ratio' && state.on.has(row.solver) && row.family === state.group && row.level === state.level)
       .map(row => ({...row, share_text: `${Math.round(100 * row.share)} %`})),

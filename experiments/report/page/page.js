@@ -233,10 +233,9 @@
   const options = {
     family: () => drawn_families.map(f => [f, f]),
     problem: () => {
-      const runs = all_rows(data, 'work-precision').filter(row => row.family === state.family && row.level === 'run');
-      const problems = [...new Set(runs.map(row => row.problem))];
-      const single = all_rows(data, 'work-precision').some(row => row.family === state.family && row.of === 'one problem');
-      return [['', problems.length > 1 && !single ? `median over ${problems.length}` : problems[0] ?? 'all'], ...(problems.length > 1 && !single ? problems.map(p => [p, p]) : [])];
+      const runs = all_rows(data, 'work-precision').filter(row => row.family === state.family);
+      const problems = [...new Set(runs.filter(row => row.level === 'run' && row.drawn === 'ok').map(row => row.problem))];
+      return [['', `median over ${problems.length}`], ...problems.map(p => [p, p])];
     },
     group: () => [['', 'all families'], ...data.families.map(f => [f, f])],
     level: () => data.levels.map(level => [level, scientific(level)]),
