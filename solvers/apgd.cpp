@@ -33,7 +33,7 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
 
 void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  auto& [program, lambda, y, ahead, y_ahead, next, y_next, gradient, marked, difference] = work;
+  auto& [program, lambda, y, ahead, y_ahead, next, y_next, gradient, marked, drift, motion] = work;
   if (!program.build(problem, solution)) return;
   solution.reset(problem.size(), problem.rows());
   program.warm_multipliers(problem, options.warm_start, lambda);
@@ -49,11 +49,11 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
   for (int step = 0;; ++step) {
     const bool power_of_two = step >= 16 && (step & (step - 1)) == 0;
     if (power_of_two) {
-      difference = lambda - marked;
-      if (proves_infeasible(program, difference, gradient)) {
+      drift = lambda - marked;
+      if (proves_infeasible(program, drift, motion)) {
         solution.status = Status::infeasible;
-        sharpen(program, difference);
-        program.write_certificate(problem, difference, solution);
+        sharpen(program, drift);
+        program.write_certificate(problem, drift, solution);
         break;
       }
       marked = lambda;

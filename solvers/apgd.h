@@ -30,7 +30,7 @@ struct Apgd {
     Vector lambda, y;       // the iterate and G' lambda
     Vector ahead, y_ahead;  // the extrapolated point and G' of it
     Vector next, y_next;    // the candidate
-    Vector gradient, marked, difference;
+    Vector gradient, marked, drift, motion;
   };
   Workspace work = {};
 };

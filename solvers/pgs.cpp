@@ -13,7 +13,7 @@ std::vector<Setting<Pgs>> Pgs::settings() {
 
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  auto& [program, lambda, y, before, marked, motion] = work;
+  auto& [program, lambda, y, before, marked, drift, motion] = work;
   if (!program.build(problem, solution)) return;
   solution.reset(problem.size(), problem.rows());
   program.warm_multipliers(problem, options.warm_start, lambda);
@@ -27,11 +27,11 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
     // On a problem without a solution lambda runs off along a Farkas vector, while y settles.
     const bool power_of_two = sweep >= 16 && (sweep & (sweep - 1)) == 0;
     if (power_of_two) {
-      before = lambda - marked;
-      if (proves_infeasible(program, before, motion)) {
+      drift = lambda - marked;
+      if (proves_infeasible(program, drift, motion)) {
         solution.status = Status::infeasible;
-        sharpen(program, before);
-        program.write_certificate(problem, before, solution);
+        sharpen(program, drift);
+        program.write_certificate(problem, drift, solution);
         break;
       }
       marked = lambda;

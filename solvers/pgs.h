@@ -25,7 +25,7 @@ struct Pgs {
 
   struct Workspace {
     UnitProgram program;
-    Vector lambda, y, before, marked, motion;
+    Vector lambda, y, before, marked, drift, motion;
   };
   Workspace work = {};
 };
