@@ -6,7 +6,8 @@ set(core_may core)
 set(constraints_may core constraints)
 set(solvers_may core solvers)
 set(collision_may core collision)
-set(bench_may core constraints solvers collision bench)
+# docs: the code of the guides, taken out of them by the build.
+set(bench_may core constraints solvers collision bench docs)
 set(experiments_may core constraints solvers collision bench experiments)
 set(headers_may_use "Eigen/|unsupported/Eigen/")
 
