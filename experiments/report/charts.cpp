@@ -23,7 +23,8 @@ constexpr std::size_t trace_points = 60;
 
 json known(double value, int digits = 4) {
   if (!std::isfinite(value)) return nullptr;
-  return json::parse(scientific(value, digits - 1));  // four digits draw the same picture in a third of the bytes
+  return json::parse(scientific(std::clamp(value, -1e300, 1e300),
+                                digits - 1));  // four digits draw the same picture in a third of the bytes
 }
 
 std::vector<std::string> names(const Run& run) {

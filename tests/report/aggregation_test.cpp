@@ -244,6 +244,13 @@ TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
   EXPECT_NE(table.note.find("Only in run B: new"), std::string::npos);
 }
 
+TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
+  report::Run all;
+  all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, "iteration limit", "wrong")};
+  all.solvers = {{.name = "s"}};
+  EXPECT_NE(chart_rows(all).find("1e+300"), std::string::npos);
+}
+
 TEST(Charts, HowARunIsDrawn) {
   EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-9, 1)), "ok");
   EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "solved", "wrong")), "wrong");
