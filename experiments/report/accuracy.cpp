@@ -33,16 +33,16 @@ double time_to_error(const std::vector<const Result*>& runs, double error) {
   for (const Result* r : runs) {
     if (r->lies() || !std::isfinite(r->solve_s)) continue;
     if (r->verified == "infeasible, proven") best = std::min(best, r->solve_s);
-    if (std::isfinite(r->z_error)) ladder.push_back(r);
+    if (std::isfinite(r->error())) ladder.push_back(r);
   }
   std::sort(ladder.begin(), ladder.end(), [](auto* a, auto* b) { return a->tolerance > b->tolerance; });
   for (std::size_t i = 0; i < ladder.size(); ++i) {
     const Result& r = *ladder[i];
-    if (r.z_error <= error) best = std::min(best, r.solve_s);
+    if (r.error() <= error) best = std::min(best, r.solve_s);
     if (i == 0) continue;
     const Result& before = *ladder[i - 1];
-    if (r.z_error > error || before.z_error <= error) continue;
-    const double e0 = std::log(std::max(before.z_error, floor)), e1 = std::log(std::max(r.z_error, floor));
+    if (r.error() > error || before.error() <= error) continue;
+    const double e0 = std::log(std::max(before.error(), floor)), e1 = std::log(std::max(r.error(), floor));
     const double share = (std::log(error) - e0) / (e1 - e0);
     best = std::min(best, std::exp(std::lerp(std::log(before.solve_s), std::log(r.solve_s), share)));
   }

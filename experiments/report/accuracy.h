@@ -17,9 +17,9 @@ struct ProblemRuns {
 };
 std::vector<ProblemRuns> group_by_problem(const std::vector<Result>& results, const std::vector<std::string>& solvers);
 
-// Time [s] in which one solver reaches the error on one problem: the cheapest of the runs that achieved it and of the
-// crossings between neighbours on the tolerance ladder (interpolated in logarithms). Infinite where none does. Runs
-// that lie never count, and on an infeasible problem only a proof does.
+// Time [s] in which one solver reaches the error (Result::error) on one problem: the cheapest of the runs that achieved
+// it and of the crossings between neighbours on the tolerance ladder (interpolated in logarithms). Infinite where none
+// does. Runs that lie never count, and on an infeasible problem only a proof does.
 double time_to_error(const std::vector<const Result*>& runs, double error);
 
 // One solver's standing in a family at equal achieved error.

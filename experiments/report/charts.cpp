@@ -33,8 +33,6 @@ std::vector<std::string> names(const Run& run) {
   return out;
 }
 
-double drawn_error(const Result& r) { return std::isfinite(r.z_error) ? r.z_error : r.z_bound; }
-
 json work_precision(const Run& run) {
   json rows = json::array();
   const auto add = [&rows](const std::string& level, const Result& r, double error, double time, double q1, double q3,
@@ -60,7 +58,7 @@ json work_precision(const Run& run) {
     for (const Result* r : runs) {
       if (drawn_as(*r) != "ok") continue;
       ok.push_back(r);
-      error.push_back(drawn_error(*r));
+      error.push_back(r->error());
       time.push_back(r->solve_s);
       q1.push_back(r->solve_s_q1);
       q3.push_back(r->solve_s_q3);
@@ -85,7 +83,7 @@ json work_precision(const Run& run) {
     const std::string drawn = drawn_as(r);
     if (drawn.empty() || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
-    add(lone.contains(&r) ? "lone" : "run", r, drawn_error(r), time, r.solve_s_q1, r.solve_s_q3,
+    add(lone.contains(&r) ? "lone" : "run", r, r.error(), time, r.solve_s_q1, r.solve_s_q3,
         static_cast<double>(r.iterations), "one run");
   }
   return {{"fields",
@@ -148,7 +146,7 @@ json sweep_states(const Run& run) {
       const Result& r =
           **std::min_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->tolerance < b->tolerance; });
       const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
-      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(drawn_error(r)), r.claimed,
+      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
                       r.verified, r.replay});
     }
   }
@@ -217,7 +215,7 @@ json range_gaps(const Run& run) {
 std::string drawn_as(const Result& r) {
   if (r.is_blank() || r.verified == "infeasible, proven") return "";
   if (r.lies()) return "wrong";
-  if (r.verified == "solved") return std::isfinite(drawn_error(r)) ? "ok" : "";
+  if (r.verified == "solved") return std::isfinite(r.error()) ? "ok" : "";
   if (std::isfinite(r.z_error)) return "missed";
   if (r.verified == "undecided" || r.verified == "near") return "undecided";
   return "failed";

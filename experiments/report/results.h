@@ -36,6 +36,8 @@ struct Result {
   std::vector<WorstRow> worst_by_type = {};
   std::vector<std::string> conflicting = {};
 
+  // The error against the reference, or the proven upper bound that stands in for it; NaN when there is neither.
+  double error() const { return z_error == z_error ? z_error : z_bound; }
   bool claims_solved() const { return claimed == "solved"; }
   // Says it has the answer (or that there is none), and the referee finds the opposite.
   bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }

@@ -75,6 +75,13 @@ TEST(Accuracy, TakesTheCheapestRunThatReachesTheError) {
   EXPECT_EQ(reach({run("p", "s", 1e-2, 1e-15, 7), run("p", "s", 1e-6, 1e-15, 5), run("p", "s", 1e-8, 0, 6)}, 1e-9), 5);
 }
 
+TEST(Accuracy, WithoutAReferenceTheUpperBoundStandsIn) {
+  Result r = run("p", "s", 1e-8, unknown, 3);
+  r.z_bound = 1e-10;
+  EXPECT_EQ(reach({r}, 1e-9), 3);
+  EXPECT_EQ(reach({r}, 1e-11), infinite);
+}
+
 TEST(Accuracy, LiesNeverCount) {
   EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "solved", "wrong")}, 1e-3), infinite);
   EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "iteration limit", "wrong")}, 1e-3), 1);
