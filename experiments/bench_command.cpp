@@ -38,15 +38,6 @@ std::filesystem::path fresh_directory() {
   return path;
 }
 
-// Of references: they take longer than the solves they judge.
-std::filesystem::path cache_directory() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
-    return std::filesystem::path(cache) / "zwang" / "references";
-  if (const char* home = std::getenv("HOME"); home && *home)
-    return std::filesystem::path(home) / ".cache" / "zwang" / "references";
-  return std::filesystem::temp_directory_path() / "zwang" / "references";
-}
-
 std::string counts(const Tally& t) {
   std::string text = grouped(t.solved) + " solved, " + grouped(t.near) + " near, " + grouped(t.wrong) + " wrong, " +
                      grouped(t.failed) + " failed";
@@ -129,7 +120,7 @@ int bench_command(std::vector<std::string> words) {
       throw std::invalid_argument(settings.directory.string() + " holds a run already: go on with --resume " +
                                   settings.directory.string() + ", or choose another --out");
   }
-  settings.cache = cache_directory();
+  settings.cache = reference_cache();
   settings.command = command;
   settings.terminal = isatty(STDERR_FILENO) == 1;
 

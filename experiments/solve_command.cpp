@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "bench/references/reference.h"
 #include "bench/suite/suite.h"
 #include "bench/suite/trace.h"
 #include "core/nearest.h"
@@ -118,6 +119,10 @@ int solve_command(std::vector<std::string> words) {
   // problem
   Instance instance = choose(file, read_problems(file, friction), name);
   if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
+
+  const FoundReference found = reference_for(instance, reference_cache());
+  instance.reference = found.reference;
+  if (!found.note.empty()) instance.notes.push_back(found.note);
 
   // solve -> solution -> measure
   const std::atomic<bool> interrupted = false;

@@ -28,7 +28,7 @@ struct Suite {
   std::string_view name;
   std::string scenes;
   std::vector<double> tolerances;
-  double limit_s;     // of the whole run, references and repetitions included
+  double limit_s;     // of the whole run, references and repetitions included; 0: none
   double time_limit;  // s of CPU time a solve
 };
 std::span<const Suite> suites();
@@ -38,6 +38,7 @@ const Suite& find_suite(const std::string& name);  // throws std::invalid_argume
 struct Plan {
   SuiteOptions options = {};  // with nothing left to choose
   double limit_s = 0, time_limit = 0;
+  bool second_witness = false;  // references are checked by a second method
   std::vector<Instance> instances = {};
   std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
   std::size_t size() const { return instances.size() * runs.size(); }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/references/reference.h"
 #include "bench/suite/conditions.h"
 #include "bench/suite/progress.h"
 #include "bench/suite/run_record.h"
@@ -102,6 +103,7 @@ void write_traces(const Plan& plan, const SuiteSettings& settings, Desk& desk, d
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   for (const Instance* problem : chosen) {
     Instance instance = *problem;
+    instance.reference = reference_for(instance, settings.cache, {plan.second_witness}).reference;
     // What is left of the budget is shared by the problems left, and within a problem by the solvers.
     const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
     const double solvers = static_cast<double>(plan.runs.size() / plan.options.tolerances.size());
@@ -151,6 +153,13 @@ Result to_result(Result r, const Instance& instance, const Run& run, const Timed
   return r;
 }
 
+std::filesystem::path reference_cache() {
+  const std::filesystem::path place = std::filesystem::path("zwang") / "references";
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return cache / place;
+  if (const char* home = std::getenv("HOME"); home && *home) return home / (".cache" / place);
+  return std::filesystem::temp_directory_path() / place;
+}
+
 Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted) {
   const auto& directory = settings.directory;
   std::filesystem::create_directories(directory / "problems");
@@ -193,6 +202,10 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       continue;
     }
     const BatchLimits limits = schedule.next(instance, plan.instances.size() - b);
+    const double start = wall_seconds();
+    FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
+    instance.reference = std::move(found.reference);
+    if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
     write_problem(directory / file_name(b), instance);
 
     const auto show = [&](double of_batch, std::size_t i) {
@@ -200,7 +213,6 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + short_number(runs[i].tolerance),
                     schedule.left(fraction));
     };
-    const double start = wall_seconds();
     const std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show);
     if (timed.empty()) break;
 

@@ -8,6 +8,10 @@
 
 namespace zwang {
 
+// Where references are kept between runs, since they take longer than the solves they judge:
+// $XDG_CACHE_HOME/zwang/references, or the like under $HOME.
+std::filesystem::path reference_cache();
+
 // The line of results that a run leaves: `problem` from describe(), the referee's findings, the times.
 Result to_result(Result problem, const Instance& instance, const Run& run, const Timed& timed);
 
@@ -22,7 +26,7 @@ struct Outcome {
 
 struct SuiteSettings {
   std::filesystem::path directory = {};  // of the results (docs/formats.md)
-  std::filesystem::path cache = {};      // of references
+  std::filesystem::path cache = {};      // of references; empty: none is kept
   std::string command = {};              // for run.json
   bool terminal = false;                 // draw a progress bar on stderr
   std::span<const SolverEntry> solvers = zwang::solvers();

@@ -1,0 +1,118 @@
+#include "bench/suite/child.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/suite/wire.h"
+#include "tests/suite/test_solvers.h"
+
+namespace zwang {
+namespace {
+
+const std::vector<SolverEntry> solvers_here = {tests::entry<tests::AllActive>(true), tests::entry<tests::Hangs>(true),
+                                               tests::entry<tests::Sleeps>(true), tests::entry<tests::Aborts>(true),
+                                               tests::entry<tests::Throws>(true)};
+
+AnySolver make(std::string_view text) { return make_solver(text, solvers_here); }
+
+Call call(std::string solver, double time_limit = 0.1) {
+  Call c;
+  c.solver = std::move(solver);
+  c.time_limit = time_limit;
+  return c;
+}
+
+TEST(Child, GivesTheBitsThatTheSolverGivesHere) {
+  const Problem p = tests::chain(7).problem;
+  Child child(make);
+  child.load(p);
+  Workbench here(make);
+  const Answer there = child.run(call("all_active")), expected = here.run(p, call("all_active"));
+  EXPECT_EQ(there.solution.status, Status::solved);
+  EXPECT_EQ(there.solution.z, expected.solution.z);
+  EXPECT_EQ(there.solution.lambda, expected.solution.lambda);
+  EXPECT_GT(there.seconds, 0);
+}
+
+TEST(Child, SendsTheObservedIterates) {
+  const Problem p = tests::chain(3).problem;
+  Child child(make);
+  child.load(p);
+  Call c = call("all_active");
+  c.observe = true;
+  const Answer a = child.run(c);
+  ASSERT_EQ(a.iterates.size(), 4u);
+  EXPECT_EQ(a.iterates[3].iteration, 4);
+  EXPECT_EQ(a.iterates[3].z, a.solution.z / 2);
+}
+
+TEST(Child, IsKilledAtItsDeadlineAndAnswersAgain) {
+  const Problem p = tests::chain(4).problem;
+  Child child(make);
+  child.load(p);
+  const Answer hung = child.run(call("hangs"));
+  EXPECT_EQ(hung.solution.status, Status::time_limit);
+  EXPECT_EQ(hung.solution.z.size(), 0);
+  EXPECT_GE(hung.seconds, 0.1);
+  EXPECT_EQ(child.run(call("all_active")).solution.status, Status::solved);
+}
+
+TEST(Child, IsKilledWhenItSleeps) {
+  const Problem p = tests::chain(4).problem;
+  Child child(make);
+  child.load(p);
+  EXPECT_EQ(child.run(call("sleeps", 0.01)).solution.status, Status::time_limit);
+}
+
+TEST(Child, DiesAndAnswersAgain) {
+  const Problem p = tests::chain(4).problem;
+  Child child(make);
+  child.load(p);
+  EXPECT_EQ(child.run(call("aborts")).solution.status, Status::crashed);
+  EXPECT_EQ(child.run(call("all_active")).solution.status, Status::solved);
+}
+
+TEST(Child, TurnsAnExceptionIntoAStatus) {
+  const Problem p = tests::chain(4).problem;
+  Child child(make);
+  child.load(p);
+  const Answer a = child.run(call("throws"));
+  EXPECT_EQ(a.solution.status, Status::numerical_failure);
+  EXPECT_EQ(a.solution.message, "threw: no memory for this");
+}
+
+TEST(Child, StopsWhenInterrupted) {
+  const Problem p = tests::chain(4).problem;
+  Child child(make);
+  child.load(p);
+  const std::atomic<bool> interrupted = true;
+  EXPECT_EQ(child.run(call("hangs", 100), &interrupted).solution.status, Status::unsolved);
+}
+
+TEST(Wire, CarriesAProblemBitForBit) {
+  Problem p = tests::chain(5).problem;
+  p.c[2] = -0.0;
+  p.kind[1] = RowKind::inequality;
+  Outgoing out;
+  put(out, p);
+  Incoming in(out.bytes());
+  const Problem q = get_problem(in);
+  EXPECT_EQ(q.name, p.name);
+  EXPECT_EQ(Matrix(q.M), Matrix(p.M));
+  EXPECT_EQ(Matrix(q.J), Matrix(p.J));
+  EXPECT_EQ(q.z_u, p.z_u);
+  EXPECT_TRUE(std::signbit(q.c[2]));
+  EXPECT_EQ(q.kind, p.kind);
+  EXPECT_EQ(q.key, p.key);
+}
+
+TEST(Wire, RefusesAMessageThatEndsEarly) {
+  Outgoing out;
+  put(out, tests::chain(5).problem);
+  std::vector<char> bytes = out.bytes();
+  bytes.resize(bytes.size() / 2);
+  Incoming in(bytes);
+  EXPECT_THROW(get_problem(in), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace zwang
