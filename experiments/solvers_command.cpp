@@ -14,7 +14,7 @@ int solvers_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   for (const SolverEntry& e : solvers()) {
     std::printf("%-18s %s%s\n", e.name.c_str(), e.method.c_str(), e.foreign ? " (in a process of its own)" : "");
-    if (!e.limits.empty()) std::printf("%-18s cannot: %s\n", "", e.limits.c_str());
+    if (!e.limits.empty()) std::printf("%-18s limits: %s\n", "", e.limits.c_str());
     for (const SettingInfo& s : e.settings)
       std::printf("%-18s   %s=%s   %s\n", "", s.name.c_str(), s.value.c_str(), s.help.c_str());
   }
