@@ -36,6 +36,23 @@ std::string counted(std::size_t n, const std::string& noun) {
   return digits + " " + noun + (n == 1 ? "" : "s");
 }
 
+// What a reader must know to compare fairly, beside the run's own notes.
+std::vector<std::string> notes(const Run& run) {
+  const auto any = [&run](const char* part) {
+    return std::any_of(run.solvers.begin(), run.solvers.end(),
+                       [part](const SolverInfo& s) { return s.name.find(part) != std::string::npos; });
+  };
+  std::vector<std::string> out = run.notes;
+  if (any("slsqp") && any("nnls"))
+    out.push_back(
+        "NLopt's SLSQP contains the Lawson-Hanson NNLS kernel: nnls against SLSQP is in part one method against "
+        "itself.");
+  out.push_back("Times are thread CPU times; BLAS runs on one thread.");
+  if (any("cholesky")) out.push_back("CHOLMOD's modify and supernodal modules are under the GPL.");
+  out.push_back("CGAL's QP solver, a witness of references, is under the GPL.");
+  return out;
+}
+
 json to_json(const Table& table) {
   json columns = json::array(), rows = json::array();
   for (const Column& c : table.columns) columns.push_back({{"name", c.name}, {"numeric", c.numeric}});
@@ -108,7 +125,7 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
   const json about = {{"title", text.title},
                       {"headline", text.headline},
                       {"circumstances", circumstances},
-                      {"notes", run.notes},
+                      {"notes", notes(run)},
                       {"solvers", solvers},
                       {"families", families_of(run.results)},
                       {"levels", error_levels},
