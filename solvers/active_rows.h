@@ -22,22 +22,44 @@ class ActiveRows {
   // A rejected row may be independent all the same: this factorization cannot tell.
   bool undecided(double share) const { return !accepts(share) && share > certain_; }
 
+  virtual void reset(const Whitened& w) = 0;  // empty; `w` is kept until the next reset
+  // From scratch, in the same order. False: the factors cannot be made better than they are.
+  virtual bool refactor() = 0;
+  virtual bool healthy() const { return true; }
   // The part of row `row` outside span(G_A), 1 = orthogonal; the row joins when it is accepted.
   virtual double append(Index row) = 0;
   virtual double share(Index row) = 0;
   virtual void drop(Index position) = 0;
   virtual double smallest_pivot() const = 0;
-  // t = argmin |v - G_A' t|.
-  virtual void combine(const Vector& v, Part t) = 0;
+  // t = argmin |v - G_A' t|; v becomes v - G_A' t.
+  virtual void combine(Vector& v, Part t) = 0;
   // From r1 (n) and r2 (|A|), in place: dy = r1 + G_A' dl and dl, with G_A dy = r2.
   virtual void correct(Vector& r1, Part r2) = 0;
 
+  // g_row . v and v += factor g_row, over the nonzeros of the row.
+  double dot(Index row, const Vector& v) const {
+    const auto [begin, length] = support(row);
+    return w_->Gt.col(row).segment(begin, length).dot(v.segment(begin, length));
+  }
+  void add(Index row, double factor, Vector& v) const {
+    const auto [begin, length] = support(row);
+    v.segment(begin, length) += factor * w_->Gt.col(row).segment(begin, length);
+  }
+
  protected:
+  struct Range {
+    Index begin, length;
+  };
+  Range support(Index row) const {
+    const auto at = static_cast<std::size_t>(row);
+    return {w_->begin[at], w_->end[at] - w_->begin[at]};
+  }
   ActiveRows(double threshold, double certain) : threshold_(threshold), certain_(certain) {}
   ActiveRows(const ActiveRows&) = default;
   ActiveRows& operator=(const ActiveRows&) = default;
   void forget(Index position) { rows_.erase(rows_.begin() + position); }
 
+  const Whitened* w_ = nullptr;
   std::vector<Index> rows_;
   double threshold_, certain_;
 };
@@ -47,14 +69,14 @@ class QrRows : public ActiveRows {
  public:
   QrRows() : ActiveRows(20 * std::numeric_limits<double>::epsilon(), 0) { certain_ = threshold_; }
 
-  // Empty; `w` is kept until the next reset.
-  void reset(const Whitened& w) {
+  void reset(const Whitened& w) override {
     w_ = &w;
     qr_.reset(w.size(), w.rows());
     rows_.clear();
     rows_.reserve(static_cast<std::size_t>(w.rows()));
     part_.resize(std::min(w.size(), w.rows()));
   }
+  bool refactor() override { return false; }
   const ThinQr& qr() const { return qr_; }
 
   double append(Index row) override {
@@ -75,8 +97,13 @@ class QrRows : public ActiveRows {
     for (Index i = 0; i < size(); ++i) smallest = std::min(smallest, qr_.pivot(i));
     return smallest;
   }
-  void combine(const Vector& v, Part t) override {
+  void combine(Vector& v, Part t) override {
+    auto again = part_.head(size());
     t.noalias() = qr_.Q().transpose() * v;
+    v.noalias() -= qr_.Q() * t;
+    again.noalias() = qr_.Q().transpose() * v;
+    v.noalias() -= qr_.Q() * again;
+    t += again;
     qr_.solve_R(t);
   }
   // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
@@ -90,7 +117,6 @@ class QrRows : public ActiveRows {
   }
 
  private:
-  const Whitened* w_ = nullptr;
   ThinQr qr_;
   Vector part_;
 };

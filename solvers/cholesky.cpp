@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "solvers/stop.h"
-
 namespace zwang {
 namespace {
 
@@ -13,63 +11,60 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-// One step of refinement of y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.
-bool Cholesky::correct() {
+// Refines y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.
+bool Cholesky::correct(ActiveRows& active) {
   for (int attempt = 0; attempt < 2; ++attempt) {
     const double before = y_.norm();
     double change = infinity;
     for (int pass = 0; pass < 3 && change > refactor_above * before; ++pass) {
-      auto r2 = r2_.head(active_.size());
+      auto r2 = r2_.head(active.size());
       direction_ = -y_;
-      for (const Index i : active_.rows()) active_.add(i, l_[i], direction_);
-      for (Index i = 0; i < active_.size(); ++i) r2[i] = w_.h[active_[i]] - active_.dot(active_[i], y_);
-      active_.correct(direction_, r2);
+      for (const Index i : active.rows()) active.add(i, l_[i], direction_);
+      for (Index i = 0; i < active.size(); ++i) r2[i] = w_.h[active[i]] - active.dot(active[i], y_);
+      active.correct(direction_, r2);
       change = direction_.norm();
-      if (!std::isfinite(change) || !active_.healthy()) break;
+      if (!std::isfinite(change) || !active.healthy()) break;
       y_ += direction_;
-      for (Index i = 0; i < active_.size(); ++i) l_[active_[i]] += r2[i];
+      for (Index i = 0; i < active.size(); ++i) l_[active[i]] += r2[i];
     }
     if (change <= std::max(refactor_above * std::max(before, y_.norm()), std::numeric_limits<double>::min()))
       return true;
-    if (!active_.refactor()) return false;
+    if (!active.refactor()) return false;
     y_.setZero();
     l_.setZero();
   }
   return false;
 }
 
-void Cholesky::drop(Index position) {
-  set_aside_[at(active_[position])] = 0;
-  l_[active_[position]] = 0;
-  active_.drop(position);
+void Cholesky::drop(ActiveRows& active, Index position) {
+  set_aside_[at(active[position])] = 0;
+  l_[active[position]] = 0;
+  active.drop(position);
 }
 
-// The equality rows, and of the warm rows those that keep a positive multiplier: a point the method may start from.
-void Cholesky::start(const Problem& p, const SolveOptions& options) {
-  const Index n = p.size(), k = w_.rows();
-  active_.reset(w_);
-  set_aside_.assign(at(k), 0);
-  y_.setZero(n);
-  l_.setZero(k);
-  direction_.resize(n);
-  rate_.resize(k);
-  r2_.resize(k);
-  for (Index i = 0; i < k; ++i)
+// The equality rows, then `guess`: those of them that keep a positive multiplier make a point the method may start
+// from.
+void Cholesky::start(ActiveRows& active, std::span<const Index> guess) {
+  active.reset(w_);
+  set_aside_.assign(at(w_.rows()), 0);
+  y_.setZero(w_.size());
+  l_.setZero(w_.rows());
+  for (Index i = 0; i < w_.rows(); ++i)
     if (w_.equality[at(i)]) {
-      active_.append(i);
+      active.append(i);
       set_aside_[at(i)] = 1;
     }
-  for (const Index i : warm_rows_.find(p, w_, options.warm_start))
-    if (active_.accepts(active_.append(i))) set_aside_[at(i)] = 1;
+  for (const Index i : guess)
+    if (!w_.equality[at(i)] && active.accepts(active.append(i))) set_aside_[at(i)] = 1;
 }
 
-Index Cholesky::most_violated() const {
+Index Cholesky::most_violated(const ActiveRows& active) const {
   const double length = y_.norm();
   Index row = -1;
   double worst = 16 * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < w_.rows(); ++i) {
     if (set_aside_[at(i)]) continue;
-    const double relative = (w_.h[i] - active_.dot(i, y_)) / (w_.magnitude[i] + length);
+    const double relative = (w_.h[i] - active.dot(i, y_)) / (w_.magnitude[i] + length);
     if (relative > worst) {
       worst = relative;
       row = i;
@@ -78,20 +73,20 @@ Index Cholesky::most_violated() const {
   return row;
 }
 
-Cholesky::Step Cholesky::descend(const Problem& p, const SolveOptions& options, Solution& s) {
-  const Deadline deadline(options.time_limit);
-  const auto keeps = [&](Index i) { return w_.equality[at(active_[i])] || l_[active_[i]] >= 0; };
+Cholesky::Step Cholesky::descend(const Problem& p, ActiveRows& active, const SolveOptions& options,
+                                 const Deadline& deadline, Solution& s) {
+  const auto keeps = [&](Index i) { return w_.equality[at(active[i])] || l_[active[i]] >= 0; };
   for (bool dropped = true; dropped;) {
-    if (!correct()) return Step::stuck;
+    if (!correct(active)) return Step::stuck;
     dropped = false;
-    for (Index i = active_.size(); i-- > 0;)
+    for (Index i = active.size(); i-- > 0;)
       if (!keeps(i)) {
-        drop(i);
+        drop(active, i);
         dropped = true;
       }
   }
   for (;;) {
-    const Index r = most_violated();
+    const Index r = most_violated(active);
     if (r < 0) return Step::optimal;
     double entered = 0;
     for (bool full = false; !full;) {
@@ -100,20 +95,19 @@ Cholesky::Step Cholesky::descend(const Problem& p, const SolveOptions& options, 
         return Step::limit;
       }
       ++s.iterations;
-      auto rate = rate_.head(active_.size());
+      auto rate = rate_.head(active.size());
       direction_ = w_.Gt.col(r);
-      active_.combine(direction_, rate);
-      for (Index i = 0; i < active_.size(); ++i) active_.add(active_[i], -rate[i], direction_);
-      const double share = active_.size() < w_.size() ? direction_.norm() : 0;
-      if (active_.undecided(share) || !active_.healthy()) return Step::stuck;
+      active.combine(direction_, rate);
+      const double share = active.size() < w_.size() ? direction_.norm() : 0;
+      if (active.undecided(share) || !active.healthy()) return Step::stuck;
 
       // How far until r holds, and until the first multiplier reaches zero.
-      const double whole = active_.accepts(share) ? (w_.h[r] - active_.dot(r, y_)) / (share * share) : infinity;
+      const double whole = active.accepts(share) ? (w_.h[r] - active.dot(r, y_)) / (share * share) : infinity;
       double partial = infinity;
       Index leaving = -1;
-      for (Index i = 0; i < active_.size(); ++i) {
-        if (w_.equality[at(active_[i])] || rate[i] <= 1e-13) continue;
-        const double reach = std::max(l_[active_[i]], 0.0) / rate[i];
+      for (Index i = 0; i < active.size(); ++i) {
+        if (w_.equality[at(active[i])] || rate[i] <= 1e-13) continue;
+        const double reach = std::max(l_[active[i]], 0.0) / rate[i];
         if (reach < partial) {
           partial = reach;
           leaving = i;
@@ -122,17 +116,17 @@ Cholesky::Step Cholesky::descend(const Problem& p, const SolveOptions& options, 
       const double step = std::min(whole, partial);
       if (step == infinity) return Step::optimal;  // no row can give way: the polish proves it
       y_ += step * direction_;
-      for (Index i = 0; i < active_.size(); ++i) l_[active_[i]] -= step * rate[i];
+      for (Index i = 0; i < active.size(); ++i) l_[active[i]] -= step * rate[i];
       entered += step;
       full = whole <= partial;
       if (!full) {
-        drop(leaving);
+        drop(active, leaving);
         continue;
       }
-      if (!active_.accepts(active_.append(r))) return Step::stuck;
+      if (!active.accepts(active.append(r))) return Step::stuck;
       set_aside_[at(r)] = 1;
       l_[r] = entered;
-      if (!correct()) return Step::stuck;
+      if (!correct(active)) return Step::stuck;
     }
     if (options.observe) {
       w_.primal(p, y_, s.z);
@@ -140,6 +134,21 @@ Cholesky::Step Cholesky::descend(const Problem& p, const SolveOptions& options, 
       options.observe(s.iterations, s.z, s.lambda);
     }
   }
+}
+
+// False: the factors were too coarse for this problem.
+bool Cholesky::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
+                       const Deadline& deadline, Solution& s) {
+  start(active, guess);
+  const Step end = descend(p, active, options, deadline, s);
+  if (end == Step::limit) {
+    w_.primal(p, y_, s.z);
+    w_.multipliers(p, l_, s.lambda);
+    return true;
+  }
+  if (end == Step::stuck && &active == &sparse_) return false;
+  return polish_.run(p, w_, active, options.tolerance, s) != Polish::Outcome::failed &&
+         s.status != Status::solved_ill_conditioned;
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
@@ -154,22 +163,15 @@ void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s)
     s.certificate = zero_row_certificate(p, w_.conflict);
     return;
   }
-  start(p, options);
-  const Step end = descend(p, options, s);
-  if (end == Step::limit) {
-    w_.primal(p, y_, s.z);
-    w_.multipliers(p, l_, s.lambda);
-    return;
-  }
-  if (end == Step::optimal && polish_.run(p, w_, active_, options.tolerance, s) != Polish::Outcome::failed) return;
-  orthogonal_.reset(w_);
-  for (Index i = 0; i < w_.rows(); ++i)
-    if (w_.equality[at(i)]) orthogonal_.append(i);
-  for (const Index i : active_.rows())
-    if (!w_.equality[at(i)]) orthogonal_.append(i);
+  direction_.resize(p.size());
+  rate_.resize(w_.rows());
+  r2_.resize(w_.rows());
+  const Deadline deadline(options.time_limit);
+  if (attempt(p, sparse_, warm_rows_.find(p, w_, options.warm_start), options, deadline, s)) return;
   s.message.clear();
   s.redundant.clear();
-  polish_.run(p, w_, orthogonal_, options.tolerance, s);
+  s.margins = {};
+  attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
   s.fallback = true;
 }
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "solvers/cholesky_rows.h"
 #include "solvers/polish.h"
 #include "solvers/registry.h"
+#include "solvers/stop.h"
 #include "solvers/warm_rows.h"
 #include "solvers/whiten.h"
 
@@ -22,8 +26,9 @@ namespace zwang {
 // Forming S squares the condition number: alone, CHOLMOD's updates broke at 3e-5 between near-parallel joints and
 // solved a redundant four-bar linkage wrongly. So after every change the KKT residuals are corrected in the primal
 // space; where the correction is large the factor is built anew; and where that does not help, or the polish
-// (solvers/polish.h) finds the factor too coarse for its extended residuals, the rows found so far are handed to
-// orthogonal factors. Solution::fallback tells.
+// (solvers/polish.h) finds the factor too coarse for its extended residuals, the same method goes on with orthogonal
+// factors from the rows found so far. Solution::fallback tells. Tried before: the polish alone from there; it has no
+// merit function, and from a set far from the solution's (a hand with many touching rows) it circled.
 struct Cholesky {
   static constexpr const char* name = "cholesky";
   double refactor_above = 1e-8;  // relative correction of y after a change that makes the factor be built anew
@@ -36,15 +41,18 @@ struct Cholesky {
 
  private:
   enum class Step { optimal, limit, stuck };
-  void start(const Problem& problem, const SolveOptions& options);
-  Step descend(const Problem& problem, const SolveOptions& options, Solution& solution);
-  bool correct();
-  Index most_violated() const;
-  void drop(Index position);
+  bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
+               const Deadline& deadline, Solution& solution);
+  void start(ActiveRows& active, std::span<const Index> guess);
+  Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
+               Solution& solution);
+  bool correct(ActiveRows& active);
+  Index most_violated(const ActiveRows& active) const;
+  void drop(ActiveRows& active, Index position);
 
   Whitened w_;
   WarmRows warm_rows_;
-  CholeskyRows active_;
+  CholeskyRows sparse_;
   QrRows orthogonal_;
   Polish polish_;
   Vector y_, l_, direction_, rate_, r2_;

@@ -82,16 +82,15 @@ void CholeskyRows::drop(Index position) {
   if (!factor_.remove(row) || (size() > 0 && factor_.rcond() < smallest_rcond)) refactor();
 }
 
-void CholeskyRows::combine(const Vector& v, Part t) {
-  rest_ = v;
+void CholeskyRows::combine(Vector& v, Part t) {
   t.setZero();
   for (int pass = 0; pass < 2 && size() > 0; ++pass) {
     x_.setZero();
-    for (const Index i : rows_) x_[i] = dot(i, rest_);
+    for (const Index i : rows_) x_[i] = dot(i, v);
     factor_.solve(x_);
     for (Index i = 0; i < size(); ++i) {
       t[i] += x_[(*this)[i]];
-      add((*this)[i], -x_[(*this)[i]], rest_);
+      add((*this)[i], -x_[(*this)[i]], v);
     }
   }
 }

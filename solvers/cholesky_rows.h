@@ -15,40 +15,21 @@ class CholeskyRows : public ActiveRows {
  public:
   CholeskyRows() : ActiveRows(1e-6, 1e-12) {}
 
-  void reset(const Whitened& w);  // empty; `w` is kept until the next reset
-  // From scratch, in the same order. False: the factor cannot hold these rows.
-  bool refactor();
-  bool healthy() const { return healthy_; }
-
+  void reset(const Whitened& w) override;
+  bool refactor() override;
+  bool healthy() const override { return healthy_; }
   double append(Index row) override;
   double share(Index row) override;
   void drop(Index position) override;
   double smallest_pivot() const override { return size() ? std::sqrt(factor_.smallest_pivot()) : 1; }
-  void combine(const Vector& v, Part t) override;
+  void combine(Vector& v, Part t) override;
   void correct(Vector& r1, Part r2) override;
 
-  double dot(Index row, const Vector& v) const {
-    const auto [begin, length] = support(row);
-    return w_->Gt.col(row).segment(begin, length).dot(v.segment(begin, length));
-  }
-  void add(Index row, double factor, Vector& v) const {
-    const auto [begin, length] = support(row);
-    v.segment(begin, length) += factor * w_->Gt.col(row).segment(begin, length);
-  }
-
  private:
-  struct Range {
-    Index begin, length;
-  };
-  Range support(Index row) const {
-    const auto at = static_cast<std::size_t>(row);
-    return {w_->begin[at], w_->end[at] - w_->begin[at]};
-  }
   bool factor_row(Index row);
 
   static constexpr double smallest_rcond = 1e-13;
 
-  const Whitened* w_ = nullptr;
   UpdatedCholesky factor_;
   std::vector<char> inside_;
   std::vector<int> index_;

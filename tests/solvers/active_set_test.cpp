@@ -83,14 +83,15 @@ TEST_P(ActiveSet, StopsAtItsTimeLimit) {
   EXPECT_EQ(s.status, Status::time_limit);
 }
 
-// Hands, towers, duplicated rows, mass ratios, infeasible limits: truths from a 100-digit solve.
+// Hands, towers, duplicated and near-parallel rows, mass ratios, infeasible limits, 300 hands under stress: truths from
+// a 100-digit solve.
 TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
   const char* set = std::getenv("ZWANG_DATA");
   const std::filesystem::path data = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
   if (!std::filesystem::exists(data / "problems")) GTEST_SKIP() << "no " << data / "problems";
   int compared = 0;
   for (const char* file : {"H4", "H16", "H64", "H200", "K1", "K2", "tower10", "dup3_H64", "mr1e0", "mr1e2", "mr1e4",
-                           "mr1e6", "infeas_lim", "tight_feas"})
+                           "mr1e6", "infeas_lim", "tight_feas", "stress", "nearpar1e-10"})
     for (const Instance& instance : read_problems(data / "problems" / (std::string(file) + ".h5"))) {
       ASSERT_TRUE(instance.reference) << instance.problem.name;
       const Solution s = solver.solve(instance.problem);
@@ -99,7 +100,7 @@ TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
           << instance.problem.name << ": " << to_string(s.status) << ", " << s.message << ", z_error " << found.z_error;
       ++compared;
     }
-  EXPECT_GE(compared, 50);
+  EXPECT_GE(compared, 350);
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet, testing::Values("nnls", "nnls:reduce=off", "cholesky"), [](const auto& i) {
