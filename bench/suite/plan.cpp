@@ -86,7 +86,8 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.time_limit = suite.time_limit;
   plan.second_witness = suite.name == "full";
   if (options.scenes.empty() && options.problems.empty()) options.scenes = suite.scenes;
-  if (options.scenes == suite.scenes && options.problems.empty()) plan.limit_s = suite.limit_s;
+  plan.whole_suite = options.scenes == suite.scenes && options.problems.empty();
+  plan.limit_s = suite.limit_s;
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
     for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;

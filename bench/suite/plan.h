@@ -38,6 +38,7 @@ const Suite& find_suite(const std::string& name);  // throws std::invalid_argume
 struct Plan {
   SuiteOptions options = {};  // with nothing left to choose
   double limit_s = 0, time_limit = 0;
+  bool whole_suite = false;     // its own scenes: the whole of limit_s may be spent
   bool second_witness = false;  // references are checked by a second method
   std::vector<Instance> instances = {};
   std::vector<Run> runs = {};  // a solver's tolerances from loose to tight

@@ -26,8 +26,9 @@ std::string short_number(double x) {
 
 // Shares a suite's time out to its batches. First solves cannot be dropped, so they are foreseen from those already
 // made (per unknown and row) and repetitions get what is left. When even first solves will not fit, the time limit of
-// a solve is halved until they do. Scenes and files that somebody chose have no limit as a whole: every batch then may
-// spend 20 ms a run on repetitions.
+// a solve is halved until they do, down to 0.25 s: below that an interior-point method would be cut off on a hand. On
+// scenes and files that somebody chose, and in suites without a limit, a batch spends at most 20 ms a run on
+// repetitions.
 class Schedule {
  public:
   Schedule(const Plan& plan) : plan_(plan), start_(wall_seconds()) {
@@ -43,10 +44,11 @@ class Schedule {
     if (plan_.limit_s > 0) {
       const double left = std::max(0.0, 0.9 * plan_.limit_s - elapsed());
       const double firsts = work_done_ > 0 ? 1.5 * first_s_ / work_done_ * work_left_ : left / 2;
-      limits.budget = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
+      const double share = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
+      limits.budget = plan_.whole_suite ? share : std::min(limits.budget, share);
       const double allowance = left / static_cast<double>(batches_left);
       const double solvers = static_cast<double>(plan_.runs.size() / plan_.options.tolerances.size());
-      while (limits.time_limit > 0.05 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
+      while (limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
     }
     shortest_limit_ = std::min(shortest_limit_, limits.time_limit);
     batch_work_ = work(instance);
@@ -234,7 +236,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
 
   if (!interrupted) {
     double budget = 10;
-    if (plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
+    if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();
     write_traces(plan, settings, desk, budget, interrupted, record.notes);
   }
