@@ -31,6 +31,10 @@ class WhitenedQp : public ip::TNLP {
   std::function<void(int, const Vector&, const Vector&)> observe;
 
   Vector y, lambda;  // the answer, lambda over all unit rows
+  struct Iterate {
+    Vector y, lambda;
+    double residual = std::numeric_limits<double>::infinity();  // of kkt_check
+  } best;
   int iterations = 0;
 
   bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
@@ -108,17 +112,10 @@ class WhitenedQp : public ip::TNLP {
                              double, double, double, ip::Index, const ip::IpoptData* data,
                              ip::IpoptCalculatedQuantities* quantities) override {
     iterations = iteration;
-    if (observe && mode == ip::RegularMode) {
-      auto* original = dynamic_cast<ip::OrigIpoptNLP*>(ip::GetRawPtr(quantities->GetIpoptNLP()));
-      auto* adapter = original ? dynamic_cast<ip::TNLPAdapter*>(ip::GetRawPtr(original->nlp())) : nullptr;
-      if (adapter) {
-        y.resize(program->size());
-        adapter->ResortX(*data->curr()->x(), y.data());
-        Vector multipliers(static_cast<Index>(rows.size()));
-        adapter->ResortG(*data->curr()->y_c(), *data->curr()->y_d(), multipliers.data());
-        spread(multipliers.data());
-        observe(iteration, y, lambda);
-      }
+    if (mode == ip::RegularMode && read_iterate(*data, *quantities)) {
+      if (observe) observe(iteration, y, lambda);
+      const double residual = kkt_check(*program, y, lambda).worst();
+      if (residual < best.residual) best = {y, lambda, residual};
     }
     return !deadline.passed();
   }
@@ -135,10 +132,23 @@ class WhitenedQp : public ip::TNLP {
     const int* outer = program->G().outerIndexPtr();
     return outer[i + 1] - outer[i];
   }
+  bool read_iterate(const ip::IpoptData& data, ip::IpoptCalculatedQuantities& quantities) {
+    auto* original = dynamic_cast<ip::OrigIpoptNLP*>(ip::GetRawPtr(quantities.GetIpoptNLP()));
+    auto* adapter = original ? dynamic_cast<ip::TNLPAdapter*>(ip::GetRawPtr(original->nlp())) : nullptr;
+    if (!adapter) return false;
+    y.resize(program->size());
+    multipliers_.resize(static_cast<Index>(rows.size()));
+    adapter->ResortX(*data.curr()->x(), y.data());
+    adapter->ResortG(*data.curr()->y_c(), *data.curr()->y_d(), multipliers_.data());
+    spread(multipliers_.data());
+    return true;
+  }
   void spread(const double* multipliers) {
     lambda.setZero(program->rows());
     for (const Index i : rows) lambda[i] = -*multipliers++;
   }
+
+  Vector multipliers_;  // over `rows`
 };
 
 }  // namespace
@@ -257,6 +267,7 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   qp->deadline = deadline;
   qp->iterations = 0;
   qp->y.resize(0);
+  qp->best = {};
   qp->observe = nullptr;
   if (options.observe)
     qp->observe = [&](int iteration, const Vector& y, const Vector& lambda) {
@@ -287,9 +298,16 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   if (solution.z.size() == 0) return;
   const bool claims_success = code == ip::Solve_Succeeded || code == ip::Solved_To_Acceptable_Level ||
                               code == ip::Search_Direction_Becomes_Too_Small;
+  const bool stuck = code == ip::Search_Direction_Becomes_Too_Small || code == ip::Restoration_Failed ||
+                     code == ip::Error_In_Step_Computation;
+  const double enough = std::max(options.tolerance, 1e-13);
   const double residual = claims_success ? kkt_check(program, qp->y, qp->lambda).worst() : 0;
-  if (claims_success && residual <= std::max(options.tolerance, 1e-13)) {
+  if (claims_success && residual <= enough) {
     solution.status = Status::solved;
+  } else if (stuck && qp->best.residual <= enough) {
+    solution.status = Status::solved;
+    solution.message += ", an earlier iterate holds";
+    program.write(problem, qp->best.y, qp->best.lambda, solution);
   } else if (certificate(program, qp->y, qp->lambda, u)) {
     solution.status = Status::infeasible;
     sharpen(program, u);

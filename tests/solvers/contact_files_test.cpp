@@ -1,0 +1,84 @@
+// The contact problems of FCLIB, by the methods that are meant to solve them. Where two claim success they must have
+// found the same z; the referee, who has no reference here, may find nothing against it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include "core/measure.h"
+#include "core/problem_file.h"
+#include "solvers/registry.h"
+
+namespace zwang {
+namespace {
+
+constexpr double tolerance = 1e-10;
+constexpr std::array methods{"nnls", "cholesky", "dual_active_set", "ipopt"};
+
+std::vector<std::filesystem::path> files() {
+  const char* data = std::getenv("ZWANG_DATA");
+  const std::filesystem::path folder = std::filesystem::path(data ? data : ZWANG_SOURCE_DIR "/../shared/data");
+  std::vector<std::filesystem::path> found;
+  if (std::filesystem::is_directory(folder / "contact_fclib"))
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "contact_fclib"))
+      if (entry.path().extension() == ".hdf5") found.push_back(entry.path());
+  return found;
+}
+
+double norm_M(const Problem& p, const Vector& v) { return std::sqrt(v.dot(p.M * v)); }
+
+TEST(ContactFiles, FourMethodsSolveAtLeastFourOfFiveAndAgreeOnZ) {
+  const auto paths = files();
+  if (paths.empty()) GTEST_SKIP() << "no contact_fclib in ZWANG_DATA or beside the sources";
+  ASSERT_EQ(paths.size(), 5u);
+  std::map<std::string, int> solved;
+  for (const auto& path : paths) {
+    const std::vector<Instance> read = read_problems(path);
+    ASSERT_EQ(read.size(), 1u) << path;
+    const Problem& p = read.front().problem;
+    std::map<std::string, Vector> answers;
+    for (const char* method : methods) {
+      const Solution s = make_solver(method).solve(p, {.tolerance = tolerance});
+      if (s.status != Status::solved) continue;
+      const Metrics m = measure(p, s, nullptr, tolerance);
+      const std::string where = p.name + " by " + method;
+      EXPECT_TRUE(m.verdict == Verdict::solved || m.verdict == Verdict::undecided) << where << to_string(m.verdict);
+      EXPECT_LE(m.primal, tolerance) << where;
+      EXPECT_LE(m.dual, tolerance) << where;
+      EXPECT_LE(m.stationarity, tolerance) << where;
+      EXPECT_LE(m.natural, tolerance) << where;
+      ++solved[method];
+      answers[method] = s.z;
+    }
+    for (const auto& [a, z_a] : answers)
+      for (const auto& [b, z_b] : answers) {
+        const double scale = std::max({norm_M(p, p.z_u), norm_M(p, z_a), norm_M(p, z_b)});
+        EXPECT_LE(norm_M(p, z_a - z_b), 1e-8 * scale) << p.name << ": " << a << " and " << b;
+      }
+  }
+  for (const char* method : methods) EXPECT_GE(solved[method], 4) << method;
+}
+
+// Ipopt's last iterate there has a KKT residual of 1e-6; an earlier one is right (solvers/ipopt.h).
+TEST(ContactFiles, IpoptAnswersThePeriodicBoxAtEveryTolerance) {
+  for (const auto& path : files()) {
+    if (!path.filename().string().starts_with("LMGC_100_PR_PerioBox")) continue;
+    const Instance instance = read_problems(path).front();
+    const Solution truth = make_solver("nnls").solve(instance.problem);
+    ASSERT_EQ(truth.status, Status::solved);
+    for (const double asked : {1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {
+      const Solution s = make_solver("ipopt").solve(instance.problem, {.tolerance = asked});
+      EXPECT_EQ(s.status, Status::solved) << asked << ": " << s.message;
+      ASSERT_EQ(s.z.size(), truth.z.size());
+      EXPECT_LE(norm_M(instance.problem, s.z - truth.z),
+                std::max(10 * asked, 1e-12) * norm_M(instance.problem, truth.z));
+    }
+    return;
+  }
+  GTEST_SKIP() << "no LMGC_100_PR_PerioBox in ZWANG_DATA or beside the sources";
+}
+
+}  // namespace
+}  // namespace zwang
