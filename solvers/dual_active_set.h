@@ -1,6 +1,7 @@
 #pragma once
 
 #include "solvers/goldfarb_idnani.h"
+#include "solvers/polish.h"
 
 namespace zwang {
 
@@ -8,13 +9,22 @@ extern template class GoldfarbIdnani<double>;
 
 // Goldfarb & Idnani's dual active-set method in double precision, by orthogonal updates (goldfarb_idnani.h).
 // One iteration: one row entering or leaving the active set.
+//
+// A row that was dropped as a combination of others is judged in long double from the problem's own M, J, c, and so is
+// a contradiction that rounding could have made. Where the row does not hold to that precision, polish.h decides, as it
+// does for nnls and cholesky: consistent after an exchange, contradicted with a proof, or in doubt. `fallback` says so.
 struct DualActiveSet {
   static constexpr std::string_view name = "dual_active_set";
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
+  void write(const Problem& problem, Solution& solution) const;
+  void judge_again(const Problem& problem, double tolerance, Solution& solution);
+
   GoldfarbIdnani<double> method_;
+  QrRows active_;
+  Polish polish_;
 };
 static_assert(Solver<DualActiveSet>);
 

@@ -47,6 +47,16 @@ class GoldfarbIdnani {
   Scalar smallest_accepted{1}, largest_rejected{0};
   bool contracted = true;  // the refinement's corrections became negligible
 
+  // `infeasible` with a combination so far from zero, or a contradiction so small, that rounding could be behind it.
+  bool proof_in_doubt = false;
+  // The worst violation of a row outside the active set, relative to its terms, from the problem's own J and c in the
+  // wider scalar. On unit rows in Scalar, 8 epsilon of it cannot be told from rounding; here 32 epsilon of Wide can.
+  Wide worst_left(const BasicProblem<Scalar>& problem) const;
+  // Where the method ended: the whitened rows, and which of them are accepted equality rows and active inequality rows.
+  BasicWhitened<Scalar>& whitened() { return whitened_; }
+  const std::vector<Index>& accepted_equalities() const { return equality_rows_; }
+  const std::vector<Index>& active_inequalities() const { return active_rows_; }
+
  private:
   using Clock = std::chrono::steady_clock;
   enum State : char { resting, active, retired };
@@ -67,7 +77,8 @@ class GoldfarbIdnani {
   void drop(Index j);
   void refresh();
   bool restore_dual_feasibility();
-  bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign);
+  bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
+  void list_active_rows();
   bool solve_active_set(const BasicProblem<Scalar>& problem);
   void refine(const BasicProblem<Scalar>& problem);
   void observe(const BasicProblem<Scalar>& problem, const Observer& observer);
@@ -150,7 +161,7 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
   for (const Index k : elimination_.rejected()) {
     const Index i = equalities_[k];
     const Scalar rest = whitened_.h[i] - whitened_.Gt.col(i).dot(y_E_.head(whitened_.size()));
-    if (certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1))) return false;
+    if (certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1), largest_rejected)) return false;
     redundant.push_back(whitened_.row[i]);
   }
   for (const Index i : whitened_.idle)
@@ -274,7 +285,7 @@ Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& proble
       Scalar size = magnitude_[p];
       for (Index j = 0; j < q; ++j) size += abs(r_[j]) * magnitude_[active_[j]];
       const bool holds = violation <= violation_tolerance() * size;
-      if (!holds && block < 0 && certify(problem, inequalities_[p], Scalar(1))) return Status::infeasible;
+      if (!holds && block < 0 && certify(problem, inequalities_[p], Scalar(1), length)) return Status::infeasible;
       if (holds || block < 0) {
         state_[p] = retired;
         return Status::unsolved;
@@ -337,10 +348,12 @@ bool GoldfarbIdnani<Scalar>::restore_dual_feasibility() {
   return clean;
 }
 
-// Farkas' vector from a row that the accepted equality rows and the active rows combine to: sign (e_row - combination).
+// Farkas' vector from a row that the accepted equality rows and the active rows combine to, up to a rest of `length`:
+// sign (e_row - combination).
 // False when it proves nothing beyond rounding.
 template <class Scalar>
-bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, const Scalar& sign) {
+bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, const Scalar& sign,
+                                     const Scalar& length) {
   using std::abs;
   const Index n = whitened_.size(), q = active_.empty() ? 0 : updates_.size();
   x_.setZero();
@@ -359,6 +372,11 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   for (Index j = 0; j < q; ++j) add(inequalities_[active_[j]], r_[j]);
   if (!(proof > violation_tolerance() * size)) return false;
 
+  // Any motion that met the rows would be at least proof / length long: 1e8 times the longest one here stands for none.
+  const Scalar reach = std::max(Scalar(1), whitened_.free.norm());
+  proof_in_doubt = proof < Scalar(2e8) * reach * (length + violation_tolerance());
+  list_active_rows();
+
   certificate.setZero(p.rows());
   const Scalar shortest = whitened_.row_norm.minCoeff();
   const auto write = [&](Index i, const Scalar& unit) {
@@ -371,9 +389,14 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
 }
 
 template <class Scalar>
-bool GoldfarbIdnani<Scalar>::solve_active_set(const BasicProblem<Scalar>& p) {
+void GoldfarbIdnani<Scalar>::list_active_rows() {
   active_rows_.clear();
   for (const Index j : active_) active_rows_.push_back(inequalities_[j]);
+}
+
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::solve_active_set(const BasicProblem<Scalar>& p) {
+  list_active_rows();
   return refinement_.solve(p, {whitened_, elimination_, updates_, equality_rows_, active_rows_});
 }
 
@@ -382,6 +405,25 @@ void GoldfarbIdnani<Scalar>::refine(const BasicProblem<Scalar>& p) {
   contracted = solve_active_set(p);
   v_ = refinement_.v;
   u_.head(updates_.size()) = refinement_.mu.head(updates_.size());
+}
+
+template <class Scalar>
+auto GoldfarbIdnani<Scalar>::worst_left(const BasicProblem<Scalar>& p) const -> Wide {
+  using std::abs, std::ldexp;
+  const Wide length = Wide(refinement_.y.norm());
+  Wide worst(0);
+  const auto visit = [&](Index i) {
+    Wide rest(p.c[whitened_.row[i]]);
+    for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, whitened_.row[i]); it; ++it)
+      rest -= Wide(it.value()) * z()[it.col()];
+    if (whitened_.equality[i]) rest = abs(rest);
+    const Wide unit = ldexp(Wide(rest / Wide(whitened_.row_norm[i])), -whitened_.exponent);
+    worst = std::max(worst, Wide(unit / (Wide(whitened_.magnitude[i]) + length)));
+  };
+  for (const Index k : elimination_.rejected()) visit(equalities_[k]);
+  for (std::size_t j = 0; j < state_.size(); ++j)
+    if (state_[j] != active) visit(inequalities_[j]);
+  return worst;
 }
 
 // Shows the iterate without touching it, so that an observed solve takes the same path.

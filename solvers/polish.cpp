@@ -124,14 +124,14 @@ bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Ind
     largest = std::max(largest, u);
   }
   for (const Real unit : {first, smallest, largest}) {
-    s.certificate.setZero(p.rows());
-    s.certificate[w.row[at(row)]] = static_cast<double>(multiplier(row, 1) / unit);
+    certificate_.setZero(p.rows());
+    certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, 1) / unit);
     for (Index i = 0; i < active.size(); ++i)
-      s.certificate[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
+      certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
     Real work = 0, noise = 0;
     force_.setZero();
     const auto add = [&](Index i) {
-      const Real u = Real(s.certificate[w.row[at(i)]]) * Real(w.row_norm[i]);
+      const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
       work += u * b_[i];
       noise += std::abs(u) * Real(w.magnitude[i]);
       add_row(p, w, i, u, force_);
@@ -141,9 +141,11 @@ bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Ind
     r1_ = (force_ / noise).cast<double>();
     w.factor.solve_lower(r1_);
     const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
-    if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) return true;
+    if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) {
+      s.certificate = certificate_;
+      return true;
+    }
   }
-  s.certificate.resize(0);
   return false;
 }
 

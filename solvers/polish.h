@@ -56,6 +56,7 @@ class Polish {
   RealVector mu_;       // |A|: the dependent row as a combination of the active ones
   RealVector u_;        // k
   Vector r1_, r2_, t_;  // whitened residuals and a work vector
+  Vector certificate_;  // m: the Farkas vector under test
   std::vector<char> state_;
   double length_ = 0;  // |y|
   double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 
+#include "core/measure.h"
+#include "core/problem_file.h"
 #include "tests/solvers/count_allocations.h"
 #include "tests/solvers/small_problems.h"
 
@@ -56,6 +60,69 @@ TEST(DualActiveSet, CertifiesContradictingEqualityRows) {
   const Solution s = solve(p);
   EXPECT_EQ(s.status, Status::infeasible);
   EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-8);  // what the referee asks of a proof
+}
+
+// Contradictions that the rounding of the whitened rows hides: judged by long double residuals of the rows as given.
+TEST(DualActiveSet, CertifiesContradictionsBelowTheRoundingOfDouble) {
+  for (int k = 40; k <= 51; ++k) {
+    const double delta = std::ldexp(1.0, -k);
+    const Problem joints = make_problem(
+        vec({1, 2}), vec({0, 0}), {{RowKind::equality, vec({1, 3}), 1}, {RowKind::equality, vec({2, 6}), 2 + delta}});
+    const Problem contacts = make_problem(vec({1, 2}), vec({0, 0}),
+                                          {{RowKind::inequality, vec({1, 0}), 1},
+                                           {RowKind::inequality, vec({0, 1}), 1},
+                                           {RowKind::inequality, vec({-1, -1}), delta - 2}});
+    for (const Problem* p : {&joints, &contacts}) {
+      const Solution s = solve(*p);
+      EXPECT_EQ(s.status, Status::infeasible) << k;
+      EXPECT_EQ(measure(*p, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << k;
+    }
+  }
+}
+
+// x >= 1 through two rows eps apart: below 64 epsilon of double the second is dropped as a copy of the first.
+TEST(DualActiveSet, FlagsAWedgeTooSharpForDouble) {
+  for (int k = 20; k <= 51; ++k) {
+    const double eps = std::ldexp(1.0, -k);
+    const Problem p = make_problem(vec({1, 1}), vec({-1, -1}),
+                                   {{RowKind::inequality, vec({0, 1}), 0}, {RowKind::inequality, vec({eps, -1}), eps}});
+    const Solution s = solve(p);
+    EXPECT_EQ(s.status, k < 34 ? Status::solved : Status::solved_ill_conditioned) << k;
+    if (k <= 45) {
+      EXPECT_LE(test::z_error(p, s.z, vec({1, 0})), 1e-6) << k;
+    }
+  }
+}
+
+// 265 problems swept to where methods fail, with their truths.
+TEST(DualActiveSet, TellsNoLieOnTheAtlas) {
+  const char* set = std::getenv("ZWANG_DATA");
+  const std::filesystem::path folder = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
+  if (!std::filesystem::exists(folder / "problems/atlas.h5")) GTEST_SKIP() << "no atlas.h5 in " << folder;
+  int right = 0, flagged_wrong = 0, flagged_right = 0;
+  for (const Instance& instance : read_problems(folder / "problems/atlas.h5")) {
+    const Problem& p = instance.problem;
+    const Solution s = solve(p);
+    ASSERT_TRUE(instance.reference) << p.name;
+    if (!instance.reference->feasible) {
+      EXPECT_EQ(s.status, Status::infeasible) << p.name;
+      EXPECT_EQ(measure(p, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << p.name;
+      ++right;
+      continue;
+    }
+    const bool flagged = s.status == Status::solved_ill_conditioned;
+    const bool close = measure(p, s, &*instance.reference, 1e-10).z_error <= 1e-6;
+    EXPECT_TRUE(flagged || (s.status == Status::solved && close)) << p.name << ": " << to_string(s.status);
+    if (flagged && close) {
+      EXPECT_LT(s.margins.smallest_accepted, 1e-6) << p.name;
+    }
+    right += close;
+    flagged_right += flagged && close;
+    flagged_wrong += flagged && !close;
+  }
+  EXPECT_GE(right, 262);
+  EXPECT_LE(flagged_right, 14);
+  EXPECT_LE(flagged_wrong, 3);
 }
 
 TEST(DualActiveSet, CertifiesAContactAgainstJointsAndContacts) {
@@ -150,6 +217,19 @@ TEST(DualActiveSet, SecondSolveAllocatesNothingWarmOrCold) {
   const long before = allocations();
   solver.solve(p, {}, s);
   solver.solve(p, {.warm_start = &warm}, s);
+  EXPECT_EQ(allocations() - before, 0);
+}
+
+TEST(DualActiveSet, SecondSolveAllocatesNothingWhereDroppedRowsAreJudgedAgain) {
+  const Problem p =
+      make_problem(vec({1, 1}), vec({-1, -1}),
+                   {{RowKind::inequality, vec({0, 1}), 0}, {RowKind::inequality, vec({0x1p-48, -1}), 0x1p-48}});
+  DualActiveSet solver;
+  Solution s;
+  solver.solve(p, {}, s);
+  EXPECT_TRUE(s.fallback);
+  const long before = allocations();
+  solver.solve(p, {}, s);
   EXPECT_EQ(allocations() - before, 0);
 }
 
