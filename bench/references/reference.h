@@ -19,7 +19,7 @@ struct ReferenceOptions {
 };
 
 // The instance's own reference where it has one (closed form, known answer, file); otherwise
-//   n <= 200   the dual active-set method in 100-digit arithmetic, bound 0: z* rounded once;
+//   n <= 300   the dual active-set method in 100-digit arithmetic, bound 0: z* rounded once (6.5 s at n = 280);
 //   n <= 1200  the same method in long double, with the referee's active-set bound;
 //   beyond     nothing.
 // Two witnesses that disagree leave nothing known, and `note` says so. Answers are kept in cache_dir by the hash of the

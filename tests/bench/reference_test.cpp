@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -137,14 +138,29 @@ TEST(Reference, IsNotGivenForAnIndefiniteMass) {
   EXPECT_NE(found.note, "");
 }
 
-TEST(Reference, BeyondTwoHundredUnknownsCarriesAProvenBound) {
-  const Problem p = test::tower(220);
+TEST(Reference, DecidesRankDeficientContactsOfARealFile) {
+  const char* set = std::getenv("ZWANG_DATA");
+  const std::filesystem::path folder = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
+  const std::filesystem::path file = folder / "contact_fclib/Capsules-i125-1213.hdf5";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
+  const Instance instance = read_problems(file).front();
+  const FoundReference found = reference_for(instance, {});
+  ASSERT_TRUE(found.reference) << found.note;
+  EXPECT_EQ(found.reference->method, "mpfr 100 digits");
+  EXPECT_EQ(found.reference->bound, 0);
+  Solution s;
+  DualActiveSet().solve(instance.problem, {}, s);
+  EXPECT_LE(relative_distance(instance.problem, found.reference->z, s.z), 1e-12);
+}
+
+TEST(Reference, BeyondThreeHundredUnknownsCarriesAProvenBound) {
+  const Problem p = test::tower(320);
   const FoundReference found = reference_for({.problem = p}, {});
   ASSERT_TRUE(found.reference) << found.note;
   EXPECT_EQ(found.reference->method, "long double, active-set bound");
   EXPECT_GT(found.reference->bound, 0);
   EXPECT_LE(found.reference->bound, 1e-9);
-  EXPECT_LE(test::z_error(p, found.reference->z, Vector::Zero(220)), found.reference->bound);
+  EXPECT_LE(test::z_error(p, found.reference->z, Vector::Zero(320)), found.reference->bound);
 }
 
 }  // namespace
