@@ -35,7 +35,6 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
   const Deadline deadline(options.time_limit);
   auto& [program, lambda, y, ahead, y_ahead, next, y_next, gradient, marked, drift, motion] = work;
   if (!program.build(problem, solution)) return;
-  solution.reset(problem.size(), problem.rows());
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
   ahead = lambda;

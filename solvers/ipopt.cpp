@@ -234,7 +234,6 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   const Deadline deadline(options.time_limit);
   auto& [program, equalities, opened] = work;
   if (!program.build(problem, solution)) return;
-  solution.reset(problem.size(), problem.rows());
   if (program.rows() == 0) {
     solution.z = problem.z_u;
     solution.status = Status::solved;

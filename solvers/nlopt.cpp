@@ -141,7 +141,6 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
   DenseProgram dense{
       .origin = {}, .basis = {}, .equalities = {}, .inequalities = {}, .deadline = Deadline(options.time_limit)};
   if (!program.build(problem, solution)) return;
-  solution.reset(problem.size(), problem.rows());
   solution.lambda.resize(0);
 
   dense.origin.setZero(program.size());

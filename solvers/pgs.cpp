@@ -15,7 +15,6 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
   const Deadline deadline(options.time_limit);
   auto& [program, lambda, y, before, marked, drift, motion] = work;
   if (!program.build(problem, solution)) return;
-  solution.reset(problem.size(), problem.rows());
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
   marked.setZero(program.rows());

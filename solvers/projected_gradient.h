@@ -13,21 +13,21 @@ struct ProjectedGradient {
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
     if (!program.build(problem, solution)) return;
-    solution.reset(problem.size(), problem.rows());
     program.warm_multipliers(problem, options.warm_start, lambda);
     program.motion(lambda, y);
-    Contraction contraction;
-    int& step = solution.iterations;
-    for (solution.status = Status::iteration_limit; step < std::min(options.max_iterations, 20000); ++step) {
+    const Deadline deadline(options.time_limit);
+    Contraction steps;
+    solution.status = Status::iteration_limit;
+    for (int& step = solution.iterations; step < options.max_iterations && step < 20000; ++step) {
+      if (deadline.passed()) solution.status = Status::time_limit;
+      if (solution.status != Status::iteration_limit) break;
       program.slack(y, slack);
-      lambda -= slack / double(program.rows());
-      program.project(lambda);
+      program.project(lambda -= slack / double(program.rows()));
       before = y;
       program.motion(lambda, y);
-      contraction.record((y - before).norm());
-      if (contraction.distance_to_go(1e-15 * program.scale(y)) > options.tolerance * program.scale(y)) continue;
+      steps.record((y - before).norm());
+      if (steps.distance_to_go(1e-15 * program.scale(y)) > options.tolerance * program.scale(y)) continue;
       if (natural_residual(program, y, lambda) <= options.tolerance) solution.status = Status::solved;
-      if (solution.status == Status::solved) break;
     }
     program.write(problem, y, lambda, solution);
   }

@@ -41,6 +41,7 @@ bool UnitProgram::build(const Problem& problem, Solution& solution) {
       if (const double g = whitened_.Gt(j, i); g != 0) G_.insertBack(i, j) = g;
   }
   G_.finalize();
+  solution.reset(problem.size(), problem.rows());
   return true;
 }
 

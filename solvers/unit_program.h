@@ -15,7 +15,8 @@ class UnitProgram {
  public:
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-  // False when the answer is already known, and then written: M not positive definite, or a zero row that cannot hold.
+  // Resets the solution. False when the answer is already known, and then written: M not positive definite, or a zero
+  // row that cannot hold.
   bool build(const Problem& problem, Solution& solution);
 
   Index size() const { return whitened_.size(); }
