@@ -129,6 +129,15 @@ TEST(NnlsPaper, IsWrongAndSaysWhyOutsideTheRange) {
   EXPECT_EQ(s.message, "range gap 4.5e-01");  // sqrt(2) / sqrt(10)
 }
 
+// Two floors under one body, the higher one far below where it comes to rest: c lies outside the range of J, yet the
+// rows that push keep their c, and z is right.
+TEST(NnlsPaper, AGapOnRowsThatDoNotPushLeavesZRight) {
+  const Problem p = unit_mass(Matrix{{1, 0}, {0, 1}, {0, 1}}, Vector{{1, -3, -2}}, Vector{{0, 5}}, 0);
+  const Solution s = make_solver("nnls_paper").solve(p);
+  EXPECT_EQ(s.message, "range gap 1.9e-01");  // |(1/2, 1/2)| / |(1, 3, 2)|
+  EXPECT_LE((s.z - Vector{{1, 5}}).norm(), 1e-15);
+}
+
 // One body on the ground, z_u = -1: Eq. 10 as printed gives +1.
 TEST(NnlsPaper, PutsTheHalfOutsideTheNorm) {
   const Solution s = make_solver("nnls_paper").solve(unit_mass(Matrix{{1}}, Vector{{0}}, Vector{{-1}}, 0));
