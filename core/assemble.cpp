@@ -157,6 +157,7 @@ std::vector<std::string> Assembler::origin(const Scene& scene) const {
 
 std::vector<std::string> Assembler::skipped(const Scene& scene) const {
   std::vector<std::string> names;
+  names.reserve(skipped_.size());
   for (const Source& s : skipped_) names.push_back(name_of(*scene.lists()[s.list], s.item));
   return names;
 }

@@ -43,7 +43,7 @@ struct Reader {
   template <class T>
   T value() {
     T v;
-    std::memcpy(&v, take(sizeof(T)).data(), sizeof(T));
+    take(sizeof(T)).copy(reinterpret_cast<char*>(&v), sizeof(T));
     return v;
   }
   Vector vector() {

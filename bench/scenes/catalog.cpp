@@ -49,14 +49,15 @@ void append_values(const SceneEntry& scene, const std::string& text, KnobValues&
   const auto dots = text.find("..");
   const double low = parse_number(scene.name, out.knob->name, text.substr(0, dots));
   const double high = dots == std::string::npos ? low : parse_number(scene.name, out.knob->name, text.substr(dots + 2));
-  for (double v = low; v <= high; v += 1) {
-    const Knob& k = *out.knob;
+  const Knob& k = *out.knob;
+  const std::string place = "scene '" + scene.name + "': " + k.name + "=";
+  for (const double v : {low, high})
     if (!(v >= k.low && v <= k.high) || (k.integer && v != std::floor(v)))
-      throw std::invalid_argument("scene '" + scene.name + "': " + k.name + "=" + format(v) + " should be " +
-                                  (k.integer ? "an integer" : "a number") + " from " + format(k.low) + " to " +
-                                  format(k.high));
-    out.values.push_back(v);
-  }
+      throw std::invalid_argument(place + format(v) + " should be " + (k.integer ? "an integer" : "a number") +
+                                  " from " + format(k.low) + " to " + format(k.high));
+  if (!(high >= low && high - low <= 1e6))
+    throw std::invalid_argument(place + text + " should rise, over a million values at most");
+  for (int i = 0; low + i <= high; ++i) out.values.push_back(low + i);
 }
 
 std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& text) {

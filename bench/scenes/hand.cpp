@@ -22,10 +22,10 @@ struct Finger {
   Range range[4];    // rad
 };
 
-// Bone lengths: from a Leap Motion recording of a real hand (README of the shared data). Ranges: Lin, Wu & Huang (2000),
-// as cited there, for the fingers and the thumb's last two joints; the two angles of the thumb's base are the Shadow
-// hand's. Masses: phalanxes of 30, 17 and 13 g, a palm of 0.35 kg (same place). The palm, 84 x 96 x 28 mm, the places
-// of the joints on it and the radii of the bones are our own round figures.
+// Bone lengths: from a Leap Motion recording of a real hand (README of the shared data). Ranges: Lin, Wu & Huang
+// (2000), as cited there, for the fingers and the thumb's last two joints; the two angles of the thumb's base are the
+// Shadow hand's. Masses: phalanxes of 30, 17 and 13 g, a palm of 0.35 kg (same place). The palm, 84 x 96 x 28 mm, the
+// places of the joints on it and the radii of the bones are our own round figures.
 constexpr double a = 15 * degree;
 constexpr Range mcp{0, 90 * degree}, spread{-a, a}, pip{0, 110 * degree}, dip{0, 90 * degree};
 constexpr std::array<Finger, 5> fingers{{

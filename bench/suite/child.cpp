@@ -66,7 +66,8 @@ bool receive_message(int socket, std::vector<char>& bytes) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const int null = open("/dev/null", O_RDWR);
-  for (const int fd : {0, 1, 2}) dup2(null, fd);
+  if (null >= 0)
+    for (const int fd : {0, 1, 2}) dup2(null, fd);
 
   Workbench bench(std::move(make));
   Problem problem;
@@ -137,7 +138,7 @@ Answer Child::run(const Call& call, const std::atomic<bool>* interrupted) {
     return answer;
   };
   clockid_t cpu;
-  if (clock_getcpuclockid(pid_, &cpu) != 0) return give_up(Status::crashed, "the solver's process died", 0);
+  if (pid_ < 0 || clock_getcpuclockid(pid_, &cpu) != 0) return give_up(Status::crashed, "the solver's process died", 0);
   const double cpu_start = seconds_of(cpu), wall_start = seconds_of(CLOCK_MONOTONIC);
   const double deadline = (call.solves + call.warm_up) * (1.25 * call.time_limit + 0.2);
 

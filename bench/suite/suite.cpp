@@ -47,7 +47,8 @@ class Schedule {
       const double share = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
       limits.budget = plan_.whole_suite ? share : std::min(limits.budget, share);
       const double allowance = left / static_cast<double>(batches_left);
-      const double solvers = static_cast<double>(plan_.runs.size() / plan_.options.tolerances.size());
+      const double solvers =
+          static_cast<double>(plan_.runs.size()) / static_cast<double>(plan_.options.tolerances.size());
       while (limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
     }
     shortest_limit_ = std::min(shortest_limit_, limits.time_limit);
@@ -108,7 +109,7 @@ void write_traces(const Plan& plan, const SuiteSettings& settings, Desk& desk, d
     instance.reference = reference_for(instance, settings.cache, {plan.second_witness}).reference;
     // What is left of the budget is shared by the problems left, and within a problem by the solvers.
     const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
-    const double solvers = static_cast<double>(plan.runs.size() / plan.options.tolerances.size());
+    const double solvers = static_cast<double>(plan.runs.size()) / static_cast<double>(plan.options.tolerances.size());
     std::vector<std::string> lines;
     for (const Run& run : plan.runs) {
       if (run.tolerance != tightest) continue;

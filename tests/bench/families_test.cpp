@@ -45,7 +45,14 @@ TEST_P(Family, AnswersMeetTheKktConditionsOfTheStoredDoubles) {
   const std::string range = GetParam()[0] == 'M' ? "(k=0..48)" : "(k=1..45)";
   for (const Instance& in : make_scenes(GetParam() + range)) expect_true_answer(in);
 }
-INSTANTIATE_TEST_SUITE_P(Atlas, Family, testing::Values("MR", "MR1", "MRC", "NPE", "LOOP", "GAP", "INC", "WEAK"));
+INSTANTIATE_TEST_SUITE_P(Atlas, Family, testing::Values("MR", "MR1", "MRC", "NPE", "LOOP", "GAP", "INC", "WEAK"),
+                         [](const auto& info) { return info.param; });
+
+TEST(Families, KnobsOutOfRangeOrOrderAreRefused) {
+  for (const char* text : {"tower(boxes=nan)", "tower(boxes=0)", "tower(boxes=2.5)", "tower(boxes=1..inf)",
+                           "tower(boxes=5..1)", "random(seed=0..1e9)"})
+    EXPECT_THROW(make_scenes(text), std::invalid_argument) << text;
+}
 
 TEST(Families, ZeroPointsAreFeasible) {
   for (const char* text : {"LOOP(k=60)", "GAP(k=60)", "INC(k=60)", "WEAK(k=60)", "GAP(k=3,feasible=1)"}) {

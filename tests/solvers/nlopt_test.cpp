@@ -10,8 +10,14 @@ namespace {
 template <class S>
 class NloptMethods : public testing::Test {};
 
+struct SolverName {
+  template <class S>
+  static std::string GetName(int) {
+    return S::name;
+  }
+};
 using All = testing::Types<NloptSlsqp, NloptMma, NloptCcsaq, NloptCobyla>;
-TYPED_TEST_SUITE(NloptMethods, All);
+TYPED_TEST_SUITE(NloptMethods, All, SolverName);
 
 template <class S>
 Solution solve(const Problem& problem, S solver = {}, const SolveOptions& options = {}) {
@@ -32,7 +38,7 @@ TYPED_TEST(NloptMethods, PullsThroughAnEqualityRow) {
 template <class S>
 class NloptOnTowers : public testing::Test {};
 using Reliable = testing::Types<NloptSlsqp, NloptCobyla>;
-TYPED_TEST_SUITE(NloptOnTowers, Reliable);
+TYPED_TEST_SUITE(NloptOnTowers, Reliable, SolverName);
 
 TYPED_TEST(NloptOnTowers, CarriesASmallTower) {
   const Problem p = test::tower(4);

@@ -7,5 +7,5 @@ check() {
     { echo "$3 does not compile alone"; exit 1; }
 }
 export -f check
-find core constraints solvers collision bench experiments -name node_modules -prune -o -name '*.h' -print |
-  xargs -P 2 -I{} bash -c 'check "$@"' _ "$2" "$3" {}
+find core constraints solvers collision bench experiments -name node_modules -prune -o -name '*.h' -print0 |
+  xargs -0 -P 2 -I{} bash -c 'check "$@"' _ "$2" "$3" {}
