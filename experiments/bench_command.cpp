@@ -49,6 +49,12 @@ std::string counts(const Tally& t) {
   return text;
 }
 
+// What a resumed run did not have to do again.
+std::string earlier(const Outcome& o) {
+  if (o.earlier == 0) return "";
+  return o.earlier == o.planned ? ", all of them before" : ", " + grouped(o.earlier) + " of them before";
+}
+
 struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
@@ -136,23 +142,36 @@ int bench_command(std::vector<std::string> words) {
   std::fflush(stdout);
 
   // problem -> solve -> solution -> measure -> results
-  stop_on_interrupt();
-  const Outcome outcome = run_suite(plan, settings, interrupted);
   const std::string directory = settings.directory.string();
+  const std::string go_on = "./zwang bench --resume " + report::shell_word(directory);
+  stop_on_interrupt();
+  Outcome outcome;
+  try {
+    outcome = run_suite(plan, settings, interrupted);
+  } catch (const std::runtime_error& broken) {  // a full disk, a folder that is gone
+    if (!holds_run(settings.directory)) throw;
+    std::fprintf(stderr, "%s (finished runs are kept; go on with: %s)\n", broken.what(), go_on.c_str());
+    return bad_file;
+  }
   if (outcome.interrupted) {
-    std::printf("Stopped after %s of %s runs; nothing lost. Go on with: ./zwang bench --resume %s\n",
-                grouped(outcome.tally.runs).c_str(), grouped(outcome.planned).c_str(), directory.c_str());
+    std::printf("Stopped after %s of %s runs; nothing lost. Go on with: %s\n", grouped(outcome.tally.runs).c_str(),
+                grouped(outcome.planned).c_str(), go_on.c_str());
     return stopped;
   }
-  std::printf("%s runs in %s: %s\n", grouped(outcome.tally.runs).c_str(), duration(outcome.seconds).c_str(),
-              counts(outcome.tally).c_str());
-  for (const std::string& note : outcome.notes) std::printf("Note: %s\n", note.c_str());
+  std::printf("%s runs in %s%s: %s\n", grouped(outcome.tally.runs).c_str(), duration(outcome.seconds).c_str(),
+              earlier(outcome).c_str(), counts(outcome.tally).c_str());
+  for (const std::string& note : outcome.notes) std::printf("%s\n", note.c_str());
 
   // results -> report
-  const auto results = report::read_run(settings.directory).results;
-  const std::string headline = report::accuracy_headline(results, report::headline_family(results), 1e-9);
-  if (!headline.empty()) std::printf("%s\n", headline.c_str());
-  std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
+  try {
+    if (const std::string line = report::accuracy_headline(report::read_run(directory).results); !line.empty())
+      std::printf("%s\n", line.c_str());
+    std::printf("Report: %s\n", report::write_report(directory).c_str());
+  } catch (const std::runtime_error& broken) {
+    std::fprintf(stderr, "No report: %s (the results are kept; again with: ./zwang report %s)\n", broken.what(),
+                 report::shell_word(directory).c_str());
+    return bad_file;
+  }
   return done;
 }
 

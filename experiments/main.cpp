@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <new>
 #include <stdexcept>
 
 #include "bench/suite/conditions.h"
@@ -88,5 +89,8 @@ int main(int count, char** arguments) {
   } catch (const std::invalid_argument& wrong) {
     std::fprintf(stderr, "%s\n", wrong.what());
     return zwang::wrong_use;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "out of memory\n");
+    return zwang::bad_file;
   }
 }

@@ -7,6 +7,7 @@
 #include "bench/references/reference.h"
 #include "bench/suite/suite.h"
 #include "bench/suite/trace.h"
+#include "constraints/units.h"
 #include "core/nearest.h"
 #include "experiments/commands.h"
 #include "experiments/options.h"
@@ -50,7 +51,8 @@ void print(const Result& r) {
                         "   (M-norm, unit rows, relative)");
   if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + report::scientific(k.primal));
   for (std::size_t i = 0; i < r.worst_by_type.size(); ++i)
-    line("", r.worst_by_type[i].type + ": " + report::scientific(r.worst_by_type[i].violation) + " in its own unit, " +
+    line("", r.worst_by_type[i].type + ": " + report::scientific(r.worst_by_type[i].violation) + " " +
+                 std::string(row_unit(r.worst_by_type_rows[i])) + ", " +
                  report::scientific(r.worst_by_type[i].relative) + " relative, at " + r.worst_by_type_rows[i]);
   if (!r.conflicting.empty()) {
     std::string names;

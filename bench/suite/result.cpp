@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "constraints/units.h"
 #include "core/problem_file.h"
 
 namespace zwang {
@@ -92,6 +93,7 @@ std::string to_json(const Result& r, const Solution* with) {
     types.push_back({{"type", t.type},
                      {"violation", number(t.violation)},
                      {"relative", number(t.relative)},
+                     {"unit", row_unit(r.worst_by_type_rows[i])},
                      {"row", r.worst_by_type_rows[i]}});
   }
   if (r.feasible != Result::Feasible::unknown) feasible = r.feasible == Result::Feasible::yes;

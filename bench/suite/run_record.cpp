@@ -53,7 +53,10 @@ Json load(const std::filesystem::path& directory) {
   std::ifstream in(file);
   if (!in) throw BadFile(directory.string() + " holds no run: run.json is missing");
   try {
-    return Json::parse(in);
+    Json j = Json::parse(in);
+    for (const char* key : {"command", "started", "finished", "notes", "options", "problem_sha256"})
+      if (!j.contains(key)) throw BadFile(file.string() + ": written by another version of zwang (no \"" + key + "\")");
+    return j;
   } catch (const Json::exception&) {
     throw BadFile(file.string() + ": not a JSON object");
   }
@@ -96,7 +99,10 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["notes"] = record.notes;
 
   const auto file = directory / "run.json", draft = directory / "run.json.new";
-  std::ofstream(draft) << j.dump(2) << '\n';
+  std::ofstream out(draft);
+  out << j.dump(2) << '\n';
+  out.close();
+  if (!out) throw BadFile("cannot write " + file.string());
   std::filesystem::rename(draft, file);
 }
 
@@ -115,14 +121,19 @@ SuiteOptions options_to_resume(const std::filesystem::path& directory, const Sui
   const Json j = load(directory);
   const Json here = fixed_conditions(conditions()), asked = to_json(typed);
   for (const auto& [name, value] : here.items())
-    if (j.at(name) != value)
+    if (const Json stored = j.value(name, Json()); stored != value)
       throw std::invalid_argument(directory.string() + " cannot go on, its times would not compare: its " + name +
-                                  " is " + j.at(name).dump() + ", now it is " + value.dump());
+                                  " is " + stored.dump() + ", now it is " + value.dump());
+  const Json options = j.at("options");
   for (const std::string& name : given)
-    if (j.at("options").at(name) != asked.at(name))
+    if (const Json stored = options.value(name, Json()); stored != asked.at(name))
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
-                                  j.at("options").at(name).dump() + ", not " + asked.at(name).dump());
-  return options_from(j.at("options"));
+                                  stored.dump() + ", not " + asked.at(name).dump());
+  try {
+    return options_from(options);
+  } catch (const Json::exception&) {
+    throw BadFile((directory / "run.json").string() + ": written by another version of zwang");
+  }
 }
 
 void require_same_problems(const std::filesystem::path& directory, const Plan& plan) {

@@ -189,6 +189,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   Outcome outcome;
   outcome.planned = plan.size();
   outcome.tally = stored.tally;
+  outcome.earlier = stored.tally.runs;
   Desk desk([&](std::string_view text) { return make_solver(text, settings.solvers); });
   ResultFile results(directory / "results.jsonl");
   Schedule schedule(plan);
@@ -243,14 +244,15 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   }
   if (timed_once > 0)
     record.notes.push_back(grouped(timed_once) + " runs were timed by their first solve alone: too slow to repeat");
-  if (schedule.shortest_time_limit() < plan.time_limit)
-    record.notes.push_back("the time limit of a solve went down from " + duration(plan.time_limit) + " to " +
-                           duration(schedule.shortest_time_limit()) + " to keep the suite's time");
+  if (schedule.shortest_time_limit() < plan.time_limit) {
+    outcome.notes.push_back("To keep the suite's time, the time limit of a solve went down from " +
+                            duration(plan.time_limit) + " to " + duration(schedule.shortest_time_limit()) + ".");
+    record.notes.push_back(outcome.notes.back());
+  }
   outcome.interrupted = interrupted;
   outcome.seconds = schedule.elapsed();
   if (!outcome.interrupted) record.finished = now_iso8601();
   write_run_record(directory, plan, settings.solvers, record);
-  outcome.notes = record.notes;
   return outcome;
 }
 

@@ -19,9 +19,10 @@ Result to_result(Result problem, const Instance& instance, const Run& run, const
 struct Outcome {
   Tally tally = {};         // lines in results.jsonl, those of before a resume included
   std::size_t planned = 0;  // lines when complete
+  std::size_t earlier = 0;  // lines that a resume found there
   double seconds = 0;       // wall clock of this call
   bool interrupted = false;
-  std::vector<std::string> notes = {};  // what a reader should know: what was cut, what the files' reader assumed
+  std::vector<std::string> notes = {};  // what was cut to keep the time; run.json holds more
 };
 
 struct SuiteSettings {

@@ -87,19 +87,24 @@ std::string headline_family(const std::vector<Result>& results) {
   return best;
 }
 
-std::string accuracy_headline(const std::vector<Result>& results, const std::string& family, double error) {
-  std::string line;
+std::string accuracy_headline(const std::vector<Result>& results, double error) {
+  const std::string family = headline_family(results);
+  std::string on_all, on_some;
+  int problems = 0;
   for (const AccuracyMatched& entry : accuracy_matched(results, family, error)) {
-    line += (line.empty() ? "On " + family + " at " + scientific(error, 0) + " achieved error: " : ", ") +
-            entry.solver + " " + duration(entry.time_s);
-    std::vector<std::string> aside;
-    if (entry.ratio != 1) aside.push_back(ratio_text(entry.ratio));
-    if (entry.reached < entry.problems)
-      aside.push_back(std::to_string(entry.reached) + " of " + std::to_string(entry.problems));
-    for (std::size_t i = 0; i < aside.size(); ++i) line += (i == 0 ? " (" : ", ") + aside[i];
-    if (!aside.empty()) line += ")";
+    problems = entry.problems;
+    const bool all = entry.reached == problems;
+    std::string aside = entry.ratio == 1 ? "" : ratio_text(entry.ratio);
+    if (!all) aside += (aside.empty() ? "" : ", ") + std::to_string(entry.reached) + " of " + std::to_string(problems);
+    std::string& list = all ? on_all : on_some;
+    list += (list.empty() ? "" : ", ") + entry.solver + " " + duration(entry.time_s);
+    if (!aside.empty()) list += " (" + aside + ")";
   }
-  return line;
+  if (problems == 0) return "";
+  std::string subject = family == "hand" ? "hand" : family + " problem";
+  subject = problems == 1 ? "one " + subject : std::to_string(problems) + " " + subject + "s";
+  if (!on_all.empty() && !on_some.empty()) on_all += "; not on all: ";
+  return "On " + subject + " at " + scientific(error, 0) + " achieved error: " + on_all + on_some;
 }
 
 std::string ratio_text(double ratio) {

@@ -47,11 +47,20 @@ json work_precision(const Run& run) {
     if (std::isfinite(r.solve_s)) slowest[r.family] = std::max(slowest[r.family], r.solve_s);
   }
 
-  // Medians over the problems of a family that the solver got right at this tolerance, where those are at least half:
-  // a median over the few easy ones would draw a line to a place the solver rarely is.
+  // A family of which most problems have no z has no error to draw: the sweep shows who proves it.
+  std::map<std::string, std::set<std::string>> infeasible;
+  for (const Result& r : run.results)
+    if (r.feasible == std::optional(false)) infeasible[r.family].insert(r.problem);
+  const auto undrawn = [&](const Result& r) {
+    return drawn_as(r).empty() || 2 * infeasible[r.family].size() > problems[r.family].size();
+  };
+
+  // Medians over the problems of a family that the solver got right at this tolerance, where those are more than half:
+  // medians over few easy ones, others at every tolerance, would draw a line to and fro.
   std::set<const Result*> lone;  // right, but without a median to stand behind
   std::map<std::tuple<std::string, std::string, double>, std::vector<const Result*>> cells;
-  for (const Result& r : run.results) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
+  for (const Result& r : run.results)
+    if (!undrawn(r)) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
   for (const auto& [key, runs] : cells) {
     std::vector<const Result*> ok;
     std::vector<double> error, time, q1, q3, iterations;
@@ -64,15 +73,14 @@ json work_precision(const Run& run) {
       q3.push_back(r->solve_s_q3);
       iterations.push_back(static_cast<double>(r->iterations));
     }
-    const auto meant = std::count_if(runs.begin(), runs.end(), [](const Result* r) { return !drawn_as(*r).empty(); });
-    if (2 * static_cast<std::ptrdiff_t>(ok.size()) < meant) lone.insert(ok.begin(), ok.end());
+    if (2 * ok.size() <= runs.size()) lone.insert(ok.begin(), ok.end());
     if (ok.empty() || lone.contains(ok.front())) continue;
     // The run nearest to the median stands for it in the tooltip.
     const double middle = median(time);
     const Result& typical = **std::min_element(ok.begin(), ok.end(), [middle](const Result* a, const Result* b) {
       return std::abs(a->solve_s - middle) < std::abs(b->solve_s - middle);
     });
-    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(meant);
+    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
     const bool several = problems[typical.family].size() > 1;
     add(several ? "median" : "single", typical, median(error), middle, median(q1), median(q3), median(iterations),
         several ? of : "one run");
@@ -81,7 +89,7 @@ json work_precision(const Run& run) {
   const bool all = run.results.size() <= single_runs;
   for (const Result& r : run.results) {
     const std::string drawn = drawn_as(r);
-    if (drawn.empty() || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
+    if (undrawn(r) || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
     add(lone.contains(&r) ? "lone" : "run", r, r.error(), time, r.solve_s_q1, r.solve_s_q3,
         static_cast<double>(r.iterations), "one run");
@@ -185,13 +193,18 @@ json convergence(const Run& run) {
   for (const auto& key : order) {
     auto& trace = traces[key];
     std::sort(trace.begin(), trace.end(), [](auto* a, auto* b) { return a->iteration < b->iteration; });
+    // Each point is a solve of its own, and times scatter; but who stops earlier cannot have needed longer.
+    std::vector<double> time(trace.size(), unknown);
+    for (std::size_t i = trace.size(); i-- > 0;)
+      time[i] = i + 1 < trace.size() ? std::fmin(trace[i]->time_s, time[i + 1]) : trace[i]->time_s;
     // Long traces are thinned evenly in the logarithm of the iteration; first and last stay.
     long next = 0;
     const double growth = std::pow(static_cast<double>(std::max(trace.back()->iteration, 2L)), 1.0 / trace_points);
-    for (const TracePoint* p : trace) {
+    for (std::size_t i = 0; i < trace.size(); ++i) {
+      const TracePoint* p = trace[i];
       if (trace.size() > trace_points && p->iteration < next && p != trace.back()) continue;
       next = std::max(p->iteration + 1, static_cast<long>(static_cast<double>(p->iteration) * growth));
-      rows.push_back({p->problem, p->solver, p->iteration, known(p->time_s), known(p->z_error), known(p->primal),
+      rows.push_back({p->problem, p->solver, p->iteration, known(time[i]), known(p->z_error), known(p->primal),
                       known(p->stationarity), known(p->gap)});
     }
   }

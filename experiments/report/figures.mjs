@@ -39,7 +39,7 @@ for (const [chart, name, title, choices] of figures) {
   if (drawn.length === 0) continue;
   const template = JSON.parse(fs.readFileSync(`${here}charts/${chart}.vl.json`, 'utf8'));
   const options = {font, title: {text: title, subtitle: data.circumstances},
-                   words: {FAMILIES: data.families, COLUMNS: chart === 'sweep' ? 2 : 3, SWEEP_WIDTH: 230, LIGHT: true, ...words[chart]?.(data, state)}};
+                   words: {FAMILIES: data.families, COLUMNS: chart === 'sweep' ? 2 : 3, SWEEP_WIDTH: 230, FACET_WIDTH: 212, LIGHT: true, ...words[chart]?.(data, state)}};
   const compiled = vega_lite.compile(spec(template, drawn, data.solvers, options), {logger}).spec;
   const view = new vega.View(vega.parse(compiled), {renderer: 'none', logger});
   const svg = `${out}/${name}.svg`;

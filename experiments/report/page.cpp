@@ -104,8 +104,7 @@ std::vector<std::string> headline(const Run& run) {
       counts + ".", total == 0 ? "No run claimed success, or infeasibility, where the referee found the opposite."
                                : counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") +
                                      " wrong (" + lies + "): see the first table."};
-  const std::string family = headline_family(run.results);
-  if (const std::string line = accuracy_headline(run.results, family, 1e-9); !line.empty()) lines.push_back(line + ".");
+  if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
   if (!run.torn.empty()) lines.push_back(run.torn);
   return lines;
 }

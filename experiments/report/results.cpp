@@ -37,7 +37,8 @@ bool flag(const json& line, const char* key) {
 
 Result parse_result(const json& line) {
   for (const char* key : {"problem", "solver", "tolerance", "claimed", "verified"})
-    if (!line.contains(key)) throw std::runtime_error(std::string("no \"") + key + "\"");
+    if (!line.contains(key))
+      throw std::runtime_error(std::string("no result of this version of zwang: it has no \"") + key + "\"");
   Result r;
   r.problem = text(line, "problem");
   r.family = text(line, "family");
@@ -72,7 +73,8 @@ Result parse_result(const json& line) {
   if (const auto it = line.find("feasible"); it != line.end() && it->is_boolean()) r.feasible = it->get<bool>();
   r.fallback = flag(line, "fallback");
   for (const json& row : line.value("worst_by_type", json::array()))
-    r.worst_by_type.push_back({text(row, "type"), text(row, "row"), number(row, "violation"), number(row, "relative")});
+    r.worst_by_type.push_back(
+        {text(row, "type"), text(row, "row"), text(row, "unit"), number(row, "violation"), number(row, "relative")});
   for (const json& name : line.value("conflicting", json::array())) r.conflicting.push_back(name.get<std::string>());
   return r;
 }
@@ -100,7 +102,11 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
     try {
       parse(json::parse(line));
     } catch (const std::exception& error) {
-      if (!in.eof()) throw std::runtime_error(file.string() + " line " + std::to_string(row) + ": " + error.what());
+      if (!in.eof()) {
+        const bool json_error = dynamic_cast<const json::exception*>(&error) != nullptr;
+        throw std::runtime_error(file.string() + " line " + std::to_string(row) + ": " +
+                                 (json_error ? "not what zwang writes" : error.what()));
+      }
       torn = "The last line of " + file.filename().string() + " is torn (the run was killed) and left out.";
     }
   }
@@ -148,16 +154,6 @@ std::vector<std::string> distinct(const std::vector<Result>& results, std::strin
   return names;
 }
 
-std::string shell_word(const std::string& word) {
-  const auto plain = [](char ch) {
-    return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("._-+:=,/@%", ch);
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
-  std::string quoted = "'";
-  for (const char ch : word) quoted += ch == '\'' ? std::string("'\\''") : std::string(1, ch);
-  return quoted + "'";
-}
-
 }  // namespace
 
 Run read_run(const fs::path& dir) {
@@ -174,8 +170,8 @@ Run read_run(const fs::path& dir) {
     std::ifstream in(dir / "run.json");
     try {
       read_conditions(json::parse(in), run);
-    } catch (const std::exception& error) {
-      throw std::runtime_error((dir / "run.json").string() + ": " + error.what());
+    } catch (const json::exception&) {
+      throw std::runtime_error((dir / "run.json").string() + ": not what zwang writes");
     }
   }
   for (const std::string& name : solvers_of(run.results))
@@ -194,6 +190,16 @@ std::string replay_command(const fs::path& dir, const Result& result) {
   const fs::path file = result.problem_file.empty() ? fs::path(result.problem) : dir / result.problem_file;
   return "./zwang solve " + shell_word(file.generic_string()) + " --solver " + shell_word(result.solver) +
          " --tolerance " + scientific(result.tolerance, 0);
+}
+
+std::string shell_word(const std::string& word) {
+  const auto plain = [](char ch) {
+    return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("._-+:=,/@%", ch);
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string quoted = "'";
+  for (const char ch : word) quoted += ch == '\'' ? std::string("'\\''") : std::string(1, ch);
+  return quoted + "'";
 }
 
 std::string scientific(double value, int digits) {

@@ -86,7 +86,7 @@ std::vector<Scaling> scaling(const std::vector<Result>& results, const std::vect
       }
     if (sizes.size() < 3 || shapes.size() < 3) continue;
     Scaling family_scaling{family, axis, {}, {}};
-    const double middle = std::sqrt(*sizes.begin() * *sizes.rbegin());
+    const double middle = std::min(std::sqrt(*sizes.begin() * *sizes.rbegin()), *std::next(sizes.rbegin(), 2));
     for (std::size_t s = 0; s < solvers.size(); ++s) {
       std::map<double, std::vector<double>> times;
       std::map<double, const Result*> example;

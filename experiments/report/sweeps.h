@@ -31,7 +31,7 @@ struct ScalingPoint {
 };
 struct ScalingFit {
   std::string solver;
-  double from, to;  // sizes the fit covers: the upper half of the range, where overheads matter least
+  double from, to;  // sizes the fit covers: the upper half of the range, where overheads matter least; three at least
   PowerLaw law;
 };
 struct Scaling {

@@ -107,10 +107,12 @@ TEST(Accuracy, RanksBySolvedProblemsThenByTimeWithRatiosOnCommonProblems) {
   EXPECT_EQ(table[2].reached, 1);
   EXPECT_EQ(table[2].problems, 2);
   EXPECT_NEAR(table[2].ratio, 0.5, 1e-12);
-  EXPECT_EQ(accuracy_headline(results, "f", 1e-9),
-            "On f at 1e-9 achieved error: quick 1.0 s, slow 6.0 s (6.0x), partial 500 ms (0.5x, 1 of 2)");
+  EXPECT_EQ(
+      accuracy_headline(results, 1e-9),
+      "On 2 f problems at 1e-9 achieved error: quick 1.0 s, slow 6.0 s (6.0x); not on all: partial 500 ms (0.5x, 1 "
+      "of 2)");
   EXPECT_TRUE(accuracy_matched(results, "another", 1e-9).empty());
-  EXPECT_EQ(accuracy_headline(results, "another", 1e-9), "");
+  EXPECT_EQ(accuracy_headline(results, 1e-14), "");
 }
 
 // Three problems, two solvers; nobody solves the third.

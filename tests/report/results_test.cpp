@@ -50,6 +50,20 @@ TEST(Results, NamesFileAndLineOfABadLineInTheMiddle) {
   }
 }
 
+TEST(Results, AForeignFileCostsOneClearLine) {
+  for (const char* foreign : {"{\"solver\": \"nnls\", \"time\": 1}", "[1, 2]", "7",
+                              "{\"problem\": 1, \"solver\": 2, \"tolerance\": "
+                              "3, \"claimed\": 4, \"verified\": 5, \"conflicting\": 6}"})
+    try {
+      read_run(folder(std::string(foreign) + "\n"));
+      FAIL() << foreign << " passed";
+    } catch (const std::runtime_error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("results.jsonl line 1: "), std::string::npos) << text;
+      EXPECT_EQ(text.find_first_of("\n["), std::string::npos) << text;
+    }
+}
+
 TEST(Results, SaysWhichFileIsMissing) {
   EXPECT_THROW(
       try { read_run("/nowhere/at/all"); } catch (const std::runtime_error& error) {

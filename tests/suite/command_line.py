@@ -56,6 +56,10 @@ def write_inputs():
     os.makedirs("empty", exist_ok=True)
     os.makedirs("taken", exist_ok=True)
     open("taken/results.jsonl", "w").close()
+    os.makedirs("foreign", exist_ok=True)
+    for name in ("results.jsonl", "run.json"):
+        with open(f"foreign/{name}", "w") as file:
+            file.write('{"solver": "nnls", "time": 1}\n')
 
 
 # words, exit code, what the one line on stderr says
@@ -77,6 +81,9 @@ MISTAKES = [
     (["bench", "--friction", "some"], 2, "none or pyramid"),
     (["bench", "--out", "taken"], 2, "--resume taken"),
     (["bench", "--resume", "empty"], 3, "holds no run"),
+    (["bench", "--resume", "foreign"], 3, "another version"),
+    (["report", "foreign"], 3, "results.jsonl line 1"),
+    (["bench", "--out", "/dev/full/out"], 3, "/dev/full/out"),
     (["bench", "--problems", "missing.h5"], 3, "missing.h5"),
     (["bench", "--problems", "empty"], 3, "no *.h5 or *.hdf5"),
     (["bench", "--problems", "box.h5", "nan.h5"], 3, "nan.h5"),
@@ -159,9 +166,17 @@ def check_export_and_bench():
                   "--json"])
     check("a replay gives the same", json.loads(replay.stdout)["z_error"] == lines[1]["z_error"], replay.stdout)
     again = run(["bench", "--resume", "run"])
-    check("nothing left to resume", again.returncode == 0 and "2 runs in" in again.stdout, again.stdout + again.stderr)
+    check("nothing left to resume", again.returncode == 0 and ", all of them before: " in again.stdout, again.stdout + again.stderr)
     other = run(["bench", "--resume", "run", "--seed", "2"])
     check("other options", other.returncode == 2 and "its seed is 1, not 2" in other.stderr, other.stderr)
+    os.remove("run/report.html")
+    os.mkdir("run/report.html")
+    for words in (["bench", "--resume", "run"], ["report", "run"]):
+        broken = run(words)
+        check("a report that cannot be written costs one line", broken.returncode == 3 and
+              broken.stderr.count("\n") == 1 and "run/report.html" in broken.stderr, broken.stdout + broken.stderr)
+    check("and no result", len(open("run/results.jsonl").readlines()) == 2)
+    os.rmdir("run/report.html")
     report = run(["report", "run"])
     check("report", report.returncode == 0 and "Report: run/report.html" in report.stdout, report.stderr)
 

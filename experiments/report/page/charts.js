@@ -47,17 +47,17 @@
       if (seconds >= size || unit === 'ns') return `${Number((seconds / size).toPrecision(3))} ${unit}`;
   }
 
+  const is_labelled = (value, span, short) => {
+    const m = mantissa(value), whole = Math.round(m);
+    return Math.abs(m - whole) < 1e-6 && (whole === 1 || (span < short && [2, 5].includes(whole)) || (span < 1 && whole % 2 === 1));
+  };
   const functions = {
     power_label: value => `10${superscript(Math.round(Math.log10(value)))}`,
-    // Label decades; 2 and 5 only where the axis is short.
-    time_label: (value, domain) => {
-      const m = Math.round(mantissa(value));
-      return m === 1 || ((m === 2 || m === 5) && decades(domain) < 2.3) ? duration(value) : '';
-    },
-    size_label: (value, domain) => {
-      const m = Math.round(mantissa(value));
-      return m === 1 || ((m === 2 || m === 5) && decades(domain) < 3) ? value.toLocaleString('en') : '';
-    },
+    // Label decades; 2 and 5 only where the axis is short, odd ones where it is very short.
+    time_label: (value, domain) => is_labelled(value, decades(domain), 2.3) ? duration(value) : '',
+    size_label: (value, domain) => is_labelled(value, decades(domain), 3) ? value.toLocaleString('en') : '',
+    // A problem's knob value stands for it: "GAP(k=44)" -> 44.
+    knob_label: problem => /=([^,)]*)/.exec(problem)?.[1] ?? '',
     ticks: domain => decades(domain) > 3.5 ? Math.floor(decades(domain)) : 20,
     is_decade: value => mantissa(value) < 1.5,
   };
@@ -168,7 +168,7 @@
     'convergence-time': (data, state) => converging(data, state, 'time'),
     'scaling': (data, state) => [
       ...all_rows(data, 'scaling').filter(row => state.on.has(row.solver) && row.family === state.sweep)
-        .map(row => ({...row, part: 'point', time_text: duration(row.time)})),
+        .map(row => ({...row, part: 'point', time_text: duration(row.time)})).sort((a, b) => a.size - b.size),
       ...all_rows(data, 'fit').filter(row => state.on.has(row.solver) && row.family === state.sweep).map(row => ({...row, part: 'fit'})),
     ],
     'sweep': (data, state) => all_rows(data, 'sweep')

@@ -22,7 +22,7 @@
     problem: '',
     group: '',
     level: 1e-6,
-    trace: distinct('convergence', 'problem')[0] ?? '',
+    trace: distinct('convergence', 'problem').sort((a, b) => b.startsWith('hand(') - a.startsWith('hand('))[0] ?? '',
     measure: 'z_error',
     sweep: distinct('scaling', 'family')[0] ?? '',
   };
@@ -61,6 +61,7 @@
     return {
       FAMILIES: data.families,
       COLUMNS: name === 'sweep' ? columns_of(width, 370) : columns_of(width, 228),
+      FACET_WIDTH: Math.floor((width - 75) / columns_of(width, 228)) - 14,
       SWEEP_WIDTH: Math.min(230, width - 150),
       LIGHT: state.theme === 'light',
       ...words[name]?.(data, state),
@@ -279,6 +280,9 @@
     if (holder && !data.tables[holder.dataset.table] && !section.querySelector('[data-chart]')) section.remove();
   }
   document.querySelector('nav').append(...all('main > section[data-short]').map(s => element('a', {href: `#${s.id}`, textContent: s.dataset.short})));
+  const undrawn = data.families.filter(family => !drawn_families.includes(family));
+  document.getElementById('undrawn').textContent = drawn_families.length && undrawn.length
+    ? `Not drawn: ${undrawn.join(', ')}. Where no z exists there is no error; the break points show who proves it and who lies.` : '';
   const notes = document.getElementById('notes');
   notes.append(...data.notes.map(note => element('li', {textContent: note})));
   if (!data.notes.length) notes.replaceWith(element('p', {className: 'reason', textContent: 'The run holds no notes.'}));
