@@ -64,8 +64,10 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions&, Solution&
                              high.data(), dependency.data(), scratch);
   }
   write(program, problem, lambda, solution);
-  solution.status = done ? Status::solved : Status::numerical_failure;
+  const bool answered = done && solution.z.size() == problem.size();
+  solution.status = answered ? Status::solved : Status::numerical_failure;
   solution.message = done ? "Bullet: returned true" : "Bullet: returned false";
+  if (done && !answered) solution.message += ", but multipliers that are not finite";
 }
 
 std::vector<Setting<BulletPgs>> BulletPgs::settings() {

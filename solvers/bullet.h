@@ -11,7 +11,8 @@ namespace zwang {
 //   (G G' + cfm I) lambda - h = w,   lambda_I >= 0, w_I >= 0 complementary,   lambda_E free, w_E = 0.
 //
 // G G' is dense and formed in full, as Bullet does it: conditioning is squared, and redundant rows make it singular.
-// The status is Bullet's own word, unrepaired: a true return value is claimed as solved.
+// The status is Bullet's own word, unrepaired: a true return value is claimed as solved
+// wherever z is finite.
 
 // btSolveDantzigLCP (after Baraff 1994, ODE's code): pivots row by row, and takes no tolerance. It reports no count:
 // iterations is 1.

@@ -11,7 +11,7 @@
 namespace zwang {
 namespace {
 
-constexpr double row_tolerance = 1e-12;
+constexpr double row_tolerance = 1e-12, unlimited = std::numeric_limits<double>::infinity();
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -127,6 +127,20 @@ nlopt_result run(NloptMethod method, DenseProgram& program, const SolveOptions& 
   return nlopt_optimize(optimizer, v.data(), &value);
 }
 
+// MMA and CCSAQ raise the weights of their convex models until steps fall below T, near the solution or far from it:
+// at 1e-8 they claimed success 0.06 off on two boxes, 1.3 off on ten masses. A new run begins with small weights, so
+// only a run that moves by no more than T has arrived.
+nlopt_result restart_until_it_stays(NloptMethod method, DenseProgram& program, const SolveOptions& options,
+                                    int evaluations, nlopt_result result, Vector& v) {
+  for (double moved = unlimited; result == NLOPT_XTOL_REACHED && moved > options.tolerance;) {
+    if (program.evaluations >= evaluations) return NLOPT_MAXEVAL_REACHED;
+    const Vector before = v;
+    result = run(method, program, options, evaluations - program.evaluations, v);
+    moved = (v - before).norm();
+  }
+  return result;
+}
+
 }  // namespace
 
 template <NloptMethod method>
@@ -178,8 +192,10 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
   } else {
     if (method == NloptMethod::mma || method == NloptMethod::ccsaq)
       v = off_the_origin(dense.inequalities, dense.size());
-    const nlopt_result result =
-        run(method, dense, options, std::max(1, std::min(max_evaluations, options.max_iterations)), v);
+    const int most = std::max(1, std::min(max_evaluations, options.max_iterations));
+    nlopt_result result = run(method, dense, options, most, v);
+    if (method == NloptMethod::mma || method == NloptMethod::ccsaq)
+      result = restart_until_it_stays(method, dense, options, most, result, v);
     solution.status = claim(result);
     solution.message = std::string("NLopt: ") + nlopt_result_to_string(result);
     y = dense.motion(v);

@@ -20,7 +20,8 @@ enum class NloptMethod { slsqp, mma, ccsaq, cobyla };
 // mma, ccsaq and cobyla get the problem without equality rows: y = y_0 + N v, with y_0 the shortest y that meets them
 // and N an orthonormal basis of what they leave free, keeps the objective 1/2 |v|^2 and is the same problem, smaller.
 // slsqp takes equality rows itself and needs that only where they depend on each other; reduce=on always does it.
-// AUGLAG is left out: on small problems it throws instead of answering. NLopt returns no multipliers: lambda stays
+// mma and ccsaq are restarted where they stop, until a run stays within T of its start.
+// AUGLAG is not offered. NLopt returns no multipliers: lambda stays
 // empty, since recovering it would be charged to NLopt's time. One iteration is one evaluation of the objective.
 template <NloptMethod method>
 struct Nlopt {
@@ -30,7 +31,7 @@ struct Nlopt {
                                                               : "nlopt_cobyla";
   static constexpr Index most_unknowns = method == NloptMethod::cobyla ? 30 : 1000;  // dense n^3 work a step
 
-  int max_evaluations = 1000;
+  int max_evaluations = 20000;
   bool reduce = method != NloptMethod::slsqp;  // eliminate the equality rows first
 
   static std::vector<Setting<Nlopt>> settings() {

@@ -23,11 +23,13 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Expectation {
-  double tolerance;          // asked for
-  double z_error;            // allowed where it claims solved, |z - z*|_M / max(|z_u|_M, |z*|_M)
-  double certificate;        // |J'u| allowed, relative
-  double solved_share;       // of the random feasible problems, at least
-  bool word_only = false;    // claims what its library returns, unchecked: the referee's business, not the battery's
+  double tolerance;         // asked for
+  double z_error;           // allowed where it claims solved, |z - z*|_M / max(|z_u|_M, |z*|_M)
+  double certificate;       // |J'u| allowed, relative
+  double solved_share;      // of the random feasible problems, at least
+  bool blind = false;       // may claim success where no z exists: the referee's business, not the battery's
+  bool needs_rank = false;  // may give up, saying so, on dependent equality rows
+  int max_iterations = SolveOptions().max_iterations;
   bool needs_range = false;  // answers rightly only where c lies in range(J); sees no infeasibility
 };
 
@@ -35,10 +37,30 @@ Expectation expectation(const SolverEntry& entry) {
   // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the published method fails.
   if (entry.name == "nnls_paper")
     return {.tolerance = 1e-10, .z_error = 1e-12, .certificate = 1e-12, .solved_share = 1, .needs_range = true};
-  // NLopt and Bullet stop on step lengths and return success far from the answer (docs/solvers.md): reported, not
-  // mended.
-  if (entry.name.starts_with("nlopt_") || entry.name.starts_with("bullet_"))
-    return {.tolerance = 1e-8, .z_error = infinity, .certificate = 1e-12, .solved_share = 0, .word_only = true};
+  // What NLopt and Bullet return is claimed as it is. On these small problems of order 1 it is right as far as stated;
+  // none but bullet_pgs can be trusted to notice that no z exists. SLSQP's subproblem and Dantzig's pivots are exact,
+  // yet Dantzig returns false on some redundant rows; the others stop on a step length, and MMA and CCSAQ crawl along
+  // degenerate rows to their evaluation limit.
+  if (entry.name == "nlopt_slsqp")
+    return {.tolerance = 1e-8, .z_error = 1e-10, .certificate = 1e-12, .solved_share = 1, .blind = true};
+  if (entry.name == "nlopt_mma" || entry.name == "nlopt_ccsaq")
+    return {.tolerance = 1e-8,
+            .z_error = 1e-6,
+            .certificate = 1e-12,
+            .solved_share = 0.75,
+            .blind = true,
+            .max_iterations = 1000};
+  if (entry.name == "nlopt_cobyla")
+    return {.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-12, .solved_share = 1, .blind = true};
+  if (entry.name == "bullet_dantzig")
+    return {.tolerance = 1e-8,
+            .z_error = 1e-10,
+            .certificate = 1e-12,
+            .solved_share = 0.95,
+            .blind = true,
+            .needs_rank = true};
+  if (entry.name == "bullet_pgs")
+    return {.tolerance = 1e-8, .z_error = 1e-6, .certificate = 1e-12, .solved_share = 0.95};
   if (entry.exact) return {.tolerance = 1e-10, .z_error = 1e-12, .certificate = 1e-12, .solved_share = 1};
   // Iterative methods reach what their tolerance says (the referee's margin: 10 T), or say that they did not.
   return {.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
@@ -98,7 +120,7 @@ class Contract : public testing::TestWithParam<std::string> {
   const SolverEntry& entry = *find_solver(GetParam());
   const Expectation expected = expectation(entry);
   AnySolver solver = make_solver(GetParam());
-  const SolveOptions options{.tolerance = expected.tolerance};
+  const SolveOptions options{.tolerance = expected.tolerance, .max_iterations = expected.max_iterations};
 
   // Empty when the method applies; else the reason, for GTEST_SKIP.
   std::string unsupported(const Problem& p) const { return solver.supports(p); }
@@ -106,7 +128,7 @@ class Contract : public testing::TestWithParam<std::string> {
   void expect_z(const Problem& p, const Vector& truth) {
     if (const std::string reason = unsupported(p); !reason.empty()) GTEST_SKIP() << reason;
     const Solution s = solver.solve(p, options);
-    EXPECT_TRUE(claims_solved(s) || expected.word_only) << to_string(s.status) << ": " << s.message;
+    EXPECT_TRUE(claims_solved(s)) << to_string(s.status) << ": " << s.message;
     EXPECT_LE(z_error(p, s.z, truth), expected.z_error) << "z = " << s.z.transpose();
     for (Index i = 0; i < p.rows() && s.lambda.size() == p.rows(); ++i)
       EXPECT_TRUE(p.is_equality(i) || s.lambda[i] >= -expected.z_error) << "lambda(" << i << ") = " << s.lambda[i];
@@ -116,7 +138,7 @@ class Contract : public testing::TestWithParam<std::string> {
     if (const std::string reason = unsupported(p); !reason.empty()) GTEST_SKIP() << reason;
     if (expected.needs_range) GTEST_SKIP() << "the method cannot see infeasibility (docs/formulation.md, gap 2)";
     const Solution s = solver.solve(p, options);
-    EXPECT_TRUE(!claims_solved(s) || expected.word_only) << "z = " << s.z.transpose();
+    EXPECT_TRUE(!claims_solved(s) || expected.blind) << "z = " << s.z.transpose();
     EXPECT_NE(s.status, Status::unsolved);
     if (s.status == Status::infeasible || entry.exact) {
       EXPECT_EQ(s.status, Status::infeasible) << to_string(s.status) << ": " << s.message;
@@ -156,6 +178,7 @@ TEST_P(Contract, DuplicatedRowsGiveTheSameMotion) {
 TEST_P(Contract, DuplicatedEqualityRowsGiveTheSameMotion) {
   const Matrix J{{1, 1, 0}, {2, 2, 0}, {0, 0, 1}};
   const Problem p = make_problem(J, Vector{{1, 2, 3}}, Vec3(0, 0, 0), 2);
+  if (expected.needs_rank && !claims_solved(solver.solve(p, options))) GTEST_SKIP() << "gives up on dependent rows";
   expect_z(p, Vec3(0.6, 0.4, 3));
 }
 
@@ -219,7 +242,7 @@ TEST_P(Contract, WarmStartGivesTheSameMotion) {
     SolveOptions warm_options = options;
     warm_options.warm_start = &warm;
     const auto near_cold = [&](const Solution& s) {
-      EXPECT_TRUE(claims_solved(s) || expected.word_only) << p.name << ": " << to_string(s.status);
+      EXPECT_TRUE(claims_solved(s)) << p.name << ": " << to_string(s.status);
       EXPECT_LE(z_error(p, s.z, cold.z), 2 * expected.z_error) << p.name;
     };
     near_cold(solver.solve(p, warm_options));
@@ -273,7 +296,7 @@ TEST_P(Contract, AgreesWithEnumerationOverActiveSets) {
     const auto truth = brute_force(p);
     const Solution s = solver.solve(p, options);
     if (!truth) {
-      EXPECT_TRUE(!claims_solved(s) || expected.word_only) << p.name << " is infeasible";
+      EXPECT_TRUE(!claims_solved(s) || expected.blind) << p.name << " is infeasible";
       EXPECT_TRUE(s.status != Status::infeasible || certificate_holds(p, s.certificate, expected.certificate))
           << p.name;
       continue;
