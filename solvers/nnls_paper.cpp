@@ -10,50 +10,50 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-// k - z_u by least squares on J (k - z_u) = c - J z_u, refined once; returns |J k - c| / |c|. Adding to k what J maps
-// to zero changes neither lambda nor z, so a basic solution will do.
-double NnlsPaper::find_k(const Problem& p, Solution& s) {
+// s = Q (k - z_u) with J_Q s = c - J z_u by least squares, refined once; returns |J k - c| / |c|. Adding to s what J_Q
+// maps to zero changes neither lambda nor z, so a basic solution will do, if it stays small: the columns of J_Q are
+// taken largest remaining part first. Tried before: the columns of J in their order; contact arms of 1e-15 then became
+// pivots, k of 1e12 drowned the gradient of Eq. 10 in rounding, and problems with c = 0 came out wrong.
+double NnlsPaper::find_s(const Problem& p, Solution& solution) {
   const Index n = p.size(), k = rows_.rows();
-  J_.setZero(k, n);
-  b_.resize(k);
-  double c_square = 0;
-  for (Index i = 0; i < k; ++i) {
-    const Index row = rows_.row[at(i)];
-    b_[i] = p.c[row];
-    c_square += p.c[row] * p.c[row];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
-      J_(i, it.col()) = it.value();
-      b_[i] -= it.value() * p.z_u[it.col()];
-    }
-  }
+  J_Q_.noalias() = rows_.row_norm.asDiagonal() * rows_.Gt.transpose();
+  b_ = rows_.row_norm.cwiseProduct(rows_.h);
+  length_ = J_Q_.colwise().norm().transpose();
+  remaining_ = length_;
+  const double enough = n > 0 && k > 0 ? rank_threshold * length_.maxCoeff() : 0;
   columns_.reset(k, n);
   column_.clear();
   column_.reserve(at(n));
-  s.margins = {.rank = 0, .smallest_accepted = 1};
-  for (Index j = 0; j < n; ++j) {
-    const double share = columns_.append(J_.col(j), rank_threshold);
-    if (share > rank_threshold) {
-      column_.push_back(j);
-      s.margins.smallest_accepted = std::min(s.margins.smallest_accepted, share);
-    } else if (share > 0) {
-      s.margins.largest_rejected =
-          std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
+  solution.margins = {.rank = 0, .smallest_accepted = 1};
+  for (Index j = 0; n > 0 && remaining_.maxCoeff(&j) > enough;) {
+    const double rest = length_[j] * columns_.append(J_Q_.col(j), enough / length_[j]);
+    remaining_[j] = 0;
+    if (!(rest > enough)) {
+      solution.margins.largest_rejected = std::fmax(solution.margins.largest_rejected, rest / length_.maxCoeff());
+      continue;
     }
+    column_.push_back(j);
+    solution.margins.smallest_accepted = std::min(solution.margins.smallest_accepted, rest / length_.maxCoeff());
+    part_.noalias() = J_Q_.transpose() * columns_.Q().col(columns_.size() - 1);
+    for (Index i = 0; i < n; ++i)
+      remaining_[i] = std::sqrt(std::max(0.0, remaining_[i] * remaining_[i] - part_[i] * part_[i]));
   }
-  s.margins.rank = columns_.size();
+  solution.margins.rank = columns_.size();
 
-  k_.setZero(n);
+  s_.setZero(n);
   rest_ = b_;
-  part_.resize(std::min(n, k));
+  part_.resize(n);
   auto part = part_.head(columns_.size());
   for (int pass = 0; pass < 2; ++pass) {
     part.noalias() = columns_.Q().transpose() * rest_;
     columns_.solve_R(part);
-    for (std::size_t j = 0; j < column_.size(); ++j) k_[column_[j]] += part[static_cast<Index>(j)];
+    for (std::size_t j = 0; j < column_.size(); ++j) s_[column_[j]] += part[static_cast<Index>(j)];
     rest_ = b_;
-    rest_.noalias() -= J_ * k_;
+    rest_.noalias() -= J_Q_ * s_;
   }
-  return c_square > 0 ? rest_.norm() / std::sqrt(c_square) : 0;
+  double c_square = 0;
+  for (const Index row : rows_.row) c_square += p.c[row] * p.c[row];
+  return c_square > 0 ? std::ldexp(rest_.norm(), rows_.exponent) / std::sqrt(c_square) : 0;
 }
 
 void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s) {
@@ -68,14 +68,11 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
     s.certificate = zero_row_certificate(p, rows_.conflict);
     return;
   }
-  const double gap = find_k(p, s);
+  const double gap = find_s(p, s);
   char text[32];
   std::snprintf(text, sizeof text, "range gap %.1e", gap);
   s.message = text;
 
-  s_.resize(p.size());
-  for (Index i = 0; i < p.size(); ++i) s_[i] = std::ldexp(k_[i], -rows_.exponent);
-  if (p.size() > 0) rows_.factor.multiply_upper(s_);
   const auto write = [&] {
     y_ = s_ - least_squares_.residual();
     rows_.primal(p, y_, s.z);

@@ -24,24 +24,24 @@ namespace zwang {
 // Where k exists the method is right.
 struct NnlsPaper {
   static constexpr const char* name = "nnls_paper";
-  double rank_threshold = 1e-12;  // relative pivot of a column of J
+  double rank_threshold = 1e-12;  // relative pivot of a column of J_Q
 
   static std::vector<Setting<NnlsPaper>> settings() {
-    return {{"rank_threshold", &NnlsPaper::rank_threshold, "relative pivot below which a column of J is dependent"}};
+    return {{"rank_threshold", &NnlsPaper::rank_threshold, "relative pivot below which a column of J_Q is dependent"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  double find_k(const Problem& problem, Solution& solution);
+  double find_s(const Problem& problem, Solution& solution);
 
   Whitened rows_;
   WarmRows warm_rows_;
   LawsonHanson least_squares_;
-  ThinQr columns_;             // of J
-  std::vector<Index> column_;  // of J, in the order of columns_
-  Matrix J_;
-  Vector b_, rest_, part_, k_, s_, y_, unit_;
+  ThinQr columns_;             // of J_Q
+  std::vector<Index> column_;  // of J_Q, in the order of columns_
+  Matrix J_Q_;
+  Vector b_, length_, remaining_, rest_, part_, s_, y_;
 };
 
 }  // namespace zwang
