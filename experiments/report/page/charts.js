@@ -75,7 +75,7 @@
     const c = themes[theme];
     return {
       background: theme === 'light' && font ? 'white' : 'transparent',
-      font: font || 'system-ui, "Segoe UI", Helvetica, Arial, sans-serif',
+      font: font || '"Segoe UI", Arial, "Liberation Sans", sans-serif',
       view: {stroke: c.grid},
       title: {anchor: 'start', frame: 'group', color: c.ink, subtitleColor: c.muted, fontSize: 14, subtitleFontSize: 10, offset: 10},
       axis: {labelColor: c.muted, titleColor: c.ink, gridColor: c.grid, domainColor: c.muted, tickColor: c.muted,
