@@ -63,10 +63,14 @@ struct Asked {
 
 void add_options(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
-  options.add_option("--suite", s.suite, "quick (a minute), standard (ten minutes, the default) or full (hours)")
+  options
+      .add_option(
+          "--suite", s.suite,
+          "quick (a minute), standard (ten minutes, the default), full (hours) or atlas (stability, 15 minutes)")
       ->group("What is run");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
       ->group("What is run");
+  options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems")->group("What is run");
   options.add_option("--problems", asked.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
       ->group("What is run")
       ->type_name("PATH");
@@ -102,6 +106,7 @@ int bench_command(std::vector<std::string> words) {
             "  ./zwang bench --scenes \"tower(boxes=10,100),hand(contacts=64,seed=1..5)\" \\\n"
             "                --solvers nnls,dual_active_set,ipopt --tolerances 1e-6,1e-10\n"
             "  ./zwang bench --problems rover/*.hdf5 --friction pyramid --trace --out rover\n"
+            "  ./zwang bench --suite atlas --families NPE,LOOP --solvers dual_active_set,cholesky\n"
             "  ./zwang bench --resume rover");
   Asked asked;
   add_options(options, asked);
@@ -115,8 +120,8 @@ int bench_command(std::vector<std::string> words) {
   if (!asked.resume.empty()) {
     if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
     std::vector<std::string> given;
-    for (const char* name :
-         {"suite", "scenes", "problems", "friction", "solvers", "tolerances", "repetitions", "seed", "trace"})
+    for (const char* name : {"suite", "scenes", "families", "problems", "friction", "solvers", "tolerances",
+                             "repetitions", "seed", "trace"})
       if (options.count(std::string("--") + name) > 0) given.emplace_back(name);
     settings.directory = asked.resume;
     asked.suite = options_to_resume(settings.directory, asked.suite, given);

@@ -3,23 +3,18 @@
 #include <array>
 #include <cmath>
 
+#include "bench/scenes/dyadic.h"
 #include "bench/scenes/row_by_row.h"
 
 namespace zwang {
 namespace {
 
-constexpr double g = 9.8125;  // m/s^2, dyadic
+constexpr double g = g_dyadic;
 
 // The multipliers of a stack hold g (2^k + j): beyond 2^45 they have to be rounded, and a rounded weight at the bottom
 // moves the light boxes. Only z is given there.
 Reference at_rest(const Knobs& knobs, Index n, const Vector& lambda) {
   return {.z = Vector::Zero(n), .lambda = knobs.at("k") <= 45 ? lambda : Vector(), .method = "closed form"};
-}
-
-// 2^-k, and 0 at the end of the range.
-double small(const Knobs& knobs) {
-  const double k = knobs.at("k");
-  return k == zero_knob ? 0 : std::exp2(-k);
 }
 
 }  // namespace

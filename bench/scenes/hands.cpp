@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "bench/scenes/families.h"
 #include "bench/scenes/hand.h"
 #include "bench/scenes/physical.h"
 #include "constraints/contact.h"
@@ -131,6 +132,15 @@ Instance hands(const Knobs& knobs) {
   Vector z_u;
   couple_to_targets(scene, target, reaching_stiffness(step), z_u);
   return to_instance(scene, z_u, {.dt = step});
+}
+
+// 70 joint rows, 20 limits and 30 contacts a hand, on 96 unknowns.
+Instance crowded_hands(const Knobs& knobs) {
+  return hands({{"hands", knobs.at("hands")},
+                {"contacts", 30},
+                {"limits", hand::angles},
+                {"drift", 0x1p-13},
+                {"seed", knobs.at("seed")}});
 }
 
 }  // namespace zwang

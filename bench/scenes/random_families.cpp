@@ -1,42 +1,19 @@
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "bench/known_answer.h"
+#include "bench/scenes/dyadic.h"
 #include "bench/scenes/families.h"
 #include "bench/scenes/row_by_row.h"
 
 namespace zwang {
-namespace {
-
-// Draws that are the same with every standard library.
-class Draw {
- public:
-  explicit Draw(double seed) : random_(static_cast<std::uint64_t>(seed)) {}
-  int integer(int low, int high) {
-    return low + static_cast<int>(random_() % static_cast<std::uint64_t>(high - low + 1));
-  }
-  Vector integers(Index n, int bound) {
-    Vector v(n);
-    for (double& x : v) x = integer(-bound, bound);
-    return v;
-  }
-  Index index(Index n) { return static_cast<Index>(random_() % static_cast<std::uint64_t>(n)); }
-
- private:
-  std::mt19937_64 random_;
-};
-
-std::string numbered(const char* name, Index i) { return name + std::to_string(i); }
-
-}  // namespace
 
 // Pairs of equality rows a and a + eps d with c = J z0. The multipliers (alpha - beta / eps, beta / eps) push by
 // alpha a + beta d for every eps, so z_u = z0 - M^-1 J' lambda has the same integers at each knob, and is exact.
 Instance near_parallel_equalities(const Knobs& knobs) {
   constexpr Index n = 12, pairs = 3, contacts = 6;
   const double eps = std::exp2(-knobs.at("k"));
-  Draw draw(knobs.at("seed"));
+  SmallNumbers draw(knobs.at("seed"));
   Vector mass(n);
   for (double& m : mass) m = std::exp2(draw.integer(-1, 1));
   const Vector z0 = draw.integers(n, 4);
@@ -72,14 +49,14 @@ Instance near_parallel_equalities(const Knobs& knobs) {
 // on it.
 Instance mass_ratio_chain(const Knobs& knobs) {
   constexpr Index bodies = 6, n = 6 * bodies;
-  Draw draw(knobs.at("seed"));
+  SmallNumbers draw(knobs.at("seed"));
   Vector mass(n);
   for (Index b = 0; b < bodies; ++b) {
     mass.segment<6>(6 * b) << 1, 1, 1, .25, .125, .0625;
     if (b % 2 == 1) mass.segment<6>(6 * b) *= std::exp2(knobs.at("k"));
   }
   RowByRow rows(mass, Vector::Zero(n));
-  const auto eighths = [&] { return Vec3(draw.integers(3, 8) / 8); };
+  const auto eighths = [&] { return Vec3(draw.eighths(3, 8)); };
   for (Index b = 0; b < bodies; ++b) {
     const Vec3 before = eighths(), here = eighths();
     for (Index axis = 0; axis < 3; ++axis) {
@@ -96,14 +73,14 @@ Instance mass_ratio_chain(const Knobs& knobs) {
     add_point(row, b, 1, eighths(), normal);
     rows.add(RowKind::inequality, row, 0, numbered("contact/", b));
   }
-  return with_known_answer(rows.finish({}), static_cast<std::uint64_t>(knobs.at("seed")), .5);
+  return with_known_answer(rows.finish(), static_cast<std::uint64_t>(knobs.at("seed")), .5);
 }
 
 // Twelve contacts, all touching; six push with lambda = 1 and six with eps: strict complementarity fades.
 Instance weak_contacts(const Knobs& knobs) {
   constexpr Index n = 24, m = 12;
-  const double k = knobs.at("k"), eps = k == zero_knob ? 0 : std::exp2(-k);
-  Draw draw(knobs.at("seed"));
+  const double eps = small(knobs);
+  SmallNumbers draw(knobs.at("seed"));
   const Vector z0 = draw.integers(n, 4);
   Vector z_u = z0, lambda(m);
   std::vector<Vector> J;
@@ -128,7 +105,7 @@ Instance random_rows(const Knobs& knobs) {
   const Index entries = std::min(n, static_cast<Index>(knobs.at("entries")));
   const auto equalities = static_cast<Index>(std::lround(knobs.at("equalities") * static_cast<double>(m)));
   const int half = static_cast<int>(knobs.at("condition")) / 2;
-  Draw draw(knobs.at("seed"));
+  SmallNumbers draw(knobs.at("seed"));
   Instance instance;
   Problem& p = instance.problem;
 

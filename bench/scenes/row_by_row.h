@@ -24,24 +24,28 @@ class RowByRow {
     instance_.problem.z_u = z_u;
   }
 
-  void add(RowKind kind, const Vector& row, double c, std::string origin) {
+  // Rows are keyed 1, 2, 3, ... unless `key` says otherwise.
+  void add(RowKind kind, const Vector& row, double c, std::string origin, std::uint64_t key = 0) {
     const int i = static_cast<int>(c_.size());
     for (Index j = 0; j < row.size(); ++j)
       if (row[j] != 0) entries_.emplace_back(i, static_cast<int>(j), row[j]);
     c_.push_back(c);
     instance_.problem.kind.push_back(kind);
-    instance_.problem.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    instance_.problem.key.push_back({key > 0 ? key : static_cast<std::uint64_t>(i) + 1, 0});
     instance_.origin.push_back(std::move(origin));
   }
 
-  Instance finish(Reference reference) {
+  Instance finish() {
     Problem& p = instance_.problem;
     p.c = Eigen::Map<const Vector>(c_.data(), static_cast<Index>(c_.size()));
     p.J.resize(p.c.size(), p.z_u.size());
     p.J.setFromTriplets(entries_.begin(), entries_.end());
     p.M.makeCompressed();
-    instance_.reference = std::move(reference);
     return std::move(instance_);
+  }
+  Instance finish(Reference reference) {
+    instance_.reference = std::move(reference);
+    return finish();
   }
 
  private:

@@ -20,6 +20,21 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   return files;
 }
 
+// "": all. Throws std::invalid_argument where a family has no problem here.
+void keep_families(const std::string& families, std::vector<Instance>& instances) {
+  std::vector<std::string> present, kept;
+  for (const Instance& i : instances) present.push_back(i.family);
+  std::stringstream parts(families);
+  for (std::string family; std::getline(parts, family, ',');) {
+    if (std::find(present.begin(), present.end(), family) == present.end())
+      throw std::invalid_argument("no problem of family '" + family + "'" + did_you_mean(family, present));
+    kept.push_back(family);
+  }
+  if (!kept.empty())
+    std::erase_if(instances,
+                  [&](const Instance& i) { return std::find(kept.begin(), kept.end(), i.family) == kept.end(); });
+}
+
 }  // namespace
 
 // Scenes of people's own (towers, hands) and the families in which methods are known to fail, over their knobs.
@@ -49,6 +64,38 @@ std::span<const Suite> suites() {
        {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14},
        0,
        20},
+      // The families of docs/stability.md, from benign to impossible.
+      {"atlas",
+       "MR(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
+       "MR1(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
+       "MRC(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
+       "NPE(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45),"
+       "NPI(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45),"
+       "WED(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48),"
+       "LOOP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
+       "MANYF(contacts=6,12,30,60,120,300),"
+       "MANYR(contacts=6,12,30,60,120,300),"
+       "GAP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
+       "GAP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,feasible=1),"
+       "INC(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
+       "UNIT(k=0,-4,4,-8,8,-12,12,-16,16,-20,20),"
+       "ROW(k=0,-50,50,-100,100,-150,150,-200,200,-250,250,-300,300,-350,350,-400,400,-450,450,-500,500),"
+       "ROW(zero=1,2,3),"
+       "HUGE(k=0,50,100,150,200,250,300,350,400,450,500,550,600,650,700,750,800,850,900,950,1000),"
+       "ANI(k=0,4,8,12,16,20,24,28,32,36,40,44),"
+       "WEAK(k=0,4,8,12,16,20,24,28,32,36,40,44,48,60),"
+       "CHAIN(links=2,4,8,16,32,64),"
+       "STK(boxes=2,4,8,16,32,64,128,256),"
+       "PIVOT(n=2,4,6,8,10,12,14,16),"
+       "PIVOT(n=2,4,6,8,10,12,14,16,reversed=1),"
+       "CYCLE(n=5,6,7,8),"
+       "FLIP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,frame=17),"
+       "HAND(seed=1..20),"
+       "HAND(hands=2,4)",
+       {1e-12},
+       840,
+       1,
+       false},
   };
   return all;
 }
@@ -59,7 +106,8 @@ const Suite& find_suite(const std::string& name) {
     if (s.name == name) return s;
     names.emplace_back(s.name);
   }
-  throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) + " (quick, standard, full)");
+  throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
+                              " (quick, standard, full, atlas)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {
@@ -86,7 +134,8 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.time_limit = suite.time_limit;
   plan.second_witness = suite.name == "full";
   if (options.scenes.empty() && options.problems.empty()) options.scenes = suite.scenes;
-  plan.whole_suite = options.scenes == suite.scenes && options.problems.empty();
+  plan.whole_suite =
+      suite.fills_time && options.scenes == suite.scenes && options.problems.empty() && options.families.empty();
   plan.limit_s = suite.limit_s;
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
@@ -113,6 +162,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
       }
     path = std::filesystem::absolute(path);
   }
+  keep_families(options.families, plan.instances);
   if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
   plan.options = std::move(options);
   return plan;

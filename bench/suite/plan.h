@@ -14,6 +14,7 @@ namespace zwang {
 struct SuiteOptions {
   std::string suite = "standard";
   std::string scenes = {};
+  std::string families = {};                         // "MR,NPE": of the problems, only these
   std::vector<std::filesystem::path> problems = {};  // files, or folders of *.h5 and *.hdf5
   Friction friction = Friction::none;
   std::string solvers = {};  // "nnls,nlopt:algorithm=2"
@@ -28,8 +29,9 @@ struct Suite {
   std::string_view name;
   std::string scenes;
   std::vector<double> tolerances;
-  double limit_s;     // of the whole run, references and repetitions included; 0: none
-  double time_limit;  // s of CPU time a solve
+  double limit_s;          // of the whole run, references and repetitions included; 0: none
+  double time_limit;       // s of CPU time a solve
+  bool fills_time = true;  // repeats runs until limit_s is spent
 };
 std::span<const Suite> suites();
 const Suite& find_suite(const std::string& name);  // throws std::invalid_argument with the nearest name

@@ -19,6 +19,7 @@ Json to_json(const SuiteOptions& o) {
   for (const auto& path : o.problems) problems.push_back(path.string());
   return {{"suite", o.suite},
           {"scenes", o.scenes},
+          {"families", o.families},
           {"problems", problems},
           {"friction", o.friction == Friction::pyramid ? "pyramid" : "none"},
           {"solvers", o.solvers},
@@ -32,6 +33,7 @@ SuiteOptions options_from(const Json& j) {
   SuiteOptions o;
   o.suite = j.at("suite");
   o.scenes = j.at("scenes");
+  o.families = j.at("families");
   for (const std::string path : j.at("problems")) o.problems.emplace_back(path);
   o.friction = j.at("friction") == "pyramid" ? Friction::pyramid : Friction::none;
   o.solvers = j.at("solvers");
