@@ -82,6 +82,7 @@ Vector EqualityRows::shortest(const UnitProgram& program) const {
 Matrix EqualityRows::free_motions(const UnitProgram& program) const {
   const Index n = program.size();
   Matrix basis = Matrix::Zero(n, n - rank_);
+  if (basis.cols() == 0) return basis;
   basis.bottomRows(n - rank_).setIdentity();
   if (rank_) basis.applyOnTheLeft(qr_.householderQ());
   return basis;
