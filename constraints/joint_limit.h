@@ -34,7 +34,12 @@ struct JointLimit {
     return Vec<T, 1>(T(T(static_cast<int>(side)) * atan2(sine, cosine)));
   }
 
-  bool active(const Pose<double>& a, const Pose<double>& b) const { return value(a, b)[0] < reach; }
+  // Without reach the sine decides: the arcus tangent of forty limits would take a third of a hand's assembly.
+  bool active(const Pose<double>& a, const Pose<double>& b) const {
+    if (reach != 0) return value(a, b)[0] < reach;
+    const double sine = a.turn(axis.cross(at_bound())).dot(b.turn(direction));
+    return sine == 0 ? value(a, b)[0] < 0 : static_cast<int>(side) * sine < 0;
+  }
 
   Mat<double, 1, 12> jacobian(const Pose<double>& a, const Pose<double>& b) const {
     const Vec3 n = a.turn(axis), from = a.turn(at_bound()), to = b.turn(direction), across = n.cross(from);

@@ -25,8 +25,9 @@ inline Mat<double, 3, 12> anchors(const Pose<double>& a, const Pose<double>& b, 
 // Of e . (r_A - r_B), where the direction e turns with B: [e, u x e] on A, [-e, -(u_B x e)] on B, both levers to r_A.
 // With e = n this is Eq. 24, exact also where the two points are apart.
 inline Mat<double, 1, 12> separation(const Vec3& e, const Vec3& r_a, const Vec3& center_a, const Vec3& center_b) {
+  const Vec3 on_a = (r_a - center_a).cross(e), on_b = e.cross(r_a - center_b);
   Mat<double, 1, 12> J;
-  J << e.transpose(), (r_a - center_a).cross(e).transpose(), -e.transpose(), -(r_a - center_b).cross(e).transpose();
+  J << e[0], e[1], e[2], on_a[0], on_a[1], on_a[2], -e[0], -e[1], -e[2], on_b[0], on_b[1], on_b[2];
   return J;
 }
 

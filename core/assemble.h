@@ -22,12 +22,15 @@ struct AssembleOptions {
 //
 // Columns: 6 per free body, in the order of the bodies, then one per soft row (mass 1/compliance, z_u = 0). Rows:
 // equality first, each kind in the order of the scene's lists. A constraint between bodies none of which is free has no
-// unknown to act on and is skipped (`skipped()` names those). The sparsity pattern depends on the bodies of the
-// constraints alone, never on their values. Writes in place into the problem's storage: no allocation in a second call
-// of the same shape. Throws std::invalid_argument when z_u has not 6 entries per free body or dt is not positive.
+// unknown to act on and is skipped (`skipped()` names those).
+//
+// The sparsity pattern depends on which constraints are active and on their bodies, never on their values. It is laid
+// out when those change and kept between frames; in each frame the constraints then write straight into J and c. No
+// allocation in a second call of the same shape, whatever problem is handed in. Throws std::invalid_argument when z_u
+// has not 6 entries per free body or dt is not positive.
 class Assembler {
  public:
-  void assemble(Scene& scene, const Vector& z_u, const AssembleOptions& options, Problem& problem);
+  void assemble(const Scene& scene, const Vector& z_u, const AssembleOptions& options, Problem& problem);
 
   // The names of the rows of the last problem, "type/label" or, of several rows, "type/label [row]".
   std::vector<std::string> origin(const Scene& scene) const;
@@ -35,14 +38,24 @@ class Assembler {
   std::vector<std::string> skipped(const Scene& scene) const;
 
  private:
-  struct Source {
-    std::size_t list, item;
-    int row, rows;
+  // Everything of a problem but its numbers.
+  struct Pattern {
+    std::vector<int> M_start, M_index, J_start, J_index;
+    std::vector<RowKind> kind;
+    std::vector<RowKey> key;
   };
-  void write_mass(const Scene& scene, Index soft, Problem& problem) const;
+  bool rows_changed(const Scene& scene);
+  void lay_out(const Scene& scene);
+  RowPlace lay_out_rows(std::size_t active);
+  void lay_out_mass();
+  void write_mass(const Scene& scene, double* value) const;
 
-  std::vector<int> column_;  // first column of each body, -1 without
-  std::vector<Source> source_, skipped_;
+  std::vector<int> column_, column_now_;               // first column of each body, -1 without: of the pattern, now
+  std::vector<ActiveConstraint> active_, active_now_;  // likewise
+  Pattern pattern_;
+  int bodies_ = 0, soft_ = 0;        // unknowns of free bodies, and of soft rows
+  std::vector<RowPlace> place_;      // of each active constraint
+  std::vector<std::size_t> row_of_;  // of each row: its active constraint
 };
 
 }  // namespace zwang

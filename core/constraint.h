@@ -105,10 +105,4 @@ Linearization<C> linearize(const C& c, const PosesOf<C, double>& q) {
     return differentiate(c, q);
 }
 
-template <Constraint C>
-bool is_active(const C& c, const PosesOf<C, double>& q) {
-  if constexpr (HasActive<C>) return evaluate_active(c, q, ArityIndices<C>{});
-  return true;
-}
-
 }  // namespace zwang

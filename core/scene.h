@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,19 +35,38 @@ inline int first_columns(const std::vector<Body>& bodies, std::vector<int>& colu
   return next;
 }
 
-// One constraint's rows, as the scene hands them to the assembly. The pointers live until the next linearization.
-struct RowBlock {
-  std::size_t item;  // of its list
+// A constraint that has rows in this frame: J's pattern, and the keys and names of its rows, follow from these alone.
+struct ActiveConstraint {
+  std::uint64_t key;
+  std::size_t item;          // of its list
+  int list;                  // of its scene
+  std::array<BodyId, 2> on;  // its bodies; -1 where it has one only
   RowKind kind;
-  int rows;                  // 1..6
-  int arity;                 // 1 or 2
-  const BodyId* bodies;      // arity
-  const double* value;       // rows
-  const double* jacobian;    // rows x 6*arity, column-major
-  const double* compliance;  // rows, or null: all hard
+  unsigned char rows;  // 1..6
+  unsigned char soft;  // bit r: row r has a compliance
+  unsigned char arity;
 };
 
-// Constraints are held by type, one vector each: one virtual call a type, none a constraint.
+// Where the rows of an active constraint belong in the problem.
+struct RowPlace {
+  static constexpr Index nowhere = -1;
+  std::size_t item = 0;
+  Index row = nowhere;                  // its first one; nowhere: none of its bodies has columns
+  std::array<int, 2> entry = {-1, -1};  // where the six entries of each body begin within a row, -1 without columns
+  int soft = 0;                         // its first soft unknown, counted from the first of all
+};
+
+// The frame that rows are written into.
+struct RowFrame {
+  const int* start;   // of the rows of J, compressed
+  double* J;          // its values
+  double* c;          // m
+  double* soft_mass;  // of the soft unknowns: 1/compliance
+  double dt;          // s
+  bool moving;        // velocities count
+};
+
+// Constraints are held by type, one vector each: two virtual calls a type and frame, none a constraint.
 class ConstraintList {
  public:
   virtual ~ConstraintList() = default;
@@ -54,12 +74,11 @@ class ConstraintList {
   virtual std::string_view type() const = 0;
   virtual std::size_t size() const = 0;
   virtual const std::string& label(std::size_t i) const = 0;
-  virtual std::uint64_t key(std::size_t i) const = 0;
-  // Linearizes all active constraints at the bodies' poses, in order. The blocks' storage is reused: no allocation
-  // after warm-up.
-  virtual const std::vector<RowBlock>& linearize_all(const std::vector<Body>& bodies) = 0;
-  // The blocks of the last linearization.
-  virtual const std::vector<RowBlock>& blocks() const = 0;
+  // Appends the constraints that are active at the bodies' poses, in order.
+  virtual void activate(const std::vector<Body>& bodies, int list, std::vector<ActiveConstraint>& active) const = 0;
+  // Linearizes the constraints of `places` at the bodies' poses, straight into their rows of J and c (assemble.h).
+  virtual void write(const std::vector<Body>& bodies, std::span<const RowPlace> places,
+                     const RowFrame& frame) const = 0;
 };
 
 template <Constraint C>
@@ -69,35 +88,68 @@ class ConstraintListOf final : public ConstraintList {
   std::string_view type() const override { return C::name; }
   std::size_t size() const override { return all.size(); }
   const std::string& label(std::size_t i) const override { return labels[i]; }
-  std::uint64_t key(std::size_t i) const override { return keys[i]; }
-  const std::vector<RowBlock>& linearize_all(const std::vector<Body>& bodies) override {
-    blocks_.clear();
-    linear_.resize(all.size());
+
+  void activate(const std::vector<Body>& bodies, int list, std::vector<ActiveConstraint>& active) const override {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      PosesOf<C, double> q;
-      for (std::size_t b = 0; b < q.size(); ++b) q[b] = bodies[static_cast<std::size_t>(all[i].bodies[b])].pose;
-      if (!is_active(all[i], q)) continue;
-      auto& [linear, compliance] = linear_[i];
-      linear = linearize(all[i], q);
-      if constexpr (HasCompliance<C>) compliance = all[i].compliance();
-      blocks_.push_back({i, C::kind, C::rows, arity<C>, all[i].bodies.data(), linear.value.data(),
-                         linear.jacobian.data(), HasCompliance<C> ? compliance.data() : nullptr});
+      if constexpr (HasActive<C>)
+        if (!with_poses(all[i], bodies, [&](const auto&... pose) { return all[i].active(pose...); })) continue;
+      unsigned soft = 0;
+      if constexpr (HasCompliance<C>)
+        for (int r = 0; r < C::rows; ++r) soft |= (all[i].compliance()[r] > 0 ? 1u : 0u) << r;
+      active.push_back({keys[i],
+                        i,
+                        list,
+                        {all[i].bodies.front(), arity<C> == 2 ? all[i].bodies.back() : -1},
+                        C::kind,
+                        C::rows,
+                        static_cast<unsigned char>(soft),
+                        arity<C>});
     }
-    return blocks_;
   }
-  const std::vector<RowBlock>& blocks() const override { return blocks_; }
+
+  void write(const std::vector<Body>& bodies, std::span<const RowPlace> places, const RowFrame& frame) const override {
+    for (const RowPlace& place : places) {
+      if (place.row == RowPlace::nowhere) continue;
+      const C& constraint = all[place.item];
+      const Linearization<C> linear = with_poses(constraint, bodies, [&](const auto&... pose) -> Linearization<C> {
+        if constexpr (HasJacobian<C>)
+          return {constraint.value(pose...), constraint.jacobian(pose...)};
+        else
+          return differentiate(constraint, {pose...});
+      });
+      [[maybe_unused]] double* soft_mass = frame.soft_mass + place.soft;
+      for (int r = 0; r < C::rows; ++r) {
+        double* row = frame.J + frame.start[place.row + r];
+        double c = 0 - linear.value[r] / (frame.dt * frame.dt);  // 0 - 0 is +0
+        for (std::size_t b = 0; b < arity<C>; ++b) {
+          const Body& body = bodies[static_cast<std::size_t>(constraint.bodies[b])];
+          const Vec<double, 6> twist = linear.jacobian.template block<1, 6>(r, 6 * static_cast<Index>(b)).transpose();
+          if (frame.moving) c -= twist.dot(body.velocity) / frame.dt;
+          if (body.motion == Motion::prescribed) c -= twist.dot(body.prescribed);
+          if (place.entry[b] >= 0) Eigen::Map<Vec<double, 6>>(row + place.entry[b]) = twist;
+        }
+        frame.c[place.row + r] = c;
+        if constexpr (HasCompliance<C>)
+          if (const double compliance = constraint.compliance()[r]; compliance > 0) {
+            *soft_mass++ = 1 / compliance;
+            frame.J[frame.start[place.row + r + 1] - 1] = 1;
+          }
+      }
+    }
+  }
 
   std::vector<C> all = {};
   std::vector<std::string> labels = {};
   std::vector<std::uint64_t> keys = {};
 
  private:
-  struct Rows {
-    Linearization<C> linear;
-    Vec<double, C::rows> compliance;
-  };
-  std::vector<Rows> linear_ = {};
-  std::vector<RowBlock> blocks_ = {};
+  // Poses by reference: copying two into an array takes as long as a contact's row.
+  template <class Visit>
+  static auto with_poses(const C& constraint, const std::vector<Body>& bodies, const Visit& visit) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return visit(bodies[static_cast<std::size_t>(constraint.bodies[I])].pose...);
+    }(ArityIndices<C>{});
+  }
 };
 
 // Bodies and the constraints among them.

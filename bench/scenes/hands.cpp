@@ -111,11 +111,12 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
 
 }  // namespace
 
-Instance hands(const Knobs& knobs) {
+Posed pose_hands(const Knobs& knobs) {
   const int count = knobs.contains("hands") ? static_cast<int>(knobs.at("hands")) : 1;
   const bool feasible = !knobs.contains("feasible") || knobs.at("feasible") > 0;
   Draw draw(knobs.at("seed"));
-  Scene scene;
+  Posed posed{.options = {.dt = step}};
+  Scene& scene = posed.scene;
   std::vector<Pose<double>> target(1);
   const BodyId wall = add_fixed(scene);
   for (int h = 0; h < count; ++h) {
@@ -129,9 +130,13 @@ Instance hands(const Knobs& knobs) {
                 prefix + hand::body_name(t.body) + " " + std::to_string(++number[static_cast<std::size_t>(t.body)]) +
                     " on wall");
   }
-  Vector z_u;
-  couple_to_targets(scene, target, reaching_stiffness(step), z_u);
-  return to_instance(scene, z_u, {.dt = step});
+  couple_to_targets(scene, target, reaching_stiffness(step), posed.z_u);
+  return posed;
+}
+
+Instance hands(const Knobs& knobs) {
+  Posed posed = pose_hands(knobs);
+  return to_instance(posed.scene, posed.z_u, posed.options);
 }
 
 // 70 joint rows, 20 limits and 30 contacts a hand, on 96 unknowns.

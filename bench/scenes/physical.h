@@ -45,6 +45,13 @@ inline Mat3 rotation(const Vec3& w) {
 Body box_body(const Vec3& widths, double mass, const Vec3& position);
 BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
 
+// What assembly takes.
+struct Posed {
+  Scene scene = {};
+  Vector z_u = {};
+  AssembleOptions options = {};
+};
+
 // The scene's problem, its rows named.
 Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& options);
 
@@ -59,6 +66,7 @@ Instance chain(const Knobs& knobs);
 Instance four_bar(const Knobs& knobs);
 Instance leash(const Knobs& knobs);
 // hands.cpp: `hands` of them (default 1), independent of each other.
+Posed pose_hands(const Knobs& knobs);
 Instance hands(const Knobs& knobs);
 
 }  // namespace zwang

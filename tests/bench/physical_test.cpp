@@ -5,9 +5,13 @@
 
 #include "bench/scenes/catalog.h"
 #include "bench/scenes/hand.h"
+#include "bench/scenes/physical.h"
+#include "constraints/contact.h"
 #include "constraints/joint_limit.h"
+#include "core/assemble.h"
 #include "core/islands.h"
 #include "core/measure.h"
+#include "tests/solvers/count_allocations.h"
 
 namespace zwang {
 namespace {
@@ -90,9 +94,12 @@ TEST(Hand, AssembledPosesCloseAllJointsAndAnglesAreTheLimitsAngles) {
   Pose<double> palm;
   palm.position = {1, 2, 3};
   hand::add(scene, hand::assemble(palm, angles));
-  for (const auto& list : scene.lists())
-    for (const RowBlock& block : list->linearize_all(scene.bodies))
-      for (int r = 0; r < block.rows; ++r) EXPECT_NEAR(block.value[r], 0, 1e-15) << list->label(block.item);
+  Assembler assembler;
+  Problem problem;
+  assembler.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = 1}, problem);
+  ASSERT_EQ(problem.rows(), 70) << "no limit is violated";
+  for (Index i = 0; i < 70; ++i)
+    EXPECT_NEAR(problem.c[i], 0, 1e-15) << assembler.origin(scene)[static_cast<std::size_t>(i)];
   auto& limits = scene.list_of<JointLimit>();
   ASSERT_EQ(limits.size(), 40u);
   for (std::size_t i = 0; i < 40; ++i) {
@@ -105,6 +112,79 @@ TEST(Hand, AssembledPosesCloseAllJointsAndAnglesAreTheLimitsAngles) {
                 1e-14)
         << limits.label(i);
   }
+}
+
+bool same_bits(const Problem& a, const Problem& b) {
+  return Matrix(a.M) == Matrix(b.M) && Matrix(a.J) == Matrix(b.J) && a.z_u == b.z_u && a.c == b.c && a.kind == b.kind &&
+         a.key == b.key;
+}
+
+// Every body of a posed scene moves a little, the same in every call.
+void move_bodies(Posed& posed, Draw& draw) {
+  for (Body& body : posed.scene.bodies) {
+    Vec<double, 6> twist;
+    twist << draw.cube(1e-3), draw.cube(1e-2);
+    if (body.motion == Motion::free) body.pose = retract(body.pose, twist);
+  }
+}
+
+Posed posed_hands(double hands, double contacts) {
+  return pose_hands(
+      {{"hands", hands}, {"contacts", contacts}, {"limits", 5}, {"drift", 1e-4}, {"feasible", 1}, {"seed", 1}});
+}
+
+TEST(Assembler, AllocatesNothingWhileTheRowsStay) {
+  Posed posed = posed_hands(2, 64);
+  for (const Mode mode : {Mode::quasi_static, Mode::dynamic}) {
+    posed.options.mode = mode;
+    Assembler assembler;
+    Problem problem;
+    assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+    assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+    ASSERT_EQ(problem.rows(), 2 * (70 + 5 + 64));
+    const long before = allocations();
+    for (int frame = 0; frame < 20; ++frame) {
+      for (Body& body : posed.scene.bodies) body.pose.position += Vec3(1e-3, 0, 0);
+      assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+    }
+    EXPECT_EQ(allocations() - before, 0);
+  }
+}
+
+// Limits come and go, contacts vanish, a body is held and let go: the kept pattern must notice.
+TEST(Assembler, KeepsNothingOfAFrameWhoseRowsHaveChanged) {
+  Posed posed = posed_hands(1, 12);
+  auto& contacts = posed.scene.list_of<Contact>();
+  Draw draw(7);
+  Assembler kept;
+  Problem problem;
+  std::set<Index> counts;
+  for (int frame = 0; frame < 60; ++frame) {
+    move_bodies(posed, draw);
+    if (frame % 7 == 3) contacts.all.pop_back(), contacts.labels.pop_back(), contacts.keys.pop_back();
+    if (frame % 7 == 5) std::swap(contacts.all.front(), contacts.all.back());
+    if (frame % 11 == 4) std::swap(contacts.keys.front(), contacts.keys.back());
+    posed.scene.bodies[1].motion = frame % 13 == 6 ? Motion::fixed : Motion::free;
+    Problem fresh;
+    Assembler anew;
+    const Index unknowns = 6 * (hand::bodies - (frame % 13 == 6));
+    kept.assemble(posed.scene, posed.z_u.head(unknowns), posed.options, problem);
+    anew.assemble(posed.scene, posed.z_u.head(unknowns), posed.options, fresh);
+    ASSERT_TRUE(same_bits(problem, fresh)) << "frame " << frame;
+    ASSERT_EQ(kept.origin(posed.scene), anew.origin(posed.scene)) << "frame " << frame;
+    ASSERT_EQ(kept.skipped(posed.scene), anew.skipped(posed.scene)) << "frame " << frame;
+    counts.insert(problem.rows());
+  }
+  EXPECT_GE(counts.size(), 8u) << "the rows hardly changed: nothing was tested";
+}
+
+TEST(Assembler, WritesTheWholeOfAnyProblemItIsHanded) {
+  Posed posed = posed_hands(1, 4);
+  Assembler assembler;
+  Problem first, second = only("tower(boxes=3)").problem;
+  assembler.assemble(posed.scene, posed.z_u, posed.options, first);
+  assembler.assemble(posed.scene, posed.z_u, posed.options, second);
+  EXPECT_TRUE(same_bits(first, second));
 }
 
 // The paper's form needs k with J k = c. With several contacts on one face of one bone there is none.
