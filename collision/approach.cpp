@@ -1,0 +1,106 @@
+#include "collision/approach.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zwang::collision {
+namespace {
+
+constexpr int most_steps = 10000;
+
+Pose<double> in(const Pose<double>& b, const Pose<double>& a) {
+  return {b.rotation.transpose() * (a.position - b.position), b.rotation.transpose() * a.rotation};
+}
+
+// The largest h >= 0 with spare + rate h - 1/2 bend h^2 >= 0, spare > 0.
+double reached(double spare, double rate, double bend) {
+  const double root = std::sqrt(rate * rate + 2 * bend * spare);
+  if (rate < 0) return 2 * spare / (root - rate);
+  return bend > 0 ? (rate + root) / bend : std::numeric_limits<double>::infinity();
+}
+
+double speed(const Course& c) { return c.path ? c.path->speed : c.twist.head<3>().norm(); }
+double spin(const Course& c) { return c.path ? c.path->spin : c.twist.tail<3>().norm(); }
+
+}  // namespace
+
+Pose<double> Course::at(double s) const {
+  if (path) return path->pose(s);
+  return s == 0 ? start : retract(start, Vec<double, 6>(s * twist));
+}
+
+// B's axes turn: d^2/ds^2 [R_B' (a - x_B)] = R_B' (a'' - 2 w_B x (a - x_B)' + w_B x (w_B x (a - x_B))), with
+// |a''| <= |w_A|^2 arm, and a - x_B no longer than at the start plus all that both may move.
+Relative::Relative(const Course& a, const Course& b, double arm) : a_(a), b_(b) {
+  const double turn_a = spin(a), turn_b = spin(b);
+  const double apart = a.path || b.path ? speed(a) + speed(b) : Vec3(a.twist.head<3>() - b.twist.head<3>()).norm();
+  const double point = apart + turn_a * arm;  // of a point of A against B's origin
+  const double lever = (a.start.position - b.start.position).norm() + arm + point;
+  bend_ = turn_a * turn_a * arm + 2 * turn_b * point + turn_b * turn_b * lever;
+  travel_ = point + turn_b * lever;
+  start_ = at(0);
+}
+
+Relative::Instant Relative::at(double s) const {
+  const Pose<double> b = b_.at(s);
+  Instant now{in(b, a_.at(s))};
+  if (along_path()) return now;
+  const Vec3 w_b = b.rotation.transpose() * b_.twist.tail<3>();
+  now.turn = b.rotation.transpose() * a_.twist.tail<3>() - w_b;
+  now.drift = b.rotation.transpose() * (a_.twist.head<3>() - b_.twist.head<3>()) - w_b.cross(now.place.position);
+  return now;
+}
+
+Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, double reach) {
+  Closest c;
+  if (part.triangle) {
+    Triangle local;
+    for (std::size_t k = 0; k < 3; ++k)
+      local.corner[k] = a_in_b.rotation.transpose() * (part.triangle->corner[k] - a_in_b.position);
+    c = closest(a, local, reach);
+  } else {
+    std::array<Vec3, 64> local;
+    const std::span<const Vec3> corners = part.shape->corners();
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      local[k] = a_in_b.rotation.transpose() * (corners[k] - a_in_b.position);
+    c = closest(a.corners(), std::span<const Vec3>(local.data(), corners.size()));
+  }
+  c.normal = a_in_b.rotation * c.normal;
+  c.on_b = a_in_b * c.on_b;
+  return c;
+}
+
+double safe_time(const Shape& a, const Relative& motion, const Part& part, Closest now, Strip strip, double limit) {
+  const double radius = a.radius() + radius_of(part);
+  const auto [land, aim] = strip;
+  double gap = now.distance - radius, s = 0;
+  Relative::Instant instant = motion.start();
+  for (int step = 0; step < most_steps; ++step) {
+    double h = std::numeric_limits<double>::infinity();
+    if (motion.along_path()) {
+      if (motion.travel() > 0) h = (gap - aim) / motion.travel();
+    } else {
+      // n . v of a corner q is rate + turn . q.
+      const double rate = now.normal.dot(instant.drift), left = limit - s;
+      const Vec3 across = now.normal.cross(instant.turn);
+      if (gap - aim + left * (rate - across.norm() * a.reach()) - left * left * motion.bend() / 2 >= 0) return limit;
+      const Vec3 turn = instant.place.rotation.transpose() * across,
+                 n = instant.place.rotation.transpose() * now.normal;
+      double lowest = std::numeric_limits<double>::infinity();
+      for (const Vec3& q : a.corners()) lowest = std::min(lowest, n.dot(q));
+      for (const Vec3& q : a.corners())
+        h = std::min(h, reached(gap - aim + (n.dot(q) - lowest), rate + turn.dot(q), motion.bend()));
+    }
+    if (s + h >= limit) return limit;
+    if (s + h <= s) return s;
+    s += h;
+    instant = motion.at(s);
+    now = closest(a, instant.place, part, std::numeric_limits<double>::infinity());
+    gap = now.distance - radius;
+    if (gap <= land) return s;
+  }
+  return s;
+}
+
+}  // namespace zwang::collision

@@ -1,0 +1,146 @@
+#include "collision/closest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zwang::collision {
+namespace {
+
+// Every answer below is checked by this: along the unit vector from the triangle's point to the core's, how far are the
+// two apart? No more than their distance, whatever the point pair; equal to it for the nearest pair.
+double separation(std::span<const Vec3> core, const Triangle& t, const Vec3& n) {
+  double low = n.dot(core[0]);
+  for (const Vec3& p : core.subspan(1)) low = std::min(low, n.dot(p));
+  return low - std::max({n.dot(t.corner[0]), n.dot(t.corner[1]), n.dot(t.corner[2])});
+}
+
+struct Pair {
+  Vec3 a, b;
+  double distance2 = std::numeric_limits<double>::infinity();
+  void offer(const Vec3& on_a, const Vec3& on_b) {
+    if (const double d2 = (on_a - on_b).squaredNorm(); d2 < distance2) *this = {on_a, on_b, d2};
+  }
+};
+
+// The triangle's point nearest to p, by its Voronoi regions (Ericson, Real-Time Collision Detection, 5.1.5).
+Vec3 nearest_point(const Triangle& t, const Vec3& p) {
+  const auto& [a, b, c] = t.corner;
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vec3 bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  const Vec3 cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+// The nearest points of two segments (same book, 5.1.9).
+void segment_segment(Pair& best, const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+  const Vec3 u = q - p, v = b - a, w = p - a;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const double denominator = uu * vv - uv * uv;
+  double s = denominator > 0 ? std::clamp((uv * vw - uw * vv) / denominator, 0.0, 1.0) : 0;
+  double t = vv > 0 ? (uv * s + vw) / vv : 0;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = uu > 0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0;
+  }
+  best.offer(p + s * u, a + t * v);
+}
+
+// The end that lies lower over the triangle's plane decides when it lies over its inside; else ends and edges do.
+Pair segment_triangle(const Vec3& p, const Vec3& q, const Triangle& t) {
+  const auto& [a, b, c] = t.corner;
+  const Vec3 n = (b - a).cross(c - a);
+  const double over_p = n.dot(p - a), over_q = n.dot(q - a);
+  Pair best;
+  if ((over_p > 0) != (over_q > 0)) {  // does it pass through?
+    const Vec3 x = p + over_p / (over_p - over_q) * (q - p);
+    if ((b - a).cross(x - a).dot(n) >= 0 && (c - b).cross(x - b).dot(n) >= 0 && (a - c).cross(x - c).dot(n) >= 0) {
+      best.offer(x, x);
+      return best;
+    }
+  }
+  best.offer(p, nearest_point(t, p));
+  best.offer(q, nearest_point(t, q));
+  segment_segment(best, p, q, a, b);
+  segment_segment(best, p, q, b, c);
+  segment_segment(best, p, q, c, a);
+  return best;
+}
+
+// A face of the box, or the triangle's inside against a corner of the box: both are proven by one separating plane
+// which touches the two sets at points right over each other. Covers nearly all pairs of a box lying on a mesh.
+bool by_face(const Shape& box, const Triangle& t, double reach, Closest& out) {
+  const Vec3& h = box.half();
+  const auto& [a, b, c] = t.corner;
+  const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+  double most = 0;
+  int axis = -1;
+  bool above = false;
+  for (int k = 0; k < 3; ++k) {
+    if (low[k] - h[k] > most) most = low[k] - h[k], axis = k, above = true;
+    if (-h[k] - high[k] > most) most = -h[k] - high[k], axis = k, above = false;
+  }
+  if (axis >= 0) {
+    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    const Vec3 n = (above ? -1.0 : 1.0) * Vec3::Unit(axis);  // from the triangle to the box
+    for (const Vec3& p : t.corner)
+      if (p[axis] == (above ? low[axis] : high[axis]) && std::abs(p[j]) <= h[j] && std::abs(p[k]) <= h[k]) {
+        out = {most, n, p};
+        return true;
+      }
+    if (most >= reach) {
+      out = {most, n, a};
+      return true;
+    }
+  }
+  Vec3 n = (b - a).cross(c - a);
+  const double length = n.norm();
+  if (!(length > 0)) return false;
+  n /= length;
+  if (n.dot(a) > 0) n = -n;  // toward the box's centre
+  const Vec3 corner(n.x() > 0 ? -h.x() : h.x(), n.y() > 0 ? -h.y() : h.y(), n.z() > 0 ? -h.z() : h.z());
+  const double over = n.dot(corner - a);
+  if (over <= 0) return false;
+  const Vec3 x = corner - over * n;
+  const Vec3 m = (b - a).cross(c - a);
+  const bool inside =
+      (b - a).cross(x - a).dot(m) >= 0 && (c - b).cross(x - b).dot(m) >= 0 && (a - c).cross(x - c).dot(m) >= 0;
+  if (!inside && over < reach) return false;
+  out = {separation(box.corners(), t, n), n, x};
+  return out.distance > 0;
+}
+
+}  // namespace
+
+Closest closest(const Shape& shape, const Triangle& triangle, double reach) {
+  const std::span<const Vec3> core = shape.corners();
+  if (core.size() <= 2) {
+    Pair pair;
+    if (core.size() == 1)
+      pair.offer(core[0], nearest_point(triangle, core[0]));
+    else
+      pair = segment_triangle(core[0], core[1], triangle);
+    const double distance = std::sqrt(pair.distance2);
+    if (distance < 1e-12) return {.distance = 0, .on_b = pair.b};
+    const Vec3 n = (pair.a - pair.b) / distance;
+    const double proven = separation(core, triangle, n);
+    if (proven >= distance - 1e-12 - 1e-9 * distance) return {proven, n, pair.b};
+  } else if (Closest out; shape.core() == Core::box && by_face(shape, triangle, reach, out)) {
+    return out;
+  }
+  return closest(core, triangle.corner);  // slivers that cancel, edges of boxes, hulls
+}
+
+}  // namespace zwang::collision

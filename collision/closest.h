@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+
+#include "collision/shape.h"
+#include "collision/tree.h"
+
+namespace zwang::collision {
+
+// How two convex sets A and B stand to each other.
+struct Closest {
+  double distance = 0;          // m, never more than the true distance; 0 when they touch or overlap
+  Vec3 normal = Vec3::UnitX();  // unit, from B to A
+  Vec3 on_b = Vec3::Zero();     // the nearest point of B
+};
+
+// Between the convex hulls of two sets of points (Gilbert, Johnson & Keerthi 1988). `distance` is the separation along
+// `normal`, which holds for any unit vector: a stalled iteration gives a smaller distance, never a larger one.
+Closest closest(std::span<const Vec3> a, std::span<const Vec3> b);
+
+// Between the core of a shape and a triangle, both in the shape's axes; exact to rounding, in closed form where the
+// nearest features allow it. Beyond `reach` [m] any lower bound >= reach may come back.
+Closest closest(const Shape& shape, const Triangle& triangle, double reach);
+
+}  // namespace zwang::collision

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "collision/mesh_file.h"
+#include "collision/tree.h"
+
+namespace zwang::collision {
+
+// A mesh ready for queries.
+struct LoadedTree {
+  Tree tree = {};
+  MeshReport report = {};
+  bool cached = false;  // the tree came from the cache; nothing was parsed
+};
+
+// read_mesh, clean, Tree; with options.cache the tree is kept there under the SHA-256 of the file's bytes, the unit and
+// the weld distance, and taken from there the next time. A torn or foreign cache file is built anew. Throws BadFile.
+LoadedTree load_tree(const std::filesystem::path& file, const MeshFileOptions& options = {});
+
+// Where trees are kept between runs: $XDG_CACHE_HOME/zwang/trees, or the like under $HOME; empty without either.
+std::filesystem::path tree_cache();
+
+}  // namespace zwang::collision

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "collision/world.h"
+
+namespace zwang::collision {
+
+// How few of the touches of a body say nearly all: normals within `cone` of each other, on the same partner, form a
+// cluster, of which the closest point and the ones farthest apart are kept.
+struct ReduceOptions {
+  double cone = 0.26179938779914941;  // rad (15 degrees)
+  int per_cluster = 4;
+  int clusters = 8;  // per collider a; those with the smallest gaps
+};
+
+// Keeps a few of the raw touches, and gives back more of them when a solution turns out to violate what was left out.
+// Works on numbers into the list of touches. No allocation once its lists have grown.
+class Manifold {
+ public:
+  explicit Manifold(ReduceOptions options = {}) : options_(options) {}
+
+  // Chooses among `touches` (of World::touches, whose order it relies on: grouped by a).
+  void reduce(std::span<const Touch> touches);
+  std::span<const std::uint32_t> kept() const { return kept_; }
+
+  // Lazy completion, after a solve that used the kept ones: every raw touch was promised a gap of at least `target`
+  // after the motion, to first order. Adds, of each pair of colliders, the one that is violated most, where by more
+  // than `tolerance` [m]. Returns how many were added to kept(); 0: the reduction changed nothing to this tolerance.
+  // twist: what each collider does [m; rad, world axes], by its number; poses: where it stands.
+  int complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist, double target,
+               double tolerance);
+
+ private:
+  struct Cluster {
+    int b;
+    Vec3 normal;
+    std::size_t first;  // its closest touch; the others follow in members_
+    int count;
+  };
+  void reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end);
+  void keep(std::uint32_t touch);
+
+  ReduceOptions options_;
+  std::vector<std::uint32_t> kept_, order_;
+  std::vector<int> cluster_of_;
+  std::vector<char> is_kept_;
+  std::vector<Cluster> clusters_;
+};
+
+}  // namespace zwang::collision

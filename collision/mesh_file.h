@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string_view>
+
+#include "collision/mesh.h"
+#include "core/problem_file.h"
+
+namespace zwang::collision {
+
+struct MeshFileOptions {
+  double unit = 1;  // m per unit of the file's coordinates (glTF is in metres; the other formats do not say)
+  double weld = 0;  // of the file's coordinates, after the unit [m]; 0: only equal vertices
+  std::filesystem::path cache = {};  // folder of flattened trees; empty: none
+  std::function<void(double fraction, std::string_view stage)> progress = {};
+};
+
+// "mm" -> 0.001. Throws std::invalid_argument with the nearest name.
+double metres_per(std::string_view unit);
+
+// A file's bytes as they are stored, and their SHA-256 in hexadecimal. Throws BadFile.
+struct StoredFile {
+  std::filesystem::path path = {};
+  std::string bytes = {};
+  std::string sha256 = {};
+};
+StoredFile read_stored(const std::filesystem::path& file);
+
+struct MeshFile {
+  Mesh mesh = {};
+  MeshReport report = {};
+};
+
+// STL, OBJ, PLY, glTF/GLB, DXF, each also as .gz. Node transforms are applied, polygons cut into triangles, points and
+// lines passed over. Throws BadFile, one line: the file and what is wrong with it.
+MeshFile read_mesh(const StoredFile& file, const MeshFileOptions& options = {});
+inline MeshFile read_mesh(const std::filesystem::path& file, const MeshFileOptions& options = {}) {
+  return read_mesh(read_stored(file), options);
+}
+
+}  // namespace zwang::collision

@@ -1,0 +1,173 @@
+#include "collision/tree.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+namespace zwang::collision {
+namespace {
+
+using Model = fcl::BVHModel<fcl::AABB<double>>;
+
+constexpr int leaf_size = 4;  // triangles; below that a box costs as much as the triangles it might spare
+
+float down(double x) {
+  const auto f = static_cast<float>(x);
+  return f > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+float up(double x) { return -down(-x); }
+
+void build(const Mesh& mesh, Model& model) {
+  // FCL's triangles hold size_t; it copies both lists.
+  std::vector<fcl::Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
+  model.addSubModel(mesh.vertices, triangles);
+  if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
+}
+
+constexpr std::uint64_t magic = 0x3165657274677a0au;  // "\nzgtree1" where bytes run from low to high
+
+// FNV-1a over 64-bit words, then the rest.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t h = 14695981039346656037u;
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes.data(), 8);
+    h = (h ^ word) * 1099511628211u;
+    h ^= h >> 29;
+  }
+  for (const char byte : bytes) h = (h ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  return h;
+}
+
+struct Header {
+  std::uint64_t magic, nodes, triangles;
+  double low[3], high[3];
+  std::uint64_t checksum;  // of what stands before it and of what follows it
+};
+
+std::uint64_t checksum(const Header& header, std::string_view body) {
+  const std::string_view before(reinterpret_cast<const char*>(&header), offsetof(Header, checksum));
+  return checksum(before) + 31 * checksum(body);
+}
+
+}  // namespace
+
+Tree::Tree(const Mesh& mesh) {
+  if (mesh.triangles.empty()) throw std::invalid_argument("a tree of no triangles");
+  if (mesh.triangles.size() > (std::size_t{1} << 28)) throw std::invalid_argument("more than 2^28 triangles");
+  Model model;
+  build(mesh, model);
+
+  triangles_.reserve(mesh.triangles.size());
+  origin_.reserve(mesh.triangles.size());
+  const auto take = [&](int id) {
+    const auto& t = mesh.triangles[static_cast<std::size_t>(id)];
+    triangles_.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}});
+    origin_.push_back(static_cast<std::uint32_t>(id));
+  };
+  // An explicit stack: the tree of a mesh whose triangles share their centres is as deep as it has triangles.
+  std::vector<int> below;
+  const auto take_all = [&](int top) {
+    const std::size_t base = below.size();
+    for (below.push_back(top); below.size() > base;) {
+      const auto& node = model.getBV(below.back());
+      below.pop_back();
+      if (node.isLeaf()) {
+        take(node.primitiveId());
+      } else {
+        below.push_back(node.rightChild());
+        below.push_back(node.leftChild());
+      }
+    }
+  };
+
+  std::vector<std::pair<int, std::size_t>> open{{0, 0}};  // node of FCL's, or -1 and the flat node whose subtree ends
+  while (!open.empty()) {
+    const auto [id, flat] = open.back();
+    open.pop_back();
+    if (id < 0) {
+      nodes_[flat].skip = static_cast<std::uint32_t>(nodes_.size());
+      continue;
+    }
+    const auto& node = model.getBV(id);
+    TreeNode mine{};
+    for (int k = 0; k < 3; ++k) {
+      mine.low[static_cast<std::size_t>(k)] = down(node.bv.min_[k]);
+      mine.high[static_cast<std::size_t>(k)] = up(node.bv.max_[k]);
+    }
+    if (node.num_primitives <= leaf_size || node.isLeaf()) {
+      const std::size_t first = triangles_.size();
+      take_all(id);
+      mine.leaf = static_cast<std::uint32_t>(8 * first + (triangles_.size() - first));
+      mine.skip = static_cast<std::uint32_t>(nodes_.size() + 1);
+      nodes_.push_back(mine);
+    } else {
+      open.emplace_back(-1, nodes_.size());
+      open.emplace_back(node.rightChild(), 0);
+      open.emplace_back(node.leftChild(), 0);
+      nodes_.push_back(mine);
+    }
+  }
+  nodes_.shrink_to_fit();
+
+  low_ = high_ = mesh.vertices[mesh.triangles[0][0]];
+  for (const Triangle& t : triangles_)
+    for (const Vec3& p : t.corner) {
+      low_ = low_.cwiseMin(p);
+      high_ = high_.cwiseMax(p);
+    }
+}
+
+double Tree::bytes_per_triangle() const {
+  const std::size_t bytes =
+      nodes_.size() * sizeof(TreeNode) + triangles_.size() * (sizeof(Triangle) + sizeof(std::uint32_t));
+  return static_cast<double>(bytes) / static_cast<double>(triangles_.size());
+}
+
+std::string Tree::to_bytes() const {
+  std::string body;
+  const auto put = [&body](const void* data, std::size_t size) { body.append(static_cast<const char*>(data), size); };
+  body.reserve(nodes_.size() * sizeof(TreeNode) + triangles_.size() * (sizeof(Triangle) + 4));
+  put(nodes_.data(), nodes_.size() * sizeof(TreeNode));
+  put(triangles_.data(), triangles_.size() * sizeof(Triangle));
+  put(origin_.data(), origin_.size() * sizeof(std::uint32_t));
+  Header header{magic, nodes_.size(), triangles_.size(), {}, {}, 0};
+  for (int k = 0; k < 3; ++k) header.low[k] = low_[k], header.high[k] = high_[k];
+  header.checksum = checksum(header, body);
+  std::string bytes(sizeof header, '\0');
+  std::memcpy(bytes.data(), &header, sizeof header);
+  return bytes += body;
+}
+
+Tree Tree::from_bytes(std::string_view bytes) {
+  const auto torn = [] { return std::runtime_error("not a whole tree of this version"); };
+  Header header;
+  if (bytes.size() < sizeof header) throw torn();
+  std::memcpy(&header, bytes.data(), sizeof header);
+  bytes.remove_prefix(sizeof header);
+  constexpr std::size_t each = sizeof(Triangle) + sizeof(std::uint32_t);
+  if (header.magic != magic || header.nodes > (1u << 30) || header.triangles > (1u << 28) ||
+      bytes.size() != header.nodes * sizeof(TreeNode) + header.triangles * each ||
+      checksum(header, bytes) != header.checksum)
+    throw torn();
+  Tree tree;
+  const auto get = [&bytes](auto& list, std::size_t count) {
+    list.resize(count);
+    std::memcpy(static_cast<void*>(list.data()), bytes.data(), count * sizeof(list[0]));
+    bytes.remove_prefix(count * sizeof(list[0]));
+  };
+  get(tree.nodes_, header.nodes);
+  get(tree.triangles_, header.triangles);
+  get(tree.origin_, header.triangles);
+  for (int k = 0; k < 3; ++k) tree.low_[k] = header.low[k], tree.high_[k] = header.high[k];
+  return tree;
+}
+
+}  // namespace zwang::collision

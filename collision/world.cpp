@@ -1,0 +1,260 @@
+#include "collision/world.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+namespace zwang::collision {
+namespace {
+
+// Which boxes and triangles of a mesh (B) may lie within a distance of a convex core or of its sweep: a box about them
+// in B's axes and one in the axes of A. The second is what counts for a long finger that lies askew.
+struct Region {
+  Pose<double> a_in_b;
+  Vec3 low, high;              // B's axes
+  Vec3 local_low, local_high;  // A's axes
+
+  const Shape& shape;
+
+  Region(const Shape& a, const Pose<double>& at, double margin) : a_in_b(at), shape(a) {
+    local_low = low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    local_high = high = -low;
+    include(at, margin);
+  }
+  void include(const Pose<double>& at, double margin) {
+    for (const Vec3& corner : shape.corners()) {
+      const Vec3 p = at * corner, q = a_in_b.rotation.transpose() * (p - a_in_b.position);
+      low = low.cwiseMin(p - Vec3::Constant(margin));
+      high = high.cwiseMax(p + Vec3::Constant(margin));
+      local_low = local_low.cwiseMin(q - Vec3::Constant(margin));
+      local_high = local_high.cwiseMax(q + Vec3::Constant(margin));
+    }
+  }
+
+  bool misses(const TreeNode& node) const {
+    Vec3 middle, half;
+    for (int k = 0; k < 3; ++k) {
+      const double l = node.low[static_cast<std::size_t>(k)], h = node.high[static_cast<std::size_t>(k)];
+      if (l > high[k] || h < low[k]) return true;
+      middle[k] = (l + h) / 2 - a_in_b.position[k];
+      half[k] = (h - l) / 2;
+    }
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = a_in_b.rotation.col(k);
+      const double at = axis.dot(middle), r = axis.cwiseAbs().dot(half);
+      if (at - r > local_high[k] || at + r < local_low[k]) return true;
+    }
+    return false;
+  }
+  bool misses(const Triangle& local) const {
+    const auto& [a, b, c] = local.corner;
+    for (int k = 0; k < 3; ++k)
+      if (std::min({a[k], b[k], c[k]}) > local_high[k] || std::max({a[k], b[k], c[k]}) < local_low[k]) return true;
+    return false;
+  }
+};
+
+constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
+
+Part part_of(const World& world, int b, std::uint32_t triangle) {
+  if (const Tree* tree = world.mesh(b)) return {.triangle = &tree->triangles()[triangle]};
+  return {.shape = world.shape(b)};
+}
+
+}  // namespace
+
+int World::add(std::shared_ptr<const Tree> mesh, const Pose<double>& pose, Filter filter) {
+  if (!mesh || mesh->triangles().empty()) throw std::invalid_argument("a mesh without triangles");
+  const Vec3 middle = (mesh->low() + mesh->high()) / 2, half = (mesh->high() - mesh->low()) / 2;
+  const double arm = (middle.cwiseAbs() + half).norm();
+  return add({std::move(mesh), pose, filter, true, middle, half, arm});
+}
+
+int World::add(const Shape& shape, const Pose<double>& pose, Filter filter, bool scenery) {
+  const Vec3 half = shape.half() + Vec3::Constant(shape.radius());
+  return add({shape, pose, filter, scenery, Vec3::Zero(), half, shape.reach() + shape.radius()});
+}
+
+int World::add(Collider collider) {
+  Vec3 low, high;
+  box_of(collider, low, high);
+  colliders_.push_back(std::move(collider));
+  move_of_.push_back(nullptr);
+  broad_phase_.add(low, high);
+  near_reach_ = -1;
+  return size() - 1;
+}
+
+void World::place(int collider, const Pose<double>& pose) {
+  Collider& c = colliders_[static_cast<std::size_t>(collider)];
+  c.pose = pose;
+  Vec3 low, high;
+  box_of(c, low, high);
+  broad_phase_.move(collider, low, high);
+  near_reach_ = -1;
+}
+
+const Tree* World::mesh(int collider) const {
+  const auto* tree = std::get_if<std::shared_ptr<const Tree>>(&at(collider).body);
+  return tree ? tree->get() : nullptr;
+}
+
+void World::box_of(const Collider& c, Vec3& low, Vec3& high) const {
+  const Vec3 middle = c.pose * c.middle, half = c.pose.rotation.cwiseAbs() * c.half;
+  low = middle - half;
+  high = middle + half;
+}
+
+bool World::looked_at(int a, int b) const {
+  const Collider &x = at(a), &y = at(b);
+  if (x.scenery && y.scenery) return false;
+  if (shape(b) && b <= a) return false;  // two shapes are one pair
+  return (x.filter.group & y.filter.mask) != 0 && (y.filter.group & x.filter.mask) != 0;
+}
+
+Course World::course(int collider) const {
+  Course c{.start = pose(collider)};
+  if (const Move* move = move_of_[static_cast<std::size_t>(collider)]) {
+    c.twist = move->twist;
+    c.path = move->path;
+  }
+  return c;
+}
+
+double World::travel(int collider) const {
+  const Move* move = move_of_[static_cast<std::size_t>(collider)];
+  if (!move) return 0;
+  if (move->path) return move->path->speed + move->path->spin * at(collider).arm;
+  return move->twist.head<3>().norm() + move->twist.tail<3>().norm() * at(collider).arm;
+}
+
+// Shape against everything near it. With moves, also what its sweep comes near to.
+void World::collect(double activation, Found& found) {
+  found.pairs.clear();
+  found.candidates.clear();
+  double others = 0;
+  for (int c = 0; c < size(); ++c) others = std::max(others, travel(c));
+  for (int a = 0; a < size(); ++a) {
+    if (!shape(a)) continue;
+    Vec3 low, high;
+    box_of(at(a), low, high);
+    const Vec3 margin = Vec3::Constant(activation + 2 * margins_.stop + travel(a) + others);
+    broad_phase_.query(low - margin, high + margin, met_);
+    for (const int b : met_)
+      if (looked_at(a, b)) gather(a, b, activation, found);
+  }
+}
+
+void World::gather(int a, int b, double activation, Found& found) const {
+  const Shape& shape = *this->shape(a);
+  const Relative motion(course(a), course(b), shape.reach());
+  const Pose<double>& place = motion.start().place;
+  const std::size_t first = found.candidates.size();
+  const bool moves = motion.travel() > 0;
+  const double reach = moves ? std::max(activation, motion.travel() + 2 * margins_.stop) : activation;
+  if (const Tree* tree = mesh(b)) {
+    // A curved path leaves the chord between its ends by at most bend / 8.
+    const double curve = motion.along_path() ? motion.travel() : motion.bend() / 8;
+    Region region(shape, place,
+                  shape.radius() + (moves ? std::max(activation, 2 * margins_.stop + curve) : activation));
+    if (moves && !motion.along_path()) region.include(motion.at(1).place, margins_.stop + curve + shape.radius());
+    const std::span<const TreeNode> nodes = tree->nodes();
+    for (std::size_t i = 0; i < nodes.size();) {
+      const TreeNode& node = nodes[i];
+      if (region.misses(node)) {
+        i = node.skip;
+        continue;
+      }
+      ++i;
+      for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
+        Triangle local;
+        for (std::size_t k = 0; k < 3; ++k)
+          local.corner[k] = place.rotation.transpose() * (tree->triangles()[t].corner[k] - place.position);
+        if (region.misses(local)) continue;
+        Closest c = closest(shape, local, shape.radius() + reach);
+        if (c.distance - shape.radius() > reach) continue;
+        c.normal = place.rotation * c.normal;
+        c.on_b = place * c.on_b;
+        found.candidates.push_back({t, c});
+      }
+    }
+  } else {
+    const Shape& other = *this->shape(b);
+    const Closest c = closest(shape, place, {.shape = &other}, 0);
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, c});
+  }
+  if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
+}
+
+std::span<const Touch> World::touches(double activation) {
+  std::fill(move_of_.begin(), move_of_.end(), nullptr);
+  if (near_reach_ != activation) collect(activation, near_);
+  near_reach_ = activation;
+  touches_.clear();
+  for (const Pair& pair : near_.pairs) {
+    const Pose<double>& of_b = pose(pair.b);
+    const Tree* tree = mesh(pair.b);
+    const double radius = shape(pair.a)->radius(), radius_b = tree ? 0 : shape(pair.b)->radius();
+    for (std::size_t i = pair.first; i < pair.end; ++i) {
+      const auto& [triangle, c] = near_.candidates[i];
+      const Vec3 n = of_b.rotation * c.normal, on_b = of_b * c.on_b + radius_b * n;
+      const double gap = c.distance - radius - radius_b;
+      touches_.push_back({pair.a, pair.b, tree ? tree->origin(triangle) : 0, gap, n, on_b + gap * n, on_b});
+    }
+  }
+  return touches_;
+}
+
+TimeOfContact World::time_of_contact(std::span<const Move> moves) {
+  std::fill(move_of_.begin(), move_of_.end(), nullptr);
+  for (const Move& move : moves) {
+    if (move.collider < 0 || move.collider >= size())
+      throw std::invalid_argument("no collider " + std::to_string(move.collider) + ", there are " +
+                                  std::to_string(size()));
+    if (!move.path && !move.twist.allFinite())
+      throw std::invalid_argument("the twist of collider " + std::to_string(move.collider) + " is not finite");
+    move_of_[static_cast<std::size_t>(move.collider)] = &move;
+  }
+  double most = 0, second = 0;  // two of them may approach each other
+  for (const Move& move : moves) {
+    const double d = travel(move.collider);
+    second = std::max(second, std::min(d, most));
+    most = std::max(most, d);
+  }
+  const bool known = most + second + 2 * margins_.stop <= near_reach_;
+  if (!known) collect(0, swept_);
+  const Found& found = known ? near_ : swept_;
+
+  least_.assign(colliders_.size(), std::numeric_limits<double>::infinity());
+  for (const Pair& pair : found.pairs) {
+    const double radius = shape(pair.a)->radius() + (mesh(pair.b) ? 0 : shape(pair.b)->radius());
+    double& least = least_[static_cast<std::size_t>(pair.a)];
+    for (std::size_t i = pair.first; i < pair.end; ++i)
+      least = std::min(least, found.candidates[i].closest.distance - radius);
+    if (!mesh(pair.b))
+      least_[static_cast<std::size_t>(pair.b)] = std::min(least_[static_cast<std::size_t>(pair.b)], least);
+  }
+
+  TimeOfContact out;
+  for (const Pair& pair : found.pairs) {
+    const Course of_a = course(pair.a), of_b = course(pair.b);
+    if (of_a.still() && of_b.still()) continue;
+    const Shape& shape = *this->shape(pair.a);
+    const Relative motion(of_a, of_b, shape.reach());
+    double least = least_[static_cast<std::size_t>(pair.a)];
+    if (!mesh(pair.b)) least = std::min(least, least_[static_cast<std::size_t>(pair.b)]);
+    const Strip strip = landing(least, margins_.stop);
+    for (std::size_t i = pair.first; i < pair.end; ++i) {
+      const auto& [triangle, start] = found.candidates[i];
+      const Part part = part_of(*this, pair.b, triangle);
+      const double gap = start.distance - shape.radius() - radius_of(part);
+      if (gap > motion.travel() + strip.land) continue;
+      if (gap <= touching) return {0, pair.a, pair.b, true};
+      const double time = safe_time(shape, motion, part, start, strip, out.time);
+      if (time < out.time) out = {time, pair.a, pair.b, false};
+    }
+  }
+  return out;
+}
+
+}  // namespace zwang::collision

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "collision/approach.h"
+#include "collision/broad_phase.h"
+
+namespace zwang::collision {
+
+// Two colliders are looked at when each one's mask has a bit of the other's group.
+struct Filter {
+  std::uint64_t group = 1, mask = ~std::uint64_t{0};
+};
+
+// A shape near something: its nearest point, the other's nearest point, and how far they are apart.
+struct Touch {
+  int a = 0, b = 0;             // colliders; a is a shape, b a mesh or a shape with a higher number
+  std::uint32_t feature = 0;    // the triangle of b's mesh, as the mesh numbers it; 0 against a shape
+  double gap = 0;               // m; negative where they overlap
+  Vec3 normal = Vec3::Zero();   // unit, from b to a, world axes
+  Vec3 point_a = Vec3::Zero();  // m, world, on a's surface
+  Vec3 point_b = Vec3::Zero();  // m, world, on b's surface
+};
+
+// How one collider moves over the step. All others stand still.
+struct Move {
+  int collider = 0;
+  Vec<double, 6> twist = Vec<double, 6>::Zero();  // m, rad; x(s) = retract(pose, s * twist)
+  const Path* path = nullptr;                     // in place of the twist; lives until the query is over
+};
+
+struct TimeOfContact {
+  double time = 1;       // of the step, in [0, 1]: up to there nobody meets anybody
+  int a = -1, b = -1;    // the pair that meets first; -1: none does
+  bool overlap = false;  // that pair overlaps at the start: time is 0
+};
+
+struct Margins {
+  double stop = 1e-4;  // m: motions end between this gap and half of it; what starts nearer, at half its gap or nearer
+};
+
+// Meshes and shapes at their poses. Meshes against meshes are not looked at. Queries allocate nothing once their lists
+// have grown to what the scene needs; the same calls give the same bits.
+class World {
+ public:
+  explicit World(Margins margins = {}) : margins_(margins) {}
+
+  // Return the collider's number. Scenery (meshes always are) is not looked at against other scenery: that is the
+  // physics engine's part. It may be placed and moved like anything else.
+  int add(std::shared_ptr<const Tree> mesh, const Pose<double>& pose = {}, Filter filter = {});
+  int add(const Shape& shape, const Pose<double>& pose = {}, Filter filter = {}, bool scenery = false);
+
+  void place(int collider, const Pose<double>& pose);
+  const Pose<double>& pose(int collider) const { return at(collider).pose; }
+  const Shape* shape(int collider) const { return std::get_if<Shape>(&at(collider).body); }
+  const Tree* mesh(int collider) const;
+  int size() const { return static_cast<int>(colliders_.size()); }
+
+  // Everything nearer than `activation` [m], one entry a shape and triangle, or a shape and shape. In the order of a,
+  // b, and the leaves of b's tree. Valid until the next call.
+  std::span<const Touch> touches(double activation);
+
+  // The largest part of the step that all moves may make without any two colliders meeting (Algorithm 1 of the paper):
+  // the minimum over all pairs and triangles. Pose to commit: retract(pose, time * twist) or path(time). Uses what the
+  // last touches() found when nothing was placed since and it reached far enough. Throws std::invalid_argument when a
+  // collider is named that is not there, or a twist is not finite.
+  TimeOfContact time_of_contact(std::span<const Move> moves);
+
+ private:
+  struct Collider {
+    std::variant<Shape, std::shared_ptr<const Tree>> body;
+    Pose<double> pose;
+    Filter filter;
+    bool scenery;
+    Vec3 middle, half;  // m, of the box about it in its own axes
+    double arm;         // m, from its origin to its farthest point
+  };
+  struct Candidate {
+    std::uint32_t triangle;  // in the tree's order
+    Closest closest;         // b's axes; the core of a against the triangle, or against the core of b
+  };
+  struct Pair {
+    int a, b;
+    std::size_t first, end;  // candidates
+  };
+  struct Found {
+    std::vector<Pair> pairs;
+    std::vector<Candidate> candidates;
+  };
+
+  const Collider& at(int c) const { return colliders_[static_cast<std::size_t>(c)]; }
+  int add(Collider collider);
+  void box_of(const Collider& c, Vec3& low, Vec3& high) const;
+  bool looked_at(int a, int b) const;
+  Course course(int collider) const;
+  double travel(int collider) const;
+  void collect(double activation, Found& found);
+  void gather(int a, int b, double activation, Found& found) const;
+
+  Margins margins_;
+  std::vector<Collider> colliders_;
+  BroadPhase broad_phase_;
+  std::vector<int> met_;
+  std::vector<const Move*> move_of_;  // of the present query, by collider
+  Found near_, swept_;
+  double near_reach_ = -1;     // m, activation distance of near_; -1: out of date
+  std::vector<double> least_;  // m, by collider: how near it is to anything at the start
+  std::vector<Touch> touches_;
+};
+
+}  // namespace zwang::collision

@@ -1,0 +1,225 @@
+#include "collision/load.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+
+#include "bench/collision/meshes.h"
+
+namespace zwang::collision {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MeshFiles : testing::Test {
+  fs::path folder = fs::temp_directory_path() / ("zwang_meshes_" + std::to_string(::getpid()));
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
+  }
+  std::string complaint(const fs::path& file) const {
+    try {
+      read_mesh(file);
+    } catch (const BadFile& bad) {
+      return bad.what();
+    }
+    return "";
+  }
+};
+
+const std::string tetrahedron_obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+std::string binary_stl(const Mesh& mesh) {
+  std::string bytes(80, ' ');
+  const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) put(0.0f);
+    for (const std::uint32_t v : t)
+      for (int k = 0; k < 3; ++k) put(static_cast<float>(mesh.vertices[v][k]));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+
+fs::path data() {
+  const char* given = std::getenv("ZWANG_DATA");
+  return given ? fs::path(given) : fs::path(ZWANG_SOURCE_DIR) / "../shared/data";
+}
+
+TEST_F(MeshFiles, FormatsGiveTheSameClosedTetrahedron) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  Mesh shape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+  for (const fs::path& file :
+       {write("t.obj", tetrahedron_obj), write("t.ply", ply), write("t.STL", binary_stl(shape))}) {
+    const MeshFile read = read_mesh(file);
+    EXPECT_EQ(read.mesh.vertices.size(), 4u) << file;
+    EXPECT_EQ(read.mesh.triangles.size(), 4u) << file;
+    EXPECT_EQ(read.report.boundary_edges + read.report.non_manifold_edges, 0u) << file;
+    EXPECT_EQ(read.report.high, Vec3(1, 1, 1)) << file;
+  }
+}
+
+TEST_F(MeshFiles, GzipIsInflatedAndUnitsScale) {
+  const fs::path file = folder / "t.obj.gz";
+  gzFile out = gzopen(file.c_str(), "wb");
+  gzwrite(out, tetrahedron_obj.data(), static_cast<unsigned>(tetrahedron_obj.size()));
+  gzclose(out);
+  EXPECT_NEAR(read_mesh(file, {.unit = metres_per("mm")}).report.high.x(), 1e-3, 1e-12);
+  EXPECT_THROW(metres_per("mn"), std::invalid_argument);
+}
+
+TEST_F(MeshFiles, BrokenFilesCostOneLineThatNamesTheFile) {
+  const std::string solid = "solid x\nnothing here\nendsolid x\n";
+  for (const fs::path& file :
+       {write("empty.stl", ""), write("text.stl", "this is no mesh, only text\n"), write("text2.stl", solid),
+        write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), write("range.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n"),
+        write("range.ply",
+              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+              "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
+              "0\n0 1 0\n3 0 1 7\n"),
+        write("points.ply",
+              "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+              "float z\nend_header\n0 0 0\n"),
+        write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), write("torn.obj.gz", "\x1f\x8b\x08 torn"),
+        write("mesh.step", "ISO-10303-21;"), write("half.glb", "glTF\x02"), folder, folder / "absent.stl"}) {
+    const std::string line = complaint(file);
+    EXPECT_NE(line.find(file.string()), std::string::npos) << file << ": " << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    EXPECT_GT(line.size(), file.string().size() + 4) << line;
+  }
+}
+
+TEST(Clean, CountsWhatItDropsAndWhatItSees) {
+  Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 1, 0}, {2, 0, 0}, {9, 9, 9}},
+            {{0, 1, 2}, {3, 1, 2}, {1, 4, 2}, {0, 1, 5}, {1, 1, 2}}};
+  const MeshReport r = clean(mesh);
+  EXPECT_EQ(r.welded, 1u);
+  EXPECT_EQ(r.repeated, 1u);
+  EXPECT_EQ(r.degenerate, 2u);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  EXPECT_EQ(r.boundary_edges, 4u);
+  EXPECT_EQ(r.non_manifold_edges, 0u);
+}
+
+TEST(Clean, WeldsAcrossTheBordersOfItsGrid) {
+  Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1 + 4e-7, -3e-7, 0}, {-4e-7, 1, 5e-7}, {1, 1, 0}},
+            {{0, 1, 2}, {3, 5, 4}}};
+  EXPECT_EQ(clean(mesh, 1e-6).welded, 2u);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+}
+
+TEST(ProceduralMeshes, AreClosedAndOfTheSizeAskedFor) {
+  for (Mesh mesh : {meshes::plate({0.2, 0.1, 0.01}, 2000), meshes::perforated({0.2, 0.2, 0.01}, 4, 5000),
+                    meshes::pipe(0.03, 0.004, 0.1, 3000), meshes::gear(0.05, 0.01, 12, 5000),
+                    meshes::bumpy_sphere(0.05, 0.004, 7, 4000)}) {
+    const MeshReport r = clean(mesh);
+    EXPECT_EQ(r.boundary_edges, 0u) << to_string(r);
+    EXPECT_EQ(r.degenerate + r.repeated, 0u) << to_string(r);
+    EXPECT_GT(mesh.triangles.size(), 1500u);
+    EXPECT_LT(mesh.triangles.size(), 8000u);
+  }
+}
+
+TEST(Tree, HoldsEveryTriangleInBoxesRoundedOutward) {
+  const Mesh mesh = meshes::bumpy_sphere(0.05, 0.004, 7, 20000);
+  const Tree tree(mesh);
+  ASSERT_EQ(tree.triangles().size(), mesh.triangles.size());
+  std::vector<int> seen(mesh.triangles.size());
+  const auto inside = [](const TreeNode& node, const Vec3& p) {
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      if (p[k] < node.low[i] || p[k] > node.high[i]) return false;
+    }
+    return true;
+  };
+  std::vector<std::uint32_t> above;
+  for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
+    while (!above.empty() && tree.nodes()[above.back()].skip <= i) above.pop_back();
+    above.push_back(i);
+    const TreeNode& node = tree.nodes()[i];
+    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
+      ++seen[tree.origin(t)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& p = tree.triangles()[t].corner[k];
+        EXPECT_EQ(p, mesh.vertices[mesh.triangles[tree.origin(t)][k]]);
+        for (const std::uint32_t n : above) EXPECT_TRUE(inside(tree.nodes()[n], p));
+      }
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(seen.size()));
+  EXPECT_LE(tree.bytes_per_triangle(), 150);
+  RecordProperty("bytes_per_triangle", std::to_string(tree.bytes_per_triangle()));
+}
+
+TEST(Tree, ComesBackBitForBitAndRefusesTornBytes) {
+  const Tree tree(meshes::gear(0.05, 0.01, 12, 5000));
+  const std::string bytes = tree.to_bytes();
+  EXPECT_EQ(Tree::from_bytes(bytes).to_bytes(), bytes);
+  EXPECT_THROW(Tree::from_bytes(std::string_view(bytes).substr(0, bytes.size() - 1)), std::runtime_error);
+  for (const std::size_t at : {std::size_t{3}, std::size_t{70}, bytes.size() / 2}) {
+    std::string changed = bytes;
+    changed[at] ^= 1;
+    EXPECT_THROW(Tree::from_bytes(changed), std::runtime_error) << at;
+  }
+}
+
+TEST_F(MeshFiles, CacheAnswersTheSecondTimeWithTheSameTree) {
+  const fs::path file = write("sphere.stl", binary_stl(meshes::bumpy_sphere(0.05, 0.004, 7, 20000)));
+  const MeshFileOptions options{.unit = 0.5, .cache = folder / "cache"};
+  const LoadedTree first = load_tree(file, options), second = load_tree(file, options);
+  EXPECT_FALSE(first.cached);
+  EXPECT_TRUE(second.cached);
+  EXPECT_EQ(first.tree.to_bytes(), second.tree.to_bytes());
+  EXPECT_EQ(to_string(first.report), to_string(second.report));
+  EXPECT_FALSE(load_tree(file, {.unit = 1, .cache = folder / "cache"}).cached) << "another unit is another tree";
+  for (const auto& entry : fs::directory_iterator(folder / "cache")) fs::resize_file(entry.path(), 1000);
+  const LoadedTree third = load_tree(file, options);
+  EXPECT_FALSE(third.cached);
+  EXPECT_EQ(first.tree.to_bytes(), third.tree.to_bytes());
+}
+
+TEST_F(MeshFiles, AMillionTrianglesAreReadyInSeconds) {
+  const fs::path file = write("million.stl", binary_stl(meshes::bumpy_sphere(0.2, 0.01, 9, 1000000)));
+  const auto start = std::chrono::steady_clock::now();
+  const LoadedTree loaded = load_tree(file);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_GT(loaded.tree.triangles().size(), 990000u);
+  EXPECT_LT(seconds, 20) << "a few seconds on a quiet machine";
+  RecordProperty("seconds", std::to_string(seconds));
+}
+
+TEST(RealMeshes, LoadWithTheirKnownSizes) {
+  if (!fs::exists(data() / "mesh_differential")) GTEST_SKIP() << data() << " is not there";
+  struct Known {
+    const char* file;
+    double unit;
+    std::size_t triangles;
+  };
+  for (const Known& k : {Known{"mesh_differential/diff_ring.stl", 1e-3, 57640},
+                         {"mesh_v6engine/piston.dxf", 1, 2836},
+                         {"mesh_factory_parts/factory_bolt_m8_loose.obj.gz", 1, 29478},
+                         {"mesh_cad_misc/cycloidal.ply.gz", 1e-3, 43368},
+                         {"mesh_cad_misc/counter.unitsmm.STL.gz", 1e-3, 83750},
+                         {"mesh_cad_misc/ADIS16480.STL.gz", 1, 7436},
+                         {"hand_webxr_generic/left.glb", 1, 0}}) {
+    const LoadedTree loaded = load_tree(data() / k.file, {.unit = k.unit});
+    const MeshReport& r = loaded.report;
+    EXPECT_TRUE(k.triangles == 0 || r.triangles_read == k.triangles) << k.file << ": " << r.triangles_read;
+    EXPECT_EQ(loaded.tree.triangles().size() + r.degenerate + r.repeated, r.triangles_read) << k.file;
+    EXPECT_LE(loaded.tree.bytes_per_triangle(), 150) << k.file;
+    std::printf("%s: %s\n", k.file, to_string(r).c_str());
+  }
+}
+
+}  // namespace
+}  // namespace zwang::collision
