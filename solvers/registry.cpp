@@ -10,6 +10,7 @@
 #include "solvers/cholesky.h"
 #include "solvers/dual_active_set.h"
 #include "solvers/ipopt.h"
+#include "solvers/newton.h"
 #include "solvers/nlopt.h"
 #include "solvers/nnls.h"
 #include "solvers/nnls_paper.h"
@@ -108,6 +109,9 @@ std::span<const SolverEntry> solvers() {
       entry<Cholesky>("dual active set on the Delassus form, CHOLMOD factor with row updates",
                       "squares the condition number: near-dependent rows go to orthogonal factors (fallback)",
                       {.exact = true}),
+      entry<Newton>("augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
+                    "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
+                    {.exact = true}),
       entry<NnlsPaper>("the paper's Eq. 6-11: k with J k = c, then NNLS",
                        "wrong where c is outside range(J), and blind to infeasibility; the message gives the range gap",
                        {.exact = true}),

@@ -1,0 +1,280 @@
+#include "solvers/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zwang {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double largest_penalty = 1e10;
+constexpr int most_steps = 300;
+constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
+
+}  // namespace
+
+double Newton::row_dot(Index i, const Vector& x) const {
+  double sum = 0;
+  for (int p = rows_.g.begin[at(i)]; p < rows_.g.begin[at(i) + 1]; ++p) sum += rows_.g.value[at(p)] * x[place_[at(p)]];
+  return sum;
+}
+
+void Newton::add_row(Index i, double factor, Vector& x) const {
+  for (int p = rows_.g.begin[at(i)]; p < rows_.g.begin[at(i) + 1]; ++p)
+    x[place_[at(p)]] += factor * rows_.g.value[at(p)];
+}
+
+void Newton::multiply_mass(const Problem& p, const Vector& x, Vector& y) const {
+  y.setZero();
+  for (const MassEntry& e : mass_) y[e.row] += p.M.valuePtr()[e.from] * x[e.column];
+}
+
+double Newton::mass_norm(const Problem& p, const Vector& x) {
+  multiply_mass(p, x, work_);
+  return std::sqrt(std::max(0.0, work_.dot(x)));
+}
+
+void Newton::prepare(const Problem& p, const WarmStart* from) {
+  factor_.analyze(p.M, rows_.g);
+  const Index n = factor_.size(), k = rows_.rows();
+  place_.resize(rows_.g.column.size());
+  for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows_.g.column[e]);
+  mass_.clear();
+  for (Index j = 0; j < p.size(); ++j) {
+    const int begin = p.M.outerIndexPtr()[j];
+    const int end = p.M.isCompressed() ? p.M.outerIndexPtr()[j + 1] : begin + p.M.innerNonZeroPtr()[j];
+    for (int e = begin; e < end; ++e)
+      if (const int row = factor_.position(p.M.innerIndexPtr()[e]), column = factor_.position(static_cast<int>(j));
+          row >= 0 && column >= 0)
+        mass_.push_back({row, column, e});
+  }
+  for (Vector* v : {&d_, &step_, &force_, &product_, &work_}) v->setZero(n);
+  for (Vector* v : {&l_, &slack_, &term_, &change_, &weight_}) v->setZero(k);
+  h_ = rows_.h.head(k).cwiseMax(Real(-1e100)).cast<double>();
+  search_.resize(at(factor_.parts()));
+  far_d_.setZero(n);
+  far_force_.setZero(n);
+  far_l_.setZero(k);
+  violation_.setZero(k);
+  if (from) warm(p, *from);
+}
+
+// Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
+void Newton::warm(const Problem& p, const WarmStart& from) {
+  const std::size_t count = std::min(from.key.size(), at(from.lambda.size()));
+  std::size_t next = 0;
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    const RowKey& key = p.key[at(rows_.row[at(i)])];
+    for (std::size_t tried = 0; tried < count; ++tried) {
+      const std::size_t j = (next + tried) % count;
+      if (from.key[j] != key) continue;
+      const double unit = rows_.unit_multiplier(i, from.lambda[static_cast<Index>(j)]);
+      l_[i] = is_equality(i) ? unit : std::max(0.0, unit);
+      next = j + 1;
+      break;
+    }
+  }
+}
+
+// slack_, term_ and the weights of the rows in the max, at d.
+void Newton::weigh(double s) {
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    slack_[i] = h_[i] - row_dot(i, d_);
+    term_[i] = l_[i] + s * slack_[i];
+    weight_[i] = is_equality(i) || term_[i] > 0 ? s : 0;
+  }
+}
+
+// All rows near z_u held as if they were equality rows: in a wall almost all of them push in the end, and from d = 0
+// the method takes ten steps and more to find that out. Kept when holding them pulls at few; else d = 0, l = 0.
+bool Newton::start(const Problem& p) {
+  constexpr double strong = 1e6;
+  for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
+  if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+  for (int pass = 0; pass < 3; ++pass) {
+    multiply_mass(p, d_, product_);
+    step_ = -product_;
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      if (weight_[i] == 0) continue;
+      slack_[i] = h_[i] - row_dot(i, d_);
+      add_row(i, l_[i] + strong * slack_[i], step_);
+    }
+    factor_.solve(step_);
+    d_ += step_;
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) l_[i] += strong * (slack_[i] - row_dot(i, step_));
+  }
+  force_.setZero();
+  double pull = 0, push = 0;
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    push += std::max(l_[i], 0.0);
+    if (is_equality(i) || l_[i] >= 0) continue;
+    pull -= l_[i];
+    l_[i] = 0;
+  }
+  if (!(pull <= 0.25 * push)) {
+    d_.setZero();
+    l_.setZero();
+    return false;
+  }
+  s_ = strong;
+  return true;
+}
+
+// The step of each part to where its derivative along step_ vanishes: a piecewise linear, increasing function, so
+// Newton's method within a bracket ends after a few of its pieces. True when all parts take the whole step.
+bool Newton::line_search(double s) {
+  for (Search& part : search_) part = {.high = infinity};
+  for (Index j = 0; j < step_.size(); ++j) {
+    Search& part = search_[at(factor_.part_of_position(static_cast<int>(j)))];
+    part.linear += product_[j] * d_[j];  // product_ = M step
+    part.quadratic += product_[j] * step_[j];
+    part.zero += force_[j] * step_[j];  // -derivative at 0
+  }
+  int open = static_cast<int>(search_.size());
+  for (int round = 0; round < 60 && open > 0; ++round) {
+    for (Search& part : search_) {
+      part.derivative = part.linear + part.step * part.quadratic;
+      part.slope = part.quadratic;
+    }
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      Search& part = search_[at(factor_.part_of_row(static_cast<int>(i)))];
+      if (part.done) continue;
+      const double term = term_[i] - s * part.step * change_[i];
+      if (!is_equality(i) && !(term > 0)) continue;
+      part.derivative -= term * change_[i];
+      part.slope += s * change_[i] * change_[i];
+    }
+    for (Search& part : search_) {
+      if (part.done) continue;
+      part.done = std::abs(part.derivative) <= 1e-9 * std::abs(part.zero) || !(part.slope > 0);
+      if (part.done) {
+        --open;
+        continue;
+      }
+      (part.derivative > 0 ? part.high : part.low) = part.step;
+      const double newton = part.step - part.derivative / part.slope;
+      if (newton > part.low && newton < part.high)
+        part.step = newton;
+      else
+        part.step = part.high < infinity ? 0.5 * (part.low + part.high) : 2 * part.step;
+    }
+  }
+  bool whole = true;
+  for (const Search& part : search_) whole = whole && part.step == 1;
+  return whole;
+}
+
+Newton::End Newton::descend(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  double last_move = infinity;
+  for (;;) {
+    start_ = d_;
+    double length = infinity;
+    bool settled = false;
+    while (!settled) {
+      weigh(s_);
+      multiply_mass(p, d_, product_);
+      force_ = -product_;
+      for (Index i = 0; i < rows_.rows(); ++i)
+        if (weight_[i] != 0) add_row(i, term_[i], force_);
+      if (deadline.passed() || s.iterations >= options.max_iterations) {
+        s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
+        return End::limit;
+      }
+      if (s.iterations >= most_steps || !factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())}))
+        return End::stuck;
+      ++s.iterations;
+      step_ = force_;
+      factor_.solve(step_);
+      for (Index i = 0; i < rows_.rows(); ++i) change_[i] = row_dot(i, step_);
+      multiply_mass(p, step_, product_);
+      const bool whole = line_search(s_);
+      for (Index j = 0; j < step_.size(); ++j)
+        step_[j] *= search_[at(factor_.part_of_position(static_cast<int>(j)))].step;
+      d_ += step_;
+      length = mass_norm(p, step_);
+      scale_ = std::max(rows_.free_length, mass_norm(p, d_));
+      if (!std::isfinite(length)) return End::stuck;
+      bool same = whole;
+      for (Index i = 0; i < rows_.rows() && same; ++i)
+        same = is_equality(i) || (weight_[i] != 0) == (term_[i] - s_ * change_[i] > 0);
+      settled = same || length <= 1e-3 * std::min(last_move, scale_) * 1e-2 || length <= 1e-13 * scale_;
+      if (options.observe) {
+        far_d_ = d_.cast<Real>();
+        far_l_ = term_.cast<Real>();
+        for (Index i = 0; i < rows_.rows(); ++i)
+          if (weight_[i] == 0) far_l_[i] = 0;
+        write(p, s);
+        options.observe(s.iterations, s.z, s.lambda);
+      }
+    }
+    double violated = 0;
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      const double slack = h_[i] - row_dot(i, d_), term = l_[i] + s_ * slack;
+      l_[i] = is_equality(i) ? term : std::max(0.0, term);
+      violated = std::max(violated, (is_equality(i) ? std::abs(slack) : slack) / (rows_.magnitude[i] + scale_));
+    }
+    step_ = d_ - start_;
+    const double move = mass_norm(p, step_);
+    if (move <= 1e-7 * scale_ && (violated <= 1e-9 || s_ >= largest_penalty)) return End::settled;
+    if (move > 0.1 * last_move) s_ = std::min(10 * s_, largest_penalty);
+    last_move = move;
+  }
+}
+
+void Newton::write(const Problem& p, Solution& s) const {
+  s.z = p.z_u;
+  for (int j = 0; j < factor_.size(); ++j) {
+    const Index column = factor_.column(j);
+    s.z[column] = static_cast<double>(Real(p.z_u[column]) + std::ldexp(far_d_[j], rows_.exponent));
+  }
+  s.lambda.setZero(p.rows());
+  for (Index i = 0; i < rows_.rows(); ++i)
+    s.lambda[rows_.row[at(i)]] = rows_.multiplier(i, is_equality(i) ? far_l_[i] : std::max(far_l_[i], Real(0)));
+}
+
+void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
+  s.reset(p.size(), p.rows());
+  if (!rows_.build(p)) {
+    s.status = Status::bad_input;
+    s.message = "M is not positive definite";
+    return;
+  }
+  if (rows_.conflict >= 0) {
+    s.status = Status::infeasible;
+    s.certificate = zero_row_certificate(p, rows_.conflict);
+    return;
+  }
+  const Deadline deadline(options.time_limit);
+  prepare(p, options.warm_start);
+  s_ = penalty;
+  if (!options.warm_start && hold_all) start(p);
+  const End end = descend(p, options, deadline, s);
+  if (end == End::limit) {
+    far_d_ = d_.cast<Real>();
+    far_l_ = l_.cast<Real>();
+    write(p, s);
+    return;
+  }
+  if (end == End::settled && polish(p, options, s)) return;
+
+  if (p.size() * rows_.rows() <= largest_dense) {
+    SolveOptions rest = options;
+    rest.max_iterations -= s.iterations;
+    rest.time_limit = deadline.left();
+    const int steps = s.iterations;
+    exact_.solve(p, rest, s);
+    s.iterations += steps;
+    s.fallback = true;
+    return;
+  }
+  far_d_ = d_.cast<Real>();
+  far_l_ = l_.cast<Real>();
+  write(p, s);
+  s.status = Status::numerical_failure;
+  s.message = "the rows are too close to dependent for this method, and too many for a dense one";
+}
+
+}  // namespace zwang

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "solvers/block_cholesky.h"
+#include "solvers/dual_active_set.h"
+#include "solvers/registry.h"
+#include "solvers/stop.h"
+#include "solvers/unit_rows.h"
+
+namespace zwang {
+
+// Augmented-Lagrangian semismooth Newton, for large stacks: sparse all through.
+//
+//   minimize over d   1/2 d'Md + 1/(2 s) sum of max(0, l_i + s (h_i - g_i d))^2      (equality rows without the max)
+//
+// by Newton's method with the matrix M + s G_A'G_A, A the rows in the max, and an exact line search on the piecewise
+// quadratic, apart for every part that shares no unknown; then l_i := max(0, l_i + s (h_i - g_i d)) (Rockafellar 1976,
+// Math. Oper. Res. 1; Li, Sun & Toh 2018, SIAM J. Optim. 28). Redundant rows do no harm: M > 0 keeps the matrix
+// definite, and l stays finite as long as the rows agree. One iteration is one Newton step.
+//
+// The polish repeats the same step on the active set with residuals of the problem's own M, J, c in long double,
+// until d and l hold in that precision, rows leave whose multiplier is negative and rows enter that are violated. Each
+// step shrinks the error by 1 / (1 + s mu), mu the smallest nonzero eigenvalue of G_A G_A', so the speed at which
+// it converges tells whether mu can be trusted. Where it cannot (near-parallel rows, contradictions), a problem small
+// enough goes to the dual active-set method, flagged as a fallback; a larger one is reported as what it is.
+struct Newton {
+  static constexpr std::string_view name = "newton";
+  double penalty = 1e4;  // s at the start
+  bool hold_all = true;  // start from all near rows held
+
+  static std::vector<Setting<Newton>> settings() {
+    return {{"penalty", &Newton::penalty, "first weight of a violated unit row against M"},
+            {"hold_all", &Newton::hold_all, "start from all rows near z_u held, where that pulls on few"}};
+  }
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  using Real = long double;
+  using RealVector = VectorX<Real>;
+  enum class End { settled, limit, stuck };
+
+  struct Search {  // the line search of one part
+    double zero = 0, linear = 0, quadratic = 0, step = 1, low = 0, high = 0, derivative = 0, slope = 0;
+    bool done = false;
+  };
+
+  void prepare(const Problem& p, const WarmStart* warm);
+  void warm(const Problem& p, const WarmStart& warm);
+  void multiply_mass(const Problem& p, const Vector& x, Vector& y) const;
+  double mass_norm(const Problem& p, const Vector& x);
+  double row_dot(Index i, const Vector& x) const;
+  void add_row(Index i, double factor, Vector& x) const;
+  bool is_equality(Index i) const { return rows_.equality[static_cast<std::size_t>(i)] != 0; }
+
+  void weigh(double s);
+  bool start(const Problem& p);
+  End descend(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
+  bool line_search(double s);
+
+  bool polish(const Problem& p, const SolveOptions& options, Solution& solution);
+  void extended_force(const Problem& p);
+  void write(const Problem& p, Solution& solution) const;
+
+  UnitRows rows_;
+  BlockCholesky factor_;
+  std::vector<int> place_;  // of every entry of the rows: its column's position
+  struct MassEntry {
+    int row, column, from;
+  };
+  std::vector<MassEntry> mass_;  // of M, by position, both triangles
+
+  Vector d_, start_, step_, force_, product_, work_;  // by position
+  Vector l_, h_, slack_, term_, change_, weight_;     // rows; slack_ = h - G d, term_ = l + s slack
+  std::vector<Search> search_;
+  RealVector far_d_, far_l_, far_force_, violation_;
+  double s_ = 0, scale_ = 0;
+
+  DualActiveSet exact_;
+};
+static_assert(Solver<Newton>);
+
+}  // namespace zwang

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/newton.h"
+
+namespace zwang {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
+
+}  // namespace
+
+// far_force_ = J'l - M d and violation_ = h - G d of the problem's stored doubles.
+void Newton::extended_force(const Problem& p) {
+  far_force_.setZero();
+  for (const MassEntry& e : mass_) far_force_[e.row] -= Real(p.M.valuePtr()[e.from]) * far_d_[e.column];
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    const Real norm = rows_.norm[i], l = far_l_[i] / norm;
+    Real sum = 0;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows_.row[at(i)]); it; ++it) {
+      if (it.value() == 0) continue;
+      const int j = factor_.position(static_cast<int>(it.col()));
+      sum += Real(it.value()) * far_d_[j];
+      far_force_[j] += Real(it.value()) * l;
+    }
+    violation_[i] = rows_.h[i] - sum / norm;
+  }
+}
+
+bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) {
+  far_d_ = d_.cast<Real>();
+  far_l_ = l_.cast<Real>();
+  for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
+  double last = std::numeric_limits<double>::infinity(), length = last, rate = 1, worst = 0;
+  bool changed = true;
+  for (int pass = 0; pass < 40; ++pass) {
+    extended_force(p);
+    // Rows leave and enter.
+    bool now_changed = false;
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      if (is_equality(i)) continue;
+      const double size = rows_.magnitude[i] + scale_;
+      if (weight_[i] != 0 && far_l_[i] + Real(s_) * violation_[i] < -1e-15L * scale_) {
+        weight_[i] = 0;
+        now_changed = true;
+      } else if (weight_[i] == 0 && violation_[i] > 32 * real_eps * size) {
+        weight_[i] = s_;
+        now_changed = true;
+      }
+      if (weight_[i] == 0 && far_l_[i] != 0) {
+        for (int e = rows_.g.begin[at(i)]; e < rows_.g.begin[at(i) + 1]; ++e)
+          far_force_[place_[at(e)]] -= far_l_[i] * Real(rows_.g.value[at(e)]);
+        far_l_[i] = 0;
+      }
+    }
+    worst = 0;
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0)
+        worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
+    if (!now_changed && !changed && length <= 1e-17 * scale_ && worst <= 64 * static_cast<double>(real_eps)) {
+      write(p, s);
+      s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
+      const double mu = (1 / std::max(rate, 1e-16) - 1) / s_;
+      const double error = length + worst * scale_ / std::sqrt(std::max(mu, 1e-300));
+      s.status =
+          error <= std::max(10 * options.tolerance, 1e-12) * scale_ ? Status::solved : Status::solved_ill_conditioned;
+      return true;
+    }
+    changed = now_changed;
+    if (changed || pass == 0) {
+      if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+      if (changed) ++s.iterations;
+    }
+    step_ = far_force_.cast<double>();
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
+    factor_.solve(step_);
+    far_d_ += step_.cast<Real>();
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) far_l_[i] += Real(s_) * (violation_[i] - Real(row_dot(i, step_)));
+    last = length;
+    length = mass_norm(p, step_);
+    if (!std::isfinite(length)) return false;
+    if (!changed && length > 1e-16 * scale_) rate = std::min(1.0, length / last);
+  }
+  return false;
+}
+
+}  // namespace zwang
