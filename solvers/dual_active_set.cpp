@@ -39,6 +39,8 @@ void DualActiveSet::judge_again(const Problem& problem, double tolerance, Soluti
 
 void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   solution.reset(problem.size(), problem.rows());
+  if (reduce && reduced_.solve(problem, options, solution)) return;
+  solution.reset(problem.size(), problem.rows());
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;
   if (solution.status == Status::bad_input) {

@@ -2,6 +2,7 @@
 
 #include "solvers/goldfarb_idnani.h"
 #include "solvers/polish.h"
+#include "solvers/reduced_active_set.h"
 
 namespace zwang {
 
@@ -16,12 +17,15 @@ extern template class GoldfarbIdnani<double>;
 struct DualActiveSet {
   static constexpr std::string_view name = "dual_active_set";
 
+  bool reduce = true;  // the fast path of jointed bodies (reduced_active_set.h) first
+
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
   void write(const Problem& problem, Solution& solution) const;
   void judge_again(const Problem& problem, double tolerance, Solution& solution);
 
+  ReducedActiveSet reduced_;
   GoldfarbIdnani<double> method_;
   QrRows active_;
   Polish polish_;

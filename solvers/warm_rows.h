@@ -10,13 +10,16 @@ namespace zwang {
 // The inequality rows that carried a positive multiplier in an earlier frame, found by key, the largest force first.
 class WarmRows {
  public:
-  const std::vector<Index>& find(const Problem& problem, const Whitened& rows, const WarmStart* warm) {
+  // rows: BasicWhitened's or BodyRows' {row, equality, row_norm, rows()}.
+  template <class Rows>
+  const std::vector<Index>& find(const Problem& problem, const Rows& rows, const WarmStart* warm) {
     found_.clear();
     force_.clear();
     if (!warm) return found_;
     const std::size_t count = std::min(warm->key.size(), static_cast<std::size_t>(warm->lambda.size()));
-    order_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) order_[i] = i;
+    order_.clear();
+    for (std::size_t i = 0; i < count; ++i)
+      if (warm->lambda[static_cast<Index>(i)] > 0) order_.push_back(i);
     std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return warm->key[a] < warm->key[b]; });
     force_.resize(static_cast<std::size_t>(rows.rows()));
     for (Index i = 0; i < rows.rows(); ++i) {
@@ -26,9 +29,7 @@ class WarmRows {
       const auto place = std::lower_bound(order_.begin(), order_.end(), key,
                                           [&](std::size_t a, const RowKey& k) { return warm->key[a] < k; });
       if (place == order_.end() || warm->key[*place] != key) continue;
-      const double lambda = warm->lambda[static_cast<Index>(*place)];
-      if (!(lambda > 0)) continue;
-      force_[at] = lambda * rows.row_norm[i];
+      force_[at] = warm->lambda[static_cast<Index>(*place)] * rows.row_norm[i];
       found_.push_back(i);
     }
     std::sort(found_.begin(), found_.end(), [&](Index a, Index b) {

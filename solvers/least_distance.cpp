@@ -1,0 +1,284 @@
+#include "solvers/least_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zwang {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double rank_tolerance = 64 * epsilon, violation_tolerance = 8 * epsilon;  // as in goldfarb_idnani.h
+constexpr Index lanes = LeastDistance::lanes;
+using Lanes = Vec<double, lanes>;
+
+Index round_up(Index size) { return (size + lanes - 1) / lanes * lanes; }
+
+auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
+auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
+
+double dot(const double* x, const double* y, Index padded) {
+  Lanes sum = at(x, 0).cwiseProduct(at(y, 0));
+  for (Index k = lanes; k < padded; k += lanes) sum += at(x, k).cwiseProduct(at(y, k));
+  return sum.sum();
+}
+
+// y += scale x.
+void add(double scale, const double* x, double* y, Index padded) {
+  for (Index k = 0; k < padded; k += lanes) at(y, k) += scale * at(x, k);
+}
+
+}  // namespace
+
+void LeastDistance::reset(Index freedom, Index rows) {
+  freedom_ = freedom;
+  rows_ = rows;
+  padded_ = std::max(lanes, round_up(freedom));
+  padded_rows_ = std::max(lanes, round_up(rows));
+  if (A_.rows() != padded_ || A_.cols() < padded_rows_) A_.resize(padded_, padded_rows_);
+  if (Q_.rows() != padded_) {
+    Q_.resize(padded_, padded_);
+    T_.resize(padded_, padded_);
+    for (Vector* part : {&v_, &u_, &r_, &d_, &remainder_, &rest_}) part->resize(padded_);
+  }
+  if (At_.rows() < padded_rows_ || At_.cols() < padded_) {
+    At_.resize(padded_rows_, padded_);
+    for (Vector* part : {&b, &magnitude, &slack_}) part->resize(padded_rows_);
+  }
+  state_.assign(static_cast<std::size_t>(padded_rows_), State::resting);
+  active_.clear();
+  smallest_accepted = 1;
+  largest_rejected = 0;
+}
+
+void LeastDistance::start() {
+  for (Index k = 0; k < freedom_; ++k)
+    for (Index j = 0; j < rows_; ++j) At_(j, k) = A_(k, j);
+  for (Index j = rows_; j < At_.rows(); ++j) {
+    b[j] = -1;
+    magnitude[j] = 1;
+    At_.row(j).head(freedom_).setZero();
+  }
+  v_.setZero();
+  u_.setZero();
+  T_.setZero();
+  scan();
+}
+
+void LeastDistance::scan() {
+  for (Index j = 0; j < padded_rows_; j += lanes) {
+    Lanes sum = -at(b.data(), j);
+    for (Index k = 0; k < freedom_; ++k) sum += v_[k] * at(At_.col(k).data(), j);
+    at(slack_.data(), j) = sum;
+  }
+}
+
+Index LeastDistance::most_violated() const {
+  const double length = std::sqrt(fixed_length * fixed_length + dot(v_.data(), v_.data(), padded_));
+  Index worst = -1;
+  double least = 0;
+  for (Index j = 0; j < rows_; ++j)
+    if (slack_[j] < least && state_[static_cast<std::size_t>(j)] == State::resting &&
+        -slack_[j] > violation_tolerance * (magnitude[j] + length)) {
+      worst = j;
+      least = slack_[j];
+    }
+  return worst;
+}
+
+// Row p = Q d + remainder; r = T d. Returns the remainder's length.
+double LeastDistance::split(Index p) {
+  const Index q = size();
+  const double* a = A_.col(p).data();
+  double* rest = remainder_.data();
+  const auto orthogonalize = [&](const double* from, bool again) {
+    for (Index j = 0; j < q; ++j) rest_[j] = dot(Q_.col(j).data(), from, padded_);
+    for (Index j = 0; j < q; ++j) {
+      d_[j] = again ? d_[j] + rest_[j] : rest_[j];
+      add(-rest_[j], Q_.col(j).data(), rest, padded_);
+    }
+    return std::sqrt(dot(rest, rest, padded_));
+  };
+  for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
+  length_ = orthogonalize(a, false);
+  if (length_ * length_ < 0.5 * dot(a, a, padded_)) length_ = orthogonalize(rest, true);
+  const Index used = round_up(q);
+  for (Index k = 0; k < used; k += lanes) at(r_.data(), k).setZero();
+  for (Index j = 0; j < q; ++j) add(d_[j], T_.col(j).data(), r_.data(), round_up(j + 1));
+  return length_;
+}
+
+void LeastDistance::append(Index p, double multiplier) {
+  const Index q = size();
+  const double reciprocal = 1 / length_;
+  for (Index k = 0; k < padded_; k += lanes) at(Q_.col(q).data(), k) = reciprocal * at(remainder_.data(), k);
+  T_.col(q).setZero();
+  for (Index k = 0; k < q; ++k) T_(k, q) = -r_[k] * reciprocal;
+  T_(q, q) = reciprocal;
+  u_[q] = multiplier;
+  active_.push_back(p);
+  state_[static_cast<std::size_t>(p)] = State::active;
+  smallest_accepted = std::min(smallest_accepted, length_);
+}
+
+// Rotations of neighbouring columns gather row j of T in its last column, which leaves with it.
+void LeastDistance::drop(Index j) {
+  state_[static_cast<std::size_t>(active_[static_cast<std::size_t>(j)])] = State::resting;
+  active_.erase(active_.begin() + j);
+  const Index q = size();
+  for (Index k = j; k < q; ++k) {
+    const double x = T_(j, k), y = T_(j, k + 1), norm = std::sqrt(x * x + y * y);
+    const double c = y / norm, s = x / norm;
+    const auto rotate = [&](double* left, double* right, Index padded) {
+      for (Index i = 0; i < padded; i += lanes) {
+        const Lanes l = at(left, i), r = at(right, i);
+        at(left, i) = c * l - s * r;
+        at(right, i) = s * l + c * r;
+      }
+    };
+    rotate(T_.col(k).data(), T_.col(k + 1).data(), round_up(k + 2));
+    rotate(Q_.col(k).data(), Q_.col(k + 1).data(), padded_);
+  }
+  for (Index k = j; k < q; ++k) {
+    for (Index i = j; i <= k; ++i) T_(i, k) = T_(i + 1, k);
+    T_(k + 1, k) = 0;
+    u_[k] = u_[k + 1];
+  }
+  T_.col(q).setZero();
+}
+
+// (v, u) afresh from the factors.
+void LeastDistance::refresh() {
+  for (Index j = 0; j < size(); ++j) rest_[j] = b[active_[static_cast<std::size_t>(j)]];
+  solve_transposed(rest_);
+  combine(rest_, v_);
+  u_ = rest_;
+  solve(u_);
+}
+
+bool LeastDistance::restore_dual_feasibility() {
+  bool clean = true;
+  while (size() > 0) {
+    Index j = 0;
+    const auto u = u_.head(size());
+    if (!(u.minCoeff(&j) < -violation_tolerance * (u.cwiseAbs().maxCoeff() + v_.norm()))) break;
+    drop(j);
+    refresh();
+    clean = false;
+  }
+  for (Index j = 0; j < size(); ++j) u_[j] = std::max(0.0, u_[j]);
+  return clean;
+}
+
+bool LeastDistance::take(Index j) {
+  constexpr double clear = 1e-7;
+  if (size() == freedom_ || !(split(j) > clear)) return false;
+  append(j, 0);
+  return true;
+}
+
+void LeastDistance::settle() {
+  refresh();
+  restore_dual_feasibility();
+  scan();
+}
+
+bool LeastDistance::accept(const Vector& v, const Vector& u) {
+  v_ = v;
+  u_.head(size()) = u.head(size());
+  const bool clean = restore_dual_feasibility();
+  scan();
+  return clean && most_violated() < 0;
+}
+
+LeastDistance::End LeastDistance::climb(int& iterations, int most_iterations, const Deadline& deadline) {
+  for (Index p = most_violated(); p >= 0; p = most_violated()) {
+    double multiplier = 0;
+    for (bool entered = false; !entered;) {
+      if (iterations >= most_iterations) return End::iteration_limit;
+      if (deadline.passed()) return End::time_limit;
+      ++iterations;
+      const Index q = size();
+      const double length = split(p);
+      const double violation = std::max(0.0, -slack_[p]);
+
+      // The active row whose multiplier reaches zero first; ties go to the steepest.
+      double largest = 1;
+      for (Index j = 0; j < q; ++j) largest = std::max(largest, std::abs(r_[j]));
+      Index block = -1;
+      double step = 0;
+      for (Index j = 0; j < q; ++j) {
+        if (!(r_[j] > rank_tolerance * largest)) continue;
+        const double t = u_[j] / r_[j];
+        if (block >= 0 && !(t < step || (t == step && r_[j] > r_[block]))) continue;
+        step = t;
+        block = j;
+      }
+
+      // A combination of the active rows: contradicted by them, or satisfied to rounding, or one of them must leave.
+      const bool dependent = !(length > rank_tolerance);
+      if (dependent) {
+        largest_rejected = std::max(largest_rejected, length);
+        double size_of_terms = magnitude[p];
+        for (Index j = 0; j < q; ++j)
+          size_of_terms += std::abs(r_[j]) * magnitude[active_[static_cast<std::size_t>(j)]];
+        const bool holds = violation <= violation_tolerance * size_of_terms;
+        if (!holds && block < 0) return End::contradiction;
+        if (holds) {
+          state_[static_cast<std::size_t>(p)] = State::retired;
+          break;
+        }
+      }
+
+      const double full = dependent ? 0 : violation / (length * length);
+      const bool blocked = block >= 0 && (dependent || step < full);
+      if (!blocked) step = full;
+      add(-step, r_.data(), u_.data(), round_up(q));
+      multiplier += step;
+      if (!dependent) {
+        add(step, remainder_.data(), v_.data(), padded_);
+        for (Index j = 0; j < padded_rows_; j += lanes) {
+          Lanes sum = Lanes::Zero();
+          for (Index k = 0; k < freedom_; ++k) sum += remainder_[k] * at(At_.col(k).data(), j);
+          at(slack_.data(), j) += step * sum;
+        }
+      }
+      if (blocked) {
+        drop(block);
+        continue;
+      }
+      append(p, multiplier);
+      for (State& state : state_)
+        if (state == State::retired) state = State::resting;
+      entered = true;
+    }
+  }
+  return End::optimal;
+}
+
+void LeastDistance::solve_transposed(Vector& x) const {
+  for (Index j = size(); j-- > 0;) {
+    double sum = 0;
+    for (Index k = 0; k <= j; ++k) sum += T_(k, j) * x[k];
+    x[j] = sum;
+  }
+}
+
+void LeastDistance::solve(Vector& x) const {
+  for (Index i = 0; i < size(); ++i) {
+    const double own = x[i];
+    for (Index k = 0; k < i; ++k) x[k] += T_(k, i) * own;
+    x[i] = T_(i, i) * own;
+  }
+}
+
+void LeastDistance::project(const Vector& w, Vector& x) const {
+  for (Index j = 0; j < size(); ++j) x[j] = dot(Q_.col(j).data(), w.data(), padded_);
+}
+
+void LeastDistance::combine(const Vector& x, Vector& w) const {
+  w.setZero();
+  for (Index j = 0; j < size(); ++j) add(x[j], Q_.col(j).data(), w.data(), padded_);
+}
+
+}  // namespace zwang

@@ -1,0 +1,202 @@
+#include "solvers/reduced_active_set.h"
+
+#include <cmath>
+#include <limits>
+
+namespace zwang {
+namespace {
+
+// Pivots and remainders between these could go either way by the rounding of N.
+constexpr double clear_accepted = 1e-6, clear_rejected = 4e-15;
+constexpr long double rounding = 32 * std::numeric_limits<long double>::epsilon();
+
+}  // namespace
+
+void ReducedActiveSet::fill() {
+  const auto& inequalities = form_.inequalities();
+  const auto m = static_cast<Index>(inequalities.size());
+  climb_.reset(form_.freedom(), m);
+  for (Index j = 0; j < m; ++j) {
+    const Index i = inequalities[static_cast<std::size_t>(j)];
+    form_.reduce_row(i, climb_.row(j).data());
+    climb_.b[j] = form_.rows().h[i] - form_.rows().dot(i, form_.y_E());
+    climb_.magnitude[j] = form_.rows().magnitude[i];
+  }
+  climb_.fixed_length = form_.y_E().norm();
+  climb_.start();
+}
+
+bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  reason_ = {};
+  if (options.observe) return refuse("an observer");
+  if (!form_.build(p)) return refuse(form_.reason());
+  if (form_.smallest_pivot() < clear_accepted) return refuse("nearly dependent joints");
+  fill();
+
+  if (options.warm_start) {
+    column_.assign(static_cast<std::size_t>(form_.rows().rows()), -1);
+    for (std::size_t j = 0; j < form_.inequalities().size(); ++j)
+      column_[static_cast<std::size_t>(form_.inequalities()[j])] = static_cast<Index>(j);
+    for (const Index i : warm_.find(p, form_.rows(), options.warm_start))
+      climb_.take(column_[static_cast<std::size_t>(i)]);
+    climb_.settle();
+  }
+
+  solution.iterations = 0;
+  constexpr int rounds = 8;
+  for (int round = 0;; ++round) {
+    const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);
+    if (end != LeastDistance::End::optimal) return refuse("no clear optimum");
+    if (climb_.smallest_accepted < clear_accepted || climb_.largest_rejected > clear_rejected)
+      return refuse("nearly dependent active rows");
+    if (!refine(p)) return refuse("the refinement does not contract");
+    if (climb_.accept(v_, mu_)) break;
+    if (round == rounds) return refuse("decisions that rounding makes");
+  }
+  if (!rest_holds(p)) return refuse("a row violated by less than rounding in double");
+
+  solution.z = z_.cast<double>();
+  solution.lambda = lambda_.cast<double>();
+  for (const Index i : form_.inequalities()) {
+    double& own = solution.lambda[form_.rows().row[static_cast<std::size_t>(i)]];
+    own = std::max(0.0, own);
+  }
+  for (Index j = 0; j < climb_.rows(); ++j)
+    if (climb_.is_retired(j))
+      solution.redundant.push_back(
+          form_.rows().row[static_cast<std::size_t>(form_.inequalities()[static_cast<std::size_t>(j)])]);
+  solution.margins = {.rank = static_cast<Index>(form_.equalities().size() + climb_.active().size()),
+                      .smallest_accepted = std::min(form_.smallest_pivot(), climb_.smallest_accepted),
+                      .largest_rejected = climb_.largest_rejected};
+  solution.status = Status::solved;
+  return true;
+}
+
+// (z, lambda) of the climb's point.
+void ReducedActiveSet::begin_from_climb(const Problem& p) {
+  const BodyRows& rows = form_.rows();
+  const auto q = static_cast<Index>(climb_.active().size());
+  v_ = climb_.v();
+  mu_ = climb_.u();
+  form_.expand(v_, y_);
+  y_ += form_.y_E();
+  rest_ = y_;
+  for (Index j = 0; j < q; ++j) rows.add(active_row(j), -mu_[j], rest_);
+  form_.multipliers(rest_, mu_E_);
+
+  const Wide unit = std::ldexp(1.0L, rows.exponent);
+  lambda_.setZero(p.rows());
+  const auto set = [&](Index i, double value) {
+    lambda_[rows.row[static_cast<std::size_t>(i)]] = unit * (value / Wide(rows.row_norm[i]));
+  };
+  for (std::size_t k = 0; k < form_.equalities().size(); ++k) set(form_.equalities()[k], mu_E_[static_cast<Index>(k)]);
+  for (Index j = 0; j < q; ++j) set(active_row(j), mu_[j]);
+  z_.resize(p.size());
+  for (Index b = 0; b < rows.bodies(); ++b)
+    for (Index c = 0; c < 6; ++c)
+      z_[6 * b + c] = p.z_u[6 * b + c] + unit * Wide(rows.L_inverse[static_cast<std::size_t>(b)].col(c).dot(y_.col(b)));
+}
+
+// force = M (z_u - z) + J'lambda and c - J z over the rows that hold with equality, in long double, then whitened.
+void ReducedActiveSet::compute_residuals(const Problem& p) {
+  const BodyRows& rows = form_.rows();
+  const Wide unit = std::ldexp(1.0L, -rows.exponent);
+  force_.setZero(p.size());
+  for (Index j = 0; j < p.size(); ++j) {
+    const Wide displacement = Wide(p.z_u[j]) - z_[j];
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+      force_[it.row()] += Wide(it.value()) * displacement;
+  }
+  const auto visit = [&](Index i) {
+    const Index row = rows.row[static_cast<std::size_t>(i)];
+    Wide rest = p.c[row];
+    const Wide own = lambda_[row];
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
+      rest -= Wide(it.value()) * z_[it.col()];
+      force_[it.col()] += Wide(it.value()) * own;
+    }
+    return static_cast<double>(unit * rest / Wide(rows.row_norm[i]));
+  };
+  for (std::size_t k = 0; k < form_.equalities().size(); ++k)
+    sigma_E_[static_cast<Index>(k)] = visit(form_.equalities()[k]);
+  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j) sigma_I_[j] = visit(active_row(j));
+  for (Index b = 0; b < rows.bodies(); ++b) {
+    BodyRows::Lanes own = BodyRows::Lanes::Zero();
+    for (Index c = 0; c < 6; ++c)
+      own += static_cast<double>(unit * force_[6 * b + c]) * rows.L_inverse[static_cast<std::size_t>(b)].col(c);
+    rho_.col(b) = own;
+  }
+}
+
+// Solves dy - G_A'dmu = rho, G_A dy = sigma, and adds the correction. Returns |dy|.
+double ReducedActiveSet::correct(const Problem& p) {
+  const BodyRows& rows = form_.rows();
+  const auto q = static_cast<Index>(climb_.active().size());
+  form_.shift(sigma_E_, step_);
+  form_.reduce(rho_, s_v_);
+  for (Index j = 0; j < q; ++j) sigma_I_[j] -= rows.dot(active_row(j), step_);
+  climb_.solve_transposed(sigma_I_);
+  climb_.project(s_v_, dv_);
+  for (Index j = 0; j < q; ++j) sigma_I_[j] -= dv_[j];
+  climb_.combine(sigma_I_, dv_);
+  dv_ += s_v_;
+  climb_.solve(sigma_I_);  // now dmu
+
+  // Multipliers of the equality rows from what the rest leaves of dy - rho.
+  form_.expand(dv_, rest_);
+  step_ += rest_;
+  rest_ = step_ - rho_;
+  for (Index j = 0; j < q; ++j) rows.add(active_row(j), -sigma_I_[j], rest_);
+  form_.multipliers(rest_, mu_E_);
+
+  y_ += step_;
+  v_ += dv_;
+  mu_.head(q) += sigma_I_.head(q);
+  const Wide unit = std::ldexp(1.0L, rows.exponent);
+  const auto add = [&](Index i, double value) {
+    lambda_[rows.row[static_cast<std::size_t>(i)]] += unit * (value / Wide(rows.row_norm[i]));
+  };
+  for (std::size_t k = 0; k < form_.equalities().size(); ++k) add(form_.equalities()[k], mu_E_[static_cast<Index>(k)]);
+  for (Index j = 0; j < q; ++j) add(active_row(j), sigma_I_[j]);
+  for (Index b = 0; b < rows.bodies(); ++b)
+    for (Index c = 0; c < 6; ++c)
+      z_[6 * b + c] += unit * Wide(rows.L_inverse[static_cast<std::size_t>(b)].col(c).dot(step_.col(b)));
+  (void)p;
+  return step_.norm();
+}
+
+bool ReducedActiveSet::refine(const Problem& p) {
+  const Index bodies = form_.rows().bodies(), padded = climb_.padded();
+  for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
+  for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
+  for (Vector* part : {&mu_, &sigma_I_, &dv_, &s_v_, &v_}) part->setZero(padded);
+  begin_from_climb(p);
+
+  constexpr int passes = 4;
+  for (int pass = 0; pass < passes; ++pass) {
+    compute_residuals(p);
+    const double change = correct(p);
+    const double size = y_.norm() + form_.rows().free_norm;
+    // The next correction would be about change^2 / size.
+    if (change * change <= std::numeric_limits<double>::epsilon() / 32 * size * size) return true;
+  }
+  return false;
+}
+
+// The rows outside the active set, from the problem's own J and c: rounding in long double is all they may be short of.
+bool ReducedActiveSet::rest_holds(const Problem& p) const {
+  const BodyRows& rows = form_.rows();
+  const Wide unit = std::ldexp(1.0L, -rows.exponent), length = y_.norm();
+  for (Index j = 0; j < climb_.rows(); ++j) {
+    if (climb_.is_active(j)) continue;
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)], row = rows.row[static_cast<std::size_t>(i)];
+    Wide rest = p.c[row];
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
+      rest -= Wide(it.value()) * z_[it.col()];
+    if (unit * rest / Wide(rows.row_norm[i]) > rounding * (rows.magnitude[i] + length)) return false;
+  }
+  return true;
+}
+
+}  // namespace zwang

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "solvers/least_distance.h"
+#include "solvers/reduced_form.h"
+#include "solvers/warm_rows.h"
+
+namespace zwang {
+
+// The dual active-set method on the reduced form: the fast path of dual_active_set for clear problems of jointed
+// bodies.
+//
+// The answer is refined as in active_set_refinement.h, with residuals of the problem's own M, J, c in long double, and
+// every row outside the active set is held against it to that precision. Anything less than clear is left to the
+// careful path, whatever it costs: solve() then returns false and `reason` says why.
+class ReducedActiveSet {
+ public:
+  // True with solution solved; false where the careful path must decide.
+  bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+  std::string_view reason() const { return reason_; }
+
+ private:
+  using Motion = ReducedForm::Motion;
+  using Wide = long double;
+
+  bool refuse(std::string_view why) {
+    reason_ = why;
+    return false;
+  }
+  void fill();
+  bool refine(const Problem& problem);
+  void begin_from_climb(const Problem& problem);
+  void compute_residuals(const Problem& problem);
+  double correct(const Problem& problem);
+  bool rest_holds(const Problem& problem) const;
+  Index active_row(Index j) const {
+    return form_.inequalities()[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(j)])];
+  }
+
+  ReducedForm form_;
+  LeastDistance climb_;
+  WarmRows warm_;
+  std::vector<Index> column_;         // of a row in the climb
+  VectorX<Wide> z_, lambda_, force_;  // n; m; n
+  Motion y_, step_, rest_, rho_;
+  Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;
+  std::string_view reason_;
+};
+
+}  // namespace zwang

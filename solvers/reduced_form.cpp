@@ -1,0 +1,149 @@
+#include "solvers/reduced_form.h"
+
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+constexpr double clear_pivot = 1e-5;  // as in joint_tree.cpp
+constexpr Index most_freedom = 512;   // N is dense: beyond, rows that keep their zeros are worth more
+constexpr Index lanes = BodyRows::lanes;
+
+}  // namespace
+
+bool ReducedForm::build(const Problem& problem) {
+  reason_ = {};
+  if (!rows_.build(problem)) {
+    reason_ = "rows that are not of jointed bodies";
+    return false;
+  }
+  if (!tree_.factorize(rows_)) {
+    reason_ = tree_.reason();
+    return false;
+  }
+  inequalities_.clear();
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (!rows_.equality[static_cast<std::size_t>(i)]) inequalities_.push_back(i);
+  equalities_.assign(tree_.tree_rows().begin(), tree_.tree_rows().end());
+  equalities_.insert(equalities_.end(), tree_.cut().begin(), tree_.cut().end());
+  smallest_pivot_ = tree_.smallest_pivot();
+  if (tree_.freedom() > most_freedom) {
+    reason_ = "too many freedoms for a dense reduced form";
+    return false;
+  }
+  const auto tree_rows = static_cast<Index>(tree_.tree_rows().size());
+  all_.resize(tree_.freedom());
+  tree_mu_.resize(tree_rows);
+  sigma_.resize(static_cast<Index>(equalities_.size()));
+  rest_.resize(lanes, rows_.bodies());
+  y_E_.resize(lanes, rows_.bodies());
+  freedom_ = tree_.freedom() - static_cast<Index>(tree_.cut().size());
+  padded_ = (freedom_ + lanes - 1) / lanes * lanes;
+  if (tree_.cut().empty()) {
+    tree_.null_space(Nt_);
+  } else if (!close_loops()) {
+    reason_ = "loops whose joints are redundant";
+    return false;
+  }
+  for (std::size_t k = 0; k < equalities_.size(); ++k) sigma_[static_cast<Index>(k)] = rows_.h[equalities_[k]];
+  shift(sigma_, y_E_);
+  return true;
+}
+
+// (G_cut N)' = Q [R; 0] by reflections; the last columns of Q are what the loops leave of N.
+bool ReducedForm::close_loops() {
+  const Index f = tree_.freedom(), r = static_cast<Index>(tree_.cut().size());
+  if (r > f) return false;
+  cut_.resize(f, r);
+  scale_.resize(r);
+  beta_.resize(r);
+  cut_mu_.resize(r);
+  for (Index k = 0; k < r; ++k) {
+    rest_.setZero();
+    rows_.add(tree_.cut()[static_cast<std::size_t>(k)], 1, rest_);
+    tree_.reduce(rest_, all_);
+    cut_.col(k) = all_;
+  }
+  for (Index k = 0; k < r; ++k) {
+    auto v = cut_.col(k).tail(f - k);
+    const double norm = v.norm();
+    if (!(norm > clear_pivot)) return false;
+    smallest_pivot_ = std::min(smallest_pivot_, norm);
+    beta_[k] = v[0] > 0 ? -norm : norm;
+    scale_[k] = 1 / (beta_[k] * (beta_[k] - v[0]));
+    v[0] -= beta_[k];
+    for (Index l = k + 1; l < r; ++l) {
+      auto x = cut_.col(l).tail(f - k);
+      x -= (scale_[k] * v.dot(x)) * v;
+    }
+  }
+  turn_.setIdentity(f, f);
+  for (Index k = r; k-- > 0;) {
+    const auto v = cut_.col(k).tail(f - k);
+    for (Index c = k; c < f; ++c) {
+      auto x = turn_.col(c).tail(f - k);
+      x -= (scale_[k] * v.dot(x)) * v;
+    }
+  }
+  tree_.null_space(Nt_tree_);
+  Nt_.setZero(padded_, Nt_tree_.cols());
+  Nt_.topRows(freedom_).noalias() = turn_.rightCols(freedom_).transpose() * Nt_tree_.topRows(f);
+  return true;
+}
+
+void ReducedForm::reduce_row(Index i, double* padded_column) const {
+  const auto at = rows_.body[static_cast<std::size_t>(i)];
+  for (Index k = 0; k < padded_; k += lanes) {
+    Vec<double, lanes> sum = Vec<double, lanes>::Zero();
+    for (int side = 0; side < 2 && at[static_cast<std::size_t>(side)] >= 0; ++side) {
+      const Index first = 6 * at[static_cast<std::size_t>(side)];
+      for (Index c = 0; c < 6; ++c) sum += rows_.G(c, 2 * i + side) * Nt_.col(first + c).segment<lanes>(k);
+    }
+    Eigen::Map<Vec<double, lanes>>(padded_column + k) = sum;
+  }
+}
+
+void ReducedForm::reduce(const Motion& y, Vector& v) const {
+  if (tree_.cut().empty()) return tree_.reduce(y, v);
+  tree_.reduce(y, all_);
+  v.head(freedom_).noalias() = turn_.rightCols(freedom_).transpose() * all_;
+}
+
+void ReducedForm::expand(const Vector& v, Motion& y) const {
+  if (tree_.cut().empty()) return tree_.expand(v, y);
+  all_.noalias() = turn_.rightCols(freedom_) * v.head(freedom_);
+  tree_.expand(all_, y);
+}
+
+void ReducedForm::shift(const Vector& sigma, Motion& y) const {
+  tree_.shift(sigma, y);
+  const Index tree_rows = tree_mu_.size(), r = cut_.cols();
+  if (tree_.cut().empty()) return;
+  // R'w = what the tree's answer leaves of the rows that close loops; y += N Q w.
+  for (Index k = 0; k < r; ++k) {
+    double rest = sigma[tree_rows + k] - rows_.dot(equalities_[static_cast<std::size_t>(tree_rows + k)], y);
+    for (Index l = 0; l < k; ++l) rest -= cut_(l, k) * cut_mu_[l];
+    cut_mu_[k] = rest / beta_[k];
+  }
+  all_.noalias() = turn_.leftCols(r) * cut_mu_;
+  tree_.expand(all_, rest_);
+  y += rest_;
+}
+
+void ReducedForm::multipliers(const Motion& t, Vector& mu) const {
+  if (tree_.cut().empty()) return tree_.multipliers(t, mu);
+  const Index tree_rows = tree_mu_.size(), r = cut_.cols();
+  tree_.reduce(t, all_);
+  cut_mu_.noalias() = turn_.leftCols(r).transpose() * all_;
+  rest_ = t;
+  for (Index k = r; k-- > 0;) {
+    double own = cut_mu_[k];
+    for (Index l = k + 1; l < r; ++l) own -= cut_(k, l) * mu[tree_rows + l];
+    mu[tree_rows + k] = own / beta_[k];
+    rows_.add(equalities_[static_cast<std::size_t>(tree_rows + k)], -mu[tree_rows + k], rest_);
+  }
+  tree_.multipliers(rest_, tree_mu_);
+  mu.head(tree_rows) = tree_mu_;
+}
+
+}  // namespace zwang
