@@ -71,6 +71,13 @@ Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, do
   return c;
 }
 
+bool keeps_off(const Shape& a, const Relative& motion, const Closest& now, double room, double limit) {
+  if (motion.along_path()) return false;
+  const double slowest =
+      now.normal.dot(motion.start().drift) - now.normal.cross(motion.start().turn).norm() * a.reach();
+  return room >= 0 && room + limit * slowest - limit * limit * motion.bend() / 2 >= 0;
+}
+
 double safe_time(const Shape& a, const Relative& motion, const Part& part, Closest now, Strip strip, double limit) {
   const double radius = a.radius() + radius_of(part);
   const auto [land, aim] = strip;

@@ -72,6 +72,10 @@ inline Strip landing(double gap, double stop) {
   return {gap - room, gap - room - std::min(room, stop) / 2};
 }
 
+// May all of [0, limit] be gone without coming `room` [m] nearer to the plane through now.on_b across now.normal? What
+// lies beyond that plane is then met by nobody. Twists only; sufficient, not necessary.
+bool keeps_off(const Shape& a, const Relative& motion, const Closest& now, double room, double limit);
+
 // How far along [0, limit] the shape may go before the gap to the part (from `start`) falls to
 // strip.land. Directional conservative advancement, after Mirtich (1996) and Zhang, Lee & Kim (2006): over a step h
 // every corner a of the core keeps the separation along the present normal n

@@ -12,9 +12,11 @@ void Manifold::keep(std::uint32_t touch) {
   kept_.push_back(touch);
 }
 
-void Manifold::reduce(std::span<const Touch> touches) {
+void Manifold::reduce(std::span<const Touch> touches, bool all) {
   kept_.clear();
   is_kept_.assign(touches.size(), 0);
+  for (std::uint32_t i = 0; all && i < touches.size(); ++i) keep(i);
+  if (all) return;
   for (std::uint32_t first = 0, end = 0; first < touches.size(); first = end) {
     while (end < touches.size() && touches[end].a == touches[first].a) ++end;
     reduce_one(touches, first, end);
@@ -22,56 +24,57 @@ void Manifold::reduce(std::span<const Touch> touches) {
   std::sort(kept_.begin(), kept_.end());
 }
 
-// Greedy, by rising gap: a touch joins the first cluster whose first normal it is near to, or opens one. Within a
-// cluster, seen along its normal: the closest, the farthest from it, the farthest from the line through both, and the
-// farthest on the other side of that line.
+// Is the obstacle's point of `t` beyond the plane of `top`, and the body's point on this side of it? Whoever keeps off
+// that plane keeps off that point: so it is with all the triangles around the nearest one of a flat face, whose nearest
+// points lie at their edges and whose normals lean outward.
+static bool implied(const Touch& t, const Touch& top) {
+  constexpr double rounding = 1e-9;  // m
+  return t.b == top.b && top.normal.dot(t.point_b - top.point_b) <= rounding &&
+         top.normal.dot(t.point_a - top.point_b) >= 0;
+}
+
+// The closest touch that no cluster has taken opens one, which takes all on the same partner whose normals are near to
+// its own: one pass a cluster, no sorting. Within a cluster, seen along its normal: the closest, the farthest from it,
+// the farthest from the line through both, and the farthest on the other side of that line.
 void Manifold::reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end) {
   const double near = std::cos(options_.cone);
-  order_.resize(end - first);
-  for (std::uint32_t i = first; i < end; ++i) order_[i - first] = i;
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
-    return touches[i].gap != touches[j].gap ? touches[i].gap < touches[j].gap : i < j;
-  });
-  clusters_.clear();
-  cluster_of_.assign(order_.size(), -1);
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const Touch& t = touches[order_[k]];
-    auto home = std::find_if(clusters_.begin(), clusters_.end(),
-                             [&](const Cluster& c) { return c.b == t.b && c.normal.dot(t.normal) >= near; });
-    if (home == clusters_.end()) {
-      if (static_cast<int>(clusters_.size()) == options_.clusters) continue;
-      home = clusters_.insert(home, {t.b, t.normal, k, 0});
-    }
-    cluster_of_[k] = static_cast<int>(home - clusters_.begin());
-    ++home->count;
+  left_.resize(end - first);
+  for (std::uint32_t i = first; i < end; ++i) left_[i - first] = i;
+  for (int c = 0; c < options_.clusters && !left_.empty(); ++c) {
+    const std::uint32_t closest = *std::min_element(
+        left_.begin(), left_.end(), [&](std::uint32_t i, std::uint32_t j) { return touches[i].gap < touches[j].gap; });
+    const Touch& top = touches[closest];
+    members_.clear();
+    std::size_t others = 0;
+    for (const std::uint32_t i : left_)
+      if (touches[i].b == top.b && top.normal.dot(touches[i].normal) >= near)
+        members_.push_back(i);
+      else if (!implied(touches[i], top))
+        left_[others++] = i;
+    left_.resize(others);
+    keep_corners(touches, closest);
   }
-  for (int c = 0; c < static_cast<int>(clusters_.size()); ++c) {
-    const Cluster& cluster = clusters_[static_cast<std::size_t>(c)];
-    const auto point = [&](std::size_t k) -> const Vec3& { return touches[order_[k]].point_b; };
-    // The member for which `score` is largest, when it is larger than 0.
-    const auto best = [&](auto score) {
-      std::size_t winner = order_.size();
-      double most = 1e-12;
-      for (std::size_t k = cluster.first; k < order_.size(); ++k)
-        if (cluster_of_[k] == c)
-          if (const double s = score(point(k)); s > most) most = s, winner = k;
-      return winner;
-    };
-    int left = options_.per_cluster;
-    const auto take = [&](std::size_t k) {
-      if (left <= 0 || k == order_.size()) return false;
-      keep(order_[k]);
-      --left;
-      return true;
-    };
-    take(cluster.first);
-    const Vec3 p = point(cluster.first);
-    const std::size_t far = best([&](const Vec3& q) { return (q - p).squaredNorm(); });
-    if (!take(far)) continue;
-    const Vec3 across = cluster.normal.cross(point(far) - p);
-    take(best([&](const Vec3& q) { return across.dot(q - p); }));
-    take(best([&](const Vec3& q) { return -across.dot(q - p); }));
-  }
+}
+
+void Manifold::keep_corners(std::span<const Touch> touches, std::uint32_t closest) {
+  int left = options_.per_cluster;
+  // The member for which `score` is largest, when it is larger than 0.
+  const auto take = [&](auto score) {
+    if (left == 0) return closest;
+    std::uint32_t winner = closest;
+    double most = 1e-12;
+    for (const std::uint32_t i : members_)
+      if (const double s = score(touches[i].point_b); s > most) most = s, winner = i;
+    if (winner != closest) keep(winner), --left;
+    return winner;
+  };
+  keep(closest), --left;
+  const Vec3 p = touches[closest].point_b;
+  const std::uint32_t far = take([&](const Vec3& q) { return (q - p).squaredNorm(); });
+  if (far == closest) return;
+  const Vec3 across = touches[closest].normal.cross(touches[far].point_b - p);
+  take([&](const Vec3& q) { return across.dot(q - p); });
+  take([&](const Vec3& q) { return -across.dot(q - p); });
 }
 
 int Manifold::complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist,

@@ -22,7 +22,8 @@ class Manifold {
   explicit Manifold(ReduceOptions options = {}) : options_(options) {}
 
   // Chooses among `touches` (of World::touches, whose order it relies on: grouped by a).
-  void reduce(std::span<const Touch> touches);
+  // With `all` every touch is kept.
+  void reduce(std::span<const Touch> touches, bool all = false);
   std::span<const std::uint32_t> kept() const { return kept_; }
 
   // Lazy completion, after a solve that used the kept ones: every raw touch was promised a gap of at least `target`
@@ -33,20 +34,13 @@ class Manifold {
                double tolerance);
 
  private:
-  struct Cluster {
-    int b;
-    Vec3 normal;
-    std::size_t first;  // its closest touch; the others follow in members_
-    int count;
-  };
   void reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end);
+  void keep_corners(std::span<const Touch> touches, std::uint32_t closest);
   void keep(std::uint32_t touch);
 
   ReduceOptions options_;
-  std::vector<std::uint32_t> kept_, order_;
-  std::vector<int> cluster_of_;
+  std::vector<std::uint32_t> kept_, left_, members_;
   std::vector<char> is_kept_;
-  std::vector<Cluster> clusters_;
 };
 
 }  // namespace zwang::collision

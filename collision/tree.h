@@ -32,6 +32,14 @@ class Tree {
 
   std::span<const TreeNode> nodes() const { return nodes_; }
   std::span<const Triangle> triangles() const { return triangles_; }
+  // The triangles of a node's subtree, first and end: they lie together.
+  std::pair<std::uint32_t, std::uint32_t> range(std::size_t node) const {
+    const auto first = [this](std::size_t n) {
+      while (n < nodes_.size() && nodes_[n].leaf == 0) ++n;
+      return n < nodes_.size() ? nodes_[n].leaf / 8 : static_cast<std::uint32_t>(triangles_.size());
+    };
+    return {first(node), first(nodes_[node].skip)};
+  }
   // Where triangle t of this tree stood in the mesh.
   std::uint32_t origin(std::size_t t) const { return origin_[t]; }
   const Vec3& low() const { return low_; }

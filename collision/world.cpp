@@ -31,7 +31,11 @@ struct Region {
     }
   }
 
-  bool misses(const TreeNode& node) const {
+  // A node's box in the axes of A: its middle and half widths.
+  struct Seen {
+    Vec3 at, half;
+  };
+  bool misses(const TreeNode& node, Seen& seen) const {
     Vec3 middle, half;
     for (int k = 0; k < 3; ++k) {
       const double l = node.low[static_cast<std::size_t>(k)], h = node.high[static_cast<std::size_t>(k)];
@@ -41,8 +45,8 @@ struct Region {
     }
     for (int k = 0; k < 3; ++k) {
       const auto axis = a_in_b.rotation.col(k);
-      const double at = axis.dot(middle), r = axis.cwiseAbs().dot(half);
-      if (at - r > local_high[k] || at + r < local_low[k]) return true;
+      seen.at[k] = axis.dot(middle), seen.half[k] = axis.cwiseAbs().dot(half);
+      if (seen.at[k] - seen.half[k] > local_high[k] || seen.at[k] + seen.half[k] < local_low[k]) return true;
     }
     return false;
   }
@@ -54,12 +58,40 @@ struct Region {
   }
 };
 
-constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
-
-Part part_of(const World& world, int b, std::uint32_t triangle) {
-  if (const Tree* tree = world.mesh(b)) return {.triangle = &tree->triangles()[triangle]};
-  return {.shape = world.shape(b)};
+// The point of a core nearest to p, in the core's axes. Not for hulls.
+Vec3 nearest_of(const Shape& shape, const Vec3& p) {
+  const Vec3& h = shape.half();  // (0, h, 0) of a segment
+  return p.cwiseMax(-h).cwiseMin(h);
 }
+
+constexpr std::uint32_t patch_size = 64;  // triangles
+
+// One point for all triangles of a small subtree: the vertex that lies highest along n, the direction from the
+// subtree's middle to the core. The plane through it keeps all of them from the core: `distance` is a lower bound for
+// each, and the true distance of the vertex hardly more (a tenth of the stop distance and of the gap), or there is no
+// answer. A palm or a finger on a fine mesh has tens of thousands of triangles within reach, which say the same thing.
+bool stand_in(const Shape& shape, const Region& region, const Region::Seen& seen, std::span<const Triangle> triangles,
+              std::uint32_t first, double stop, Closest& out, std::uint32_t& winner) {
+  const Vec3 core = nearest_of(shape, seen.at), apart = core - seen.at;
+  const double length = apart.norm();
+  if (length <= shape.radius()) return false;
+  const double slack = (stop + length - shape.radius()) / 10;
+  const Vec3 n = apart / length, up = region.a_in_b.rotation * n;
+  // Off to the side by e, a vertex is e^2 / (2 length) farther than its plane; not under a flat side.
+  const bool beside = ((apart.array() != 0).count() > 1);
+  if (beside && seen.half.squaredNorm() > 8 * length * slack) return false;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (const Vec3& p : triangles[t].corner)
+      if (const double here = up.dot(p); here > highest) highest = here, out.on_b = p, winner = first + t;
+  out.normal = up;
+  out.distance = -n.cwiseAbs().dot(shape.half()) - (highest - up.dot(region.a_in_b.position));
+  const Vec3 local = region.a_in_b.rotation.transpose() * (out.on_b - region.a_in_b.position);
+  const double gap = out.distance - shape.radius();
+  return gap > stop / 2 && (local - nearest_of(shape, local)).norm() - out.distance <= (stop + gap) / 10;
+}
+
+constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
 
 }  // namespace
 
@@ -159,29 +191,42 @@ void World::gather(int a, int b, double activation, Found& found) const {
                   shape.radius() + (moves ? std::max(activation, 2 * margins_.stop + curve) : activation));
     if (moves && !motion.along_path()) region.include(motion.at(1).place, margins_.stop + curve + shape.radius());
     const std::span<const TreeNode> nodes = tree->nodes();
+    const std::span<const Triangle> triangles = tree->triangles();
+    Region::Seen seen;
     for (std::size_t i = 0; i < nodes.size();) {
       const TreeNode& node = nodes[i];
-      if (region.misses(node)) {
+      if (region.misses(node, seen)) {
         i = node.skip;
         continue;
+      }
+      if (shape.core() != Core::hull) {
+        const auto [begin, end] = tree->range(i);
+        Closest c;
+        std::uint32_t nearest;
+        if (end - begin <= patch_size &&
+            stand_in(shape, region, seen, triangles.subspan(begin, end - begin), begin, margins_.stop, c, nearest)) {
+          if (c.distance - shape.radius() <= reach) found.candidates.push_back({nearest, begin, end, c});
+          i = node.skip;
+          continue;
+        }
       }
       ++i;
       for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
         Triangle local;
         for (std::size_t k = 0; k < 3; ++k)
-          local.corner[k] = place.rotation.transpose() * (tree->triangles()[t].corner[k] - place.position);
+          local.corner[k] = place.rotation.transpose() * (triangles[t].corner[k] - place.position);
         if (region.misses(local)) continue;
         Closest c = closest(shape, local, shape.radius() + reach);
         if (c.distance - shape.radius() > reach) continue;
         c.normal = place.rotation * c.normal;
         c.on_b = place * c.on_b;
-        found.candidates.push_back({t, c});
+        found.candidates.push_back({t, t, t + 1, c});
       }
     }
   } else {
     const Shape& other = *this->shape(b);
     const Closest c = closest(shape, place, {.shape = &other}, 0);
-    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, c});
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 0, 1, c});
   }
   if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
 }
@@ -196,13 +241,32 @@ std::span<const Touch> World::touches(double activation) {
     const Tree* tree = mesh(pair.b);
     const double radius = shape(pair.a)->radius(), radius_b = tree ? 0 : shape(pair.b)->radius();
     for (std::size_t i = pair.first; i < pair.end; ++i) {
-      const auto& [triangle, c] = near_.candidates[i];
+      const auto& [triangle, first, end, c] = near_.candidates[i];
       const Vec3 n = of_b.rotation * c.normal, on_b = of_b * c.on_b + radius_b * n;
       const double gap = c.distance - radius - radius_b;
       touches_.push_back({pair.a, pair.b, tree ? tree->origin(triangle) : 0, gap, n, on_b + gap * n, on_b});
     }
   }
   return touches_;
+}
+
+// A patch is first taken for all that lies beyond its plane; only a motion that may cross the plane asks its triangles.
+double World::safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
+                        double limit) const {
+  const Shape& a = *shape(pair.a);
+  const Tree* tree = mesh(pair.b);
+  if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, strip, limit);
+  if (candidate.end - candidate.first == 1)
+    return collision::safe_time(a, motion, {.triangle = &tree->triangles()[candidate.triangle]}, candidate.closest,
+                                strip, limit);
+  if (keeps_off(a, motion, candidate.closest, candidate.closest.distance - a.radius() - strip.aim, limit)) return limit;
+  for (std::uint32_t t = candidate.first; t < candidate.end; ++t) {
+    const Part part{.triangle = &tree->triangles()[t]};
+    const Closest start = closest(a, motion.start().place, part, a.radius() + motion.travel() + strip.land);
+    if (start.distance - a.radius() > motion.travel() + strip.land) continue;
+    limit = collision::safe_time(a, motion, part, start, strip, limit);
+  }
+  return limit;
 }
 
 TimeOfContact World::time_of_contact(std::span<const Move> moves) {
@@ -241,16 +305,16 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
     if (of_a.still() && of_b.still()) continue;
     const Shape& shape = *this->shape(pair.a);
     const Relative motion(of_a, of_b, shape.reach());
+    const double radius = shape.radius() + (mesh(pair.b) ? 0 : this->shape(pair.b)->radius());
     double least = least_[static_cast<std::size_t>(pair.a)];
     if (!mesh(pair.b)) least = std::min(least, least_[static_cast<std::size_t>(pair.b)]);
     const Strip strip = landing(least, margins_.stop);
     for (std::size_t i = pair.first; i < pair.end; ++i) {
-      const auto& [triangle, start] = found.candidates[i];
-      const Part part = part_of(*this, pair.b, triangle);
-      const double gap = start.distance - shape.radius() - radius_of(part);
+      const Candidate& candidate = found.candidates[i];
+      const double gap = candidate.closest.distance - radius;
       if (gap > motion.travel() + strip.land) continue;
       if (gap <= touching) return {0, pair.a, pair.b, true};
-      const double time = safe_time(shape, motion, part, start, strip, out.time);
+      const double time = safe_time(pair, candidate, motion, strip, out.time);
       if (time < out.time) out = {time, pair.a, pair.b, false};
     }
   }

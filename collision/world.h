@@ -60,8 +60,10 @@ class World {
   const Tree* mesh(int collider) const;
   int size() const { return static_cast<int>(colliders_.size()); }
 
-  // Everything nearer than `activation` [m], one entry a shape and triangle, or a shape and shape. In the order of a,
-  // b, and the leaves of b's tree. Valid until the next call.
+  // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree: one entry a shape and
+  // shape, or a shape and triangle, or a shape and up to 64 triangles that one plane keeps off so well that their
+  // smallest gap is known to a tenth of itself and of the stop distance, and never too large. Valid until the next
+  // call.
   std::span<const Touch> touches(double activation);
 
   // The largest part of the step that all moves may make without any two colliders meeting (Algorithm 1 of the paper):
@@ -80,8 +82,9 @@ class World {
     double arm;         // m, from its origin to its farthest point
   };
   struct Candidate {
-    std::uint32_t triangle;  // in the tree's order
-    Closest closest;         // b's axes; the core of a against the triangle, or against the core of b
+    std::uint32_t triangle;    // in the tree's order
+    std::uint32_t first, end;  // the triangles it stands for
+    Closest closest;           // b's axes; the core of a against the triangle, or against the core of b
   };
   struct Pair {
     int a, b;
@@ -100,6 +103,8 @@ class World {
   double travel(int collider) const;
   void collect(double activation, Found& found);
   void gather(int a, int b, double activation, Found& found) const;
+  double safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
+                   double limit) const;
 
   Margins margins_;
   std::vector<Collider> colliders_;
