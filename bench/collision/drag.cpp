@@ -102,8 +102,8 @@ void HandDrag::aim() {
   std::copy(poses.begin(), poses.end(), target_.begin());
 }
 
-// z_u, scaled so that no point of the hand is asked to go farther in this frame than the target itself goes, thrice: a
-// hand that hangs behind an obstacle would otherwise be driven at it with all that it lags behind.
+// z_u, scaled so that no point of the hand is asked to go farther in this frame than half as far again as the target
+// goes: a hand that hangs behind an obstacle would otherwise be driven at it with all that it lags behind.
 double HandDrag::limited_coupling() {
   couple_to_targets(scene_, target_, reaching_stiffness(options_.dt), z_u_);
   double most = 0;
@@ -112,7 +112,7 @@ double HandDrag::limited_coupling() {
     const Shape& s = shapes_[static_cast<std::size_t>(b)];
     most = std::max(most, step.head<3>().norm() + step.tail<3>().norm() * (s.reach() + s.radius()));
   }
-  const double allowed = 3 * options_.speed * options_.dt + 0.1 * options_.spin;
+  const double allowed = 1.5 * options_.speed * options_.dt + 0.1 * options_.spin;
   if (most > allowed) z_u_ *= allowed / most;
   return std::min(most, allowed);
 }

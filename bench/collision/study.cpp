@@ -1,0 +1,186 @@
+#include "bench/collision/study.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "bench/collision/bullet_sweep.h"
+#include "bench/collision/meshes.h"
+#include "bench/scenes/physical.h"
+
+namespace zwang {
+namespace {
+
+using collision::Move;
+using collision::Shape;
+using collision::Tree;
+using collision::World;
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double quantile(std::vector<double> v, double q) {
+  if (v.empty()) return 0;
+  std::sort(v.begin(), v.end());
+  return v[std::min(v.size() - 1, static_cast<std::size_t>(q * static_cast<double>(v.size())))];
+}
+
+// The nearest surface, looked for within 1 cm.
+double gap_of(World& world) {
+  double least = 0.01;
+  for (const collision::Touch& t : world.touches(0.01)) least = std::min(least, t.gap);
+  return least;
+}
+
+}  // namespace
+
+DragStudy study_drag(const DragScene& scene, const DragOptions& options, const std::vector<Part>& parts,
+                     const Witness* audit, int frames) {
+  DragStudy s{.scene = scene.name, .parts = scene.parts, .speed = options.speed, .spin = options.spin};
+  for (const Part& p : parts) {
+    s.triangles += p.tree->triangles().size();
+    s.bytes_per_triangle += p.tree->bytes_per_triangle() * static_cast<double>(p.tree->triangles().size());
+  }
+  s.bytes_per_triangle /= static_cast<double>(s.triangles);
+  s.pieces = parts.size();
+
+  const auto start = std::chrono::steady_clock::now();
+  HandDrag drag(parts, options);
+  const auto look = [&](const std::vector<Pose<double>>& poses) {
+    for (std::size_t b = 0; b < drag.shapes().size(); ++b)
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        s.penetrations += audit->overlaps(drag.shapes()[b], poses[b], p, poses[drag.shapes().size() + p]);
+    s.audited += static_cast<long>(drag.shapes().size());
+  };
+  if (audit)
+    drag.watch = [&](std::span<const Move> moves, double time) {
+      double jumps = 1;
+      for (const Move& m : moves) {
+        const Shape* shape = drag.world().shape(m.collider);
+        const double way = m.twist.head<3>().norm() + m.twist.tail<3>().norm() * (shape ? shape->reach() : 0.15);
+        jumps = std::max(jumps, std::ceil(time * way / (shape ? shape->radius() : 0.006)));
+      }
+      std::vector<Pose<double>> poses;
+      for (int k = 1; k <= static_cast<int>(jumps); ++k) {
+        poses.clear();
+        for (int c = 0; c < drag.world().size(); ++c) poses.push_back(drag.world().pose(c));
+        for (const Move& m : moves)
+          poses[static_cast<std::size_t>(m.collider)] =
+              retract(drag.world().pose(m.collider), Vec<double, 6>(time * k / jumps * m.twist));
+        look(poses);
+      }
+    };
+  std::vector<double> times, touching;
+  for (int i = 0; i < frames; ++i) {
+    const DragFrame f = drag.step();
+    if (i < 20) continue;  // lists grow
+    times.push_back(f.seconds());
+    if (f.touching > 0) touching.push_back(f.seconds());
+    s.touches += f.touches, s.manifold += f.manifold, s.toc += f.toc;
+    s.raw += f.raw, s.kept += f.kept;
+    s.most_raw = std::max(s.most_raw, static_cast<double>(f.raw));
+    s.truncations += f.truncations, s.held += f.held, s.completed += f.completed, s.overlaps += f.overlap;
+    s.change = std::max(s.change, f.change);
+    s.gap = std::min(s.gap, f.gap);
+    s.body_frames += static_cast<long>(drag.shapes().size());
+    s.touching += f.touching;
+  }
+  s.frames = static_cast<int>(times.size());
+  for (double* mean : {&s.touches, &s.manifold, &s.toc, &s.raw, &s.kept}) *mean /= s.frames;
+  s.median = quantile(times, 0.5), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
+  s.worst = quantile(times, 1), s.touching_median = quantile(touching, 0.5);
+  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return s;
+}
+
+PairBench make_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
+  PairBench bench{
+      std::make_shared<const Tree>(meshes::bumpy_sphere(0.15, 0.006, 8, triangles)), Shape::capsule(0.04, 0.008), {}};
+  Draw draw(5);
+  World world;
+  world.add(bench.tree);
+  const int finger = world.add(bench.finger);
+  while (static_cast<int>(bench.placements.size()) < count) {
+    // From outside toward the middle until the gap is what was asked for.
+    const Vec3 out = draw.direction();
+    Pose<double> pose{0.25 * out, rotation(draw.cube(2))};
+    for (int k = 0; k < 60; ++k) {
+      world.place(finger, pose);
+      const double here = gap_of(world);
+      if (here < 0.01 && std::abs(here - gap) < 1e-3 * gap) break;
+      pose.position -= (here - gap) * out * (here < 0.01 ? 0.9 : 1);
+    }
+    world.place(finger, pose);
+    double least = 1;
+    Vec3 n = out;
+    for (const collision::Touch& t : world.touches(0.03))
+      if (t.gap < least) least = t.gap, n = t.normal;
+    if (std::abs(least - gap) > 0.05 * gap) continue;
+    const Vec3 along = n.unitOrthogonal();
+    Vec<double, 6> twist;
+    twist << 1e-3 * (motion == "pressing"  ? Vec3(-n)
+                     : motion == "sliding" ? along
+                                           : Vec3(0.7 * along - 0.7 * n)),
+        draw.cube(2e-3);
+    bench.placements.push_back({pose, twist});
+  }
+  return bench;
+}
+
+PairStudy study_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
+  constexpr double stop = 1e-4;
+  const PairBench bench = make_pairs(triangles, gap, motion, count);
+  PairStudy s{.triangles = bench.tree->triangles().size(), .gap = gap, .motion = motion, .placements = count};
+  World world;
+  world.add(bench.tree);
+  const int finger = world.add(bench.finger);
+  const Witness witness(std::span(&bench.tree, 1));
+  const BulletSweep bullet(*bench.tree);
+
+  std::vector<double> ours, fcl, bt;
+  const auto end_gap = [&](const PairBench::Placement& p, double time) {
+    world.place(finger, retract(p.pose, Vec<double, 6>(time * p.twist)));
+    return gap_of(world);
+  };
+  const auto note = [&](const PairBench::Placement& p, double time, int& hits, double& sum) {
+    const double here = end_gap(p, time);
+    if (time < 1) ++hits, sum += here;
+    return here;
+  };
+  for (int round = 0; round < 2; ++round) {  // the first warms up
+    ours.clear(), fcl.clear(), bt.clear();
+    s.ours_hits = s.fcl_hits = s.bullet_hits = s.true_hits = 0;
+    s.ours_stop = s.fcl_stop = s.bullet_stop = 0;
+    for (const PairBench::Placement& p : bench.placements) {
+      world.place(finger, p.pose);
+      const Move move{finger, p.twist};
+      double start = cpu_seconds();
+      const double a = world.time_of_contact({&move, 1}).time;
+      ours.push_back(cpu_seconds() - start);
+      start = cpu_seconds();
+      const double b = witness.advance(bench.finger, p.pose, p.twist, 0, stop).time;
+      fcl.push_back(cpu_seconds() - start);
+      start = cpu_seconds();
+      const double c = bullet.time(bench.finger, p.pose, retract(p.pose, p.twist));
+      bt.push_back(cpu_seconds() - start);
+      s.smallest_gap = std::min(s.smallest_gap, note(p, a, s.ours_hits, s.ours_stop));
+      note(p, b, s.fcl_hits, s.fcl_stop);
+      note(p, c, s.bullet_hits, s.bullet_stop);
+      // Would the whole motion have come within the stop distance? Sampled finely.
+      double least = 1;
+      for (int k = 0; k <= 20 && least > stop; ++k) least = std::min(least, end_gap(p, k / 20.0));
+      s.true_hits += least <= stop;
+    }
+  }
+  s.ours_stop /= std::max(1, s.ours_hits), s.fcl_stop /= std::max(1, s.fcl_hits),
+      s.bullet_stop /= std::max(1, s.bullet_hits);
+  s.ours = quantile(ours, 0.5), s.fcl = quantile(fcl, 0.5), s.bullet = quantile(bt, 0.5);
+  s.ours_p95 = quantile(ours, 0.95), s.fcl_p95 = quantile(fcl, 0.95), s.bullet_p95 = quantile(bt, 0.95);
+  return s;
+}
+
+}  // namespace zwang
