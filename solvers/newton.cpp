@@ -93,7 +93,9 @@ bool Newton::start(const Problem& p) {
   constexpr double strong = 1e6;
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
   if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+  double last = infinity, length = infinity;
   for (int pass = 0; pass < 3; ++pass) {
+    last = length;
     multiply_mass(p, d_, product_);
     step_ = -product_;
     for (Index i = 0; i < rows_.rows(); ++i) {
@@ -103,6 +105,7 @@ bool Newton::start(const Problem& p) {
     }
     factor_.solve(step_);
     d_ += step_;
+    length = mass_norm(p, step_);
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) l_[i] += strong * (slack_[i] - row_dot(i, step_));
   }
@@ -120,6 +123,7 @@ bool Newton::start(const Problem& p) {
     return false;
   }
   s_ = strong;
+  rate_ = last > 0 ? length / last : 0;
   return true;
 }
 
@@ -167,7 +171,9 @@ bool Newton::line_search(double s) {
   return whole;
 }
 
-Newton::End Newton::descend(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+// Until a step of l moves d by less than `close`, relative.
+Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline,
+                            Solution& s) {
   double last_move = infinity;
   for (;;) {
     start_ = d_;
@@ -190,17 +196,17 @@ Newton::End Newton::descend(const Problem& p, const SolveOptions& options, const
       factor_.solve(step_);
       for (Index i = 0; i < rows_.rows(); ++i) change_[i] = row_dot(i, step_);
       multiply_mass(p, step_, product_);
+      length = std::sqrt(std::max(0.0, product_.dot(step_)));
       const bool whole = line_search(s_);
       for (Index j = 0; j < step_.size(); ++j)
         step_[j] *= search_[at(factor_.part_of_position(static_cast<int>(j)))].step;
       d_ += step_;
-      length = mass_norm(p, step_);
       scale_ = std::max(rows_.free_length, mass_norm(p, d_));
       if (!std::isfinite(length)) return End::stuck;
       bool same = whole;
       for (Index i = 0; i < rows_.rows() && same; ++i)
         same = is_equality(i) || (weight_[i] != 0) == (term_[i] - s_ * change_[i] > 0);
-      settled = same || length <= 1e-3 * std::min(last_move, scale_) * 1e-2 || length <= 1e-13 * scale_;
+      settled = same || length <= 1e-5 * std::min(last_move, scale_) || length <= 1e-13 * scale_;
       if (options.observe) {
         far_d_ = d_.cast<Real>();
         far_l_ = term_.cast<Real>();
@@ -210,15 +216,16 @@ Newton::End Newton::descend(const Problem& p, const SolveOptions& options, const
         options.observe(s.iterations, s.z, s.lambda);
       }
     }
-    double violated = 0;
+    double gain = 0;  // h'u of the step u of l
     for (Index i = 0; i < rows_.rows(); ++i) {
-      const double slack = h_[i] - row_dot(i, d_), term = l_[i] + s_ * slack;
+      const double before = l_[i], term = before + s_ * (h_[i] - row_dot(i, d_));
       l_[i] = is_equality(i) ? term : std::max(0.0, term);
-      violated = std::max(violated, (is_equality(i) ? std::abs(slack) : slack) / (rows_.magnitude[i] + scale_));
+      if (is_equality(i) || l_[i] > before) gain += (l_[i] - before) * h_[i];
     }
     step_ = d_ - start_;
     const double move = mass_norm(p, step_);
-    if (move <= 1e-7 * scale_ && (violated <= 1e-9 || s_ >= largest_penalty)) return End::settled;
+    if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
+    if (move <= close * scale_) return gain >= 1e8 * reach_ * move && certify(p, s) ? End::infeasible : End::settled;
     if (move > 0.1 * last_move) s_ = std::min(10 * s_, largest_penalty);
     last_move = move;
   }
@@ -250,15 +257,20 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   prepare(p, options.warm_start);
   s_ = penalty;
+  rate_ = 1;
+  reach_ = std::max(rows_.free_length, 1.0);
   if (!options.warm_start && hold_all) start(p);
-  const End end = descend(p, options, deadline, s);
-  if (end == End::limit) {
-    far_d_ = d_.cast<Real>();
-    far_l_ = l_.cast<Real>();
-    write(p, s);
-    return;
+  for (const double close : {1e-5, 1e-9}) {
+    const End end = descend(p, close, options, deadline, s);
+    if (end == End::limit) {
+      far_d_ = d_.cast<Real>();
+      far_l_ = l_.cast<Real>();
+      write(p, s);
+    }
+    if (end == End::limit || end == End::infeasible) return;
+    if (end == End::stuck) break;
+    if (polish(p, options, s)) return;
   }
-  if (end == End::settled && polish(p, options, s)) return;
 
   if (p.size() * rows_.rows() <= largest_dense) {
     SolveOptions rest = options;

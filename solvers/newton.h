@@ -27,7 +27,7 @@ namespace zwang {
 // enough goes to the dual active-set method, flagged as a fallback; a larger one is reported as what it is.
 struct Newton {
   static constexpr std::string_view name = "newton";
-  double penalty = 1e4;  // s at the start
+  double penalty = 100;  // s at the start
   bool hold_all = true;  // start from all near rows held
 
   static std::vector<Setting<Newton>> settings() {
@@ -40,7 +40,7 @@ struct Newton {
  private:
   using Real = long double;
   using RealVector = VectorX<Real>;
-  enum class End { settled, limit, stuck };
+  enum class End { settled, limit, infeasible, stuck };
 
   struct Search {  // the line search of one part
     double zero = 0, linear = 0, quadratic = 0, step = 1, low = 0, high = 0, derivative = 0, slope = 0;
@@ -57,11 +57,12 @@ struct Newton {
 
   void weigh(double s);
   bool start(const Problem& p);
-  End descend(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
+  End descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline, Solution& s);
   bool line_search(double s);
 
   bool polish(const Problem& p, const SolveOptions& options, Solution& solution);
   void extended_force(const Problem& p);
+  bool certify(const Problem& p, Solution& solution);
   void write(const Problem& p, Solution& solution) const;
 
   UnitRows rows_;
@@ -76,7 +77,9 @@ struct Newton {
   Vector l_, h_, slack_, term_, change_, weight_;     // rows; slack_ = h - G d, term_ = l + s slack
   std::vector<Search> search_;
   RealVector far_d_, far_l_, far_force_, violation_;
-  double s_ = 0, scale_ = 0;
+  Vector whole_, certificate_;  // n, m
+  double s_ = 0, scale_ = 0, reach_ = 0;
+  double rate_ = 1;  // by which an exact step of l shrinks the error, as last seen
 
   DualActiveSet exact_;
 };

@@ -33,7 +33,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) 
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
-  double last = std::numeric_limits<double>::infinity(), length = last, rate = 1, worst = 0;
+  double last = std::numeric_limits<double>::infinity(), length = last, worst = 0;
   bool changed = true;
   for (int pass = 0; pass < 40; ++pass) {
     extended_force(p);
@@ -59,10 +59,10 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) 
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0)
         worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
-    if (!now_changed && !changed && length <= 1e-17 * scale_ && worst <= 64 * static_cast<double>(real_eps)) {
+    if (!now_changed && !changed && length <= 1e-17 * scale_ && worst <= 8 * static_cast<double>(real_eps)) {
       write(p, s);
       s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
-      const double mu = (1 / std::max(rate, 1e-16) - 1) / s_;
+      const double mu = (1 / std::clamp(rate_, 1e-16, 1.0) - 1) / s_;
       const double error = length + worst * scale_ / std::sqrt(std::max(mu, 1e-300));
       s.status =
           error <= std::max(10 * options.tolerance, 1e-12) * scale_ ? Status::solved : Status::solved_ill_conditioned;
@@ -83,7 +83,51 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) 
     last = length;
     length = mass_norm(p, step_);
     if (!std::isfinite(length)) return false;
-    if (!changed && length > 1e-16 * scale_) rate = std::min(1.0, length / last);
+    if (!changed && last < std::numeric_limits<double>::infinity() && last > 1e-15 * scale_) rate_ = length / last;
+  }
+  return false;
+}
+
+// Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
+// vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction as in
+// the polish, and the vector is judged as the referee will see it: rounded to double.
+bool Newton::certify(const Problem& p, Solution& s) {
+  far_d_.setZero();
+  for (Index i = 0; i < rows_.rows(); ++i)
+    far_l_[i] = is_equality(i) ? h_[i] - row_dot(i, d_) : weight_[i] != 0 ? std::max(0.0, h_[i] - row_dot(i, d_)) : 0;
+  const Real least = 1e-9L * far_l_.lpNorm<Eigen::Infinity>();
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    if (std::abs(far_l_[i]) <= least) far_l_[i] = 0;
+    weight_[i] = far_l_[i] != 0 ? s_ : 0;
+  }
+  if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+  for (int pass = 0; pass < 12; ++pass) {
+    extended_force(p);
+    step_ = far_force_.cast<double>();
+    factor_.solve(step_);
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) far_l_[i] -= Real(s_) * row_dot(i, step_);
+  }
+  Real work = 0, noise = 0;
+  double reach = reach_;
+  whole_.setZero(p.size());
+  certificate_.setZero(p.rows());
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    if (!is_equality(i) && far_l_[i] < 0) far_l_[i] = 0;
+    double& u = certificate_[rows_.row[at(i)]];
+    u = static_cast<double>(far_l_[i] / Real(rows_.norm[i]));
+    far_l_[i] = Real(u) * Real(rows_.norm[i]);
+    work += far_l_[i] * rows_.h[i];
+    noise += std::abs(far_l_[i]) * Real(rows_.magnitude[i]);
+    if (u != 0) reach = std::max(reach, std::abs(h_[i]));
+  }
+  extended_force(p);
+  for (int j = 0; j < factor_.size(); ++j) whole_[factor_.column(j)] = static_cast<double>(far_force_[j] / noise);
+  if (p.size() > 0) rows_.factor.solve_lower(whole_);
+  if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * whole_.norm()) {
+    s.certificate = certificate_;
+    s.status = Status::infeasible;
+    return true;
   }
   return false;
 }

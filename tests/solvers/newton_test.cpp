@@ -1,0 +1,107 @@
+// What the solver for large stacks promises beyond the contract.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "bench/scenes/catalog.h"
+#include "core/measure.h"
+#include "solvers/newton.h"
+#include "tests/solvers/count_allocations.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+using test::z_error;
+
+Solution solve(AnySolver& solver, const Problem& problem) {
+  Solution s;
+  solver.solve(problem, {}, s);
+  return s;
+}
+
+TEST(Newton, AWallAndATowerOfThousandBoxesAtRestStayAtRest) {
+  for (const char* scene : {"wall(boxes=1000,push=0)", "tower(boxes=1000)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    AnySolver solver = Newton();
+    const Solution s = solve(solver, problem);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_FALSE(s.fallback) << scene;
+    EXPECT_LE(z_error(problem, s.z, Vector::Zero(problem.size())), 1e-15) << scene;
+  }
+}
+
+TEST(Newton, PushedWallsAgreeWithTheDualActiveSet) {
+  for (const char* scene : {"wall(boxes=60)", "wall(boxes=60,push=2,seed=3)", "stack(boxes=60,push=1)",
+                            "pile(spheres=30)", "hands(hands=3,contacts=16)", "arch(stones=9)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    AnySolver newton = Newton(), exact = DualActiveSet();
+    const Solution s = solve(newton, problem), truth = solve(exact, problem);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    ASSERT_EQ(truth.status, Status::solved) << scene << ": " << truth.message;
+    EXPECT_LE(z_error(problem, s.z, truth.z), 1e-12) << scene;
+  }
+}
+
+// Independent parts are searched apart: a hand takes the same point alone and among others.
+TEST(Newton, HandsDoNotDisturbEachOther) {
+  const Problem both = make_scenes("hands(hands=6,contacts=16)").front().problem;
+  AnySolver solver = Newton();
+  const Solution s = solve(solver, both);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  AnySolver exact = DualActiveSet();
+  EXPECT_LE(z_error(both, s.z, solve(exact, both).z), 1e-13);
+}
+
+// Too large for the dense method: the proof must come from the sparse one. The first brick is asked to sink.
+TEST(Newton, AWallThatCannotStandIsInfeasibleWithAProof) {
+  Problem problem = make_scenes("wall(boxes=400)").front().problem;
+  const Index m = problem.rows();
+  ASSERT_GT(problem.size() * (m + 1), 2000000);
+  Eigen::SparseMatrix<double, Eigen::RowMajor> J(m + 4, problem.size());
+  J.topRows(m) = problem.J;
+  problem.c.conservativeResize(m + 4);
+  for (Index i = 0; i < 4; ++i) {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(problem.J, i); it; ++it)
+      J.insert(m + i, it.col()) = -it.value();
+    problem.c[m + i] = 1 - problem.c[i];
+    problem.kind.push_back(RowKind::inequality);
+    problem.key.push_back({1u << 30, static_cast<std::uint32_t>(i)});
+  }
+  J.makeCompressed();
+  problem.J = J;
+  AnySolver solver = Newton();
+  const Solution s = solve(solver, problem);
+  ASSERT_EQ(s.status, Status::infeasible) << to_string(s.status) << ": " << s.message;
+  EXPECT_FALSE(s.fallback);
+  EXPECT_EQ(measure(problem, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
+}
+
+TEST(Newton, SecondSolveOfAWallAllocatesNothingAndGivesTheSameBits) {
+  const Problem problem = make_scenes("wall(boxes=200,push=1)").front().problem;
+  AnySolver solver = Newton();
+  Solution first, second;
+  solver.solve(problem, {}, first);
+  solver.solve(problem, {}, second);
+  const long before = allocations();
+  solver.solve(problem, {}, second);
+  EXPECT_EQ(allocations() - before, 0);
+  ASSERT_EQ(first.z.size(), second.z.size());
+  EXPECT_EQ(std::memcmp(first.z.data(), second.z.data(), sizeof(double) * static_cast<std::size_t>(first.z.size())), 0);
+}
+
+TEST(Newton, AWarmStartSavesStepsAndGivesTheSameMotion) {
+  const Problem problem = make_scenes("wall(boxes=100,push=2,seed=3)").front().problem;
+  AnySolver solver = Newton();
+  const Solution cold = solve(solver, problem);
+  const WarmStart warm{.key = problem.key, .lambda = cold.lambda};
+  Solution again;
+  solver.solve(problem, {.warm_start = &warm}, again);
+  ASSERT_EQ(again.status, Status::solved) << again.message;
+  EXPECT_LT(again.iterations, cold.iterations);
+  EXPECT_LE(z_error(problem, again.z, cold.z), 1e-14);
+}
+
+}  // namespace
+}  // namespace zwang
