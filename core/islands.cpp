@@ -16,23 +16,37 @@ Index count_entries(const Sparse& A, const std::vector<Index>& outer) {
 }
 
 // `part` becomes the chosen rows (columns) of the compressed matrix A, its inner indices renumbered. Entries that leave
-// the island are stored zeros.
+// the island are stored zeros. An island of neighbouring unknowns, as assembly makes them, needs no look-up.
 template <class Sparse>
-void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& local,
-             const std::vector<Index>& island, Index mine, Index rows, Index cols, Sparse& part) {
+void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& inner,
+             const std::vector<Index>& local, const std::vector<Index>& island, Index rows, Index cols, Sparse& part) {
   if (part.rows() != rows || part.cols() != cols) part.resize(rows, cols);  // Eigen's would allocate for no rows
   part.resizeNonZeros(count_entries(A, outer));
+  int* start = part.outerIndexPtr();
+  int* index = part.innerIndexPtr();
+  double* value = part.valuePtr();
   int at = 0;
-  for (std::size_t k = 0; k < outer.size(); ++k) {
-    part.outerIndexPtr()[k] = at;
-    for (typename Sparse::InnerIterator it(A, outer[k]); it; ++it) {
-      const auto inner = static_cast<std::size_t>(it.index());
-      if (island[inner] != mine) continue;
-      part.innerIndexPtr()[at] = static_cast<int>(local[inner]);
-      part.valuePtr()[at++] = it.value();
+  const auto copy = [&](const auto& place_of) {
+    for (const Index k : outer) {
+      *start++ = at;
+      for (int e = A.outerIndexPtr()[k]; e < A.outerIndexPtr()[k + 1]; ++e) {
+        const Index place = place_of(A.innerIndexPtr()[e]);
+        if (place < 0) continue;
+        index[at] = static_cast<int>(place);
+        value[at++] = A.valuePtr()[e];
+      }
     }
-  }
-  part.outerIndexPtr()[outer.size()] = at;
+    *start = at;
+  };
+  const auto count = static_cast<Index>(inner.size());
+  const Index first = count > 0 ? inner.front() : 0;
+  if (count == 0 || inner.back() - first + 1 == count)
+    copy([&](int k) { return k >= first && k < first + count ? k - first : -1; });
+  else
+    copy([&](int k) {
+      const auto s = static_cast<std::size_t>(k);
+      return island[s] == island[static_cast<std::size_t>(first)] ? local[s] : -1;
+    });
   part.resizeNonZeros(at);
 }
 
@@ -63,9 +77,10 @@ Index Islands::root(Index unknown) {
   return static_cast<Index>(k);
 }
 
-void Islands::couple(Index a, Index b) {
-  const Index ra = root(a), rb = root(b);
-  parent_[static_cast<std::size_t>(std::max(ra, rb))] = std::min(ra, rb);
+Index Islands::couple(Index a, Index b) {
+  const Index ra = root(a), rb = root(b), both = std::min(ra, rb);
+  parent_[static_cast<std::size_t>(std::max(ra, rb))] = both;
+  return both;
 }
 
 Island& Islands::next_island() {
@@ -76,7 +91,12 @@ Island& Islands::next_island() {
   return island;
 }
 
-void Islands::split(const Problem& p) {
+void Islands::split(const Problem& problem) {
+  find(problem);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
+}
+
+void Islands::find(const Problem& p) {
   require_matching_sizes(p);
   const Index n = p.size(), m = p.rows();
   parent_.resize(static_cast<std::size_t>(n));
@@ -84,11 +104,11 @@ void Islands::split(const Problem& p) {
   local_.resize(static_cast<std::size_t>(n));
   for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k;
 
-  const auto couple_inner = [&](const auto& A, Index outer, Index first) {
+  // Most entries stand under the root of their row already.
+  const auto couple_inner = [&](const auto& A, Index outer, Index home) {
     for (typename std::decay_t<decltype(A)>::InnerIterator it(A, outer); it; ++it) {
-      if (it.value() == 0) continue;
-      if (first >= 0) couple(first, it.index());
-      first = it.index();
+      if (it.value() == 0 || parent_[static_cast<std::size_t>(it.index())] == home) continue;
+      home = home < 0 ? root(it.index()) : couple(home, it.index());
     }
   };
   for (Index k = 0; k < n; ++k) couple_inner(p.M, k, k);
@@ -108,25 +128,22 @@ void Islands::split(const Problem& p) {
   }
   if (n == 0) next_island();
   for (Index i = 0; i < m; ++i) {
-    std::size_t home = 0;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
-      if (it.value() != 0) home = static_cast<std::size_t>(island_[static_cast<std::size_t>(it.index())]);
-    islands_[home].rows.push_back(i);
+    Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i);
+    while (it && it.value() == 0) ++it;
+    islands_[it ? static_cast<std::size_t>(island_[static_cast<std::size_t>(it.index())]) : 0].rows.push_back(i);
   }
-  for (std::size_t k = 0; k < count_; ++k) fill(p, islands_[k]);
 }
 
 void Islands::fill(const Problem& p, Island& island) {
   Problem& part = island.problem;
   const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
-  const Index mine = n > 0 ? island_[static_cast<std::size_t>(island.columns[0])] : 0;
   part.name = p.name;
   part.z_u.resize(n);
   part.c.resize(m);
   part.kind.resize(island.rows.size());
   part.key.resize(island.rows.size());
-  extract(p.M, island.columns, local_, island_, mine, n, n, part.M);
-  extract(p.J, island.rows, local_, island_, mine, m, n, part.J);
+  extract(p.M, island.columns, island.columns, local_, island_, n, n, part.M);
+  extract(p.J, island.rows, island.columns, local_, island_, m, n, part.J);
   for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
   for (std::size_t i = 0; i < island.rows.size(); ++i) {
     const Index row = island.rows[i];
@@ -137,7 +154,9 @@ void Islands::fill(const Problem& p, Island& island) {
 }
 
 void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
-  split(problem);
+  find(problem);
+  if (count_ == 1) return solver.solve(problem, options, solution);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
   solution.reset(problem.size(), problem.rows());
   SolveOptions quiet = options;
   quiet.observe = nullptr;

@@ -27,12 +27,13 @@ class Islands {
   // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
   // its certificate padded with zeros being one of the whole. Iterations are added up, margins are the closest ones,
   // messages name their island. The limits of `options` hold per island; the observer is not called (iterates of
-  // problems solved apart are no iterates of the whole).
+  // problems solved apart are no iterates of the whole). A problem that is one island goes to the solver as it is.
   void solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
   Index root(Index unknown);
-  void couple(Index a, Index b);
+  Index couple(Index a, Index b);
+  void find(const Problem& problem);
   Island& next_island();
   void fill(const Problem& problem, Island& island);
   void join(const Island& island, const Solution& part, Index rows, Solution& whole) const;
