@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "bench/suite/neutral_kernel.h"
+
 namespace zwang {
 namespace {
 
@@ -29,17 +31,20 @@ bool has_answer(const Timed& t) {
 // Google Benchmark's reporter: takes the repetitions' times, prints nothing.
 class Samples final : public benchmark::BenchmarkReporter {
  public:
-  explicit Samples(std::vector<Timed>& timed) : timed_(timed) {}
+  Samples(std::vector<Timed>& timed, std::vector<double>& kernel) : timed_(timed), kernel_(kernel) {}
   bool ReportContext(const Context&) override { return true; }
   void ReportRuns(const std::vector<Run>& repetitions) override {
     for (const Run& r : repetitions)
-      if (r.run_type == Run::RT_Iteration && !r.error_occurred)
-        timed_[std::stoul(r.run_name.function_name)].samples.push_back(r.real_accumulated_time /
-                                                                       static_cast<double>(r.iterations));
+      if (r.run_type == Run::RT_Iteration && !r.error_occurred) {
+        const std::size_t i = std::stoul(r.run_name.function_name);
+        (i < timed_.size() ? timed_[i].samples : kernel_)
+            .push_back(r.real_accumulated_time / static_cast<double>(r.iterations));
+      }
   }
 
  private:
   std::vector<Timed>& timed_;
+  std::vector<double>& kernel_;
 };
 
 void initialize_google_benchmark() {
@@ -94,7 +99,8 @@ Quartiles quartiles(std::vector<double> samples) {
 }
 
 std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits, Desk& desk,
-                              const std::atomic<bool>& interrupted, const BatchProgress& progress) {
+                              const std::atomic<bool>& interrupted, const BatchProgress& progress,
+                              std::vector<double>* kernel) {
   std::vector<Timed> timed(runs.size());
   std::vector<Call> calls(runs.size());                         // of one sample
   std::vector<double> seconds(runs.size(), limits.budget + 1);  // that it costs; too dear to repeat, until known
@@ -120,7 +126,9 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     t.first_s = first.seconds;
     if (t.solution.status == Status::time_limit) gave_up[runs[i].solver] = runs[i].tolerance;
     if (!has_answer(t) || (limits.repetitions == 0 && t.first_s > limits.budget)) continue;
-    const double again = desk.run(problem, runs[i], call, &interrupted).seconds;
+    const Answer warm = desk.run(problem, runs[i], call, &interrupted);
+    const double again = warm.seconds;
+    t.allocations = warm.allocations;
     call.solves = solves_per_sample(again);
     call.warm_up = again < 1e-3;
     seconds[i] = again * (call.solves + call.warm_up);
@@ -133,7 +141,6 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     if (limits.repetitions > 0) counts[i] = has_answer(timed[i]) ? limits.repetitions : 0;
     samples_left += static_cast<std::size_t>(counts[i]);
   }
-  if (samples_left == 0) return timed;
   const double samples = static_cast<double>(samples_left);
   initialize_google_benchmark();
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -154,7 +161,19 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
         ->Repetitions(counts[i])
         ->UseManualTime();
   }
-  Samples reporter(timed);
+  std::vector<double> unasked;
+  if (kernel)
+    benchmark::RegisterBenchmark(std::to_string(runs.size()).c_str(),
+                                 [](benchmark::State& state) {
+                                   for ([[maybe_unused]] auto _ : state)
+                                     state.SetIterationTime(neutral_kernel_seconds());
+                                 })
+        ->Iterations(1)
+        ->Repetitions(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most)
+        ->UseManualTime();
+  else if (samples_left == 0)
+    return timed;
+  Samples reporter(timed, kernel ? *kernel : unasked);
   benchmark::RunSpecifiedBenchmarks(&reporter, "all");
   benchmark::ClearRegisteredBenchmarks();
   return interrupted ? std::vector<Timed>() : timed;

@@ -41,6 +41,7 @@ struct Timed {
   Solution solution = {};
   double first_s = 0;
   std::vector<double> samples = {};
+  double allocations = 0;  // heap blocks a solve asks for once it is warm
 };
 
 // fraction: of the batch, 0..1. Never called while a clock runs.
@@ -52,9 +53,11 @@ using BatchProgress = std::function<void(double fraction, std::size_t run)>;
 // Every run is solved once by a fresh solver (whose surplus over the median is the set-up time) and once more as
 // warm-up; then the repetitions of all runs are shuffled into one sequence by Google Benchmark, so that a slow minute
 // of the machine hits all solvers alike. A sample is the mean of as many solves as fill 50 us. Runs without an answer
-// are not repeated. Empty when interrupted.
+// are not repeated. `kernel` gets samples of the neutral kernel (neutral_kernel.h) from the same sequence. Empty when
+// interrupted.
 std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits, Desk& desk,
-                              const std::atomic<bool>& interrupted, const BatchProgress& progress);
+                              const std::atomic<bool>& interrupted, const BatchProgress& progress,
+                              std::vector<double>* kernel = nullptr);
 
 // How often each run may repeat so that all fit into the budget [s]: every run gets the same time, runs that need less
 // leave the rest to the others, and none gets more than `most`.

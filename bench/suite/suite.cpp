@@ -149,6 +149,7 @@ Result to_result(Result r, const Instance& instance, const Run& run, const Timed
     r.solve_s_q1 = q.q1;
     r.solve_s_q3 = q.q3;
     r.setup_s = std::max(0.0, timed.first_s - q.median);
+    r.allocations = timed.allocations;
   } else if (timed.first_s > 0) {
     r.solve_s = r.solve_s_q1 = r.solve_s_q3 = timed.first_s;
     r.repetitions = 1;
@@ -217,12 +218,14 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + short_number(runs[i].tolerance),
                     schedule.left(fraction));
     };
-    const std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show);
+    std::vector<double> kernel;
+    const std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show, &kernel);
     if (timed.empty()) break;
 
     Result problem = describe(instance);
     problem.problem_file = file_name(b);
     problem.batch = static_cast<int>(b);
+    problem.kernel_s = quartiles(std::move(kernel)).median;
     std::vector<std::string> lines;
     double repeating = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {

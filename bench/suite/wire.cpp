@@ -26,6 +26,23 @@ Sparse get_matrix(Incoming& in) {
                                   values.data());
 }
 
+void put_keys(Outgoing& out, const std::vector<RowKey>& keys) {
+  out.put(keys.size());
+  for (const RowKey& key : keys) {
+    out.put(key.constraint);
+    out.put(key.row);
+  }
+}
+
+std::vector<RowKey> get_keys(Incoming& in) {
+  std::vector<RowKey> keys(in.get<std::size_t>());
+  for (RowKey& key : keys) {
+    key.constraint = in.get<decltype(key.constraint)>();
+    key.row = in.get<decltype(key.row)>();
+  }
+  return keys;
+}
+
 }  // namespace
 
 void Incoming::require(std::size_t count, std::size_t size) const {
@@ -45,11 +62,7 @@ void put(Outgoing& out, const Problem& p) {
   put_matrix(out, p.J);
   out.put(p.c);
   out.put(p.kind.data(), p.kind.size());
-  out.put(p.key.size());
-  for (const RowKey& key : p.key) {
-    out.put(key.constraint);
-    out.put(key.row);
-  }
+  put_keys(out, p.key);
 }
 
 Problem get_problem(Incoming& in) {
@@ -60,11 +73,7 @@ Problem get_problem(Incoming& in) {
   p.J = get_matrix<decltype(p.J)>(in);
   p.c = in.get_all<Vector>();
   p.kind = in.get_all<std::vector<RowKind>>();
-  p.key.resize(in.get<std::size_t>());
-  for (RowKey& key : p.key) {
-    key.constraint = in.get<decltype(key.constraint)>();
-    key.row = in.get<decltype(key.row)>();
-  }
+  p.key = get_keys(in);
   return p;
 }
 
@@ -77,6 +86,8 @@ void put(Outgoing& out, const Call& c) {
   out.put(c.fresh);
   out.put(c.warm_up);
   out.put(c.observe);
+  put_keys(out, c.warm.key);
+  out.put(c.warm.lambda);
 }
 
 Call get_call(Incoming& in) {
@@ -89,6 +100,8 @@ Call get_call(Incoming& in) {
   c.fresh = in.get<bool>();
   c.warm_up = in.get<bool>();
   c.observe = in.get<bool>();
+  c.warm.key = get_keys(in);
+  c.warm.lambda = in.get_all<Vector>();
   return c;
 }
 
@@ -106,6 +119,7 @@ void put(Outgoing& out, const Answer& a) {
   out.put(s.fallback);
   out.put(s.message);
   out.put(a.seconds);
+  out.put(a.allocations);
   out.put(a.iterates.size());
   for (const Iterate& it : a.iterates) {
     out.put(it.iteration);
@@ -129,6 +143,7 @@ Answer get_answer(Incoming& in) {
   s.fallback = in.get<bool>();
   s.message = in.get_all<std::string>();
   a.seconds = in.get<double>();
+  a.allocations = in.get<double>();
   a.iterates.resize(in.get<std::size_t>());
   for (Iterate& it : a.iterates) {
     it.iteration = in.get<int>();

@@ -2,6 +2,8 @@
 
 #include <ctime>
 
+#include "bench/suite/allocations.h"
+
 namespace zwang {
 
 double thread_cpu_seconds() {
@@ -30,6 +32,7 @@ Answer Workbench::run(const Problem& problem, const Call& call) {
   options.tolerance = call.tolerance;
   options.time_limit = call.time_limit;
   options.max_iterations = call.max_iterations;
+  if (!call.warm.key.empty()) options.warm_start = &call.warm;
   if (call.observe)
     options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {
       if (is_rung(iteration)) answer.iterates.push_back({iteration, z, lambda});
@@ -42,9 +45,11 @@ Answer Workbench::run(const Problem& problem, const Call& call) {
       return answer;
     }
     if (call.warm_up) chosen.solve(problem, options, solution);
+    const long blocks = allocations();
     const double start = thread_cpu_seconds();
     for (int i = 0; i < call.solves; ++i) chosen.solve(problem, options, solution);
     answer.seconds = (thread_cpu_seconds() - start) / call.solves;
+    answer.allocations = static_cast<double>(allocations() - blocks) / call.solves;
   } catch (const std::exception& thrown) {
     solution.reset(0, 0);
     solution.status = Status::numerical_failure;

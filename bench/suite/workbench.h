@@ -25,6 +25,7 @@ struct Call {
   bool fresh = false;            // build the solver anew: its first solve includes allocations and analyses
   bool warm_up = false;          // one untimed solve first, to fill the caches
   bool observe = false;          // keep iterates (never in timed calls)
+  WarmStart warm = {};           // the frame before; no keys: a cold solve
 };
 
 struct Iterate {
@@ -35,6 +36,7 @@ struct Iterate {
 struct Answer {
   Solution solution = {};
   double seconds = 0;                  // CPU time of one solve
+  double allocations = 0;              // heap blocks that one solve asked for
   std::vector<Iterate> iterates = {};  // at the rungs, when observed
 };
 

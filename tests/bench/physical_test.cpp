@@ -11,7 +11,7 @@
 #include "core/assemble.h"
 #include "core/islands.h"
 #include "core/measure.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {

@@ -7,7 +7,7 @@
 #include "bench/collision/drag.h"
 #include "bench/collision/meshes.h"
 #include "bench/scenes/physical.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang::collision {
 namespace {

@@ -5,7 +5,7 @@
 #include "constraints/ball_joint.h"
 #include "constraints/contact.h"
 #include "core/motion.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/registry.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {

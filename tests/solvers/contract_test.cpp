@@ -15,7 +15,7 @@
 #include "core/solver.h"
 #include "solvers/registry.h"
 #include "tests/solvers/brute_force.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/measure.h"
 #include "core/problem_file.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

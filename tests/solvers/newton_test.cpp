@@ -7,7 +7,7 @@
 #include "bench/scenes/catalog.h"
 #include "core/measure.h"
 #include "solvers/newton.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
