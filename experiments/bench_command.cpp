@@ -64,9 +64,10 @@ struct Asked {
 void add_options(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
   options
-      .add_option(
-          "--suite", s.suite,
-          "quick (a minute), standard (ten minutes, the default), full (hours) or atlas (stability, 15 minutes)")
+      .add_option("--suite", s.suite,
+                  "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes) "
+                  "or speed (ten "
+                  "minutes)")
       ->group("What is run");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
       ->group("What is run");

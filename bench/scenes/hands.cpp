@@ -117,7 +117,8 @@ Posed pose_hands(const Knobs& knobs) {
   Draw draw(knobs.at("seed"));
   Posed posed{.options = {.dt = step}};
   Scene& scene = posed.scene;
-  std::vector<Pose<double>> target(1);
+  std::vector<Pose<double>>& target = posed.target;
+  target.resize(1);
   const BodyId wall = add_fixed(scene);
   for (int h = 0; h < count; ++h) {
     const PressedHand pressed = press(Vec3(0.5 * h, 0, 0), knobs, feasible, draw);

@@ -45,9 +45,10 @@ inline Mat3 rotation(const Vec3& w) {
 Body box_body(const Vec3& widths, double mass, const Vec3& position);
 BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
 
-// What assembly takes.
+// What assembly takes, and where the bodies would like to be.
 struct Posed {
   Scene scene = {};
+  std::vector<Pose<double>> target = {};  // one per body; empty where nothing is tracked
   Vector z_u = {};
   AssembleOptions options = {};
 };

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bench/scenes/catalog.h"
+#include "bench/suite/measured_files.h"
 #include "core/nearest.h"
 
 namespace zwang {
@@ -96,6 +97,17 @@ std::span<const Suite> suites() {
        840,
        1,
        false},
+      // docs/performance.md. Large problems last: what the small ones leave of the time is theirs.
+      {"speed",
+       "hand(contacts=0,4,16,64,200,seed=1..3),hands(hands=1,2,4,8,16,32,64,contacts=16),"
+       "tower(boxes=10,30,100,300),wall(boxes=25,50,100,200),tower(boxes=1000),wall(boxes=400,1000),"
+       "wall(boxes=100,200,400,1000,push=0)",
+       {1e-10},
+       400,
+       20,
+       true,
+       "dual_active_set,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,mujoco_newton",
+       true},
   };
   return all;
 }
@@ -107,7 +119,7 @@ const Suite& find_suite(const std::string& name) {
     names.emplace_back(s.name);
   }
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas)");
+                              " (quick, standard, full, atlas, speed)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {
@@ -139,6 +151,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.limit_s = suite.limit_s;
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
+    for (const std::string& name : split_solvers(suite.solvers))
+      if (find_solver(name, among)) options.solvers += (options.solvers.empty() ? "" : ",") + name;
+  if (options.solvers.empty())
     for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;
 
   std::sort(options.tolerances.rbegin(), options.tolerances.rend());
@@ -153,6 +168,14 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   if (plan.runs.empty()) throw std::invalid_argument("no solver chosen");
 
   if (!options.scenes.empty()) plan.instances = make_scenes(options.scenes, options.seed);
+  plan.speed = suite.speed && plan.whole_suite;
+  if (plan.speed) {
+    std::vector<Instance> measured = measured_problems();
+    plan.instances.insert(plan.instances.begin(), measured.begin(), measured.end());
+    std::stable_sort(plan.instances.begin(), plan.instances.end(), [](const Instance& a, const Instance& b) {
+      return a.problem.size() + a.problem.rows() < b.problem.size() + b.problem.rows();
+    });
+  }
   for (std::filesystem::path& path : options.problems) {
     for (const std::filesystem::path& file : files_of(path))
       for (Instance& instance : read_problems(file, options.friction)) {

@@ -29,9 +29,11 @@ struct Suite {
   std::string_view name;
   std::string scenes;
   std::vector<double> tolerances;
-  double limit_s;          // of the whole run, references and repetitions included; 0: none
-  double time_limit;       // s of CPU time a solve
-  bool fills_time = true;  // repeats runs until limit_s is spent
+  double limit_s;            // of the whole run, references and repetitions included; 0: none
+  double time_limit;         // s of CPU time a solve
+  bool fills_time = true;    // repeats runs until limit_s is spent
+  std::string solvers = {};  // those of them that there are; "": all
+  bool speed = false;        // with measured files, sequences and assembly (speed.h)
 };
 std::span<const Suite> suites();
 const Suite& find_suite(const std::string& name);  // throws std::invalid_argument with the nearest name
@@ -40,7 +42,8 @@ const Suite& find_suite(const std::string& name);  // throws std::invalid_argume
 struct Plan {
   SuiteOptions options = {};  // with nothing left to choose
   double limit_s = 0, time_limit = 0;
-  bool whole_suite = false;     // its own scenes: the whole of limit_s may be spent
+  bool whole_suite = false;  // its own scenes: the whole of limit_s may be spent
+  bool speed = false;
   bool second_witness = false;  // references are checked by a second method
   std::vector<Instance> instances = {};
   std::vector<Run> runs = {};  // a solver's tolerances from loose to tight

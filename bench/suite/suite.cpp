@@ -9,6 +9,7 @@
 #include "bench/suite/conditions.h"
 #include "bench/suite/progress.h"
 #include "bench/suite/run_record.h"
+#include "bench/suite/speed.h"
 #include "bench/suite/trace.h"
 
 namespace zwang {
@@ -219,8 +220,20 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
                     schedule.left(fraction));
     };
     std::vector<double> kernel;
-    const std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show, &kernel);
-    if (timed.empty()) break;
+    std::vector<Run> kept_away;
+    if (plan.speed)
+      std::erase_if(runs, [&](const Run& run) {
+        const bool away = !left_out(instance.problem, run).empty();
+        if (away) kept_away.push_back(run);
+        return away;
+      });
+    std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show, &kernel);
+    if (timed.empty() && interrupted) break;
+    for (const Run& run : kept_away) {
+      runs.push_back(run);
+      timed.emplace_back().solution.status = Status::unsupported;
+      timed.back().solution.message = left_out(instance.problem, run);
+    }
 
     Result problem = describe(instance);
     problem.problem_file = file_name(b);
@@ -239,7 +252,8 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     schedule.finished(std::max(0.0, wall_seconds() - start - repeating));
   }
 
-  if (!interrupted) {
+  if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
+  if (!interrupted && !plan.speed) {
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();

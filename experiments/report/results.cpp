@@ -67,6 +67,8 @@ Result parse_result(const json& line) {
   r.solve_s = number(line, "solve_s");
   r.solve_s_q1 = number(line, "solve_s_q1");
   r.solve_s_q3 = number(line, "solve_s_q3");
+  r.kernel_s = number(line, "kernel_s");
+  r.allocations = number(line, "allocations");
   r.range_gap = number(line, "range_gap");
   r.iterations = count(line, "iterations");
   r.repetitions = count(line, "repetitions");
@@ -89,6 +91,33 @@ TracePoint parse_trace(const json& line) {
           .primal = number(line, "primal"),
           .stationarity = number(line, "stationarity"),
           .gap = number(line, "gap")};
+}
+
+SequenceTimes::Start parse_start(const json& part) {
+  return {.frames = count(part, "frames"),
+          .checked = count(part, "checked"),
+          .right = count(part, "right"),
+          .solve_s = number(part, "solve_s"),
+          .iterations = number(part, "iterations"),
+          .allocations = number(part, "allocations"),
+          .worst_z_error = number(part, "worst_z_error")};
+}
+
+void parse_speed(const json& line, Run& run) {
+  if (text(line, "kind") == "assembly")
+    run.assembly.push_back({.scene = text(line, "scene"),
+                            .contacts = count(line, "contacts"),
+                            .n = count(line, "n"),
+                            .m = count(line, "m"),
+                            .allocations = count(line, "allocations"),
+                            .assemble_s = number(line, "assemble_s"),
+                            .islands_s = number(line, "islands_s"),
+                            .kernel_s = number(line, "kernel_s")});
+  if (text(line, "kind") == "sequence")
+    run.sequences.push_back({.sequence = text(line, "sequence"),
+                             .solver = text(line, "solver"),
+                             .cold = parse_start(line.at("cold")),
+                             .warm = parse_start(line.at("warm"))});
 }
 
 // Only a last line without its newline may be bad: the suite writes whole lines.
@@ -166,6 +195,8 @@ Run read_run(const fs::path& dir) {
   });
   if (fs::exists(dir / "traces.jsonl"))
     read_lines(dir / "traces.jsonl", run.torn, [&run](const json& line) { run.traces.push_back(parse_trace(line)); });
+  if (fs::exists(dir / "speed.jsonl"))
+    read_lines(dir / "speed.jsonl", run.torn, [&run](const json& line) { parse_speed(line, run); });
   if (fs::exists(dir / "run.json")) {
     std::ifstream in(dir / "run.json");
     try {

@@ -30,7 +30,9 @@ struct Result {
   long n = 0, m = 0, equalities = 0;
   double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
   double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;  // [s]
-  double range_gap = unknown;  // nnls_paper: |J k - c| / |c|
+  double kernel_s = unknown;     // the neutral kernel in the same batch
+  double allocations = unknown;  // of one warm solve
+  double range_gap = unknown;    // nnls_paper: |J k - c| / |c|
   long iterations = 0, repetitions = 0;
   std::optional<bool> feasible = {};
   bool fallback = false;
@@ -52,6 +54,22 @@ struct TracePoint {
   double time_s = unknown, z_error = unknown, primal = unknown, stationarity = unknown, gap = unknown;
 };
 
+// A line of speed.jsonl about assembly: one scene assembled over and over.
+struct AssemblyTimes {
+  std::string scene = {};
+  long contacts = 0, n = 0, m = 0, allocations = 0;
+  double assemble_s = unknown, islands_s = unknown, kernel_s = unknown;
+};
+
+// A line of speed.jsonl about one solver over successive frames.
+struct SequenceTimes {
+  std::string sequence = {}, solver = {};
+  struct Start {
+    long frames = 0, checked = 0, right = 0;
+    double solve_s = unknown, iterations = unknown, allocations = unknown, worst_z_error = unknown;
+  } cold = {}, warm = {};
+};
+
 struct SolverInfo {
   std::string name = {}, method = {}, limits = {};
   bool foreign = false;
@@ -68,11 +86,14 @@ struct Run {
   std::vector<SolverInfo> solvers;  // in the order of the run
   std::vector<Result> results;
   std::vector<TracePoint> traces;
-  std::string torn;  // "" or what was left out: a line cut off by a killed run
+  std::vector<AssemblyTimes> assembly;   // of the speed suite
+  std::vector<SequenceTimes> sequences;  // likewise
+  std::string torn;                      // "" or what was left out: a line cut off by a killed run
 };
 
-// Reads DIR/results.jsonl, and DIR/run.json and DIR/traces.jsonl where they exist. A torn last line (a killed run) is
-// left out and noted; any other bad line throws std::runtime_error naming file, line and reason in one line.
+// Reads DIR/results.jsonl, and DIR/run.json, DIR/traces.jsonl and DIR/speed.jsonl where they exist. A torn last line (a
+// killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line and reason in one
+// line.
 Run read_run(const std::filesystem::path& dir);
 
 // Everything the charts group by, in the order of appearance.

@@ -43,7 +43,12 @@ Table range_gap_table(const Run& run);    // |J k - c| / |c| against the error, 
 Table reference_table(const Run& run);    // what the truth rests on, per family
 Table solver_table(const Run& run);       // method and limits
 Table conditions_table(const Run& run);   // commit, compiler, CPU, libraries, seed
-std::vector<Table> all_tables(const Run& run);
+// Of the speed suite:
+Table speed_table(const Run& run);           // time, kernels, ratios, error and verdict per size and solver
+Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
+Table sequence_table(const Run& run);        // cold and warm over frames
+Table assembly_table(const Run& run);
+std::vector<Table> all_tables(const Run& run);  // those of the speed suite only where it ran
 
 std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 

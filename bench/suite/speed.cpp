@@ -1,0 +1,152 @@
+#include "bench/suite/speed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/references/reference.h"
+#include "bench/scenes/physical.h"
+#include "bench/suite/allocations.h"
+#include "bench/suite/measured_files.h"
+#include "bench/suite/neutral_kernel.h"
+#include "bench/suite/result.h"
+#include "bench/suite/sequence.h"
+#include "core/islands.h"
+
+namespace zwang {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int generated_frames = 500, assembly_samples = 25;
+constexpr Index dense_limit = 2000;
+
+void put_quartiles(const std::string& name, const std::vector<double>& samples, Json& line) {
+  const Quartiles q = quartiles(samples);
+  line[name] = q.median;
+  line[name + "_q1"] = q.q1;
+  line[name + "_q3"] = q.q3;
+}
+
+Json to_json(const SequenceTimes::Start& start) {
+  Json line = {{"frames", start.seconds.size()},
+               {"iterations", quartiles(start.iterations).median},
+               {"allocations", start.allocations},
+               {"worst_z_error", std::isfinite(start.worst_z_error) ? Json(start.worst_z_error) : Json(nullptr)},
+               {"checked", start.checked},
+               {"right", start.right}};
+  put_quartiles("solve_s", start.seconds, line);
+  return line;
+}
+
+// One scene, assembled over and over while its bodies drift by a micrometre a frame.
+struct Assembly {
+  explicit Assembly(int contacts)
+      : contacts(contacts),
+        posed(pose_hands({{"hands", 1},
+                          {"contacts", static_cast<double>(contacts)},
+                          {"limits", 5},
+                          {"drift", 0x1p-13},
+                          {"feasible", 1},
+                          {"seed", 1}})) {
+    run(2);
+  }
+  void run(int times) {
+    for (int i = 0; i < times; ++i) {
+      for (Body& body : posed.scene.bodies)
+        if (body.motion == Motion::free) body.pose.position.x() += 1e-6;
+      assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+    }
+  }
+
+  int contacts;
+  Posed posed;
+  Assembler assembler = {};
+  Problem problem = {};
+  Islands islands = {};
+  std::vector<double> assemble_s = {}, islands_s = {};
+  long allocations = 0;
+};
+
+// All scenes and the neutral kernel in turn, one sample each.
+std::vector<std::string> time_assembly() {
+  std::vector<Assembly> all;
+  for (const int contacts : {0, 4, 16, 64, 200}) all.emplace_back(contacts);
+  for (Assembly& a : all) a.islands.split(a.problem);
+  std::vector<double> kernel;
+  for (int sample = 0; sample < assembly_samples; ++sample) {
+    kernel.push_back(neutral_kernel_seconds());
+    for (Assembly& a : all) {
+      constexpr int times = 20;
+      a.run(1);
+      const long before = allocations();
+      const double start = thread_cpu_seconds();
+      a.run(times);
+      const double between = thread_cpu_seconds();
+      for (int i = 0; i < times; ++i) a.islands.split(a.problem);
+      const double end = thread_cpu_seconds();
+      a.allocations += allocations() - before;
+      a.assemble_s.push_back((between - start) / times);
+      a.islands_s.push_back((end - between) / times);
+    }
+  }
+  std::vector<std::string> lines;
+  for (const Assembly& a : all) {
+    Json line = {{"kind", "assembly"},
+                 {"scene", "hand"},
+                 {"contacts", a.contacts},
+                 {"n", a.problem.size()},
+                 {"m", a.problem.rows()},
+                 {"allocations", a.allocations},
+                 {"kernel_s", quartiles(kernel).median}};
+    put_quartiles("assemble_s", a.assemble_s, line);
+    put_quartiles("islands_s", a.islands_s, line);
+    lines.push_back(line.dump());
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string left_out(const Problem& problem, const Run& run) {
+  if (problem.size() <= dense_limit || !run.solver.starts_with("dual_active_set")) return {};
+  Islands islands;
+  islands.split(problem);
+  for (const Island& island : islands.all())
+    if (island.problem.size() > dense_limit)
+      return "not run: dense, and one island has " + std::to_string(island.problem.size()) + " unknowns";
+  return {};
+}
+
+bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
+                 double budget, Desk& desk, const std::atomic<bool>& interrupted) {
+  const auto file = directory / "speed.jsonl";
+  std::filesystem::remove(file);
+  ResultFile out(file);
+  out.append(time_assembly());
+
+  std::vector<Sequence> sequences;
+  for (const int contacts : {16, 64}) {
+    sequences.push_back(hand_sequence(contacts, generated_frames));
+    sequences.push_back({"seq" + std::to_string(contacts) + " (file)", measured_sequence(contacts)});
+  }
+  std::erase_if(sequences, [](const Sequence& s) { return s.frames.empty(); });
+  for (Sequence& sequence : sequences) {
+    for (std::size_t f = 0; f < sequence.frames.size() && !interrupted; f += Sequence::check_every)
+      sequence.frames[f].reference = reference_for(sequence.frames[f], cache, {}).reference;
+    std::vector<std::string> lines;
+    for (const SequenceTimes& t :
+         time_sequence(sequence, runs, budget / static_cast<double>(sequences.size()), desk, interrupted))
+      lines.push_back(Json({{"kind", "sequence"},
+                            {"sequence", sequence.name},
+                            {"solver", t.solver},
+                            {"cold", to_json(t.cold)},
+                            {"warm", to_json(t.warm)}})
+                          .dump());
+    if (interrupted) return false;
+    out.append(lines);
+  }
+  return true;
+}
+
+}  // namespace zwang
