@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace zwang {
 namespace {
@@ -37,25 +38,36 @@ Gauge::Gauge(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p.c), row_norm(Ve
   equality.resize(static_cast<std::size_t>(m));
   row_exponent.assign(static_cast<std::size_t>(m), 0);
 
-  double largest = 0;
-  for (Index k = 0; k < M.nonZeros(); ++k) largest = std::max(largest, std::abs(M.valuePtr()[k]));
-  mass_exponent = exponent_of(largest) / 2 * 2;
+  // No nonzero mass may vanish: a denormal one stays where it is.
+  constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits + 1;
+  int heaviest = 0, lightest = std::numeric_limits<double>::max_exponent;
+  for (Index k = 0; k < M.nonZeros(); ++k) {
+    if (M.valuePtr()[k] == 0) continue;
+    const int e = exponent_of(M.valuePtr()[k]);
+    heaviest = lightest == std::numeric_limits<double>::max_exponent ? e : std::max(heaviest, e);
+    lightest = std::min(lightest, e);
+  }
+  mass_exponent = std::min(heaviest / 2 * 2, (lightest - least) / 2 * 2);
   for (Index k = 0; k < M.nonZeros(); ++k) M.valuePtr()[k] = std::ldexp(M.valuePtr()[k], -mass_exponent);
 
   // A motion is as large as z_u or as the rows that may force it; c far below zero on a contact forces nothing.
-  largest = n > 0 ? z_u.cwiseAbs().maxCoeff() : 0;
+  // (Its exponent: a row of denormal entries may ask for more than a double holds.)
+  std::optional<int> top;
+  const auto reach = [&](double x, int shift) {
+    if (x > 0) top = std::max(top.value_or(exponent_of(x) + shift), exponent_of(x) + shift);
+  };
+  reach(n > 0 ? z_u.cwiseAbs().maxCoeff() : 0, 0);
   for (Index i = 0; i < m; ++i) {
     equality[static_cast<std::size_t>(i)] = p.is_equality(i);
     double entry = 0;
     for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
     const int e = row_exponent[static_cast<std::size_t>(i)] = exponent_of(entry);
     for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
-    c[i] = std::ldexp(c[i], -e);
-    if (entry > 0 && std::isfinite(c[i])) largest = std::max(largest, p.is_equality(i) ? std::abs(c[i]) : c[i]);
+    if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) ? std::abs(c[i]) : c[i], -e);
   }
-  motion_exponent = exponent_of(largest);
+  motion_exponent = top.value_or(0);
   for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
-  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -motion_exponent);
+  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[static_cast<std::size_t>(i)] - motion_exponent);
 
   if (n > 0) {
     factor.compute(M.cast<long double>());

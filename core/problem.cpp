@@ -31,6 +31,9 @@ std::string non_finite(const Sparse& A, const char* letter) {
   return {};
 }
 
+// Squares of 1 / sqrt(M) have to fit a double, sums of them too. A fuzzed mass of 1e-319 made every solver wrong.
+constexpr double least_mass = 0x1p-960;
+
 }  // namespace
 
 std::string bad_input(const Problem& p) {
@@ -43,9 +46,12 @@ std::string bad_input(const Problem& p) {
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
   for (Index k = 0; k < p.M.outerSize(); ++k)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, k); it; ++it)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, k); it; ++it) {
+      if (it.row() == it.col() && it.value() > 0 && it.value() < least_mass)
+        return "M(" + std::to_string(k) + ", " + std::to_string(k) + ") is below 2^-960: its inverse would overflow";
       if (it.row() != it.col() && p.M.coeff(it.col(), it.row()) != it.value())
         return "M is not symmetric at (" + std::to_string(it.row()) + ", " + std::to_string(it.col()) + ")";
+    }
   return {};
 }
 

@@ -39,6 +39,11 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
     return;
   }
   solve_(problem, options, solution);
+  const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
+  if (claims_z && !solution.z.allFinite()) {
+    solution.status = Status::numerical_failure;
+    solution.message = "the answer does not fit a double";
+  }
 }
 
 Solution AnySolver::solve(const Problem& problem, const SolveOptions& options) {

@@ -87,7 +87,7 @@ concept Solver = std::copyable<S> && requires(S s, const Problem& p, const Solve
 };
 
 // Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
-// a backend sees it.
+// a backend sees it. What a backend throws (std::bad_alloc) is passed on; its half-made workspace is thrown away.
 class AnySolver {
  public:
   template <class S>
@@ -97,7 +97,14 @@ class AnySolver {
                     { t.supports(p) } -> std::same_as<std::string>;
                   })
       supports_ = [s](const Problem& p) { return s.supports(p); };
-    solve_ = [s = std::move(s)](const Problem& p, const SolveOptions& o, Solution& out) mutable { s.solve(p, o, out); };
+    solve_ = [fresh = s, s = std::move(s)](const Problem& p, const SolveOptions& o, Solution& out) mutable {
+      try {
+        s.solve(p, o, out);
+      } catch (...) {
+        s = S(fresh);
+        throw;
+      }
+    };
   }
 
   std::string_view name() const { return name_; }

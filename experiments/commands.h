@@ -5,8 +5,9 @@
 
 namespace zwang {
 
-// Exit codes of the program: 0 done, 2 wrong use, 3 a file that cannot be used, 130 stopped with Ctrl-C.
-enum Exit : int { done = 0, wrong_use = 2, bad_file = 3, stopped = 130 };
+// Exit codes of the program: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped
+// with Ctrl-C.
+enum Exit : int { done = 0, found = 1, wrong_use = 2, bad_file = 3, stopped = 130 };
 
 // One word of the command line. `words`: what follows it. Throws std::invalid_argument (wrong use) or BadFile, whose
 // one line main() prints.
@@ -23,5 +24,6 @@ int solvers_command(std::vector<std::string> words);
 int scenes_command(std::vector<std::string> words);
 int export_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
+int fuzz_command(std::vector<std::string> words);
 
 }  // namespace zwang

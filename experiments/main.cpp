@@ -23,6 +23,8 @@ const std::array commands = {
                    zwang::bench_command},
     zwang::Command{"report", "Compare solvers",
                    "charts of stored results, as a page or for a paper; two runs side by side", zwang::report_command},
+    zwang::Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true",
+                   zwang::fuzz_command},
     zwang::Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
                    zwang::solve_command},
     zwang::Command{"export", "Look at one problem", "write a scene's problem to a file", zwang::export_command},
@@ -49,7 +51,8 @@ void print_help() {
       "  ./zwang bench                    the standard suite, at most ten minutes\n"
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
-      "Exit codes: 0 done, 2 wrong use, 3 a file that cannot be used, 130 stopped with Ctrl-C.");
+      "Exit codes: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped with "
+      "Ctrl-C.");
 }
 
 int run(const std::string& word, std::vector<std::string> rest) {

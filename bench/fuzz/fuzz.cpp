@@ -1,0 +1,216 @@
+#include "bench/fuzz/fuzz.h"
+
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "bench/fuzz/exact_answer.h"
+#include "bench/fuzz/small_problem.h"
+#include "bench/references/witnesses.h"
+#include "bench/scenes/dyadic.h"
+#include "core/measure.h"
+
+namespace zwang {
+namespace {
+
+constexpr double tolerance = 1e-10, exact_limit = 1e-9, other_limit = 1e4 * tolerance;
+constexpr double warm_limit = 1e-12;
+constexpr int patience = 500;  // iterations of methods that creep
+constexpr std::uint64_t warm_every = 4, spoil_every = 8, film_every = 2000;
+constexpr int frames = 256;
+
+// |a - b|_M / max(|z_u|_M, |b|_M).
+double distance(const Problem& p, const Vector& a, const Vector& b) {
+  if (a.size() != b.size() || !a.allFinite()) return std::numeric_limits<double>::infinity();
+  const auto length = [&](const Vector& v) { return std::sqrt(std::max(0., v.dot(p.M * v))); };
+  const double apart = length(a - b);
+  return apart == 0 ? 0 : apart / std::max(length(p.z_u), length(b));
+}
+
+bool has_z(Status status) { return status == Status::solved || status == Status::solved_ill_conditioned; }
+
+// Where rationals and 100 digits disagree, less than 1e-100 of the numbers decides: nothing is asked of doubles then.
+std::optional<Reference> decided_by_both(const Problem& p) {
+  const auto rational = rational_reference(p), digits = multiprecision_reference(p);
+  if (!rational || !digits || rational->feasible != digits->feasible) return {};
+  if (digits->feasible && !(relative_distance(p, rational->z, digits->z) <= warm_limit)) return {};
+  return digits;
+}
+
+// What a claim on a problem with an extreme entry has against it. Two things are nobody's fault: an answer that no
+// double holds, and a contradiction between rows that is smaller than the rounding of their terms.
+std::string contradiction(const Problem& p, const Solution& s, const Reference& truth) {
+  if (truth.feasible && !truth.z.allFinite()) return "";
+  if (s.status == Status::infeasible) return truth.feasible ? ", but it is feasible" : "";
+  const Metrics metrics = measure(p, s, &truth, tolerance);
+  if (truth.feasible) return metrics.z_error <= other_limit ? "" : ", but z is another one";
+  return metrics.primal <= other_limit ? "" : ", but no z meets the rows";
+}
+
+std::string shown(const char* what, double value) {
+  std::ostringstream text;
+  text << what << " " << value;
+  return text.str();
+}
+
+}  // namespace
+
+// nnls_paper is wrong by design where c lies outside range(J), and blind to infeasibility: only on request.
+std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among) {
+  std::vector<std::string> names;
+  std::stringstream parts(chosen);
+  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
+  if (!names.empty()) return names;
+  for (const SolverEntry& e : among)
+    if (!e.foreign && e.name != "nnls_paper") names.push_back(e.name);
+  return names;
+}
+
+Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
+               std::function<void(std::size_t)> at, std::function<void(Fault)> report)
+    : seed_(options.seed), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
+  for (const std::string& name : fuzzed_solvers(options.solvers, among)) {
+    AnySolver solver = make_solver(name, among);
+    candidates_.push_back({name, find_solver(name.substr(0, name.find(':')), among)->exact, std::move(solver)});
+  }
+  if (tally_.size() < candidates_.size()) throw std::invalid_argument("fuzzing: more solvers than tallies");
+}
+
+void Fuzzer::fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth) {
+  ++tally_[i].faults;
+  Fault out{.number = number, .solver = candidates_[i].name, .what = std::move(what)};
+  out.instance.problem = std::move(problem);
+  out.instance.family = "fuzz";
+  out.instance.seed = seed_;
+  if (truth) out.instance.reference = *truth;
+  report_(std::move(out));
+}
+
+void Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm) {
+  at_(i);
+  Candidate& c = candidates_[i];
+  SolveOptions options{.tolerance = tolerance, .warm_start = warm};
+  if (!c.exact) options.max_iterations = patience;
+  const auto start = std::chrono::steady_clock::now();
+  c.solver.solve(problem, options, c.solution);
+  tally_[i].seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const Reference& truth) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    solve(i, problem, nullptr);
+    const Solution& s = candidates_[i].solution;
+    FuzzTally& t = tally_[i];
+    ++t.runs;
+    if (s.status == Status::infeasible) {
+      if (truth.feasible)
+        fault(i, number, "says infeasible of a feasible problem", problem, &truth);
+      else if (measure(problem, s, &truth, tolerance).verdict == Verdict::infeasible_proven)
+        ++t.proven;
+      else if (candidates_[i].exact)
+        fault(i, number, "its certificate proves nothing", problem, &truth);
+      else
+        ++t.undecided;
+    } else if (has_z(s.status)) {
+      const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
+      const bool right = error <= (candidates_[i].exact ? exact_limit : other_limit);
+      if (right && s.status == Status::solved) {
+        ++t.solved;
+        t.worst_z_error = std::max(t.worst_z_error, error);
+      } else if (right) {
+        ++t.flagged;
+      } else if (s.status == Status::solved) {
+        fault(i, number,
+              truth.feasible ? shown("says solved with z error", error) : "says solved of an infeasible problem",
+              problem, &truth);
+      } else {
+        ++t.undecided;
+      }
+    } else if (s.status == Status::bad_input) {
+      fault(i, number, "says bad input: " + s.message, problem, &truth);
+    } else {
+      ++t.undecided;
+    }
+  }
+}
+
+// Multipliers that fit nothing: of a few of the rows, of rows that do not exist, of the wrong sign.
+void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& problem) {
+  SmallNumbers draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
+  WarmStart warm;
+  for (const RowKey& key : problem.key)
+    if (draw.integer(0, 1)) warm.key.push_back(key);
+  if (draw.integer(0, 3) == 0) warm.key.push_back({999, 7});
+  warm.lambda = draw.integers(static_cast<Index>(warm.key.size()), 3);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    if (!candidates_[i].exact) continue;
+    const Solution cold = candidates_[i].solution;
+    solve(i, problem, &warm);
+    ++tally_[i].warm;
+    const Solution& s = candidates_[i].solution;
+    if (!has_z(cold.status) && cold.status != Status::infeasible) continue;
+    const bool same = has_z(cold.status) ? has_z(s.status) && distance(problem, s.z, cold.z) <= warm_limit
+                                         : s.status == Status::infeasible;
+    if (same) continue;
+    std::ostringstream what;
+    what << "warm start: cold " << to_string(cold.status) << ", warm " << to_string(s.status) << ", z apart by "
+         << distance(problem, s.z, cold.z) << ", from lambda";
+    for (std::size_t k = 0; k < warm.key.size(); ++k)
+      what << " " << warm.key[k].constraint << ":" << warm.lambda[static_cast<Index>(k)];
+    fault(i, number, what.str(), problem);
+  }
+}
+
+void Fuzzer::with_spoilt_entry(std::uint64_t number, const Problem& problem) {
+  const Spoilt spoilt = spoil(problem, seed_ + number);
+  const bool bad = spoilt.bad || !is_positive_definite(spoilt.problem.M);
+  const std::optional<Reference> truth = bad ? std::nullopt : decided_by_both(spoilt.problem);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    solve(i, spoilt.problem, nullptr);
+    ++tally_[i].spoilt;
+    const Solution& s = candidates_[i].solution;
+    const std::string claim = spoilt.what + ": says " + std::string(to_string(s.status));
+    if (bad && s.status != Status::bad_input) fault(i, number, claim, spoilt.problem);
+    if (bad || (s.status != Status::solved && s.status != Status::infeasible)) continue;
+    const std::string wrong = truth ? contradiction(spoilt.problem, s, *truth) : "";
+    if (!wrong.empty()) fault(i, number, claim + wrong, spoilt.problem, &*truth);
+  }
+}
+
+void Fuzzer::film(std::uint64_t number) {
+  const std::uint64_t reel = number / film_every;
+  Knobs knobs = {{"k", static_cast<double>(3 + reel % 46)}, {"frame", 0}, {"seed", static_cast<double>(seed_ + reel)}};
+  std::vector<WarmStart> before(candidates_.size());
+  for (int frame = 0; frame < frames; ++frame) {
+    knobs["frame"] = frame;
+    Problem p = flipping_stack(knobs).problem;
+    p.name = "FLIP(k=" + std::to_string(3 + reel % 46) + ",seed=" + std::to_string(seed_ + reel) +
+             ",frame=" + std::to_string(frame) + ")";
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (!candidates_[i].exact) continue;
+      solve(i, p, nullptr);
+      const Solution cold = candidates_[i].solution;
+      solve(i, p, frame > 0 ? &before[i] : nullptr);
+      ++tally_[i].warm;
+      const Solution& s = candidates_[i].solution;
+      const double apart = distance(p, s.z, cold.z);
+      if (!has_z(cold.status) || !has_z(s.status) || !(apart <= warm_limit))
+        fault(i, number, "warm start from the frame before: " + shown("z apart by", apart), p);
+      before[i] = {p.key, s.lambda};
+    }
+  }
+}
+
+void Fuzzer::look(std::uint64_t number) {
+  const Problem problem = small_problem(seed_, number);
+  // Numbers of this size always fit; if one did not, the problem would be no test.
+  const std::optional<Reference> truth = exact_answer(problem);
+  if (!truth) throw std::logic_error(problem.name + " has no exact answer");
+  against_truth(number, problem, *truth);
+  if (number % warm_every == 0) from_random_multipliers(number, problem);
+  if (number % spoil_every == 0) with_spoilt_entry(number, problem);
+  if (number % film_every == 0) film(number);
+}
+
+}  // namespace zwang

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/instance.h"
+#include "solvers/registry.h"
+
+namespace zwang {
+
+struct FuzzOptions {
+  std::uint64_t seed = 1, first = 0, count = 1000;  // problems first .. first + count - 1
+  std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
+};
+
+// What one solver made of all problems so far. Plain numbers: they live in memory that two processes share.
+struct FuzzTally {
+  std::uint64_t runs = 0;       // on problems with an exact answer
+  std::uint64_t solved = 0;     // z right, and said so
+  std::uint64_t flagged = 0;    // z right, "solved, ill-conditioned"
+  std::uint64_t proven = 0;     // infeasible, with a certificate that the referee accepts
+  std::uint64_t undecided = 0;  // gave up, and said so
+  std::uint64_t faults = 0;
+  std::uint64_t warm = 0, spoilt = 0;  // runs with warm starts; on spoilt entries
+  double worst_z_error = 0;            // among `solved`
+  double seconds = 0;
+  double decided() const {
+    return runs == 0 ? 1 : static_cast<double>(solved + flagged + proven) / static_cast<double>(runs);
+  }
+};
+
+// A claim that is not true, or an answer that depends on what it should not.
+struct Fault {
+  std::uint64_t number = 0;
+  std::string solver = {}, what = {};
+  Instance instance = {};  // with its exact answer, where there is one
+};
+
+std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among);
+
+// Looks at one problem after the other:
+//
+//   every problem       all solvers against the exact answer; a claim of infeasibility needs a proven certificate
+//   every fourth        active-set methods again from random multipliers: z as before, to 1e-12
+//   every eighth        one entry NaN or Inf: refused; or denormal or 1e300: no claim that both witnesses of references
+//   contradict every 2000th        a film of 256 frames of the FLIP family, each warm-started from the frame before
+//
+// Active-set methods have to be right to 1e-9, the others to 1000 times what "solved" allows at T = 1e-10, within 500
+// iterations.
+class Fuzzer {
+ public:
+  // `tally` has one entry a solver. `at` is told which solver runs next: if it crashes, that is known.
+  Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
+         std::function<void(std::size_t)> at, std::function<void(Fault)> report);
+  void look(std::uint64_t number);
+
+ private:
+  struct Candidate {
+    std::string name;
+    bool exact;
+    AnySolver solver;
+    Solution solution = {};
+  };
+  void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
+  void from_random_multipliers(std::uint64_t number, const Problem& problem);
+  void with_spoilt_entry(std::uint64_t number, const Problem& problem);
+  void film(std::uint64_t number);
+  void solve(std::size_t i, const Problem& problem, const WarmStart* warm);
+  void fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth = nullptr);
+
+  std::uint64_t seed_;
+  std::vector<Candidate> candidates_;
+  std::span<FuzzTally> tally_;
+  std::function<void(std::size_t)> at_;
+  std::function<void(Fault)> report_;
+};
+
+}  // namespace zwang

@@ -1,0 +1,132 @@
+#include "bench/fuzz/small_problem.h"
+
+#include <array>
+#include <limits>
+#include <sstream>
+
+#include "bench/scenes/dyadic.h"
+
+namespace zwang {
+namespace {
+
+// A seed for each problem: neighbours share nothing (splitmix64, Steele et al. 2014).
+std::uint64_t mixed(std::uint64_t seed, std::uint64_t number) {
+  std::uint64_t x = seed * 0x9e3779b97f4a7c15u + number;
+  for (const std::uint64_t factor : {0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu}) {
+    x ^= x >> 30;
+    x *= factor;
+    x ^= x >> 27;
+  }
+  return x;
+}
+
+// L D L' with powers of two in D and a few units below the diagonal of L.
+Matrix mass(Index n, SmallNumbers& draw) {
+  Matrix L = Matrix::Identity(n, n);
+  Vector D(n);
+  for (double& d : D) d = std::exp2(draw.integer(-1, 1));
+  if (draw.integer(0, 2) == 0)
+    for (Index k = 0; k < n; ++k) {
+      const Index i = draw.index(n), j = draw.index(n);
+      if (i > j) L(i, j) = draw.integer(-1, 1);
+    }
+  return L * D.asDiagonal() * L.transpose();
+}
+
+struct Row {
+  Vector J;
+  double c;
+};
+
+// A row of its own, or one made of the rows before it; its c mostly agrees with theirs.
+Row compose_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
+  const int slip = draw.integer(0, 2) == 0 ? draw.integer(-1, 1) : 0;
+  const int origin = before.empty() ? 0 : draw.integer(0, 9);
+  if (origin >= 8) {
+    const Row &a = before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))], &b = before.back();
+    return {a.J + b.J, a.c + b.c + slip};
+  }
+  if (origin >= 5) {
+    constexpr std::array factors = {1., 1., -1., 2., -2., .5};
+    const Row& a = before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))];
+    const double factor = factors[static_cast<std::size_t>(draw.integer(0, 5))];
+    return {factor * a.J, factor * a.c + slip};
+  }
+  if (draw.integer(0, 19) == 0) return {Vector::Zero(n), static_cast<double>(draw.integer(-1, 1))};
+  return {draw.integers(n, 1), static_cast<double>(draw.integer(-1, 1))};
+}
+
+// Rows made of rows that were made of rows must not grow without end: the exact answer has 127 bits.
+Row draw_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
+  for (;;) {
+    const Row row = compose_row(n, before, draw);
+    const auto size = row.J.cwiseAbs().array();
+    if ((size == 0 || (size >= .5 && size <= 4)).all()) return row;
+  }
+}
+
+}  // namespace
+
+Problem small_problem(std::uint64_t seed, std::uint64_t number) {
+  SmallNumbers draw(mixed(seed, number));
+  const Index n = draw.integer(1, 6), m = draw.integer(0, 10);
+  const int equalities = draw.integer(0, std::min(3, static_cast<int>(m)));
+  Problem p{.name = "fuzz " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
+  p.z_u = draw.integers(n, 2);
+  p.c.resize(m);
+  Matrix J(m, n);
+  std::vector<Row> rows;
+  for (Index i = 0; i < m; ++i) {
+    rows.push_back(draw_row(n, rows, draw));
+    const bool equality = i < equalities;
+    J.row(i) = rows.back().J;
+    p.c[i] = rows.back().c;
+    if (!equality && draw.integer(0, 39) == 0) p.c[i] = -std::numeric_limits<double>::infinity();
+    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+  }
+  p.J = J.sparseView();
+  return p;
+}
+
+Spoilt spoil(Problem problem, std::uint64_t seed) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  constexpr std::array values = {std::numeric_limits<double>::quiet_NaN(),
+                                 inf,
+                                 -inf,
+                                 std::numeric_limits<double>::denorm_min(),
+                                 0x1.8p-1060,
+                                 1e300,
+                                 -1e300};
+  SmallNumbers draw(mixed(seed, 1));
+  const double value = values[static_cast<std::size_t>(draw.integer(0, 6))];
+  Spoilt out{.problem = std::move(problem)};
+  Problem& p = out.problem;
+  std::ostringstream what;
+  const Index i = p.rows() > 0 ? draw.index(p.rows()) : 0, j = draw.index(p.size());
+  out.bad = !std::isfinite(value);
+  switch (p.rows() > 0 ? draw.integer(0, 3) : draw.integer(0, 1)) {
+    case 0:
+      p.z_u[j] = value;
+      what << "z_u[" << j << "]";
+      break;
+    case 1:
+      p.M.coeffRef(j, j) = value;
+      what << "M(" << j << ", " << j << ")";
+      out.bad |= value < 1;  // negative, or too small to divide by
+      break;
+    case 2:
+      p.J.coeffRef(i, j) = value;
+      what << "J(" << i << ", " << j << ")";
+      break;
+    default:
+      p.c[i] = value;
+      what << "c[" << i << "]";
+      out.bad &= value != -inf || p.is_equality(i);
+  }
+  what << " = " << value;
+  out.what = what.str();
+  return out;
+}
+
+}  // namespace zwang

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "core/problem.h"
+
+namespace zwang {
+
+// Problem number `number` of a fuzzing run: up to six unknowns and ten rows with entries -1, 0, 1, where ties,
+// degenerate vertices, rows without entries, repeated, opposed, doubled and summed rows, and contradictions are the
+// rule. The same on every machine.
+Problem small_problem(std::uint64_t seed, std::uint64_t number);
+
+// One entry of M, z_u, J or c replaced by NaN, Inf, -Inf, a denormal number, 1e300 or -1e300.
+struct Spoilt {
+  Problem problem = {};
+  bool bad = false;       // it has to be refused
+  std::string what = {};  // "J(2, 0) = nan"
+};
+Spoilt spoil(Problem problem, std::uint64_t seed);
+
+}  // namespace zwang

@@ -1,0 +1,200 @@
+#include "bench/fuzz/worker.h"
+
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <system_error>
+
+#include "bench/fuzz/exact_answer.h"
+#include "bench/fuzz/small_problem.h"
+#include "core/problem_file.h"
+
+namespace zwang {
+namespace {
+
+constexpr std::size_t most_solvers = 32, most_files = 20;
+constexpr double hang = 60;  // s
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// What a worker and its parent both see.
+struct Shared {
+  std::atomic<std::uint64_t> next;  // the problem at hand, or the first one not yet looked at
+  std::atomic<std::uint64_t> done;
+  std::atomic<std::size_t> solver;
+  FuzzTally tally[most_solvers];
+};
+
+struct Unmap {
+  void operator()(Shared* shared) const { munmap(shared, sizeof(Shared)); }
+};
+using SharedMemory = std::unique_ptr<Shared, Unmap>;
+
+SharedMemory shared_memory() {
+  void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "no shared memory");
+  return SharedMemory(new (memory) Shared{});
+}
+
+struct Worker {
+  SharedMemory shared = shared_memory();
+  pid_t pid = -1;
+  int from = -1;
+  std::string text = {};  // what came and is not yet a whole line
+  std::uint64_t seen = 0;
+  double moved = 0;  // when it last went on
+};
+
+std::string file_name(std::uint64_t number, const std::string& solver) {
+  return std::to_string(number) + "-" + solver.substr(0, solver.find(':')) + ".h5";
+}
+
+std::filesystem::path write(const std::filesystem::path& directory, const Fault& fault) {
+  try {
+    std::filesystem::create_directories(directory);
+    const auto file = directory / file_name(fault.number, fault.solver);
+    write_problem(file, fault.instance);
+    return file;
+  } catch (const std::runtime_error&) {
+    return {};  // the finding itself is kept
+  }
+}
+
+}  // namespace
+
+FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem::path& directory,
+                     std::span<const SolverEntry> among, const std::function<void(std::uint64_t)>& progress,
+                     const std::atomic<bool>& interrupted) {
+  FuzzOutcome outcome{.solvers = fuzzed_solvers(options.solvers, among)};
+  if (outcome.solvers.size() > most_solvers) throw std::invalid_argument("at most 32 solvers are fuzzed at once");
+  std::vector<FuzzTally> unused(outcome.solvers.size());
+  Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});  // a mistyped name costs no process
+  const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
+  const double start = now();
+  const pid_t parent = getpid();
+  std::map<std::string, std::size_t> files;
+
+  const auto work = [&](Shared& shared, int to) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(0);
+    std::signal(SIGINT, SIG_IGN);
+    const rlimit no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+    const auto report = [&](const Fault& fault) {
+      const auto file = files[fault.solver]++ < most_files ? write(directory, fault) : std::filesystem::path();
+      std::ostringstream line;
+      line << fault.number << '\t' << fault.solver << '\t' << file.string() << '\t' << fault.what << '\n';
+      const std::string text = line.str();
+      for (std::size_t at = 0; at < text.size();) {
+        const ssize_t written = ::write(to, text.data() + at, text.size() - at);
+        if (written <= 0) _exit(1);
+        at += static_cast<std::size_t>(written);
+      }
+    };
+    Fuzzer fuzzer(options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
+    while (shared.next < end) {
+      fuzzer.look(shared.next);
+      ++shared.done;
+      shared.next += step;
+    }
+    _exit(0);
+  };
+  const auto launch = [&](Worker& worker) {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "no pipe");
+    worker.pid = fork();
+    if (worker.pid < 0) throw std::system_error(errno, std::generic_category(), "no child process");
+    if (worker.pid == 0) {
+      close(ends[0]);
+      work(*worker.shared, ends[1]);
+    }
+    close(ends[1]);
+    worker.from = ends[0];
+    worker.moved = now();
+  };
+  const auto take_lines = [&](Worker& worker) {
+    for (std::size_t at; (at = worker.text.find('\n')) != std::string::npos; worker.text.erase(0, at + 1)) {
+      std::stringstream line(worker.text.substr(0, at));
+      std::string number, solver, file, what;
+      std::getline(std::getline(std::getline(line, number, '\t'), solver, '\t'), file, '\t');
+      std::getline(line, what);
+      outcome.findings.push_back({std::stoull(number), solver, what, file});
+    }
+  };
+  // The worker has died (or hung): whose fault was it?
+  const auto bury = [&](Worker& worker, const std::string& how) {
+    Shared& shared = *worker.shared;
+    const std::string solver = outcome.solvers[shared.solver];
+    ++shared.tally[shared.solver].faults;
+    Fault fault{.number = shared.next, .solver = solver, .what = how};
+    fault.instance.problem = small_problem(options.seed, shared.next);
+    fault.instance.reference = exact_answer(fault.instance.problem);
+    outcome.findings.push_back({fault.number, solver, how, write(directory, fault)});
+    shared.next += step;
+    ++shared.done;
+  };
+
+  std::vector<Worker> workers(static_cast<std::size_t>(jobs));
+  for (std::size_t j = 0; j < workers.size(); ++j) {
+    workers[j].shared->next = options.first + j;
+    launch(workers[j]);
+  }
+  const auto running = [&] { return std::ranges::any_of(workers, [](const Worker& w) { return w.pid >= 0; }); };
+  while (running()) {
+    std::vector<pollfd> waiting;
+    for (const Worker& w : workers) waiting.push_back({w.from, POLLIN, 0});
+    poll(waiting.data(), waiting.size(), 200);
+    outcome.done = 0;
+    for (std::size_t j = 0; j < workers.size(); ++j) {
+      Worker& w = workers[j];
+      outcome.done += w.shared->done;
+      if (w.pid < 0) continue;
+      char bytes[4096];
+      ssize_t got = 1;
+      if (waiting[j].revents != 0 && (got = read(w.from, bytes, sizeof bytes)) > 0)
+        w.text.append(bytes, static_cast<std::size_t>(got));
+      take_lines(w);
+      if (w.seen != w.shared->next) {
+        w.seen = w.shared->next;
+        w.moved = now();
+      }
+      const bool hangs = now() - w.moved > hang;
+      if (interrupted || hangs) kill(w.pid, SIGKILL);
+      if (got > 0 && !interrupted && !hangs) continue;
+      int status = 0;
+      waitpid(w.pid, &status, 0);
+      close(w.from);
+      w.pid = w.from = -1;
+      if (interrupted || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
+      bury(w, hangs ? "hangs" : WIFSIGNALED(status) ? std::string("dies: ") + strsignal(WTERMSIG(status)) : "dies");
+      if (w.shared->next < end) launch(w);
+    }
+    progress(outcome.done);
+  }
+  outcome.done = 0;
+  for (const Worker& w : workers) outcome.done += w.shared->done;
+  outcome.tally.assign(outcome.solvers.size(), {});
+  for (const Worker& w : workers)
+    for (std::size_t i = 0; i < outcome.solvers.size(); ++i) {
+      const FuzzTally& t = w.shared->tally[i];
+      FuzzTally& sum = outcome.tally[i];
+      sum.runs += t.runs, sum.solved += t.solved, sum.flagged += t.flagged, sum.proven += t.proven;
+      sum.undecided += t.undecided, sum.faults += t.faults, sum.warm += t.warm, sum.spoilt += t.spoilt;
+      sum.seconds += t.seconds;
+      sum.worst_z_error = std::max(sum.worst_z_error, t.worst_z_error);
+    }
+  outcome.seconds = now() - start;
+  outcome.interrupted = interrupted;
+  return outcome;
+}
+
+}  // namespace zwang

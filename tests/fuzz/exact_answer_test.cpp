@@ -1,0 +1,94 @@
+#include "bench/fuzz/exact_answer.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/fuzz/small_problem.h"
+#include "bench/references/witnesses.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+// Three methods that share neither code nor arithmetic.
+TEST(ExactAnswer, AgreesWithRationalsAndWithHundredDigits) {
+  int infeasible = 0, redundant = 0;
+  for (std::uint64_t number = 0; number < 2000; ++number) {
+    const Problem p = small_problem(7, number);
+    const auto integers = exact_answer(p), rational = rational_reference(p);
+    ASSERT_TRUE(integers && rational) << p.name;
+    ASSERT_EQ(integers->feasible, rational->feasible) << p.name;
+    if (number % 4 == 0) {
+      const auto digits = multiprecision_reference(p);
+      ASSERT_TRUE(digits) << p.name;
+      ASSERT_EQ(integers->feasible, digits->feasible) << p.name;
+    }
+    if (!integers->feasible) {
+      ++infeasible;
+      Problem finite = p;  // 0 times -Inf is no number
+      for (Index i = 0; i < p.rows(); ++i)
+        if (integers->certificate[i] == 0) finite.c[i] = 0;
+      EXPECT_LE(test::farkas_residual(finite, integers->certificate), 1e-15) << p.name;
+      continue;
+    }
+    EXPECT_LE(relative_distance(p, integers->z, rational->z), 1e-15) << p.name;
+    const Vector force = p.M * (integers->z - p.z_u) - p.J.transpose() * integers->lambda;
+    EXPECT_LE(force.norm(), 1e-13 * (1 + integers->lambda.norm())) << p.name;
+    for (Index i = 0; i < p.rows(); ++i) {
+      if (!p.is_equality(i)) {
+        EXPECT_GE(integers->lambda[i], 0) << p.name;
+      }
+      redundant += p.is_equality(i) && integers->lambda[i] == 0;
+    }
+  }
+  EXPECT_GT(infeasible, 400);
+  EXPECT_LT(infeasible, 1600);
+  EXPECT_GT(redundant, 100);
+}
+
+TEST(ExactAnswer, SaysWhereItDoesNotApply) {
+  Problem p = test::tied_pair();
+  ASSERT_TRUE(exact_answer(p));
+  EXPECT_EQ(exact_answer(p)->z, test::vec({0, 0}));
+  EXPECT_EQ(exact_answer(p)->lambda, test::vec({-40, 50}));
+  p.c[0] = .1;
+  EXPECT_FALSE(exact_answer(p)) << ".1 is no small dyadic number";
+  p.c[0] = 1e300;
+  EXPECT_FALSE(exact_answer(p));
+}
+
+TEST(SmallProblems, HoldWhatBreaksMethods) {
+  int no_rows = 0, six = 0, zero_rows = 0, repeated = 0, silent = 0, coupled = 0;
+  for (std::uint64_t number = 0; number < 2000; ++number) {
+    const Problem p = small_problem(1, number);
+    EXPECT_EQ(bad_input(p), "") << p.name;
+    EXPECT_TRUE(is_positive_definite(p.M)) << p.name;
+    const Matrix J = p.J;
+    no_rows += p.rows() == 0;
+    six += p.size() == 6;
+    coupled += !Matrix(p.M).isDiagonal();
+    for (Index i = 0; i < p.rows(); ++i) {
+      zero_rows += J.row(i).isZero(0);
+      silent += std::isinf(p.c[i]);
+      for (Index k = 0; k < i; ++k) repeated += p.is_equality(i) && p.is_equality(k) && J.row(i) == J.row(k);
+    }
+  }
+  for (const int count : {no_rows, six, zero_rows, repeated, silent, coupled}) EXPECT_GT(count, 50);
+}
+
+TEST(SmallProblems, SpoiltEntriesAreNamed) {
+  int bad = 0;
+  for (std::uint64_t number = 0; number < 1000; ++number) {
+    const Spoilt spoilt = spoil(small_problem(1, number), number);
+    bad += spoilt.bad;
+    if (spoilt.bad) {
+      EXPECT_TRUE(!bad_input(spoilt.problem).empty() || !is_positive_definite(spoilt.problem.M)) << spoilt.what;
+    } else {
+      EXPECT_EQ(bad_input(spoilt.problem), "") << spoilt.what;
+    }
+  }
+  EXPECT_GT(bad, 300);
+  EXPECT_LT(bad, 700);
+}
+
+}  // namespace
+}  // namespace zwang

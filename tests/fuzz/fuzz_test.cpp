@@ -1,0 +1,93 @@
+#include "bench/fuzz/fuzz.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/fuzz/worker.h"
+#include "core/measure.h"
+#include "core/problem_file.h"
+#include "tests/suite/test_solvers.h"
+
+namespace zwang {
+namespace {
+
+template <class S>
+SolverEntry entry(bool exact = true) {
+  return {.name = std::string(S::name), .method = "", .limits = "", .exact = exact, .make = [](std::string_view) {
+            return AnySolver(S{});
+          }};
+}
+
+class Fuzz : public testing::Test {
+ protected:
+  FuzzOutcome run(const FuzzOptions& options, std::span<const SolverEntry> among = solvers(), int jobs = 2) {
+    return run_fuzz(options, jobs, directory, among, [](std::uint64_t) {}, interrupted);
+  }
+  static void expect_no_fault(const FuzzOutcome& o) {
+    for (const Finding& f : o.findings)
+      ADD_FAILURE() << "problem " << f.number << ", " << f.solver << " " << f.what << "\n  ./zwang solve "
+                    << f.file.string() << " --solver " << f.solver;
+  }
+  void TearDown() override {
+    if (!HasFailure()) std::filesystem::remove_all(directory);
+  }
+  const std::filesystem::path directory =
+      std::filesystem::temp_directory_path() / ("zwang-fuzz-test-" + std::to_string(getpid()));
+  std::atomic<bool> interrupted = false;
+};
+
+TEST_F(Fuzz, TwentyThousandProblemsWithoutAFault) {
+  const FuzzOutcome o = run({.count = 20000, .solvers = "nnls,cholesky"});
+  expect_no_fault(o);
+  EXPECT_EQ(o.done, 20000u);
+  for (std::size_t i = 0; i < o.solvers.size(); ++i) {
+    EXPECT_EQ(o.tally[i].runs, 20000u) << o.solvers[i];
+    EXPECT_GE(o.tally[i].decided(), .999) << o.solvers[i];
+    EXPECT_GT(o.tally[i].proven, 5000u) << o.solvers[i];
+    EXPECT_GT(o.tally[i].warm, 10 * 256u) << "warm starts, ten films among them";
+    EXPECT_EQ(o.tally[i].spoilt, 2500u);
+  }
+}
+
+TEST_F(Fuzz, CreepingMethodsClaimNothingFalse) {
+  expect_no_fault(run({.seed = 2, .count = 4000, .solvers = "pgs,apgd,projected_gradient"}));
+}
+
+// A solver that takes every row for an active equality is right now and then, and says solved always.
+TEST_F(Fuzz, FindsALiarAndStoresWhatShowsIt) {
+  const std::vector<SolverEntry> among = {entry<tests::AllActive>()};
+  const FuzzOutcome o = run({.count = 200}, among);
+  ASSERT_GT(o.findings.size(), 50u);
+  EXPECT_GT(o.tally[0].solved, 10u);
+  EXPECT_EQ(o.tally[0].faults, o.findings.size());
+  const Finding& f = o.findings.front();
+  const Instance replayed = read_problems(f.file).at(0);
+  const Solution s = among[0].make("").solve(replayed.problem);
+  EXPECT_EQ(s.status, Status::solved);
+  EXPECT_EQ(measure(replayed.problem, s, &*replayed.reference, 1e-10).verdict, Verdict::wrong) << f.what;
+}
+
+TEST_F(Fuzz, ASolverThatDiesIsAFindingAndTheOthersGoOn) {
+  const std::vector<SolverEntry> among = {entry<tests::AllActive>(false), entry<tests::Aborts>()};
+  const FuzzOutcome o = run({.count = 6, .solvers = "aborts"}, among, 1);
+  EXPECT_EQ(o.done, 6u);
+  ASSERT_EQ(o.findings.size(), 6u);
+  EXPECT_NE(o.findings[0].what.find("dies"), std::string::npos) << o.findings[0].what;
+  EXPECT_TRUE(std::filesystem::exists(o.findings[0].file));
+}
+
+TEST_F(Fuzz, IsTheSameHoweverItIsShared) {
+  const FuzzOutcome one = run({.seed = 5, .count = 300, .solvers = "nnls,pgs"}, solvers(), 1),
+                    two = run({.seed = 5, .count = 300, .solvers = "nnls,pgs"});
+  for (std::size_t i = 0; i < one.tally.size(); ++i) {
+    EXPECT_EQ(one.tally[i].solved, two.tally[i].solved);
+    EXPECT_EQ(one.tally[i].proven, two.tally[i].proven);
+    EXPECT_EQ(one.tally[i].worst_z_error, two.tally[i].worst_z_error);
+  }
+}
+
+TEST_F(Fuzz, AMistypedSolverStartsNothing) {
+  EXPECT_THROW(run({.count = 10, .solvers = "nnsl"}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace zwang
