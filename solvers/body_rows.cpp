@@ -77,10 +77,11 @@ bool BodyRows::load_row(const Problem& p, Index i) {
   const double norm = std::sqrt(g[0].squaredNorm() + g[1].squaredNorm());
   if (!ordinary(norm) || !ordinary_or_zero(p.c[i])) return false;
   const Index k = rows();
-  G.col(2 * k) = g[0] / norm;
-  G.col(2 * k + 1) = g[1] / norm;
-  h[k] = (p.c[i] - held) / norm;
-  magnitude[k] = std::abs(p.c[i]) / norm;
+  const double reciprocal = 1 / norm;
+  G.col(2 * k) = g[0] * reciprocal;
+  G.col(2 * k + 1) = g[1] * reciprocal;
+  h[k] = (p.c[i] - held) * reciprocal;
+  magnitude[k] = std::abs(p.c[i]) * reciprocal;
   row_norm[k] = norm;
   row.push_back(i);
   equality.push_back(p.is_equality(i));

@@ -12,47 +12,40 @@ using Block = BodyRows::Block;
 // A pivot below this leaves too few digits to decide over contact rows; the careful path does.
 constexpr double clear_pivot = 1e-5;
 
-// x := (I - scale v v') x.
+// Six rows of up to eight columns, a row a lane vector: a reflection from the left is then twelve multiply-adds over
+// all columns at once, without a sum across lanes (which took most of the time when columns were lane vectors).
+using Rows = JointTree::Rows;
+
+// I - scale v v' on rows [top, bottom).
 struct Reflection {
-  Lanes v = Lanes::Zero();
+  Vec<double, 6> v;
   double scale = 0, beta = 0;
 
-  // Takes x to beta e_k, leaving what stands above k.
-  Reflection(const Lanes& x, int k) : v(x) {
-    for (int i = 0; i < k; ++i) v[i] = 0;
-    const double norm = v.norm();
-    if (norm == 0) return;
-    beta = v[k] > 0 ? -norm : norm;
-    scale = 1 / (beta * (beta - v[k]));
+  // Takes column k of `rows` to beta e_k, leaving what stands above k.
+  Reflection(const Rows& rows, Index k, Index bottom) {
+    double square = 0;
+    for (Index i = k; i < bottom; ++i) {
+      v[i] = rows(k, i);
+      square += v[i] * v[i];
+    }
+    if (square == 0) return;
+    const double norm = std::sqrt(square), top = v[k];
+    beta = top > 0 ? -norm : norm;
+    scale = 1 / (beta * (beta - top));
     v[k] -= beta;
   }
-  Reflection() = default;
-  template <class Column>
-  void apply(Column&& x) const {
-    x -= (scale * v.dot(x)) * v;
+  void apply(Rows& rows, Index k, Index bottom) const {
+    Lanes sum = v[k] * rows.col(k);
+    for (Index i = k + 1; i < bottom; ++i) sum += v[i] * rows.col(i);
+    sum *= scale;
+    for (Index i = k; i < bottom; ++i) rows.col(i) -= v[i] * sum;
   }
 };
-
-// A B for two 6 x 6 blocks, columns [0, count) of B.
-template <class Target>
-void multiply(const Block& A, const Block& B, Index count, Target& product) {
-  for (Index c = 0; c < count; ++c) {
-    Lanes sum = A.col(0) * B(0, c);
-    for (Index k = 1; k < 6; ++k) sum += A.col(k) * B(k, c);
-    product.col(c) = sum;
-  }
-}
 
 Lanes times(const Block& A, const Eigen::Ref<const Lanes>& x) {
   Lanes sum = A.col(0) * x[0];
   for (Index k = 1; k < 6; ++k) sum += A.col(k) * x[k];
   return sum;
-}
-
-Lanes transposed_times(const Block& A, const Lanes& x) {
-  Lanes product = Lanes::Zero();
-  for (Index k = 0; k < 6; ++k) product[k] = A.col(k).dot(x);
-  return product;
 }
 
 }  // namespace
@@ -145,25 +138,29 @@ bool JointTree::build_topology(const BodyRows& rows) {
 }
 
 // R of [I; S of each child], by reflections that touch one row of the triangle and all rows below.
-void JointTree::accumulate(Joint& joint) const {
-  joint.R.setZero();
-  for (Index i = 0; i < 6; ++i) joint.R(i, i) = 1;
+void JointTree::accumulate(Joint& joint) {
+  Rows& R = joint.R;
+  R.setZero();
+  for (Index i = 0; i < 6; ++i) R(i, i) = 1;
   if (joint.children.empty()) return;
-  Block& R = joint.R;
-  const auto child = [&](int c) -> Block& { return const_cast<Joint&>(joints_[static_cast<std::size_t>(c)]).S; };
+  below_.clear();
+  for (const int c : joint.children) {
+    Joint& child = joints_[static_cast<std::size_t>(c)];
+    for (Index i = child.freedom; i < 6; ++i) below_.push_back(child.S.col(i).data());
+  }
   for (Index j = 0; j < 6; ++j) {
-    double below = 0;
-    for (const int c : joint.children) below += child(c).col(j).squaredNorm();
-    if (below == 0) continue;
-    const double top = R(j, j), norm = std::sqrt(top * top + below);
-    const double beta = top > 0 ? -norm : norm, lead = top - beta, scale = 1 / (beta * (beta - top));
-    R(j, j) = beta;
-    for (Index l = j + 1; l < 6; ++l) {
-      double dot = lead * R(j, l);
-      for (const int c : joint.children) dot += child(c).col(j).dot(child(c).col(l));
-      dot *= scale;
-      R(j, l) -= dot * lead;
-      for (const int c : joint.children) child(c).col(l) -= dot * child(c).col(j);
+    double square = 0;
+    for (const double* row : below_) square += row[j] * row[j];
+    if (square == 0) continue;
+    const double top = R(j, j), norm = std::sqrt(top * top + square);
+    const double beta = top > 0 ? -norm : norm, lead = top - beta, scale = 1 / (beta * lead);
+    Lanes sum = lead * R.col(j);
+    for (const double* row : below_) sum += row[j] * Eigen::Map<const Lanes>(row);
+    sum *= scale;
+    R.col(j) += lead * sum;
+    for (double* row : below_) {
+      const double own = row[j];
+      Eigen::Map<Lanes>(row) += own * sum;
     }
   }
 }
@@ -171,69 +168,78 @@ void JointTree::accumulate(Joint& joint) const {
 bool JointTree::eliminate(const BodyRows& rows, Joint& joint) {
   const Index r = joint.count, d = joint.freedom;
   if (r > 6) return refuse("more than six rows between two bodies");
-  const auto part_of = [&](Index k, int b) -> Lanes {
+  const auto part_of = [&](Index k, int b) {
     const Index i = tree_rows_[static_cast<std::size_t>(joint.first + k)];
     return rows.part(i, rows.body[static_cast<std::size_t>(i)][0] == b ? 0 : 1);
   };
 
-  // C' = Q [R_C; 0].
-  Block C, Q;
-  Reflection reflection[6];
-  for (Index k = 0; k < r; ++k) C.col(k) = part_of(k, joint.body);
+  // C' = Q [R_C; 0]; row i of Q' is column i of Q.
+  Rows C, Q;
+  C.setZero();
+  Q.setZero();
+  for (Index i = 0; i < 6; ++i) Q(i, i) = 1;
+  for (Index k = 0; k < r; ++k)
+    for (Index i = 0; i < 6; ++i) C(k, i) = part_of(k, joint.body)[i];
   for (Index k = 0; k < r; ++k) {
-    reflection[k] = Reflection(C.col(k), static_cast<int>(k));
-    const double pivot = std::abs(reflection[k].beta);
+    const Reflection q(C, k, 6);
+    const double pivot = std::abs(q.beta);
     if (!(pivot > clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
     pivot_[joint.first + k] = pivot;
     smallest_pivot_ = std::min(smallest_pivot_, pivot);
-    for (Index l = k + 1; l < r; ++l) reflection[k].apply(C.col(l));
-  }
-  Q.setZero();
-  for (Index i = 0; i < 6; ++i) {
-    Q(i, i) = 1;
-    for (Index k = std::min(r, i + 1); k-- > 0;) reflection[k].apply(Q.col(i));
+    q.apply(C, k, 6);
+    q.apply(Q, k, 6);
   }
 
-  // C^+ = Q_1 R_C^-T, X = -C^+ D.
-  joint.C_inverse.setZero();
+  // C^+ = Q_1 R_C^-T by columns, X = -C^+ D by rows.
+  Rows X, B, Z, RZ;
+  X.setZero();
   for (Index k = r; k-- > 0;) {
     Lanes column = Q.col(k);
-    for (Index l = k + 1; l < r; ++l) column -= C(k, l) * joint.C_inverse.col(l);
-    joint.C_inverse.col(k) = column / reflection[k].beta;
+    for (Index l = k + 1; l < r; ++l) column -= C(l, k) * joint.C_inverse.col(l);
+    joint.C_inverse.col(k) = column / C(k, k);
   }
-  joint.X.setZero();
   if (joint.parent >= 0)
     for (Index k = 0; k < r; ++k) {
       const Lanes D = part_of(k, joint.parent);
-      for (Index c = 0; c < 6; ++c) joint.X.col(c) -= D[c] * joint.C_inverse.col(k);
+      for (Index i = 0; i < 6; ++i) X.col(i) -= joint.C_inverse(i, k) * D;
     }
+  Z.setZero();
+  for (Index c = 0; c < d; ++c)
+    for (Index i = 0; i < 6; ++i) Z(c, i) = Q(i, r + c);
 
-  // [R Z, R X] = Q_z [T, B; 0, S].
-  Block Z, RZ, B, T;
-  for (Index c = 0; c < d; ++c) Z.col(c) = Q.col(r + c);
-  multiply(joint.R, Z, d, RZ);
-  multiply(joint.R, joint.X, 6, B);
-  T.setZero();
+  // R [Z, X] = Q_z [T, B; 0, S].
+  if (joint.children.empty()) {
+    RZ = Z;
+    B = X;
+  } else {
+    for (Index i = 0; i < 6; ++i) {
+      Lanes z = Lanes::Zero(), x = Lanes::Zero();
+      for (Index k = i; k < 6; ++k) {
+        z += joint.R(k, i) * Z.col(k);
+        x += joint.R(k, i) * X.col(k);
+      }
+      RZ.col(i) = z;
+      B.col(i) = x;
+    }
+  }
   for (Index k = 0; k < d; ++k) {
-    const Reflection q(RZ.col(k), static_cast<int>(k));
-    T.col(k).head(k) = RZ.col(k).head(k);
-    T(k, k) = q.beta;
-    for (Index l = k + 1; l < d; ++l) q.apply(RZ.col(l));
-    for (Index c = 0; c < 6; ++c) q.apply(B.col(c));
+    const Reflection q(RZ, k, 6);
+    q.apply(RZ, k, 6);
+    q.apply(B, k, 6);
   }
 
-  // P = Z T^-1, F = X - P B.
-  joint.P.setZero();
+  // P = Z T^-1 by columns, F = X - P B.
   for (Index k = 0; k < d; ++k) {
-    Lanes column = Z.col(k);
-    for (Index l = 0; l < k; ++l) column -= T(l, k) * joint.P.col(l);
-    joint.P.col(k) = column / T(k, k);
+    Lanes column = Q.col(r + k);
+    for (Index l = 0; l < k; ++l) column -= RZ(k, l) * joint.P.col(l);
+    joint.P.col(k) = column / RZ(k, k);
   }
-  joint.F = joint.X;
-  for (Index c = 0; c < 6; ++c)
-    for (Index k = 0; k < d; ++k) joint.F.col(c) -= B(k, c) * joint.P.col(k);
+  for (Index i = 0; i < 6; ++i) {
+    for (Index k = 0; k < d; ++k) X.col(i) -= joint.P(i, k) * B.col(k);
+    joint.F.row(i) = X.col(i).head<6>().transpose();
+  }
+  joint.F_rows = X;
   joint.S = B;
-  for (Index k = 0; k < d; ++k) joint.S.row(k).setZero();
   return true;
 }
 
@@ -260,8 +266,7 @@ void JointTree::null_space(Matrix& Nt) const {
       Nt.middleCols<6>(at).setZero();
     else
       for (Index k = 0; k < padded; k += 8)
-        Nt.block<8, 6>(k, at).noalias() =
-            Nt.block<8, 6>(k, 6 * joint.parent).lazyProduct(joint.F.topRows<6>().transpose());
+        Nt.block<8, 6>(k, at).noalias() = Nt.block<8, 6>(k, 6 * joint.parent).lazyProduct(joint.F_rows.topRows<6>());
     for (Index i = 0; i < 6; ++i)
       for (Index k = 0; k < joint.freedom; ++k) Nt(joint.column + k, at + i) += joint.P(i, k);
   }
@@ -273,7 +278,7 @@ void JointTree::reduce(const Motion& y, Vector& v) const {
     const Joint& joint = joints_[j];
     const Lanes own = rest_.col(joint.body);
     for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] = joint.P.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += transposed_times(joint.F, own);
+    if (joint.parent >= 0) rest_.col(joint.parent) += times(joint.F_rows, own);
   }
 }
 
@@ -286,26 +291,27 @@ void JointTree::expand(const Vector& v, Motion& y) const {
   }
 }
 
-// Any motion that meets the rows, less its part in the null space.
+// Any motion that meets the rows, less its part in the null space. F serves where X would: they differ by free motions.
 void JointTree::shift(const Vector& sigma, Motion& y) const {
   for (const Joint& joint : joints_) {
     Lanes own = Lanes::Zero();
     for (Index k = 0; k < joint.count; ++k) own += sigma[joint.first + k] * joint.C_inverse.col(k);
-    if (joint.parent >= 0) own += times(joint.X, y.col(joint.parent));
+    if (joint.parent >= 0) own += times(joint.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
   reduce(y, v_);
-  for (Motion* motion : {&rest_}) expand(v_, *motion);
+  expand(v_, rest_);
   y -= rest_;
 }
 
+// A joint passes on X't; P't = 0 for t in the range of G_E', so F does as well.
 void JointTree::multipliers(const Motion& t, Vector& mu) const {
   rest_ = t;
   for (std::size_t j = joints_.size(); j-- > 0;) {
     const Joint& joint = joints_[j];
     const Lanes own = rest_.col(joint.body);
     for (Index k = 0; k < joint.count; ++k) mu[joint.first + k] = joint.C_inverse.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += transposed_times(joint.X, own);
+    if (joint.parent >= 0) rest_.col(joint.parent) += times(joint.F_rows, own);
   }
 }
 

@@ -31,6 +31,7 @@ class JointTree {
  public:
   using Lanes = BodyRows::Lanes;
   using Block = BodyRows::Block;
+  using Rows = Block;                                           // column i is row i of a 6 x 6 block
   using Motion = Mat<double, BodyRows::lanes, Eigen::Dynamic>;  // lanes x bodies
 
   bool factorize(const BodyRows& rows);
@@ -58,8 +59,8 @@ class JointTree {
     Index first = 0, count = 0;      // tree rows
     Index column = 0, freedom = 0;   // of N
     std::vector<int> children = {};  // positions in joints_
-    Block C_inverse, X, F, P, R, S;
-    void clear_children() { children.clear(); }
+    Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero();  // by columns
+    Rows F_rows, R, S;  // by rows; of S the first `freedom` are void
   };
   struct Edge {
     int a = 0, b = -1;
@@ -67,8 +68,7 @@ class JointTree {
   };
 
   bool build_topology(const BodyRows& rows);
-  void grow(const BodyRows& rows, int root_edge);
-  void accumulate(Joint& joint) const;
+  void accumulate(Joint& joint);
   bool eliminate(const BodyRows& rows, Joint& joint);
   bool refuse(std::string_view why) {
     reason_ = why;
@@ -77,6 +77,7 @@ class JointTree {
 
   std::vector<Joint> joints_;  // parents before children
   std::vector<Index> tree_rows_, cut_, sorted_;
+  std::vector<double*> below_;
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_of_;  // a body; the last entry is the world's
   std::vector<int> joint_of_;               // a body

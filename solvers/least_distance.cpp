@@ -43,7 +43,8 @@ void LeastDistance::reset(Index freedom, Index rows) {
   }
   if (At_.rows() < padded_rows_ || At_.cols() < padded_) {
     At_.resize(padded_rows_, padded_);
-    for (Vector* part : {&b, &magnitude, &slack_}) part->resize(padded_rows_);
+    AQ_.resize(padded_rows_, padded_);
+    for (Vector* part : {&b, &magnitude, &slack_, &along_}) part->resize(padded_rows_);
   }
   state_.assign(static_cast<std::size_t>(padded_rows_), State::resting);
   active_.clear();
@@ -73,6 +74,15 @@ void LeastDistance::scan() {
   }
 }
 
+// A remainder, over all rows.
+void LeastDistance::move_along() {
+  for (Index j = 0; j < padded_rows_; j += lanes) {
+    Lanes sum = Lanes::Zero();
+    for (Index k = 0; k < freedom_; ++k) sum += remainder_[k] * at(At_.col(k).data(), j);
+    at(along_.data(), j) = sum;
+  }
+}
+
 Index LeastDistance::most_violated() const {
   const double length = std::sqrt(fixed_length * fixed_length + dot(v_.data(), v_.data(), padded_));
   Index worst = -1;
@@ -86,22 +96,27 @@ Index LeastDistance::most_violated() const {
   return worst;
 }
 
-// Row p = Q d + remainder; r = T d. Returns the remainder's length.
+// Row p = Q d + remainder; r = T d. Returns the remainder's length. A Q is carried along for all rows, as the products
+// that move the slacks, so d is read, not computed.
 double LeastDistance::split(Index p) {
   const Index q = size();
   const double* a = A_.col(p).data();
   double* rest = remainder_.data();
-  const auto orthogonalize = [&](const double* from, bool again) {
-    for (Index j = 0; j < q; ++j) rest_[j] = dot(Q_.col(j).data(), from, padded_);
+  for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
+  for (Index j = 0; j < q; ++j) {
+    d_[j] = AQ_(p, j);
+    add(-d_[j], Q_.col(j).data(), rest, padded_);
+  }
+  length_ = std::sqrt(dot(rest, rest, padded_));
+  // Kahan's criterion: one pass leaves eps / shortening of Q in the rest.
+  if (length_ * length_ < 0.5 * dot(a, a, padded_)) {
+    for (Index j = 0; j < q; ++j) rest_[j] = dot(Q_.col(j).data(), rest, padded_);
     for (Index j = 0; j < q; ++j) {
-      d_[j] = again ? d_[j] + rest_[j] : rest_[j];
+      d_[j] += rest_[j];
       add(-rest_[j], Q_.col(j).data(), rest, padded_);
     }
-    return std::sqrt(dot(rest, rest, padded_));
-  };
-  for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
-  length_ = orthogonalize(a, false);
-  if (length_ * length_ < 0.5 * dot(a, a, padded_)) length_ = orthogonalize(rest, true);
+    length_ = std::sqrt(dot(rest, rest, padded_));
+  }
   const Index used = round_up(q);
   for (Index k = 0; k < used; k += lanes) at(r_.data(), k).setZero();
   for (Index j = 0; j < q; ++j) add(d_[j], T_.col(j).data(), r_.data(), round_up(j + 1));
@@ -112,6 +127,7 @@ void LeastDistance::append(Index p, double multiplier) {
   const Index q = size();
   const double reciprocal = 1 / length_;
   for (Index k = 0; k < padded_; k += lanes) at(Q_.col(q).data(), k) = reciprocal * at(remainder_.data(), k);
+  for (Index j = 0; j < padded_rows_; j += lanes) at(AQ_.col(q).data(), j) = reciprocal * at(along_.data(), j);
   T_.col(q).setZero();
   for (Index k = 0; k < q; ++k) T_(k, q) = -r_[k] * reciprocal;
   T_(q, q) = reciprocal;
@@ -138,6 +154,7 @@ void LeastDistance::drop(Index j) {
     };
     rotate(T_.col(k).data(), T_.col(k + 1).data(), round_up(k + 2));
     rotate(Q_.col(k).data(), Q_.col(k + 1).data(), padded_);
+    rotate(AQ_.col(k).data(), AQ_.col(k + 1).data(), padded_rows_);
   }
   for (Index k = j; k < q; ++k) {
     for (Index i = j; i <= k; ++i) T_(i, k) = T_(i + 1, k);
@@ -173,6 +190,7 @@ bool LeastDistance::restore_dual_feasibility() {
 bool LeastDistance::take(Index j) {
   constexpr double clear = 1e-7;
   if (size() == freedom_ || !(split(j) > clear)) return false;
+  move_along();
   append(j, 0);
   return true;
 }
@@ -237,11 +255,8 @@ LeastDistance::End LeastDistance::climb(int& iterations, int most_iterations, co
       multiplier += step;
       if (!dependent) {
         add(step, remainder_.data(), v_.data(), padded_);
-        for (Index j = 0; j < padded_rows_; j += lanes) {
-          Lanes sum = Lanes::Zero();
-          for (Index k = 0; k < freedom_; ++k) sum += remainder_[k] * at(At_.col(k).data(), j);
-          at(slack_.data(), j) += step * sum;
-        }
+        move_along();
+        add(step, along_.data(), slack_.data(), padded_rows_);
       }
       if (blocked) {
         drop(block);

@@ -67,11 +67,12 @@ class LeastDistance {
   void refresh();
   bool restore_dual_feasibility();
   void scan();
+  void move_along();
   Index most_violated() const;
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
-  Columns A_, At_, Q_, T_;
-  Vector v_, u_, r_, d_, remainder_, slack_, rest_;
+  Columns A_, At_, Q_, T_, AQ_;
+  Vector v_, u_, r_, d_, remainder_, slack_, along_, rest_;
   double length_ = 0;
   std::vector<Index> active_;
   std::vector<State> state_;
