@@ -91,18 +91,18 @@ Island& Islands::next_island() {
   return island;
 }
 
-void Islands::split(const Problem& problem) {
-  find(problem);
+void Islands::split(const Problem& problem, Index unit) {
+  find(problem, unit);
   for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
 }
 
-void Islands::find(const Problem& p) {
+void Islands::find(const Problem& p, Index unit) {
   require_matching_sizes(p);
   const Index n = p.size(), m = p.rows();
   parent_.resize(static_cast<std::size_t>(n));
   island_.resize(static_cast<std::size_t>(n));
   local_.resize(static_cast<std::size_t>(n));
-  for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k;
+  for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k / unit * unit;
 
   // Most entries stand under the root of their row already.
   const auto couple_inner = [&](const auto& A, Index outer, Index home) {
@@ -134,6 +134,34 @@ void Islands::find(const Problem& p) {
   }
 }
 
+bool Islands::several(const Problem& p, Index unit) {
+  const Index blocks = (p.size() + unit - 1) / unit;
+  parent_.resize(static_cast<std::size_t>(p.size()));
+  for (Index k = 0; k < blocks; ++k) parent_[static_cast<std::size_t>(k)] = k;
+  Index count = blocks;
+  const auto couple_blocks = [&](Index a, Index b) {
+    if (a == b) return;
+    count -= root(a) != root(b);
+    couple(a, b);
+  };
+  const auto visit = [&](const auto& A, Index outer, Index block) {
+    const int* const first = A.innerIndexPtr() + A.outerIndexPtr()[outer];
+    const int* const last = first + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer]
+                                                      : A.innerNonZeroPtr()[outer]);
+    Index begin = block * unit;  // of the block seen last
+    for (const int* at = first; at != last; ++at) {
+      if (block >= 0 && *at >= begin && *at < begin + unit) continue;
+      const Index own = *at / unit;
+      if (block >= 0) couple_blocks(block, own);
+      block = own;
+      begin = own * unit;
+    }
+  };
+  for (Index j = 0; j < p.size(); ++j) visit(p.M, j, j / unit);
+  for (Index i = 0; i < p.rows(); ++i) visit(p.J, i, -1);
+  return count > 1;
+}
+
 void Islands::fill(const Problem& p, Island& island) {
   Problem& part = island.problem;
   const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
@@ -154,21 +182,11 @@ void Islands::fill(const Problem& p, Island& island) {
 }
 
 void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
-  find(problem);
+  find(problem, 1);
   if (count_ == 1) return solver.solve(problem, options, solution);
   for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
-  solution.reset(problem.size(), problem.rows());
-  SolveOptions quiet = options;
-  quiet.observe = nullptr;
-  solution.status = Status::solved;
-  solution.margins.rank = 0;
-  for (std::size_t k = 0; k < count_; ++k) {
-    solver.solve(islands_[k].problem, quiet, part_);
-    join(islands_[k], part_, problem.rows(), solution);
-    if (part_.message.empty()) continue;
-    if (!solution.message.empty()) solution.message += "; ";
-    solution.message += "island " + std::to_string(k + 1) + ": " + part_.message;
-  }
+  solve_each([&](const Problem& p, const SolveOptions& o, Solution& part) { solver.solve(p, o, part); }, problem,
+             options, solution);
 }
 
 void Islands::join(const Island& island, const Solution& part, Index rows, Solution& whole) const {

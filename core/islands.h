@@ -1,6 +1,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/solver.h"
@@ -21,7 +23,10 @@ struct Island {
 // reused: splitting again allocates nothing.
 class Islands {
  public:
-  void split(const Problem& problem);
+  // Unknowns [unit k, unit k + unit) stay together: with unit = 6, bodies are never cut.
+  void split(const Problem& problem, Index unit = 1);
+  // Whether split() would find more than one, without splitting; stored zeros couple here.
+  bool several(const Problem& problem, Index unit);
   std::span<const Island> all() const { return {islands_.data(), count_}; }
 
   // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
@@ -29,11 +34,14 @@ class Islands {
   // messages name their island. The limits of `options` hold per island; the observer is not called (iterates of
   // problems solved apart are no iterates of the whole). A problem that is one island goes to the solver as it is.
   void solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution);
+  // The same over islands that were split before, with solve(problem, options, solution) for each.
+  template <class Solve>
+  void solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
   Index root(Index unknown);
   Index couple(Index a, Index b);
-  void find(const Problem& problem);
+  void find(const Problem& problem, Index unit);
   Island& next_island();
   void fill(const Problem& problem, Island& island);
   void join(const Island& island, const Solution& part, Index rows, Solution& whole) const;
@@ -43,5 +51,21 @@ class Islands {
   std::vector<Index> parent_, island_, local_;
   Solution part_;
 };
+
+template <class Solve>
+void Islands::solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution) {
+  solution.reset(problem.size(), problem.rows());
+  SolveOptions quiet = options;
+  quiet.observe = nullptr;
+  solution.status = Status::solved;
+  solution.margins.rank = 0;
+  for (std::size_t k = 0; k < count_; ++k) {
+    solve(std::as_const(islands_[k].problem), std::as_const(quiet), part_);
+    join(islands_[k], part_, problem.rows(), solution);
+    if (part_.message.empty()) continue;
+    if (!solution.message.empty()) solution.message += "; ";
+    solution.message += "island " + std::to_string(k + 1) + ": " + part_.message;
+  }
+}
 
 }  // namespace zwang

@@ -37,9 +37,22 @@ void DualActiveSet::judge_again(const Problem& problem, double tolerance, Soluti
   }
 }
 
+// Hands or towers that no row connects are solved apart: time then grows with their number, not with its cube.
 void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr Index body = 6;
+  if (!reduce || options.observe || problem.size() % body != 0) return solve_carefully(problem, options, solution);
+  if (!islands_.several(problem, body)) return solve_island(problem, options, solution);
+  islands_.split(problem, body);
+  islands_.solve_each([this](const Problem& p, const SolveOptions& o, Solution& part) { solve_island(p, o, part); },
+                      problem, options, solution);
+}
+
+void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& options, Solution& solution) {
   solution.reset(problem.size(), problem.rows());
-  if (reduce && reduced_.solve(problem, options, solution)) return;
+  if (!reduced_.solve(problem, options, solution)) solve_carefully(problem, options, solution);
+}
+
+void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
   solution.reset(problem.size(), problem.rows());
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/islands.h"
 #include "solvers/goldfarb_idnani.h"
 #include "solvers/polish.h"
 #include "solvers/reduced_active_set.h"
@@ -22,9 +23,12 @@ struct DualActiveSet {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
+  void solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve_island(const Problem& problem, const SolveOptions& options, Solution& solution);
   void write(const Problem& problem, Solution& solution) const;
   void judge_again(const Problem& problem, double tolerance, Solution& solution);
 
+  Islands islands_;
   ReducedActiveSet reduced_;
   GoldfarbIdnani<double> method_;
   QrRows active_;

@@ -291,7 +291,8 @@ void JointTree::expand(const Vector& v, Motion& y) const {
   }
 }
 
-// Any motion that meets the rows, less its part in the null space. F serves where X would: they differ by free motions.
+// Any motion that meets the rows, less its part in the null space, taken again where little was
+// left. F serves where X would: they differ by free motions.
 void JointTree::shift(const Vector& sigma, Motion& y) const {
   for (const Joint& joint : joints_) {
     Lanes own = Lanes::Zero();
@@ -299,9 +300,14 @@ void JointTree::shift(const Vector& sigma, Motion& y) const {
     if (joint.parent >= 0) own += times(joint.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
-  reduce(y, v_);
-  expand(v_, rest_);
-  y -= rest_;
+  double before = 0, after = y.norm();
+  do {
+    before = after;
+    reduce(y, v_);
+    expand(v_, rest_);
+    y -= rest_;
+    after = y.norm();
+  } while (after > 0 && after < before / 8);
 }
 
 // A joint passes on X't; P't = 0 for t in the range of G_E', so F does as well.

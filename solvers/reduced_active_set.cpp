@@ -129,8 +129,9 @@ void ReducedActiveSet::compute_residuals(const Problem& p) {
   }
 }
 
-// Solves dy - G_A'dmu = rho, G_A dy = sigma, and adds the correction. Returns |dy|.
-double ReducedActiveSet::correct(const Problem& p) {
+// Solves dy - G_A'dmu = rho, G_A dy = sigma, and adds the correction. Returns its length: |dy|, or |rho| where only the
+// multipliers were off (along a chain of ill-conditioned joints they lose more digits than y).
+double ReducedActiveSet::correct() {
   const BodyRows& rows = form_.rows();
   const auto q = static_cast<Index>(climb_.active().size());
   form_.shift(sigma_E_, step_);
@@ -162,8 +163,7 @@ double ReducedActiveSet::correct(const Problem& p) {
   for (Index b = 0; b < rows.bodies(); ++b)
     for (Index c = 0; c < 6; ++c)
       z_[6 * b + c] += unit * Wide(rows.L_inverse[static_cast<std::size_t>(b)].col(c).dot(step_.col(b)));
-  (void)p;
-  return step_.norm();
+  return std::max(step_.norm(), rho_.norm());
 }
 
 bool ReducedActiveSet::refine(const Problem& p) {
@@ -176,7 +176,7 @@ bool ReducedActiveSet::refine(const Problem& p) {
   constexpr int passes = 4;
   for (int pass = 0; pass < passes; ++pass) {
     compute_residuals(p);
-    const double change = correct(p);
+    const double change = correct();
     const double size = y_.norm() + form_.rows().free_norm;
     // The next correction would be about change^2 / size.
     if (change * change <= std::numeric_limits<double>::epsilon() / 32 * size * size) return true;
