@@ -43,11 +43,7 @@ class DenseFront {
  private:
   using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
-  static Pack load(const double* x) {
-    Pack p;
-    std::memcpy(&p, x, sizeof p);
-    return p;
-  }
+  static void load(Pack& p, const double* x) { std::memcpy(&p, x, sizeof p); }
   static void store(double* x, const Pack& p) { std::memcpy(x, &p, sizeof p); }
 
   // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the `behind` columns before.
@@ -63,11 +59,11 @@ class DenseFront {
   static void tile(double* front, int stride, int i, int j, int behind) {
     Pack sum[packs][width];
     for (int c = 0; c < width; ++c)
-      for (int r = 0; r < packs; ++r) sum[r][c] = load(front + (j + c) * stride + i + r * lanes);
+      for (int r = 0; r < packs; ++r) load(sum[r][c], front + (j + c) * stride + i + r * lanes);
     const double *left = front + i, *across = front + j;
     for (int p = 0; p < behind; ++p, left += stride, across += stride) {
       Pack l[packs];
-      for (int r = 0; r < packs; ++r) l[r] = load(left + r * lanes);
+      for (int r = 0; r < packs; ++r) load(l[r], left + r * lanes);
       for (int c = 0; c < width; ++c)
         for (int r = 0; r < packs; ++r) sum[r][c] -= l[r] * across[c];
     }
