@@ -25,6 +25,12 @@ namespace fs = std::filesystem;
   throw BadFile(file.string() + ": " + why);
 }
 
+// assimp calls what it reads from memory "$$$___magic___$$$.stl".
+std::string without_stand_in(std::string text) {
+  const std::size_t at = text.find("$$$___magic___$$$"), end = std::min(text.size(), text.find(' ', at));
+  return at == std::string::npos ? text : text.replace(at, end - at, "it");
+}
+
 std::string lower(std::string text) {
   for (char& ch : text)
     if (ch >= 'A' && ch <= 'Z') ch = static_cast<char>(ch - 'A' + 'a');
@@ -142,7 +148,7 @@ MeshFile read_mesh(const StoredFile& stored, const MeshFileOptions& options) {
   const aiScene* scene = kind == ".gltf" && !packed
                              ? importer.ReadFile(file.string(), steps)
                              : importer.ReadFileFromMemory(bytes.data(), bytes.size(), steps, kind.c_str() + 1);
-  if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, importer.GetErrorString());
+  if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_stand_in(importer.GetErrorString()));
   append(*scene, *scene->mRootNode, aiMatrix4x4t<double>(), options.unit, out.mesh);
   importer.FreeScene();
   if (out.mesh.triangles.empty()) refuse(file, "no triangles in it");

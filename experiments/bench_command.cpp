@@ -65,9 +65,8 @@ void add_options(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
   options
       .add_option("--suite", s.suite,
-                  "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes) "
-                  "or speed (ten "
-                  "minutes)")
+                  "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes), "
+                  "speed (ten minutes) or collision (six)")
       ->group("What is run");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
       ->group("What is run");
@@ -114,6 +113,12 @@ int bench_command(std::vector<std::string> words) {
   std::string command = "./zwang bench";
   for (const std::string& word : words) command += " " + word;
   if (!read(options, std::move(words))) return done;
+  if (asked.suite.suite == "collision") {
+    if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
+    stop_on_interrupt();
+    return bench_collision(asked.out.empty() ? fresh_directory() : std::filesystem::path(asked.out), command,
+                           interrupted);
+  }
   asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -25,5 +27,10 @@ int scenes_command(std::vector<std::string> words);
 int export_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
+int mesh_command(std::vector<std::string> words);
+
+// `bench --suite collision`.
+int bench_collision(const std::filesystem::path& directory, const std::string& command,
+                    const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

@@ -28,6 +28,7 @@ const std::array commands = {
     zwang::Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
                    zwang::solve_command},
     zwang::Command{"export", "Look at one problem", "write a scene's problem to a file", zwang::export_command},
+    zwang::Command{"mesh", "Look at one mesh", "load a mesh file and say what is in it", zwang::mesh_command},
     zwang::Command{"scenes", "What there is", "the scenes and their knobs", zwang::scenes_command},
     zwang::Command{"solvers", "What there is", "the solvers, their settings, and what each cannot do",
                    zwang::solvers_command},

@@ -159,10 +159,10 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
   progress.clear();
   lines.push_back(
       printed("Audit: %ld penetrations in %s body-frames (%s touching; %s poses looked at by FCL), smallest "
-              "gap %.3f mm",
+              "gap %.2g um",
               all.penetrations, grouped(static_cast<std::size_t>(all.body_frames)).c_str(),
               grouped(static_cast<std::size_t>(all.touching)).c_str(),
-              grouped(static_cast<std::size_t>(all.audited)).c_str(), 1e3 * all.gap));
+              grouped(static_cast<std::size_t>(all.audited)).c_str(), 1e6 * all.gap));
   results["headline"] = lines;
   write(file, results);
   done = true;

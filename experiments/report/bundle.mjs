@@ -1,4 +1,4 @@
-// node bundle.mjs OUT: template, style, scripts, chart specs and the Vega libraries as one page without its data.
+// node bundle.mjs OUT [collision]: template, style, scripts, chart specs and the Vega libraries as one page without its data.
 import fs from 'node:fs';
 
 const here = new URL('.', import.meta.url).pathname;
@@ -21,15 +21,21 @@ const specs = Object.fromEntries(fs.readdirSync(here + 'charts').sort()
 const libraries = ['vega/build/vega.min.js', 'vega-lite/build/vega-lite.min.js', 'vega-embed/build/vega-embed.min.js']
   .map(file => read('node_modules/' + file)).concat(`(() => {${interpreter}})();`);
 
-const parts = {
+const collision = process.argv[3] === 'collision';
+const parts = collision ? {
+  '/*{page.css}*/': read('page/page.css'),
+  '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
+  '/*{charts.js}*/': inline(read('page/charts.js')),
+  '/*{collision.js}*/': inline(read('page/collision.js')),
+} : {
   '/*{page.css}*/': read('page/page.css'),
   '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
   '/*{charts.js}*/': inline(read('page/charts.js')),
   '/*{page.js}*/': `const SPECS = ${inline(JSON.stringify(specs))};\n${inline(read('page/page.js'))}`,
 };
-let page = read('page/template.html');
+let page = read(collision ? 'page/collision.html' : 'page/template.html');
 for (const [slot, text] of Object.entries(parts)) {
-  if (!page.includes(slot)) throw new Error(`template.html has no ${slot}`);
+  if (!page.includes(slot)) throw new Error(`the template has no ${slot}`);
   page = page.replace(slot, () => text);
 }
 fs.writeFileSync(process.argv[2], page);

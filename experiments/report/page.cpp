@@ -135,8 +135,11 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
 }
 
 std::string page(const std::string& data) {
+  return filled({zwang_report_page, static_cast<std::size_t>(zwang_report_page_end - zwang_report_page)}, data);
+}
+
+std::string filled(std::string_view whole, const std::string& data) {
   constexpr std::string_view slot = "{\"slot\":\"data\"}";
-  const std::string_view whole(zwang_report_page, static_cast<std::size_t>(zwang_report_page_end - zwang_report_page));
   const std::size_t at = whole.find(slot);
   if (at == std::string_view::npos) throw std::logic_error("the embedded report page has no place for its data");
   std::string out(whole.substr(0, at));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "experiments/report/tables.h"
@@ -20,5 +21,7 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
 
 // The page embedded at build time with the data in its place.
 std::string page(const std::string& data);
+// Any bundled page with its slot for data filled.
+std::string filled(std::string_view page, const std::string& data);
 
 }  // namespace zwang::report

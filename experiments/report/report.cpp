@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "experiments/report/collision_page.h"
 #include "experiments/report/compare.h"
 #include "experiments/report/page.h"
 #include "experiments/report/tables.h"
@@ -44,6 +45,7 @@ std::string title(const Run& run) { return run.suite.empty() ? "zwang report" : 
 }  // namespace
 
 fs::path write_report(const fs::path& dir) {
+  if (fs::exists(dir / "collision.json")) return write_collision_report(dir);
   const Run run = read_run(dir);
   write(dir / "report.html", page(page_data(run, {title(run), headline(run)}, all_tables(run))));
   return dir / "report.html";
