@@ -7,7 +7,7 @@
 
 #include "core/measure.h"
 #include "solvers/dual_active_set.h"
-#include "tests/solvers/count_allocations.h"
+#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {
