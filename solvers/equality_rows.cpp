@@ -3,27 +3,56 @@
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
+#include <span>
 
 #include "solvers/farkas.h"
 
 namespace zwang {
 
+// G_E G_E' and its sparse LDL'. The order of elimination is looked for once per pattern: it takes longer than the
+// factor.
+struct EqualityRows::Gram {
+  Eigen::SparseMatrix<double> S = {};
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor = {};
+
+  bool factorize() {
+    const std::span<const int> starts(S.outerIndexPtr(), static_cast<std::size_t>(S.outerSize()) + 1),
+        indices(S.innerIndexPtr(), static_cast<std::size_t>(S.nonZeros()));
+    if (!std::ranges::equal(start_, starts) || !std::ranges::equal(index_, indices)) {
+      start_.assign(starts.begin(), starts.end());
+      index_.assign(indices.begin(), indices.end());
+      factor.analyzePattern(S);
+    }
+    factor.factorize(S);
+    return factor.info() == Eigen::Success;
+  }
+
+ private:
+  std::vector<int> start_, index_;
+};
+
 bool EqualityRows::clearly_independent(const UnitProgram& program) {
-  std::vector<Eigen::Triplet<double>> entries;
-  Index count = 0;
+  equality_.clear();
+  Index entries = 0;
   for (Index i = 0; i < program.rows(); ++i) {
     if (!program.is_equality(i)) continue;
-    for (UnitProgram::Rows::InnerIterator it(program.G(), i); it; ++it)
-      entries.emplace_back(count, it.col(), it.value());
-    ++count;
+    equality_.push_back(i);
+    entries += program.G().outerIndexPtr()[i + 1] - program.G().outerIndexPtr()[i];
   }
+  const auto count = static_cast<Index>(equality_.size());
   if (count == 0) return true;
   if (count > program.size()) return false;
   UnitProgram::Rows G(count, program.size());
-  G.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SparseMatrix<double> S = G * G.transpose();
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(S);
-  return factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 1e-10;
+  G.reserve(entries);
+  for (Index k = 0; k < count; ++k) {
+    G.startVec(k);
+    for (UnitProgram::Rows::InnerIterator it(program.G(), equality_[static_cast<std::size_t>(k)]); it; ++it)
+      G.insertBack(k, it.col()) = it.value();
+  }
+  G.finalize();
+  Gram& gram = gram_.open();
+  gram.S = G * G.transpose();
+  return gram.factorize() && gram.factor.vectorD().minCoeff() > 1e-10;
 }
 
 void EqualityRows::factorize(const UnitProgram& program) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "solvers/session.h"
 #include "solvers/unit_program.h"
 
 namespace zwang {
@@ -15,7 +16,7 @@ class EqualityRows {
 
   // A sparse LDL' of G_E G_E', far cheaper than the QR: its pivots are the squared distances of the rows to those
   // before them. True when none is below 1e-10.
-  static bool clearly_independent(const UnitProgram& program);
+  bool clearly_independent(const UnitProgram& program);
 
   void factorize(const UnitProgram& program);
 
@@ -33,6 +34,9 @@ class EqualityRows {
   Eigen::ColPivHouseholderQR<Matrix> qr_;  // of G_E': n x (equality rows)
   Index rank_ = 0;
   std::vector<Index> equality_, kept_, dropped_;
+
+  struct Gram;
+  Session<Gram> gram_;
 };
 
 }  // namespace zwang

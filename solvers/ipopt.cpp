@@ -244,7 +244,7 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   qp->rows.clear();
   for (Index i = 0; i < program.rows(); ++i) qp->rows.push_back(i);
   Vector u;
-  if (!EqualityRows::clearly_independent(program)) {
+  if (!equalities.clearly_independent(program)) {
     equalities.factorize(program);
     if (equalities.conflict(program, u)) {
       solution.status = Status::infeasible;

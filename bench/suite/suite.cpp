@@ -47,6 +47,9 @@ class Schedule {
       const double firsts = work_done_ > 0 ? 1.5 * first_s_ / work_done_ * work_left_ : left / 2;
       const double share = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
       limits.budget = plan_.whole_suite ? share : std::min(limits.budget, share);
+      // Large problems, last, make first solves look dearer than they are; a time from a first solve alone would hold
+      // its allocations.
+      if (plan_.speed) limits.budget = std::max(limits.budget, 1.5);
       const double allowance = left / static_cast<double>(batches_left);
       const double solvers =
           static_cast<double>(plan_.runs.size()) / static_cast<double>(plan_.options.tolerances.size());
