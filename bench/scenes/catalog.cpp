@@ -160,6 +160,7 @@ std::span<const SceneEntry> scenes() {
         limits_knob,
         drift_knob,
         {"feasible", 1, 0, 1, true, "1: feasible by construction; 0: gaps at random, perhaps infeasible"},
+        {"locked", 0, 0, 1, true, "1: index PIP welded; with limits=20 and drift=0 its limit contradicts the weld"},
         seed_knob},
        hands},
       {"hands",

@@ -5,6 +5,7 @@
 #include "bench/scenes/hand.h"
 #include "bench/scenes/physical.h"
 #include "constraints/contact.h"
+#include "constraints/weld.h"
 #include "core/motion.h"
 
 namespace zwang {
@@ -109,6 +110,17 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
   return out;
 }
 
+// Welds the index finger's second joint where it stands.
+void lock_index_finger(Scene& scene, BodyId palm, const std::string& prefix) {
+  const BodyId proximal = palm + 4, middle = palm + 5;
+  const Pose<double>&a = scene.bodies[static_cast<std::size_t>(proximal)].pose,
+        &b = scene.bodies[static_cast<std::size_t>(middle)].pose;
+  scene.add(Weld{.bodies = {proximal, middle},
+                 .anchor_a = a.rotation.transpose() * (b.position - a.position),
+                 .relative = a.rotation.transpose() * b.rotation},
+            prefix + "index PIP locked");
+}
+
 }  // namespace
 
 Posed pose_hands(const Knobs& knobs) {
@@ -125,6 +137,7 @@ Posed pose_hands(const Knobs& knobs) {
     const std::string prefix = count > 1 ? "hand " + std::to_string(h + 1) + " " : "";
     const BodyId palm = hand::add(scene, pressed.god, prefix);
     target.insert(target.end(), pressed.target.begin(), pressed.target.end());
+    if (knobs.contains("locked") && knobs.at("locked") > 0) lock_index_finger(scene, palm, prefix);
     std::array<int, hand::bodies> number{};
     for (const PressedHand::Touch& t : pressed.touches)
       scene.add(contact_at(scene.bodies, palm + t.body, wall, t.point, t.normal, t.gap),

@@ -155,13 +155,13 @@ json sweep_states(const Run& run) {
           **std::min_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->tolerance < b->tolerance; });
       const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
       rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
-                      r.verified, r.replay});
+                      r.verified, r.replay, sweep_mark(r), r.problem_file});
     }
   }
-  return {
-      {"fields",
-       {"family", "problem", "knob", "value", "position", "solver", "state", "error", "claimed", "verified", "replay"}},
-      {"rows", rows}};
+  return {{"fields",
+           {"family", "problem", "knob", "value", "position", "solver", "state", "error", "claimed", "verified",
+            "replay", "mark", "file"}},
+          {"rows", rows}};
 }
 
 json scaling_points(const Run& run, bool fits) {

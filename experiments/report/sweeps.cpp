@@ -1,12 +1,11 @@
 #include "experiments/report/sweeps.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
-#include <string_view>
+
+#include "experiments/report/stability.h"
 
 namespace zwang::report {
 namespace {
@@ -25,10 +24,7 @@ double size_of(const Result& r) { return std::isfinite(r.knob_value) ? r.knob_va
 }  // namespace
 
 bool is_stability_family(const std::string& family) {
-  constexpr std::array<std::string_view, 6> names = {"mr", "npe", "loop", "gap", "inc", "weak"};
-  std::string lower;
-  for (const char ch : family) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(ch)));
-  return std::find(names.begin(), names.end(), lower) != names.end();
+  return std::ranges::any_of(stability_families(), [&](const StabilityFamily& f) { return f.name == family; });
 }
 
 std::string sweep_state(const Result& r) {
@@ -42,6 +38,18 @@ std::string sweep_state(const Result& r) {
   if (r.verified == "infeasible, claimed only" && r.feasible == std::optional(false)) return "undecided";
   if (!answer && (r.verified == "solved" || r.verified == "near")) return r.z_bound <= broken ? "right" : "undecided";
   return "fails";
+}
+
+std::string sweep_mark(const Result& r) {
+  const std::string state = sweep_state(r);
+  if (state.empty() || state == "lies") return "";
+  if (r.verified == "crashed") return "c";
+  if (r.verified == "timeout") return "t";
+  if (state == "fails") return r.claimed == "solved, ill-conditioned" ? "w" : "\u00d7";
+  if (state == "undecided") return "?";
+  const bool warned = r.claimed == "solved, ill-conditioned";
+  if (warned || r.fallback) return warned && r.fallback ? "wf" : warned ? "w" : "f";
+  return std::isfinite(r.z_error) ? "" : "\u2713";
 }
 
 std::vector<BreakPoint> break_points(const std::vector<Result>& results, const std::vector<std::string>& solvers) {

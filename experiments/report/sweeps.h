@@ -23,6 +23,10 @@ std::vector<BreakPoint> break_points(const std::vector<Result>& results, const s
 // One run's state on the sweep: "right", "fails", "lies", "undecided" or "" (unsupported).
 std::string sweep_state(const Result& result);
 
+// What is written into its cell beside the colour: "c" crashed, "t" timed out, "w" margins warned, "f" a fallback ran,
+// "wf" both, a cross where it fails, a tick where infeasibility is proven, "?" undecided, "".
+std::string sweep_mark(const Result& result);
+
 // Time against size in one family.
 struct ScalingPoint {
   const Result* result;  // the run drawn (its problem and tolerance)

@@ -57,7 +57,7 @@ Table break_point_table(const Run& run) {
   }
   table.note =
       table.rows.empty()
-          ? "This run holds none of the stability families MR, NPE, LOOP, GAP, INC, WEAK."
+          ? "This run holds none of the stability families (docs/stability.md)."
           : "First knob value, from benign to hard, where z fails / where the status lies, each solver at its tightest "
             "tolerance. Fails: error above 1e-6, no answer, or a wrong word on feasibility. Lies: claims to be right "
             "there.";
@@ -111,9 +111,9 @@ Table conditions_table(const Run& run) {
 }
 
 std::vector<Table> all_tables(const Run& run) {
-  std::vector<Table> tables = {claims_table(run),    accuracy_table(run), means_table(run),     break_point_table(run),
-                               exponent_table(run),  verdict_table(run),  worst_row_table(run), range_gap_table(run),
-                               reference_table(run), solver_table(run),   conditions_table(run)};
+  std::vector<Table> tables = {claims_table(run),    accuracy_table(run), means_table(run),      break_point_table(run),
+                               exponent_table(run),  verdict_table(run),  worst_row_table(run),  range_gap_table(run),
+                               reference_table(run), solver_table(run),   conditions_table(run), stability_table(run)};
   if (!run.assembly.empty() || !run.sequences.empty())
     for (Table& table :
          std::vector{speed_table(run), speed_exponent_table(run), sequence_table(run), assembly_table(run)})

@@ -36,6 +36,7 @@ Table claims_table(const Run& run);       // every claim the referee rejects, ru
 Table accuracy_table(const Run& run);     // time at equal achieved error, per family and over all ("all")
 Table means_table(const Run& run);        // shifted geometric means, two shifts
 Table break_point_table(const Run& run);  // first failure / first lie of each solver on each stability family
+Table stability_table(const Run& run);    // a paragraph on each stability family of the run
 Table exponent_table(const Run& run);     // fitted scaling exponents
 Table verdict_table(const Run& run);      // counts of claimed against verified, per solver
 Table worst_row_table(const Run& run);    // worst violated row per constraint type, among claims of success

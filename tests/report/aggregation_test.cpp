@@ -177,6 +177,23 @@ TEST(Sweeps, TheTightestToleranceSpeaksForASolver) {
   EXPECT_EQ(break_points(results, {"s"})[0].fails, nullptr);
 }
 
+TEST(Sweeps, MarksOfASingleRun) {
+  const auto mark = [](double error, const char* claimed, const char* verified, bool fallback = false) {
+    Result r = sweep_run(1, error, claimed, verified);
+    r.fallback = fallback;
+    return sweep_mark(r);
+  };
+  EXPECT_EQ(mark(1e-15, "solved", "solved"), "");
+  EXPECT_EQ(mark(1e-15, "solved", "solved", true), "f");
+  EXPECT_EQ(mark(1e-15, "solved, ill-conditioned", "solved"), "w");
+  EXPECT_EQ(mark(1e-15, "solved, ill-conditioned", "solved", true), "wf");
+  EXPECT_EQ(mark(1e-2, "solved, ill-conditioned", "wrong"), "w");
+  EXPECT_EQ(mark(unknown, "time limit", "timeout"), "t");
+  EXPECT_EQ(mark(unknown, "crashed", "crashed"), "c");
+  EXPECT_EQ(mark(1e-2, "iteration limit", "wrong"), "\u00d7");
+  EXPECT_EQ(mark(1e-2, "solved", "wrong"), "") << "a lie has a mark of its own";
+}
+
 TEST(Sweeps, StatesOfASingleRun) {
   EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "infeasible, proven")), "right");
   EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "wrong")), "lies");

@@ -49,7 +49,7 @@
       'profile': 'No problem of this family has an achieved error that small: there is no reference, or every run missed it.',
       'convergence-iteration': 'The run holds no traces of this measure for the solvers shown; ./zwang bench --trace records them.',
       'scaling': 'No family of this run sweeps its size over three values or more, for the solvers shown.',
-      'sweep': 'This run holds none of the stability families MR, NPE, LOOP, GAP, INC, WEAK.',
+      'sweep': 'This run holds none of the stability families (docs/stability.md).',
       'range-gap': 'No run shown reports a range gap together with a measured error.',
     };
     return none[name] ?? none[{'data-profile': 'profile', 'convergence-time': 'convergence-iteration'}[name]];
@@ -99,7 +99,7 @@
     try { view.addSignalListener('near', follow); } catch { /* charts without a nearest point have no such signal */ }
     view.addEventListener('click', (_, item) => {
       const datum = item?.datum?.datum ?? item?.datum;
-      if (datum?.replay) code.textContent = datum.replay;
+      if (datum?.replay) code.replaceChildren(datum.replay, ...(datum.file ? [' ', element('a', {href: datum.file, textContent: datum.file})] : []));
     });
     await view.runAsync();
   }

@@ -1,0 +1,155 @@
+// The stability atlas as a test: where each native solver breaks, against a stored table, and the referee without its
+// references.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "bench/references/reference.h"
+#include "bench/scenes/catalog.h"
+#include "bench/suite/batch.h"
+#include "bench/suite/plan.h"
+#include "core/measure.h"
+
+namespace zwang {
+namespace {
+
+const std::filesystem::path stored_table = ZWANG_SOURCE_DIR "/tests/data/atlas_break_points.tsv";
+constexpr double broken = 1e-6;
+
+// Every point with its truth: computed once, 5 s.
+const std::vector<Instance>& points() {
+  static const std::vector<Instance> all = [] {
+    std::vector<Instance> out = make_plan({.suite = "atlas", .solvers = "nnls"}).instances;
+    for (Instance& i : out) i.reference = reference_for(i, {}).reference;
+    return out;
+  }();
+  return all;
+}
+
+Run run_of(const SolverEntry& e) { return {.solver = e.name, .foreign = e.foreign, .tolerance = 1e-12}; }
+
+// First problem of a family where z is wrong (or missing, or infeasibility unproven), and where the status lies.
+struct Break {
+  std::string fails = "never", lies = "never";
+};
+using Breaks = std::map<std::pair<std::string, std::string>, Break>;  // family, solver
+
+Breaks measured() {
+  Breaks out;
+  Desk desk([](std::string_view text) { return make_solver(text); });
+  const std::atomic<bool> interrupted = false;
+  for (const Instance& i : points())
+    for (const SolverEntry& e : solvers()) {
+      if (e.foreign) continue;
+      Break& b = out[{i.family, e.name}];
+      const Solution s = desk.run(i.problem, run_of(e), {.time_limit = 5, .fresh = true}, &interrupted).solution;
+      if (s.status == Status::unsupported) continue;
+      const Reference& truth = *i.reference;
+      const Metrics m = measure(i.problem, s, &truth, 1e-12);
+      const bool right = truth.feasible ? m.z_error <= broken : m.verdict == Verdict::infeasible_proven;
+      const bool lies = !right && (s.status == Status::solved || (s.status == Status::infeasible && truth.feasible));
+      if (!right && b.fails == "never") b.fails = i.problem.name;
+      if (lies && b.lies == "never") b.lies = i.problem.name;
+    }
+  return out;
+}
+
+std::size_t place(const std::string& problem) {
+  const auto& all = points();
+  const auto at = std::ranges::find_if(all, [&](const Instance& i) { return i.problem.name == problem; });
+  return static_cast<std::size_t>(at - all.begin());  // "never": behind the last one
+}
+
+TEST(Atlas, EveryPointHasATruth) {
+  for (const Instance& i : points()) {
+    ASSERT_TRUE(i.reference) << i.problem.name;
+    EXPECT_LE(i.reference->bound, 1e-12) << i.problem.name;
+  }
+}
+
+// Later than stored is welcome, and wants the table renewed: ZWANG_RENEW_BREAK_POINTS=1 writes it.
+TEST(Atlas, NoSolverBreaksEarlierThanStored) {
+  const Breaks now = measured();
+  if (std::getenv("ZWANG_RENEW_BREAK_POINTS")) {
+    std::ofstream out(stored_table);
+    out << "family\tsolver\tfails\tlies\n";
+    for (const auto& [key, b] : now)
+      out << key.first << '\t' << key.second << '\t' << b.fails << '\t' << b.lies << '\n';
+    return;
+  }
+  std::ifstream in(stored_table);
+  std::string line;
+  std::getline(in, line);
+  std::size_t compared = 0;
+  for (std::string family, solver, fails, lies; std::getline(in, line); ++compared) {
+    std::stringstream cells(line);
+    std::getline(std::getline(cells, family, '\t'), solver, '\t');
+    std::getline(std::getline(cells, fails, '\t'), lies);
+    const auto found = now.find({family, solver});
+    ASSERT_NE(found, now.end()) << line;
+    EXPECT_GE(place(found->second.fails), place(fails)) << solver << " fails at " << found->second.fails << " already";
+    EXPECT_GE(place(found->second.lies), place(lies)) << solver << " lies at " << found->second.lies << " already";
+  }
+  EXPECT_EQ(compared, now.size()) << "a family or a solver is missing from " << stored_table;
+}
+
+// The active-set methods of ours may fail, flagged; they may not lie.
+TEST(Atlas, OurActiveSetMethodsNeverLie) {
+  std::ifstream in(stored_table);
+  int seen = 0;
+  for (std::string line; std::getline(in, line);) {
+    std::stringstream cells(line);
+    std::string family, solver, fails, lies;
+    std::getline(std::getline(cells, family, '\t'), solver, '\t');
+    std::getline(std::getline(cells, fails, '\t'), lies);
+    if (solver != "dual_active_set" && solver != "nnls" && solver != "cholesky") continue;
+    ++seen;
+    EXPECT_EQ(lies, "never") << line;
+  }
+  EXPECT_EQ(seen, 3 * 21);
+}
+
+TEST(Atlas, InfeasibleHandNamesWhatContradicts) {
+  const Instance hand = make_scenes("hand(limits=20,drift=0,contacts=16,locked=1)").at(0);
+  const Solution s = make_solver("dual_active_set").solve(hand.problem);
+  ASSERT_EQ(s.status, Status::infeasible) << s.message;
+  const Metrics m = measure(hand.problem, s, nullptr, 1e-10);
+  EXPECT_EQ(m.verdict, Verdict::infeasible_proven);
+  std::vector<std::string> names = constraint_names(hand, m.conflicting);
+  std::ranges::sort(names);
+  EXPECT_EQ(names, (std::vector<std::string>{"joint_limit/index PIP lower", "revolute_joint/index PIP",
+                                             "weld/index PIP locked"}));
+}
+
+// What the referee says of every solver's z when nobody tells it the truth. MMA and CCSAQ take the whole time limit on
+// most points: every eighth one.
+TEST(Atlas, WithheldNoWrongZIsPutAtSolved) {
+  Desk desk([](std::string_view text) { return make_solver(text); });
+  const std::atomic<bool> interrupted = false;
+  int answers = 0, wrong = 0;
+  for (std::size_t k = 0; k < points().size(); ++k) {
+    const Instance& i = points()[k];
+    desk.child.load(i.problem);
+    for (const SolverEntry& e : solvers()) {
+      if ((e.name == "nlopt_mma" || e.name == "nlopt_ccsaq") && k % 8 != 0) continue;
+      const Solution s = desk.run(i.problem, run_of(e), {.time_limit = .2, .fresh = true}, &interrupted).solution;
+      if (s.z.size() != i.problem.size()) continue;
+      ++answers;
+      const Verdict blind = measure(i.problem, s, nullptr, 1e-14).verdict;
+      const Metrics known = measure(i.problem, s, &*i.reference, 1e-14);
+      wrong += known.verdict != Verdict::solved;
+      if (blind == Verdict::solved) {
+        EXPECT_EQ(known.verdict, Verdict::solved) << e.name << " on " << i.problem.name << ", error " << known.z_error;
+      }
+    }
+  }
+  EXPECT_GT(answers, 2000);
+  EXPECT_GT(wrong, 300) << "a test of lies needs wrong answers";
+}
+
+}  // namespace
+}  // namespace zwang
