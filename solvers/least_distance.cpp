@@ -28,6 +28,23 @@ void add(double scale, const double* x, double* y, Index padded) {
   for (Index k = 0; k < padded; k += lanes) at(y, k) += scale * at(x, k);
 }
 
+// y += A x over `count` columns, four lane vectors at a time: their sums stay in registers and do not wait for each
+// other, where a column after the other would go through memory each time.
+template <int width>
+void accumulate(const LeastDistance::Columns& A, Index count, const double* x, double* y, Index k) {
+  Eigen::Map<Vec<double, width * lanes>> target(y + k);
+  Vec<double, width * lanes> sum = target;
+  const double* column = A.data() + k;
+  for (Index j = 0; j < count; ++j, column += A.rows())
+    sum += x[j] * Eigen::Map<const Vec<double, width * lanes>>(column);
+  target = sum;
+}
+void accumulate(const LeastDistance::Columns& A, Index count, const double* x, double* y, Index padded) {
+  Index k = 0;
+  for (; k + 4 * lanes <= padded; k += 4 * lanes) accumulate<4>(A, count, x, y, k);
+  for (; k < padded; k += lanes) accumulate<1>(A, count, x, y, k);
+}
+
 }  // namespace
 
 void LeastDistance::reset(Index freedom, Index rows) {
@@ -67,20 +84,14 @@ void LeastDistance::start() {
 }
 
 void LeastDistance::scan() {
-  for (Index j = 0; j < padded_rows_; j += lanes) {
-    Lanes sum = -at(b.data(), j);
-    for (Index k = 0; k < freedom_; ++k) sum += v_[k] * at(At_.col(k).data(), j);
-    at(slack_.data(), j) = sum;
-  }
+  for (Index j = 0; j < padded_rows_; j += lanes) at(slack_.data(), j) = -at(b.data(), j);
+  accumulate(At_, freedom_, v_.data(), slack_.data(), padded_rows_);
 }
 
 // A remainder, over all rows.
 void LeastDistance::move_along() {
-  for (Index j = 0; j < padded_rows_; j += lanes) {
-    Lanes sum = Lanes::Zero();
-    for (Index k = 0; k < freedom_; ++k) sum += remainder_[k] * at(At_.col(k).data(), j);
-    at(along_.data(), j) = sum;
-  }
+  for (Index j = 0; j < padded_rows_; j += lanes) at(along_.data(), j).setZero();
+  accumulate(At_, freedom_, remainder_.data(), along_.data(), padded_rows_);
 }
 
 Index LeastDistance::most_violated() const {
@@ -105,21 +116,22 @@ double LeastDistance::split(Index p) {
   for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
   for (Index j = 0; j < q; ++j) {
     d_[j] = AQ_(p, j);
-    add(-d_[j], Q_.col(j).data(), rest, padded_);
+    rest_[j] = -d_[j];
   }
+  accumulate(Q_, q, rest_.data(), rest, padded_);
   length_ = std::sqrt(dot(rest, rest, padded_));
   // Kahan's criterion: one pass leaves eps / shortening of Q in the rest.
   if (length_ * length_ < 0.5 * dot(a, a, padded_)) {
-    for (Index j = 0; j < q; ++j) rest_[j] = dot(Q_.col(j).data(), rest, padded_);
     for (Index j = 0; j < q; ++j) {
-      d_[j] += rest_[j];
-      add(-rest_[j], Q_.col(j).data(), rest, padded_);
+      rest_[j] = -dot(Q_.col(j).data(), rest, padded_);
+      d_[j] -= rest_[j];
     }
+    accumulate(Q_, q, rest_.data(), rest, padded_);
     length_ = std::sqrt(dot(rest, rest, padded_));
   }
   const Index used = round_up(q);
   for (Index k = 0; k < used; k += lanes) at(r_.data(), k).setZero();
-  for (Index j = 0; j < q; ++j) add(d_[j], T_.col(j).data(), r_.data(), round_up(j + 1));
+  accumulate(T_, q, d_.data(), r_.data(), used);
   return length_;
 }
 
@@ -293,7 +305,7 @@ void LeastDistance::project(const Vector& w, Vector& x) const {
 
 void LeastDistance::combine(const Vector& x, Vector& w) const {
   w.setZero();
-  for (Index j = 0; j < size(); ++j) add(x[j], Q_.col(j).data(), w.data(), padded_);
+  accumulate(Q_, size(), x.data(), w.data(), padded_);
 }
 
 }  // namespace zwang
