@@ -152,6 +152,12 @@ bool Cholesky::attempt(const Problem& p, ActiveRows& active, std::span<const Ind
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) { solve_plainly(q, o, t); };
+  if (reduce) return reduced_.solve(plain, p, options, s);
+  solve_plainly(p, options, s);
+}
+
+void Cholesky::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
   s.reset(p.size(), p.rows());
   if (!w_.build(p)) {
     s.status = Status::bad_input;

@@ -5,6 +5,7 @@
 
 #include "solvers/cholesky_rows.h"
 #include "solvers/polish.h"
+#include "solvers/reduced_problem.h"
 #include "solvers/registry.h"
 #include "solvers/stop.h"
 #include "solvers/warm_rows.h"
@@ -33,13 +34,17 @@ struct Cholesky {
   static constexpr const char* name = "cholesky";
   double refactor_above = 1e-8;  // relative correction of y after a change that makes the factor be built anew
 
+  bool reduce = false;  // the few unknowns that joints leave first (reduced_problem.h), where there are any
+
   static std::vector<Setting<Cholesky>> settings() {
-    return {{"refactor_above", &Cholesky::refactor_above, "correction of y, relative, that makes S_A be refactorized"}};
+    return {{"refactor_above", &Cholesky::refactor_above, "correction of y, relative, that makes S_A be refactorized"},
+            {"reduce", &Cholesky::reduce, "solve in the few unknowns that the joints leave"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
+  void solve_plainly(const Problem& problem, const SolveOptions& options, Solution& solution);
   enum class Step { optimal, limit, stuck };
   bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
                const Deadline& deadline, Solution& solution);
@@ -50,6 +55,7 @@ struct Cholesky {
   Index most_violated(const ActiveRows& active) const;
   void drop(ActiveRows& active, Index position);
 
+  ReducedProblem reduced_;
   Whitened w_;
   WarmRows warm_rows_;
   CholeskyRows sparse_;

@@ -27,8 +27,9 @@ class LeastDistance {
   // Room for `rows` columns of `freedom` entries, all zero; allocates only when the room must grow.
   void reset(Index freedom, Index rows);
   auto row(Index j) { return A_.col(j); }  // padded; the caller fills it, b and magnitude, then calls start()
-  Vector b, magnitude;                     // rows
-  double fixed_length = 0;                 // the length of what the equality rows took away
+  auto row(Index j) const { return A_.col(j); }
+  Vector b, magnitude;      // rows
+  double fixed_length = 0;  // the length of what the equality rows took away
   void start();
 
   // Takes row j in where it is clearly independent, for a warm start; then settle().

@@ -18,7 +18,7 @@ void Nnls::eliminate(const Problem& p) {
   column_.clear();
   column_.reserve(at(k));
   free_.clear();
-  if (reduce)
+  if (project)
     for (Index i = 0; i < k; ++i)
       if (rows_.equality[at(i)]) active_.append(i);
   const Index e = active_.size();
@@ -33,7 +33,7 @@ void Nnls::eliminate(const Problem& p) {
   h_.resize(k);
   length_.resize(k);
   for (Index i = 0; i < k; ++i) {
-    if (reduce && rows_.equality[at(i)]) continue;
+    if (project && rows_.equality[at(i)]) continue;
     const Index j = static_cast<Index>(column_.size());
     auto g = E_.col(j).head(n);
     g = rows_.Gt.col(i);
@@ -123,6 +123,12 @@ bool Nnls::least_distance(const Problem& p, const SolveOptions& options, Solutio
 }
 
 void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) { solve_plainly(q, o, t); };
+  if (reduce) return reduced_.solve(plain, p, options, s);
+  solve_plainly(p, options, s);
+}
+
+void Nnls::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
   s.reset(p.size(), p.rows());
   if (!rows_.build(p)) {
     s.status = Status::bad_input;
@@ -148,7 +154,7 @@ void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   if (s.status == Status::numerical_failure && options.warm_start) {
     SolveOptions cold = options;
     cold.warm_start = nullptr;
-    solve(p, cold, s);
+    solve_plainly(p, cold, s);
     s.fallback = true;
   }
 }

@@ -4,6 +4,7 @@
 
 #include "solvers/lawson_hanson.h"
 #include "solvers/polish.h"
+#include "solvers/reduced_problem.h"
 #include "solvers/registry.h"
 #include "solvers/warm_rows.h"
 #include "solvers/whiten.h"
@@ -26,19 +27,24 @@ namespace zwang {
 // The answer itself comes from solvers/polish.h, on the rows that came out active.
 struct Nnls {
   static constexpr const char* name = "nnls";
-  bool reduce = true;  // project the equality rows out first (orthogonally) instead of carrying them as free columns
+  bool reduce = false;  // the few unknowns that joints leave first (reduced_problem.h), where there are any
+  bool project = true;  // project the equality rows out first (orthogonally) instead of carrying them as free columns
 
   static std::vector<Setting<Nnls>> settings() {
-    return {{"reduce", &Nnls::reduce, "project the equality rows out first (off: free columns of the least squares)"}};
+    return {
+        {"reduce", &Nnls::reduce, "solve in the few unknowns that the joints leave"},
+        {"project", &Nnls::project, "project the equality rows out first (off: free columns of the least squares)"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
+  void solve_plainly(const Problem& problem, const SolveOptions& options, Solution& solution);
   void eliminate(const Problem& problem);
   bool least_distance(const Problem& problem, const SolveOptions& options, Solution& solution);
   void write_iterate(const Problem& problem, Solution& solution);
 
+  ReducedProblem reduced_;
   Whitened rows_;
   WarmRows warm_rows_;
   LawsonHanson least_squares_;

@@ -26,24 +26,72 @@ void ReducedActiveSet::fill() {
   climb_.start();
 }
 
-bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
-  const Deadline deadline(options.time_limit);
+bool ReducedActiveSet::prepare(const Problem& p) {
   reason_ = {};
-  if (options.observe) return refuse("an observer");
   if (!form_.build(p)) return refuse(form_.reason());
   if (form_.smallest_pivot() < clear_accepted) return refuse("nearly dependent joints");
   fill();
+  return true;
+}
 
+// A row that the joints leave nothing of is noise, which a method would take for a row: it is idle (c = -Inf), and
+// finish() judges it.
+void ReducedActiveSet::state(const Problem& p, Problem& reduced) const {
+  constexpr double nothing = 1e-13;
+  const Index f = climb_.freedom(), m = climb_.rows();
+  reduced.name = p.name;
+  if (reduced.M.rows() != f) {
+    reduced.M.resize(f, f);
+    reduced.M.setIdentity();
+    reduced.z_u.setZero(f);
+  }
+  reduced.c.resize(m);
+  reduced.kind.assign(static_cast<std::size_t>(m), RowKind::inequality);
+  reduced.key.resize(static_cast<std::size_t>(m));
+  auto& J = reduced.J;
+  if (J.rows() != m || J.cols() != f) J.resize(m, f);
+  J.resizeNonZeros(m * f);
+  int entries = 0;
+  for (Index j = 0; j < m; ++j) {
+    const auto a = climb_.row(j).head(f);
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    J.outerIndexPtr()[j] = entries;
+    for (Index k = 0; k < f; ++k) {
+      if (a[k] == 0) continue;
+      J.innerIndexPtr()[entries] = static_cast<int>(k);
+      J.valuePtr()[entries++] = a[k];
+    }
+    reduced.c[j] = a.norm() > nothing ? climb_.b[j] : -std::numeric_limits<double>::infinity();
+    reduced.key[static_cast<std::size_t>(j)] =
+        p.key[static_cast<std::size_t>(form_.rows().row[static_cast<std::size_t>(i)])];
+  }
+  J.outerIndexPtr()[m] = entries;
+  J.resizeNonZeros(entries);
+}
+
+bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  if (options.observe) return refuse("an observer");
+  if (!prepare(p)) return false;
+
+  start_.clear();
   if (options.warm_start) {
     column_.assign(static_cast<std::size_t>(form_.rows().rows()), -1);
     for (std::size_t j = 0; j < form_.inequalities().size(); ++j)
       column_[static_cast<std::size_t>(form_.inequalities()[j])] = static_cast<Index>(j);
     for (const Index i : warm_.find(p, form_.rows(), options.warm_start))
-      climb_.take(column_[static_cast<std::size_t>(i)]);
+      start_.push_back(column_[static_cast<std::size_t>(i)]);
+  }
+  solution.iterations = 0;
+  return finish(p, options, deadline, start_, solution);
+}
+
+bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                              std::span<const Index> active, Solution& solution) {
+  if (!active.empty()) {
+    for (const Index j : active) climb_.take(j);
     climb_.settle();
   }
-
-  solution.iterations = 0;
   constexpr int rounds = 8;
   for (int round = 0;; ++round) {
     const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,13 @@ class ReducedActiveSet {
   // True with solution solved; false where the careful path must decide.
   bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   std::string_view reason() const { return reason_; }
+
+  // The same in steps, for another method in between (reduced_problem.h). prepare() reduces the problem; state() writes
+  // the reduced one, its storage reused; finish() goes on from active rows of that one, and adds to the iterations.
+  bool prepare(const Problem& problem);
+  void state(const Problem& problem, Problem& reduced) const;
+  bool finish(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+              std::span<const Index> active, Solution& solution);
 
  private:
   using Motion = ReducedForm::Motion;
@@ -42,8 +50,8 @@ class ReducedActiveSet {
   ReducedForm form_;
   LeastDistance climb_;
   WarmRows warm_;
-  std::vector<Index> column_;         // of a row in the climb
-  VectorX<Wide> z_, lambda_, force_;  // n; m; n
+  std::vector<Index> column_, start_;  // of a row in the climb; of the warm rows
+  VectorX<Wide> z_, lambda_, force_;   // n; m; n
   Motion y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;
   std::string_view reason_;

@@ -103,12 +103,15 @@ TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
   EXPECT_GE(compared, 350);
 }
 
-INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet, testing::Values("nnls", "nnls:reduce=off", "cholesky"), [](const auto& i) {
-  std::string name = i.param;
-  for (char& letter : name)
-    if (!std::isalnum(static_cast<unsigned char>(letter))) letter = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet,
+                         testing::Values("nnls", "nnls:project=off", "nnls:reduce=on", "cholesky",
+                                         "cholesky:reduce=on"),
+                         [](const auto& i) {
+                           std::string name = i.param;
+                           for (char& letter : name)
+                             if (!std::isalnum(static_cast<unsigned char>(letter))) letter = '_';
+                           return name;
+                         });
 
 // c in the range of J: right. Outside: wrong, and the message says how far outside.
 TEST(NnlsPaper, IsRightWhereKExists) {
