@@ -108,6 +108,7 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
   smallest_accepted = Scalar(1);
   largest_rejected = Scalar(0);
   rank = -1;
+  proof_in_doubt = false;
   if (!whitened_.build(p)) return Status::bad_input;
   if (whitened_.conflict >= 0) {
     certificate = zero_row_certificate(p, whitened_.conflict);

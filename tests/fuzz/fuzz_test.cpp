@@ -36,7 +36,7 @@ class Fuzz : public testing::Test {
 };
 
 TEST_F(Fuzz, TwentyThousandProblemsWithoutAFault) {
-  const FuzzOutcome o = run({.count = 20000, .solvers = "nnls,cholesky"});
+  const FuzzOutcome o = run({.count = 20000, .solvers = "dual_active_set,nnls,cholesky"});
   expect_no_fault(o);
   EXPECT_EQ(o.done, 20000u);
   for (std::size_t i = 0; i < o.solvers.size(); ++i) {
