@@ -11,7 +11,7 @@ foreach(line ${lines})
   elseif(line MATCHES "^  ([^ ]+)$")
     set(case ${suite}.${CMAKE_MATCH_1})
     string(APPEND script "add_test([==[${NAME}.${case}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${case}]==])\n"
-      "set_tests_properties([==[${NAME}.${case}]==] PROPERTIES SKIP_REGULAR_EXPRESSION [==[\\[  SKIPPED \\]]==])\n")
+      "set_tests_properties([==[${NAME}.${case}]==] PROPERTIES RUN_SERIAL ${ALONE} SKIP_REGULAR_EXPRESSION [==[\\[  SKIPPED \\]]==])\n")
   endif()
 endforeach()
 file(WRITE ${OUTPUT} "${script}")
