@@ -172,8 +172,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   if (plan.speed) {
     std::vector<Instance> measured = measured_problems();
     plan.instances.insert(plan.instances.begin(), measured.begin(), measured.end());
-    std::stable_sort(plan.instances.begin(), plan.instances.end(), [](const Instance& a, const Instance& b) {
-      return a.problem.size() + a.problem.rows() < b.problem.size() + b.problem.rows();
+    std::sort(plan.instances.begin(), plan.instances.end(), [](const Instance& a, const Instance& b) {
+      const Index left = a.problem.size() + a.problem.rows(), right = b.problem.size() + b.problem.rows();
+      return left != right ? left < right : a.problem.name < b.problem.name;
     });
   }
   for (std::filesystem::path& path : options.problems) {
