@@ -63,7 +63,7 @@ std::vector<std::pair<Size, BySolver>> by_size(const Run& run) {
     t.allocations.push_back(r.allocations);
     t.distance.push_back(r.solve_s / r.kernel_s / floor_in_kernels(static_cast<double>(r.iterations)));
   }
-  std::stable_sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   return sizes;
 }
 
@@ -102,8 +102,8 @@ Table speed_table(const Run& run) {
     std::vector<std::pair<std::string, const Times*>> order;
     for (const auto& [solver, times] : solvers) order.emplace_back(solver, &times);
     const auto or_last = [](double time) { return std::isnan(time) ? 1e300 : time; };
-    std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-      return or_last(a.second->time()) < or_last(b.second->time());
+    std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+      return std::pair(or_last(a.second->time()), a.first) < std::pair(or_last(b.second->time()), b.first);
     });
     const auto own = solvers.find(ours);
     const double reference = own == solvers.end() ? unknown : own->second.time();
