@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collision/shape.h"
+#include "collision/tree.h"
+
+namespace zwang::god {
+
+// What a hand may meet: fixed (mass 0: a mesh or shapes) or loose, a physics object (shapes alone: its convex pieces).
+struct Object {
+  struct Piece {
+    collision::Shape shape;
+    Pose<double> at = {};  // in the object's axes
+  };
+
+  std::string name = {};
+  std::shared_ptr<const collision::Tree> mesh = {};  // of a fixed object; of a loose one: drawn, not met
+  std::vector<Piece> pieces = {};
+  Pose<double> pose = {};           // of the centre of mass; m, world
+  double mass = 0;                  // kg; 0: fixed
+  Mat3 inertia = Mat3::Identity();  // kg m^2, about the centre of mass, in the object's axes
+  double friction = 0.5;            // of the physics engine, against other objects
+  bool loose() const { return mass > 0; }
+};
+
+// Objects, and where among them a hand is meant to work. z is up.
+struct Surroundings {
+  std::string name = {};
+  std::vector<Object> objects = {};
+  Vec3 gravity = Vec3(0, 0, -9.81);  // m/s^2
+  Vec3 focus = Vec3::Zero();         // m: the point that motions are placed about, on a surface
+};
+
+}  // namespace zwang::god
