@@ -10,6 +10,8 @@
 namespace zwang::god {
 
 // What a hand may meet: fixed (mass 0: a mesh or shapes) or loose, a physics object (shapes alone: its convex pieces).
+// Where a fixed object has both, hands meet the mesh and the physics engine the pieces: a table top that is cut finely
+// for the hand is one box to what stands on it.
 struct Object {
   struct Piece {
     collision::Shape shape;
@@ -21,7 +23,7 @@ struct Object {
   std::vector<Piece> pieces = {};
   Pose<double> pose = {};           // of the centre of mass; m, world
   double mass = 0;                  // kg; 0: fixed
-  Mat3 inertia = Mat3::Identity();  // kg m^2, about the centre of mass, in the object's axes
+  Mat3 inertia = Mat3::Identity();  // kg m^2, about the centre of mass; diagonal: the object's axes are principal
   double friction = 0.5;            // of the physics engine, against other objects
   bool loose() const { return mass > 0; }
 };

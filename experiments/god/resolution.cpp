@@ -1,0 +1,272 @@
+#include "experiments/god/resolution.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace zwang::god {
+namespace {
+
+using collision::Shape;
+using collision::Touch;
+
+constexpr int most_loose = 62;
+constexpr std::uint64_t god_bit = std::uint64_t{1} << 63, fixed_bit = std::uint64_t{1} << 62;
+
+Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b.position, a.rotation * b.rotation}; }
+
+constexpr double still = 1e-9;  // m/s
+
+double reach_of(const Shape& shape) { return shape.reach() + shape.radius(); }
+
+}  // namespace
+
+Resolution::Resolution(const Surroundings& surroundings, std::span<const Shape> gods, const Limits& limits)
+    : limits_(limits), objects_(surroundings.objects), gods_(static_cast<int>(gods.size())) {
+  const auto add = [this](const auto& body, const collision::Filter& near, const collision::Filter& every,
+                          const auto&... scenery) {
+    hands_.add(body, {}, near, scenery...);
+    all_.add(body, {}, every, scenery...);
+  };
+  fast_ = 1;
+  for (const Shape& god : gods) {
+    add(god, {god_bit, ~god_bit}, {god_bit, ~god_bit}, true);
+    god_reach_.push_back(reach_of(god));
+    fast_ = std::min(fast_, god.radius() / 2);
+  }
+  owner_.resize(gods.size(), nullptr);
+  loose_.reserve(objects_.size());  // owner_ points into it
+  for (std::size_t k = 0; k < objects_.size(); ++k) {
+    const Object& object = objects_[k];
+    if (!object.loose()) {
+      if (object.pieces.empty()) {
+        add(object.mesh, {fixed_bit, 0}, {fixed_bit, ~(god_bit | fixed_bit)});
+        all_.place(all_.size() - 1, object.pose);
+      }
+      for (const Object::Piece& piece : object.pieces) {
+        add(piece.shape, {fixed_bit, 0}, {fixed_bit, ~(god_bit | fixed_bit)}, true);
+        all_.place(all_.size() - 1, times(object.pose, piece.at));
+      }
+      owner_.resize(static_cast<std::size_t>(all_.size()), nullptr);
+      continue;
+    }
+    if (loose_.size() == most_loose)
+      throw std::invalid_argument("more than " + std::to_string(most_loose) + " loose objects");
+    const std::uint64_t bit = std::uint64_t{1} << loose_.size();
+    Loose& loose = loose_.emplace_back(Loose{k, all_.size(), 0, 0, object.mass, object.inertia.diagonal()});
+    for (const Object::Piece& piece : object.pieces) {
+      add(piece.shape, {bit, god_bit}, {bit, ~bit});
+      loose.arm = std::max(loose.arm, piece.at.position.norm() + reach_of(piece.shape));
+    }
+    loose.end = all_.size();
+    owner_.resize(static_cast<std::size_t>(all_.size()), &loose);
+  }
+  impulses_.resize(objects_.size());
+}
+
+void Resolution::place(collision::World& world, const Loose& loose) const {
+  for (int c = loose.first; c < loose.end; ++c)
+    world.place(c, times(loose.pose, objects_[loose.object].pieces[static_cast<std::size_t>(c - loose.first)].at));
+}
+
+void Resolution::read(const Physics& physics, std::span<const Pose<double>> before,
+                      std::span<const Pose<double>> gods) {
+  for (Loose& loose : loose_) {
+    loose.pose = physics.pose(loose.object);
+    loose.before = before[loose.object];
+    loose.velocity = physics.velocity(loose.object);
+    loose.near = loose.met = loose.swept = loose.moved = loose.returned = false;
+    const double reach = loose.arm + (loose.pose.position - loose.before.position).norm() + 1e-3;
+    for (std::size_t g = 0; g < gods.size(); ++g)
+      loose.near = loose.near || (gods[g].position - loose.pose.position).norm() < reach + god_reach_[g];
+  }
+}
+
+// Overlap is seen, with the way out of it, as long as it is less deep than the radii of the two. What moves half of a
+// god object's radius or more in one step is therefore stopped where it meets one.
+bool Resolution::sweep(Loose& loose) {
+  const Vec<double, 6> twist = twist_between(loose.before, loose.pose);
+  if (twist.head<3>().norm() + twist.tail<3>().norm() * loose.arm < fast_) return false;
+  const Pose<double> goal = loose.pose;
+  loose.pose = loose.before;
+  place(hands_, loose);
+  paths_.clear();
+  moves_.clear();
+  for (const Object::Piece& piece : objects_[loose.object].pieces) {
+    collision::Path& path = paths_.emplace_back();
+    path.pose = [&loose, &piece, &twist](double s) {
+      return times(retract(loose.before, Vec<double, 6>(s * twist)), piece.at);
+    };
+    path.spin = twist.tail<3>().norm();
+    path.speed = twist.head<3>().norm() + path.spin * piece.at.position.norm();
+  }
+  for (std::size_t k = 0; k < paths_.size(); ++k)
+    moves_.push_back({loose.first + static_cast<int>(k), Vec<double, 6>::Zero(), &paths_[k]});
+  const double time = hands_.time_of_contact(moves_).time;
+  loose.pose = time < 1 ? retract(loose.before, Vec<double, 6>(time * twist)) : goal;
+  place(hands_, loose);
+  return time < 1;
+}
+
+Resolution::Lever Resolution::lever(Loose& loose, const Vec3& point, const Vec3& normal) const {
+  Lever l{&loose, normal, (point - loose.pose.position).cross(normal), {}, 0};
+  const Mat3& R = loose.pose.rotation;
+  l.spin = R * (R.transpose() * l.turn).cwiseQuotient(loose.inertia);
+  l.ease = 1 / loose.mass + l.turn.dot(l.spin);
+  return l;
+}
+
+// By how much the two are to be moved apart; 0: they may stay.
+double Resolution::lacking(const Touch& touch) const {
+  const Loose *a = loose_of(touch.a), *b = loose_of(touch.b);
+  if (is_god(touch.a) || is_god(touch.b)) return touch.gap < limits_.accepted ? limits_.clearance - touch.gap : 0;
+  const double allowed = std::max(a ? a->allowed : 0, b ? b->allowed : 0);
+  return -touch.gap > allowed ? limits_.slack / 2 - touch.gap - allowed : 0;
+}
+
+// Non-linear projection (Millington, Game Physics Engine Development, 14.3): the penetration is undone by moving and
+// turning both bodies in the proportions in which an impulse at the contact would; no turn of more than 0.2 rad, the
+// rest of it is moved straight. God objects and fixed ones are infinitely heavy.
+void Resolution::project(const Touch& touch, double amount) {
+  double ease = 0;
+  const auto levered = [&](int collider, double sign, const Vec3& point) {
+    Loose* loose = loose_of(collider);
+    Lever l = loose ? lever(*loose, point, sign * touch.normal) : Lever{};
+    if (loose) ease += l.ease;
+    return l;
+  };
+  const Lever both[2] = {levered(touch.a, 1, touch.point_a), levered(touch.b, -1, touch.point_b)};
+  double sign = 1;
+  for (const Lever& l : both) {
+    if (l.loose) {
+      Vec3 turn = l.spin * (amount / ease);
+      double straight = amount / ease / l.loose->mass;
+      if (const double angle = turn.norm(); angle > 0.2) {
+        straight += turn.dot(l.turn) * (1 - 0.2 / angle);
+        turn *= 0.2 / angle;
+      }
+      Vec<double, 6> twist;
+      twist << sign * straight * touch.normal, turn;
+      l.loose->pose = retract(l.loose->pose, twist);
+      l.loose->moved = true;
+      place(hands_, *l.loose);
+      place(all_, *l.loose);
+    }
+    sign = -1;
+  }
+}
+
+void Resolution::put_back(Loose& loose, Resolved& out) {
+  loose.pose = loose.before;
+  loose.velocity.setZero();
+  loose.moved = loose.returned = true;
+  place(hands_, loose);
+  place(all_, loose);
+  ++out.returned;
+}
+
+// Takes away what velocity there is toward god objects, contact by contact, each time by the impulse that just does it:
+// energy only falls. One point stands for a pair of shapes, and a box that is stopped there turns into the other end of
+// the finger; so the outcome is tried out over a way of `trial`, and what comes nearer then is a contact as well.
+void Resolution::slow(Physics& physics) {
+  constexpr double trial = 2e-4;  // m
+  levers_.clear();
+  for (int round = 0; round < 10; ++round) {
+    bool more = false;
+    for (const Touch& touch : hands_.touches(2 * limits_.clearance)) {
+      const bool first = !is_god(touch.a);  // is the loose one
+      const Vec3 n = first ? touch.normal : Vec3(-touch.normal);
+      const Lever l = lever(*loose_of(first ? touch.a : touch.b), first ? touch.point_a : touch.point_b, n);
+      if (approach(l) <= still || (round > 0 && touch.gap > limits_.clearance)) continue;
+      levers_.push_back(l);
+      more = true;
+    }
+    if (!more) break;
+    for (int pass = 0; pass < 50; ++pass) {
+      bool done = true;
+      for (const Lever& l : levers_) {
+        const double impulse = approach(l) / l.ease;
+        if (impulse * l.ease <= still) continue;
+        done = false;
+        l.loose->velocity.head<3>() += impulse / l.loose->mass * l.normal;
+        l.loose->velocity.tail<3>() += impulse * l.spin;
+        l.loose->moved = true;
+        impulses_[l.loose->object].head<3>() += impulse * l.normal;
+        impulses_[l.loose->object].tail<3>() += impulse * l.turn;
+      }
+      if (done) break;
+    }
+    for (Loose& loose : loose_) {
+      const double speed = loose.velocity.head<3>().norm() + loose.velocity.tail<3>().norm() * loose.arm;
+      if (!loose.near || speed <= still) continue;
+      const Pose<double> here = loose.pose;
+      loose.pose = retract(here, Vec<double, 6>(trial / speed * loose.velocity));
+      place(hands_, loose);
+      loose.pose = here;
+    }
+  }
+  for (const Loose& loose : loose_)
+    if (loose.moved) physics.place(loose.object, loose.pose, loose.velocity);
+}
+
+Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> before,
+                             std::span<const Pose<double>> gods) {
+  Resolved out;
+  for (Vec<double, 6>& impulse : impulses_) impulse.setZero();
+  read(physics, before, gods);
+  if (std::none_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.near; })) return out;
+  for (int g = 0; g < gods_; ++g) hands_.place(g, gods[static_cast<std::size_t>(g)]);
+  for (const Loose& loose : loose_) place(hands_, loose);
+  for (Loose& loose : loose_)
+    if (loose.near && sweep(loose)) loose.swept = loose.moved = loose.met = true, ++out.swept;
+
+  for (const Touch& touch : hands_.touches(limits_.clearance)) {
+    if (touch.gap >= limits_.accepted) continue;
+    loose_of(is_god(touch.a) ? touch.b : touch.a)->met = true;
+    out.deepest = std::max(out.deepest, -touch.gap);
+  }
+  for (const Loose& loose : loose_) out.overlapping += loose.met;
+  if (std::any_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.met; })) {
+    for (int g = 0; g < gods_; ++g) all_.place(g, gods[static_cast<std::size_t>(g)]);
+    for (Loose& loose : loose_) {
+      loose.allowed = limits_.slack;
+      place(all_, loose);
+    }
+    // What the engine has left deeper than that stays as deep: it is the engine's to mend.
+    for (const Touch& touch : all_.touches(0))
+      if (!is_god(touch.a) && !is_god(touch.b))
+        for (const int c : {touch.a, touch.b})
+          if (Loose* loose = loose_of(c)) loose->allowed = std::max(loose->allowed, -touch.gap);
+
+    for (; out.rounds < limits_.rounds; ++out.rounds) {
+      double most = 0;
+      Touch worst;
+      for (const Touch& touch : all_.touches(limits_.clearance))
+        if (const double here = lacking(touch); here > most) most = here, worst = touch;
+      if (most == 0) break;
+      project(worst, most);
+    }
+    const double far = 3 * out.deepest + limits_.slack;
+    for (Loose& loose : loose_)
+      if ((loose.pose.position - physics.pose(loose.object).position).norm() > far && !loose.swept)
+        put_back(loose, out);
+    // What cannot be mended goes back; whatever then lies in its place goes back, too.
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Touch& touch : all_.touches(limits_.clearance)) {
+        if (lacking(touch) == 0) continue;
+        for (const int c : {touch.a, touch.b})
+          if (Loose* loose = loose_of(c); loose && !loose->returned) {
+            put_back(*loose, out);
+            changed = true;
+          }
+        if (changed) break;
+      }
+    }
+    for (const Touch& touch : all_.touches(0))
+      if (!is_god(touch.a) && !is_god(touch.b)) out.left = std::max(out.left, -touch.gap);
+  }
+  slow(physics);
+  return out;
+}
+
+}  // namespace zwang::god
