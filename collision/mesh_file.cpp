@@ -38,7 +38,7 @@ std::string lower(std::string text) {
 }
 
 std::string read_bytes(const fs::path& file) {
-  if (fs::is_directory(file)) refuse(file, "a folder, not a mesh");
+  if (fs::is_directory(file)) refuse(file, "a folder, not a file");
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in) refuse(file, "no such file, or not readable");
   std::string bytes(static_cast<std::size_t>(in.tellg()), '\0');
@@ -46,27 +46,6 @@ std::string read_bytes(const fs::path& file) {
   if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) refuse(file, "cannot be read to its end");
   if (bytes.empty()) refuse(file, "0 bytes");
   return bytes;
-}
-
-std::string inflated(const fs::path& file, const std::string& bytes) {
-  constexpr std::size_t most = std::size_t{4} << 30;
-  z_stream stream = {};
-  if (inflateInit2(&stream, 15 + 16) != Z_OK) refuse(file, "zlib cannot start");
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  std::string out;
-  for (int status = Z_OK; status != Z_STREAM_END;) {
-    const std::size_t have = out.size();
-    if (have >= most) refuse(file, "inflates to more than 4 GB");
-    out.resize(std::max<std::size_t>(2 * have, 4 * bytes.size() + 4096));
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + have);
-    stream.avail_out = static_cast<uInt>(out.size() - have);
-    status = inflate(&stream, Z_NO_FLUSH);
-    out.resize(out.size() - stream.avail_out);
-    if (status != Z_OK && status != Z_STREAM_END) refuse(file, "not a whole gzip file");
-  }
-  return out;
 }
 
 std::string sha256(const std::string& bytes) {
@@ -123,6 +102,27 @@ double metres_per(std::string_view unit) {
   }
   throw std::invalid_argument("no unit '" + std::string(unit) + "'" + did_you_mean(std::string(unit), names) +
                               " (m, cm, mm, um, in, ft)");
+}
+
+std::string inflated(const fs::path& file, const std::string& bytes) {
+  constexpr std::size_t most = std::size_t{4} << 30;
+  z_stream stream = {};
+  if (inflateInit2(&stream, 15 + 16) != Z_OK) refuse(file, "zlib cannot start");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::string out;
+  for (int status = Z_OK; status != Z_STREAM_END;) {
+    const std::size_t have = out.size();
+    if (have >= most) refuse(file, "inflates to more than 4 GB");
+    out.resize(std::max<std::size_t>(2 * have, 4 * bytes.size() + 4096));
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + have);
+    stream.avail_out = static_cast<uInt>(out.size() - have);
+    status = inflate(&stream, Z_NO_FLUSH);
+    out.resize(out.size() - stream.avail_out);
+    if (status != Z_OK && status != Z_STREAM_END) refuse(file, "not a whole gzip file");
+  }
+  return out;
 }
 
 StoredFile read_stored(const fs::path& file) {

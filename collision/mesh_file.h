@@ -26,6 +26,8 @@ struct StoredFile {
   std::string sha256 = {};
 };
 StoredFile read_stored(const std::filesystem::path& file);
+// The contents of a gzip file. Throws BadFile.
+std::string inflated(const std::filesystem::path& file, const std::string& bytes);
 
 struct MeshFile {
   Mesh mesh = {};

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "experiments/god/motion.h"
 
 namespace zwang::god {
@@ -24,10 +26,31 @@ TEST(Track, HoldsTheLastPoseWhereTrackingIsLost) {
   const Track track = two_keys(0.5);
   EXPECT_EQ(track.at(1.3).palm.position.x(), 0);
   EXPECT_FALSE(track.at(1.3).tracked);
+  EXPECT_FALSE(track.at(1.01).tracked);
   EXPECT_TRUE(track.at(1.5).tracked);
   EXPECT_FALSE(track.at(0.5).tracked);
   EXPECT_FALSE(track.at(2).tracked);
   EXPECT_EQ(track.at(2).palm.position.x(), 0.1);
+}
+
+TEST(Track, HoldsNaNOverCountsItAndGoesOnAtTheNextTrackedKey) {
+  Track track;
+  append(track, {0, {.tracked = false}});
+  for (int k = 0; k < 4; ++k) {
+    Target target;
+    target.palm.position = Vec3(0.1 * k, 0, 0);
+    if (k == 2) target.angles[5] = std::nan("");
+    append(track, {1 + 0.01 * k, target});
+  }
+  EXPECT_EQ(track.held_over, 2u);
+  ASSERT_EQ(track.keys.size(), 4u);
+  for (const double time : {1.015, 1.02, 1.025}) {
+    EXPECT_FALSE(track.at(time).tracked);
+    EXPECT_EQ(track.at(time).palm.position.x(), 0.1);
+    EXPECT_EQ(track.at(time).angles[5], 0);
+  }
+  EXPECT_TRUE(track.at(1.03).tracked);
+  EXPECT_NEAR(track.at(1.03).palm.position.x(), 0.3, 1e-15);
 }
 
 }  // namespace
