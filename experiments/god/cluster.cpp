@@ -1,0 +1,329 @@
+#include "experiments/god/cluster.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/contact.h"
+#include "core/motion.h"
+#include "experiments/god/answers.h"
+#include "experiments/god/lap.h"
+
+namespace zwang::god {
+namespace {
+
+using collision::Touch;
+
+constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
+constexpr double leg = 0.25;        // rad
+constexpr double jump = 8;          // activation distances that targets may go in a frame before it is one
+
+std::uint64_t mixed(std::uint64_t h) {
+  h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
+  return h ^ (h >> 29);
+}
+
+// No point of the shape goes farther than this.
+double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
+  return twist.head<3>().norm() + twist.tail<3>().norm() * (shape.reach() + shape.radius());
+}
+
+Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
+  return {on * part.position, on.rotation * part.rotation};
+}
+
+}  // namespace
+
+Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Options& options)
+    : options_(options),
+      objects_(std::move(objects)),
+      skeleton_(objects_.scene),
+      world_({.stop = clearance}),
+      solver_(solver_of(options)) {
+  for (std::size_t b = 0; b < size(); ++b) {
+    pose_.push_back(objects_.scene.bodies[b].pose);
+    world_.add(objects_.shapes[b], pose_[b], objects_.filters[b]);
+    object_of_.push_back(-1);
+  }
+  for (const Object& object : surroundings.objects) {
+    const auto number = static_cast<int>(colliders_.size());
+    colliders_.emplace_back();
+    place_.emplace_back();
+    const auto add = [&](int collider, const Pose<double>& at) {
+      colliders_.back().push_back(collider);
+      place_.back().push_back(at);
+      object_of_.push_back(number);
+    };
+    if (object.mesh && !object.loose()) add(world_.add(object.mesh, object.pose, object_filter), {});
+    for (const Object::Piece& piece : object.pieces)
+      add(world_.add(piece.shape, placed(object.pose, piece.at), object_filter, true), piece.at);
+    objects_.scene.add(Body{.pose = object.pose, .motion = zwang::Motion::fixed});
+  }
+  target_.resize(objects_.scene.bodies.size());
+  way_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
+  screw_.resize(size());
+  place(pose_);
+}
+
+void Cluster::place(std::span<const Pose<double>> poses) {
+  std::copy(poses.begin(), poses.end(), pose_.begin());
+  skeleton_.close(pose_, options_.limits == Options::Limits::predictive);
+  for (std::size_t b = 0; b < size(); ++b) {
+    objects_.scene.bodies[b].pose = target_[b] = pose_[b];
+    world_.place(static_cast<int>(b), pose_[b]);
+  }
+  warm_ = {};
+  end_ = pose_;
+}
+
+void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
+  objects_.scene.bodies[size() + object].pose = pose;
+  for (std::size_t k = 0; k < colliders_[object].size(); ++k)
+    world_.place(colliders_[object][k], placed(pose, place_[object][k]));
+}
+
+double Cluster::gap(double reach) {
+  double least = reach;
+  for (const Touch& t : world_.touches(reach)) least = std::min(least, t.gap);
+  return least;
+}
+
+// What a cluster that presses may move in a sub-step: half as far again as its targets went in this frame, at least a
+// millimetre to catch up with, at most what contacts are looked for over.
+void Cluster::aim(std::span<const Pose<double>> targets) {
+  std::copy(targets.begin(), targets.end(), end_.begin());
+  skeleton_.close(end_, options_.limits == Options::Limits::predictive);
+  double most = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    most = std::max(most, travel(objects_.shapes[b], twist_between(target_[b], end_[b])));
+    target_[b] = end_[b];
+  }
+  if (most > jump * options_.activation) blocked_ = false;
+  allowed_ = std::clamp(1.5 * most, 0.5 * options_.activation, 1.5 * jump * options_.activation);
+  done_ = held_ = false;
+  sub_step_ = 0;
+}
+
+void Cluster::write_rows(bool push) {
+  Scene& scene = objects_.scene;
+  auto& contacts = scene.list_of<Contact>();
+  contacts.all.clear();
+  contacts.labels.clear();
+  contacts.keys.clear();
+  const auto body = [&](int collider) {
+    return object_of(collider) < 0 ? collider : object_of(collider) + static_cast<int>(size());
+  };
+  for (const std::uint32_t i : manifold_.kept()) {
+    const Touch& t = touches_[i];
+    // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
+    const double room = push ? t.gap - options_.gap : std::max(t.gap - options_.gap, 0.0);
+    const std::uint64_t key =
+        mixed(mixed(static_cast<std::uint64_t>(t.a) << 32 | static_cast<std::uint64_t>(t.b)) ^ t.feature);
+    scene.add(contact_at(scene.bodies, body(t.a), body(t.b), t.point_a, t.normal, room), "touch", key);
+  }
+}
+
+bool Cluster::solve(Frame& frame) {
+  solved_ = false;
+  for (const bool push : {true, false}) {
+    {
+      const Lap lap(frame.times.assembly);
+      write_rows(push);
+      assembler_.assemble(objects_.scene, z_u_, {.dt = options_.dt}, problem_);
+    }
+    {
+      const Lap lap(frame.times.solve);
+      solver_.solve(problem_, {.tolerance = options_.tolerance, .warm_start = &warm_}, solution_);
+    }
+    if (options_.verify)
+      frame.verified = worse(frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
+    solved_ = has_answer(problem_, solution_);
+    if (solved_) break;
+  }
+  frame.claimed = worse(frame.claimed, solution_.status);
+  if (!solved_) return false;
+  warm_.key = problem_.key;
+  warm_.lambda = solution_.lambda;
+  take_solution();
+  return true;
+}
+
+void Cluster::take_solution() {
+  for (std::size_t b = 0; b < size(); ++b)
+    way_[b] = solution_.z.segment<6>(6 * static_cast<Index>(b)) * options_.dt * options_.dt;
+}
+
+bool Cluster::solve_lazily(Frame& frame) {
+  bool solved = solve(frame);
+  for (int round = 0; round < 8 && solved && options_.lazy_contacts; ++round) {
+    int added = 0;
+    {
+      const Lap lap(frame.times.collision);
+      added = manifold_.complete(touches_, world_, way_, 0.5 * options_.gap, 0.1 * options_.gap);
+    }
+    if (added == 0) break;
+    frame.completed += added;
+    solved = solve(frame);
+  }
+  return solved;
+}
+
+double Cluster::lambda(std::size_t row) const {
+  return solved_ && solution_.lambda.size() == problem_.rows()
+             ? solution_.lambda[problem_.rows() - static_cast<Index>(rows().size() - row)]
+             : 0;
+}
+
+bool Cluster::presses() const {
+  const double nothing = 1e-12 / (options_.dt * options_.dt);  // N: a kilogram, a picometre
+  for (std::size_t r = 0; r < rows().size(); ++r)
+    if (lambda(r) > nothing) return true;
+  return false;
+}
+
+int Cluster::object_of(int collider) const { return object_of_[static_cast<std::size_t>(collider)]; }
+
+bool Cluster::bound() {
+  double most = 0;
+  for (std::size_t b = 0; b < size(); ++b) most = std::max(most, travel(objects_.shapes[b], way_[b]));
+  const double allowed = caution_ * allowed_;
+  if (most <= allowed) return false;
+  for (std::size_t b = 0; b < size(); ++b) way_[b] *= allowed / most;
+  return true;
+}
+
+// Gauss' function of what is left to the targets from the poses, less a motion [kg m^2].
+double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Body& body = objects_.scene.bodies[b];
+    const Vec<double, 6> left = twist_between(poses[b], target_[b]) - less[b];
+    const Vec3 turn = poses[b].rotation.transpose() * left.tail<3>();
+    sum += (body.mass * left.head<3>().squaredNorm() + turn.dot(body.inertia * turn)) / 2;
+  }
+  return sum;
+}
+
+// The linear step does not know that joints bend it: a finger that hangs 30 mm behind its target overshoots by more
+// than it came to mend, and trembles or worse (Gauss-Newton with a large residual). So the candidate is weighed: D is
+// how much higher Gauss' function is there than the linear step promised, |v|^2 the step's own norm. Along the step it
+// is then E0 - s |v|^2 + s^2 (|v|^2 / 2 + D), least at s = 1 / (1 + 2 D / |v|^2). Where nothing bends, as when a hand
+// slides, D = 0 and the step stays whole.
+void Cluster::damp(Frame& frame) {
+  candidate(1, frame);
+  const Lap lap(frame.times.other);
+  const std::span<const Vec<double, 6>> way = std::span(way_).first(size());
+  std::fill(screw_.begin(), screw_.end(), Vec<double, 6>::Zero());
+  const double bent = constraint(end_, screw_) - constraint(pose_, way);
+  double norm = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Body& body = objects_.scene.bodies[b];
+    const Vec3 turn = pose_[b].rotation.transpose() * way_[b].tail<3>();
+    norm += body.mass * way_[b].head<3>().squaredNorm() + turn.dot(body.inertia * turn);
+  }
+  if (bent <= 0 || norm == 0) return;
+  for (std::size_t b = 0; b < size(); ++b) way_[b] /= 1 + 2 * bent / norm;
+}
+
+// Straight to the targets, by a quarter of a radian at a time: on longer screws, each about its own centre, bodies that
+// turn together would run through each other. Returns whether there is more to go.
+bool Cluster::go_freely() {
+  double turn = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    way_[b] = twist_between(pose_[b], target_[b]);
+    turn = std::max(turn, way_[b].tail<3>().norm());
+  }
+  if (turn <= leg) return false;
+  for (std::size_t b = 0; b < size(); ++b) way_[b] *= leg / turn;
+  return true;
+}
+
+// end_ = that part of the way, put onto the joints; screw_ = how each body gets there.
+void Cluster::candidate(double part, Frame& frame) {
+  const Lap lap(frame.times.other);
+  for (std::size_t b = 0; b < size(); ++b) {
+    screw_[b] = part * way_[b];
+    end_[b] = retract(pose_[b], screw_[b]);
+  }
+  if (printed()) return;
+  skeleton_.close(end_, options_.limits == Options::Limits::predictive);
+  for (std::size_t b = 0; b < size(); ++b) screw_[b] = twist_between(pose_[b], end_[b]);
+}
+
+double Cluster::sweep(Frame& frame) {
+  const Lap lap(frame.times.collision);
+  moves_.clear();
+  for (std::size_t b = 0; b < size(); ++b)
+    if (!screw_[b].isZero(0)) moves_.push_back({static_cast<int>(b), screw_[b]});
+  return world_.time_of_contact(moves_).time;
+}
+
+double Cluster::propose(Frame& frame) {
+  {
+    const Lap lap(frame.times.other);
+    couple_to_targets(objects_.scene, target_, reaching_stiffness(options_.dt), z_u_);
+  }
+  {
+    const Lap lap(frame.times.collision);
+    touches_ = world_.touches(std::max(options_.activation, 1.2 * allowed_));
+    manifold_.reduce(touches_, !options_.reduce_contacts);
+  }
+  if (frame.kept == 0 && sub_step_ == 0) {
+    frame.raw += static_cast<int>(touches_.size());
+    frame.kept += static_cast<int>(rows().size());
+  }
+  std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
+  bounded_ = leg_ = false;
+  if (!solve_lazily(frame)) {
+    std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
+    candidate(1, frame);
+    return 1;
+  }
+  const bool pressing = presses();
+  if (!printed() && (!pressing || !blocked_)) {
+    leg_ = go_freely();
+    candidate(1, frame);
+    const double toc = sweep(frame);
+    if (toc == 1 || !pressing) return toc;
+    leg_ = false;
+    take_solution();
+  }
+  blocked_ = pressing;
+  if (!printed()) damp(frame);
+  bounded_ = bound();
+  candidate(1, frame);
+  return sweep(frame);
+}
+
+// The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step is cut there and that is all: what
+// lies before a time of contact is clear. In the cycle the end at that part of the way is put onto the joints, which
+// changes the way: it is swept again from the start, and cut again, somewhat shorter, where it meets something. What is
+// left of the bend then shrinks with the square of the step: after a held one, shorter steps are taken.
+void Cluster::commit(double toc, Frame& frame) {
+  double part = options_.toc_twice ? toc * toc : toc;
+  if (part < 1 || !leg_) ++sub_step_;
+  frame.sub_steps = std::max(frame.sub_steps, sub_step_);
+  done_ = sub_step_ == options_.sub_steps || (part == 1 && !bounded_ && !leg_);
+  held_ = !solved_;
+  bool clear = part == 1;
+  if (printed()) candidate(part, frame), clear = true;
+  for (const double less : {0.99, 0.9, 0.5}) {
+    if (clear) break;
+    part *= less;
+    candidate(part, frame);
+    const double again = sweep(frame);
+    clear = again == 1;
+    part *= again;
+  }
+  caution_ = clear ? std::min(1.0, 2 * caution_) : caution_ / 2;
+  if (!clear) {
+    held_ = true;
+    return;
+  }
+  const Lap lap(frame.times.collision);
+  for (std::size_t b = 0; b < size(); ++b) {
+    objects_.scene.bodies[b].pose = pose_[b] = end_[b];
+    world_.place(static_cast<int>(b), pose_[b]);
+  }
+}
+
+}  // namespace zwang::god
