@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "bench/collision/drag_scenes.h"
+#include "collision/load.h"
+#include "experiments/god/building.h"
+#include "experiments/god/scene_parts.h"
+
+namespace zwang::god {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file of this name anywhere below the folder, also packed (.gz).
+fs::path find_part(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (at->path().filename() == name || at->path().filename() == name + ".gz") found.push_back(at->path());
+  if (error) throw BadFile(folder.string() + ": " + error.message());
+  if (found.empty()) throw BadFile(folder.string() + ": no " + name + " in it, which this scene is made of");
+  return *std::min_element(found.begin(), found.end());
+}
+
+TreePointer load(const fs::path& file, double unit) {
+  return std::make_shared<const collision::Tree>(
+      collision::load_tree(file, {.unit = unit, .cache = collision::tree_cache()}).tree);
+}
+
+constexpr std::array differential{"ring",          "pinion", "spider",     "side",      "carrier",
+                                  "carrier_cover", "arm",    "rightshaft", "leftshaft", "motor_cover"};
+
+std::string differential_file(const std::string& part) { return "diff_" + part + ".stl"; }
+
+// All ten files as one part: they share one frame.
+TreePointer whole_differential(const fs::path& folder) {
+  collision::Mesh all;
+  for (const char* part : differential) {
+    const TreePointer tree = load(find_part(folder, differential_file(part)), 1e-3);
+    for (const collision::Triangle& t : tree->triangles()) {
+      const auto first = static_cast<std::uint32_t>(all.vertices.size());
+      all.vertices.insert(all.vertices.end(), t.corner.begin(), t.corner.end());
+      all.triangles.push_back({first, first + 1, first + 2});
+    }
+  }
+  return tree_of(all);
+}
+
+using NamedTree = std::pair<std::string, TreePointer>;
+
+// In rows of about this width, or as wide as deep.
+void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
+  double area = 0;
+  std::vector<TreePointer> trees;
+  for (const auto& [name, tree] : parts) {
+    const Vec3 size = tree->high() - tree->low();
+    area += size.x() * size.y();
+    trees.push_back(tree);
+  }
+  const std::vector<Part> laid = laid_out(trees, 1.1 * std::sqrt(area));
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = laid[k].pose});
+}
+
+}  // namespace
+
+Surroundings real_simple_scene(const fs::path& folder) {
+  Surroundings s{.name = "simple"};
+  std::vector<NamedTree> parts;
+  for (std::size_t k = 0; k < 5; ++k)
+    parts.emplace_back(differential[k], load(find_part(folder, differential_file(differential[k])), 1e-3));
+  lay_out(s, parts);
+  s.focus = busiest_place(s);
+  return s;
+}
+
+Surroundings real_engine_scene(const fs::path& folder) {
+  Surroundings s{.name = "engine"};
+  std::vector<NamedTree> parts;
+  const auto add = [&](int count, const std::string& name, const TreePointer& tree) {
+    for (int k = 1; k <= count; ++k) parts.emplace_back(name + " " + std::to_string(k), tree);
+  };
+  add(3, "differential", whole_differential(folder));
+  add(2, "counter", load(find_part(folder, "counter.unitsmm.STL"), 1e-3));
+  add(3, "cycloidal drive", load(find_part(folder, "cycloidal.ply"), 0.0254));
+  add(3, "gear", load(find_part(folder, "factory_gear_medium_space_5e-4.obj"), 1));
+  add(4, "bolt M20", load(find_part(folder, "factory_bolt_m20_loose.obj"), 1));
+  add(3, "bolt M8", load(find_part(folder, "factory_bolt_m8_loose.obj"), 1));
+  add(2, "bolt M16", load(find_part(folder, "factory_bolt_m16_loose.obj"), 1));
+  lay_out(s, parts);
+  s.focus = busiest_place(s);
+  return s;
+}
+
+Surroundings files_scene(const std::string& files) {
+  Surroundings s{.name = files};
+  std::vector<NamedTree> parts;
+  std::map<std::string, TreePointer> known;
+  for (std::size_t first = 0; first <= files.size();) {
+    const std::size_t end = std::min(files.find(',', first), files.size());
+    const std::string item = files.substr(first, end - first);
+    first = end + 1;
+    if (item.empty()) throw BadFile("'" + files + "': a file name is missing");
+    const std::size_t at = item.rfind('@');
+    double unit = 1;
+    if (at != std::string::npos) try {
+        unit = collision::metres_per(item.substr(at + 1));
+      } catch (const std::invalid_argument& e) {
+        throw BadFile(item + ": " + e.what());
+      }
+    const fs::path file = item.substr(0, at);
+    TreePointer& tree = known[item];
+    if (!tree) tree = load(file, unit);
+    const double width = (tree->high() - tree->low()).maxCoeff();
+    if (width > 50)
+      throw BadFile(file.string() + ": " + std::to_string(std::lround(width)) + " m wide; give its unit, such as " +
+                    file.filename().string() + "@mm");
+    parts.emplace_back(file.filename().string(), tree);
+  }
+  lay_out(s, parts);
+  s.focus = busiest_place(s);
+  return s;
+}
+
+}  // namespace zwang::god

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+#include "experiments/god/surroundings.h"
+
+// The scenes that are large, each in a file of its own kind.
+namespace zwang::god {
+
+Surroundings simple_scene();
+Surroundings engine_scene();
+Surroundings detailed_scene();
+
+// Of real parts, found in the folder by their file names. Throw BadFile.
+Surroundings real_simple_scene(const std::filesystem::path& parts);
+Surroundings real_engine_scene(const std::filesystem::path& parts);
+
+// Files "a.stl,b.obj@mm" side by side, their tops at z = 0. Throws BadFile.
+Surroundings files_scene(const std::string& files);
+
+}  // namespace zwang::god
