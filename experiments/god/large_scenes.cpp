@@ -6,8 +6,6 @@
 #include "experiments/god/scene_parts.h"
 
 namespace zwang::god {
-namespace {
-
 // Loose things of an engine bay: a cap, a relay, and a bolt standing on its head.
 void add_small_parts(Surroundings& s, const Vec3& on) {
   const Vec3 base = on + Vec3(0, 0, 1e-4);
@@ -20,29 +18,30 @@ void add_small_parts(Surroundings& s, const Vec3& on) {
       base + Vec3(0.05, -0.005, 0)));
 }
 
-}  // namespace
+void add_box_and_can(Surroundings& s, const Vec3& box, const Vec3& can) {
+  s.objects.push_back(loose("box", 0.2, {solid_box({0.05, 0.05, 0.05}).placed({0, 0, 0.025})}, box + Vec3(0, 0, 1e-4)));
+  s.objects.push_back(loose("can", 0.2, {solid_cylinder(0.02, 0.06).placed({0, 0, 0.03})}, can + Vec3(0, 0, 1e-4)));
+}
 
 // The paper's simple scene has five physics objects, 100,000 triangles, the largest part 30,000. Here the five detailed
 // meshes are fixed, since loose objects are convex pieces for hands and engine alike; a box and a can beside them are
 // loose. All stand on a table.
 Surroundings simple_scene() {
   Surroundings s{.name = "simple"};
-  s.objects = {
-      table("table", {0.6, 0.5, 0.03}, {0, 0, 0}, 5000),
-      fixed("gear", tree_of(meshes::gear(0.055, 0.03, 18, 30000)), {0, 0, 0.015}),
-      fixed("pipe", tree_of(meshes::pipe(0.02, 0.004, 0.14, 20000)), {0.085, 0.005, 0.02}, z_to_y()),
-      fixed("dome", tree_of(meshes::bumpy_sphere(0.045, 0.0025, 9, 20000)), {-0.075, 0.075, 0.002}),
-      fixed("perforated plate", tree_of(meshes::perforated({0.12, 0.09, 0.008}, 4, 17000)), {0.01, 0.105, 0.034}),
-      fixed("casting", tree_of(casting({0.11, 0.06, 0.05}, 8, 10000)), {-0.03, -0.09, 0.02})};
-  s.objects.push_back(loose("box", 0.2, {solid_box({0.05, 0.05, 0.05})}, {-0.1, 0, 0.0251}));
-  s.objects.push_back(loose("can", 0.2, {solid_cylinder(0.02, 0.06)}, {0.075, -0.105, 0.0301}));
-  s.focus = busiest_place(s);
+  s.objects = {table("table", {0.6, 0.5, 0.03}, {0, 0, 0}, 5000),
+               fixed("gear", tree_of(meshes::gear(0.055, 0.03, 18, 30000)), {0, 0, 0.015}),
+               fixed("pipe", tree_of(meshes::pipe(0.02, 0.004, 0.14, 20000)), {0.085, 0.005, 0.02}, z_to_y()),
+               fixed("dome", tree_of(meshes::bumpy_sphere(0.045, 0.0025, 9, 20000)), {-0.075, 0.075, 0.002}),
+               fixed("grating", tree_of(meshes::perforated({0.12, 0.09, 0.034}, 3, 17000)), {0.015, 0.108, 0.017}),
+               fixed("casting", tree_of(casting({0.11, 0.06, 0.05}, 8, 10000)), {-0.03, -0.09, 0.02})};
+  add_box_and_can(s, {-0.1, 0, 0}, {0.075, -0.105, 0});
+  s.focus = surface_at(s, 0.03, 0.02);
   return s;
 }
 
 // An engine seen from above, in a bay of 0.6 x 0.5 m: a block with holes; on it two head covers with four intake
 // runners across the valley between them; a plenum, three timing gears and a pulley at the front, an alternator,
-// exhaust stubs at the back, a bracket, bolts. A tray holds what is loose. Parts that repeat share one tree.
+// exhaust stubs at the back, a grating, bolts. A tray holds what is loose. Parts that repeat share one tree.
 Surroundings engine_scene() {
   Surroundings s{.name = "engine"};
   const auto add = [&s](const std::string& name, const TreePointer& mesh, const Vec3& at,
@@ -65,7 +64,7 @@ Surroundings engine_scene() {
   add("alternator", tree_of(meshes::bumpy_sphere(0.052, 0.003, 10, 90000)), {-0.22, 0.07, -0.04});
   const TreePointer stub = tree_of(meshes::pipe(0.02, 0.003, 0.09, 40000));
   for (int k = 0; k < 3; ++k) add("exhaust stub " + std::to_string(k + 1), stub, {-0.08 + 0.08 * k, 0.168, -0.03});
-  add("bracket", tree_of(meshes::perforated({0.1, 0.12, 0.006}, 4, 30000)), {-0.22, -0.08, -0.012});
+  add("grating", tree_of(meshes::perforated({0.1, 0.12, 0.05}, 4, 32000)), {-0.225, -0.08, -0.0455});
   const TreePointer bolt = tree_of(meshes::gear(0.01, 0.01, 6, 10000));
   for (int k = 0; k < 4; ++k)
     add("bolt " + std::to_string(k + 1), bolt, {k % 2 ? 0.13 : -0.13, k < 2 ? 0.115 : -0.075, 0.002});

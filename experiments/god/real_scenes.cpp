@@ -49,7 +49,7 @@ TreePointer whole_differential(const fs::path& folder) {
 
 using NamedTree = std::pair<std::string, TreePointer>;
 
-// In rows of about this width, or as wide as deep.
+// In rows, about as wide as deep, tops at z = 0.
 void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
   double area = 0;
   std::vector<TreePointer> trees;
@@ -63,18 +63,38 @@ void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
     s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = laid[k].pose});
 }
 
+// The same, standing about a point.
+void stand(Surroundings& s, const std::vector<NamedTree>& parts, const Vec3& at) {
+  Surroundings group;
+  lay_out(group, parts);
+  Vec3 low = Vec3::Constant(1e9), high = -low;
+  for (const Object& object : group.objects) {
+    low = low.cwiseMin(object.pose * object.mesh->low());
+    high = high.cwiseMax(object.pose * object.mesh->high());
+  }
+  for (Object& object : group.objects) {
+    object.pose.position += at - (low + high) / 2;
+    object.pose.position.z() = at.z() - object.mesh->low().z();
+    s.objects.push_back(std::move(object));
+  }
+}
+
 }  // namespace
 
+// Five parts of a differential gear on a table.
 Surroundings real_simple_scene(const fs::path& folder) {
   Surroundings s{.name = "simple"};
   std::vector<NamedTree> parts;
   for (std::size_t k = 0; k < 5; ++k)
     parts.emplace_back(differential[k], load(find_part(folder, differential_file(differential[k])), 1e-3));
-  lay_out(s, parts);
+  stand(s, parts, Vec3::Zero());
+  s.objects.push_back(table("table", {0.6, 0.5, 0.03}, Vec3::Zero(), 5000));
+  add_box_and_can(s, {0.11, 0.07, 0}, {0.1, -0.07, 0});
   s.focus = busiest_place(s);
   return s;
 }
 
+// Two round plates, the decks; on one of them whole differentials, on the other drives, gears and bolts.
 Surroundings real_engine_scene(const fs::path& folder) {
   Surroundings s{.name = "engine"};
   std::vector<NamedTree> parts;
@@ -82,13 +102,22 @@ Surroundings real_engine_scene(const fs::path& folder) {
     for (int k = 1; k <= count; ++k) parts.emplace_back(name + " " + std::to_string(k), tree);
   };
   add(3, "differential", whole_differential(folder));
-  add(2, "counter", load(find_part(folder, "counter.unitsmm.STL"), 1e-3));
+  stand(s, parts, {-0.155, 0, 0});
+  parts.clear();
   add(3, "cycloidal drive", load(find_part(folder, "cycloidal.ply"), 0.0254));
   add(3, "gear", load(find_part(folder, "factory_gear_medium_space_5e-4.obj"), 1));
   add(4, "bolt M20", load(find_part(folder, "factory_bolt_m20_loose.obj"), 1));
   add(3, "bolt M8", load(find_part(folder, "factory_bolt_m8_loose.obj"), 1));
   add(2, "bolt M16", load(find_part(folder, "factory_bolt_m16_loose.obj"), 1));
-  lay_out(s, parts);
+  stand(s, parts, {0.155, 0, 0});
+  const TreePointer deck = load(find_part(folder, "counter.unitsmm.STL"), 1e-3);
+  for (const double x : {-0.155, 0.155})
+    s.objects.push_back(
+        fixed("deck", deck,
+              Vec3(x, 0, -deck->high().z()) - Vec3((deck->low() + deck->high()).cwiseProduct(Vec3(0.5, 0.5, 0)))));
+  const Vec3 tray(0, -0.16, 0);
+  s.objects.push_back(table("tray", {0.16, 0.09, 0.012}, tray, 10000));
+  add_small_parts(s, tray);
   s.focus = busiest_place(s);
   return s;
 }

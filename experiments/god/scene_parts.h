@@ -11,6 +11,10 @@ Surroundings simple_scene();
 Surroundings engine_scene();
 Surroundings detailed_scene();
 
+// Loose things of an engine bay: a cap, a relay, and a bolt standing on its head.
+void add_small_parts(Surroundings& s, const Vec3& on);
+void add_box_and_can(Surroundings& s, const Vec3& box, const Vec3& can);
+
 // Of real parts, found in the folder by their file names. Throw BadFile.
 Surroundings real_simple_scene(const std::filesystem::path& parts);
 Surroundings real_engine_scene(const std::filesystem::path& parts);

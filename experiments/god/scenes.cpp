@@ -59,15 +59,15 @@ Surroundings holes() {
 Surroundings grasp() {
   Surroundings s{.name = "table"};
   const auto bar = [](double x, double y, double z) {
-    return solid_bar(0.13, 0.01).placed({x, y, z}, z_to_x() * z_to_y().transpose());
+    return solid_bar(0.16, 0.01).placed({x, y, z}, z_to_x() * z_to_y().transpose());
   };
   s.objects.push_back(table("table", {0.8, 0.6, 0.03}, {0, 0, -0.06}, 12000));
   const auto stand = [&](const std::string& name, double mass, std::vector<Solid> solids, double x, double y) {
     s.objects.push_back(loose(name, mass, solids, {x, y, -0.06 + 1e-4}));
   };
   stand("dumbbell", 0.3,
-        {solid_box({0.03, 0.07, 0.07}).placed({-0.07, 0, 0.035}),
-         solid_box({0.03, 0.07, 0.07}).placed({0.07, 0, 0.035}), bar(0, 0, 0.05)},
+        {solid_box({0.03, 0.07, 0.07}).placed({-0.08, 0, 0.035}),
+         solid_box({0.03, 0.07, 0.07}).placed({0.08, 0, 0.035}), bar(0, 0, 0.05)},
         0, 0);
   stand("mug", 0.25,
         {solid_cylinder(0.038, 0.09).placed({0, 0, 0.045}), solid_box({0.03, 0.012, 0.012}).placed({0.048, 0, 0.078}),
