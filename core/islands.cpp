@@ -144,15 +144,18 @@ bool Islands::several(const Problem& p, Index unit) {
     count -= root(a) != root(b);
     couple(a, b);
   };
+  // Inner indices ascend: where the first and the last are of one block, so are all.
   const auto visit = [&](const auto& A, Index outer, Index block) {
-    const int* const first = A.innerIndexPtr() + A.outerIndexPtr()[outer];
-    const int* const last = first + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer]
-                                                      : A.innerNonZeroPtr()[outer]);
-    Index begin = block * unit;  // of the block seen last
-    for (const int* at = first; at != last; ++at) {
-      if (block >= 0 && *at >= begin && *at < begin + unit) continue;
+    const int* at = A.innerIndexPtr() + A.outerIndexPtr()[outer];
+    const int* const last =
+        at + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer] : A.innerNonZeroPtr()[outer]);
+    if (at == last) return;
+    if (block < 0) block = *at / unit;
+    if (*at >= block * unit && last[-1] < (block + 1) * unit) return;
+    for (Index begin = block * unit; at != last; ++at) {
+      if (*at >= begin && *at < begin + unit) continue;
       const Index own = *at / unit;
-      if (block >= 0) couple_blocks(block, own);
+      couple_blocks(block, own);
       block = own;
       begin = own * unit;
     }

@@ -54,7 +54,7 @@ struct BodyRows {
 
  private:
   bool factorize(const Problem& problem);
-  bool load_row(const Problem& problem, Index i);
+  bool load_row(const Problem& problem, Index i, Index k);
 };
 
 }  // namespace zwang

@@ -55,6 +55,7 @@ void LeastDistance::reset(Index freedom, Index rows) {
   if (A_.rows() != padded_ || A_.cols() < padded_rows_) A_.resize(padded_, padded_rows_);
   if (Q_.rows() != padded_) {
     Q_.resize(padded_, padded_);
+    R_.resize(padded_, padded_);
     T_.resize(padded_, padded_);
     for (Vector* part : {&v_, &u_, &r_, &d_, &remainder_, &rest_}) part->resize(padded_);
   }
@@ -65,6 +66,7 @@ void LeastDistance::reset(Index freedom, Index rows) {
   }
   state_.assign(static_cast<std::size_t>(padded_rows_), State::resting);
   active_.clear();
+  carried_ = true;
   smallest_accepted = 1;
   largest_rejected = 0;
 }
@@ -166,7 +168,7 @@ void LeastDistance::drop(Index j) {
     };
     rotate(T_.col(k).data(), T_.col(k + 1).data(), round_up(k + 2));
     rotate(Q_.col(k).data(), Q_.col(k + 1).data(), padded_);
-    rotate(AQ_.col(k).data(), AQ_.col(k + 1).data(), padded_rows_);
+    if (carried_) rotate(AQ_.col(k).data(), AQ_.col(k + 1).data(), padded_rows_);
   }
   for (Index k = j; k < q; ++k) {
     for (Index i = j; i <= k; ++i) T_(i, k) = T_(i + 1, k);
@@ -199,18 +201,61 @@ bool LeastDistance::restore_dual_feasibility() {
   return clean;
 }
 
-bool LeastDistance::take(Index j) {
-  constexpr double clear = 1e-7;
-  if (size() == freedom_ || !(split(j) > clear)) return false;
-  move_along();
-  append(j, 0);
-  return true;
+// Gram and Schmidt's modified orthogonalization: every column that is done leaves all others at once, in products that
+// do not wait for each other. A column of which less than a tenth is left has lost a digit and is swept again.
+void LeastDistance::factorize(std::span<const Index> rows) {
+  constexpr double clear = 1e-7, digit = 0.1;
+  const Index count = std::min(static_cast<Index>(rows.size()), padded_);
+  for (Index k = 0; k < count; ++k) Q_.col(k) = A_.col(rows[static_cast<std::size_t>(k)]);
+  for (Index k = 0; k < count && size() < freedom_; ++k) {
+    const Index p = rows[static_cast<std::size_t>(k)], q = size();
+    double* own = Q_.col(k).data();
+    double length = std::sqrt(dot(own, own, padded_));
+    if (length * length < digit * digit * dot(A_.col(p).data(), A_.col(p).data(), padded_)) {
+      for (Index i = 0; i < q; ++i) {
+        const double rest = dot(Q_.col(i).data(), own, padded_);
+        R_(i, k) += rest;
+        add(-rest, Q_.col(i).data(), own, padded_);
+      }
+      length = std::sqrt(dot(own, own, padded_));
+    }
+    if (!(length > clear)) continue;
+    R_.col(q).head(q) = R_.col(k).head(q);
+    R_(q, q) = length;
+    double* unit = Q_.col(q).data();
+    for (Index i = 0; i < padded_; i += lanes) at(unit, i) = at(own, i) / length;
+    for (Index l = k + 1; l < count; ++l) {
+      R_(q, l) = dot(unit, Q_.col(l).data(), padded_);
+      add(-R_(q, l), unit, Q_.col(l).data(), padded_);
+    }
+    active_.push_back(p);
+    state_[static_cast<std::size_t>(p)] = State::active;
+    smallest_accepted = std::min(smallest_accepted, length);
+  }
+  for (Index k = 0; k < size(); ++k) {
+    const double reciprocal = 1 / R_(k, k);
+    for (Index i = 0; i < k; ++i) rest_[i] = -reciprocal * R_(i, k);
+    accumulate(T_, k, rest_.data(), T_.col(k).data(), round_up(k));
+    T_(k, k) = reciprocal;
+  }
 }
 
-void LeastDistance::settle() {
+void LeastDistance::start_from(std::span<const Index> rows) {
+  factorize(rows);
+  carried_ = false;
   refresh();
   restore_dual_feasibility();
   scan();
+}
+
+// A Q of what a warm start took in: not before a step needs it.
+void LeastDistance::carry() {
+  if (carried_) return;
+  carried_ = true;
+  for (Index j = 0; j < size(); ++j) {
+    AQ_.col(j).head(padded_rows_).setZero();
+    accumulate(At_, freedom_, Q_.col(j).data(), AQ_.col(j).data(), padded_rows_);
+  }
 }
 
 bool LeastDistance::accept(const Vector& v, const Vector& u) {
@@ -223,6 +268,7 @@ bool LeastDistance::accept(const Vector& v, const Vector& u) {
 
 LeastDistance::End LeastDistance::climb(int& iterations, int most_iterations, const Deadline& deadline) {
   for (Index p = most_violated(); p >= 0; p = most_violated()) {
+    carry();
     double multiplier = 0;
     for (bool entered = false; !entered;) {
       if (iterations >= most_iterations) return End::iteration_limit;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/solver.h"
@@ -32,9 +33,9 @@ class LeastDistance {
   double fixed_length = 0;  // the length of what the equality rows took away
   void start();
 
-  // Takes row j in where it is clearly independent, for a warm start; then settle().
-  bool take(Index j);
-  void settle();
+  // From these rows, as far as they are clearly independent and their multipliers not negative: a warm start. One
+  // factorization of all, a third of the time of as many steps.
+  void start_from(std::span<const Index> rows);
 
   enum class End { optimal, contradiction, iteration_limit, time_limit };
   // Up to the optimum of the rows, from the present active set.
@@ -62,6 +63,8 @@ class LeastDistance {
   enum class State : char { resting, active, retired };
 
   Index size() const { return static_cast<Index>(active_.size()); }
+  void factorize(std::span<const Index> rows);
+  void carry();
   double split(Index p);
   void append(Index p, double multiplier);
   void drop(Index j);
@@ -72,7 +75,8 @@ class LeastDistance {
   Index most_violated() const;
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
-  Columns A_, At_, Q_, T_, AQ_;
+  Columns A_, At_, Q_, R_, T_, AQ_;
+  bool carried_ = true;  // A Q is there
   Vector v_, u_, r_, d_, remainder_, slack_, along_, rest_;
   double length_ = 0;
   std::vector<Index> active_;

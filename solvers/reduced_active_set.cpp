@@ -88,10 +88,7 @@ bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solu
 
 bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                               std::span<const Index> active, Solution& solution) {
-  if (!active.empty()) {
-    for (const Index j : active) climb_.take(j);
-    climb_.settle();
-  }
+  if (!active.empty()) climb_.start_from(active);
   constexpr int rounds = 8;
   for (int round = 0;; ++round) {
     const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);

@@ -30,6 +30,37 @@ std::vector<Instance> read_in_order(const std::string& stem) {
   return all;
 }
 
+// The files name their rows by number, and a limit that appears renumbers all contacts behind it: a warm start then
+// begins with the wrong half of the rows. Here an inequality row has the key of the row of the frame before whose
+// coefficients are nearest, where they are near (frames differ by 6e-4, neighbouring contacts by 1e-1), or a new one.
+void follow_rows(std::vector<Instance>& frames) {
+  constexpr double near = 0.05;
+  std::uint64_t next = std::uint64_t{1} << 32;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    Problem& p = frames[f].problem;
+    const Problem* before = f > 0 ? &frames[f - 1].problem : nullptr;
+    std::vector<char> taken(before ? before->kind.size() : 0, 0);
+    for (Index i = 0; i < p.rows(); ++i) {
+      if (p.is_equality(i)) continue;
+      const Vector row = p.J.row(i).transpose();
+      Index nearest = -1;
+      double least = near * row.norm();
+      for (Index j = 0; before && j < before->rows(); ++j) {
+        if (before->is_equality(j) || taken[static_cast<std::size_t>(j)]) continue;
+        const double distance = (before->J.row(j).transpose() - row).norm();
+        if (distance < least) least = distance, nearest = j;
+      }
+      RowKey& key = p.key[static_cast<std::size_t>(i)];
+      if (nearest < 0) {
+        key = {next++, 0};
+        continue;
+      }
+      key = before->key[static_cast<std::size_t>(nearest)];
+      taken[static_cast<std::size_t>(nearest)] = 1;
+    }
+  }
+}
+
 struct File {
   std::string family, knob;
   int value;
@@ -61,6 +92,10 @@ std::vector<Instance> measured_problems() {
   return chosen;
 }
 
-std::vector<Instance> measured_sequence(int contacts) { return read_in_order("seq" + std::to_string(contacts)); }
+std::vector<Instance> measured_sequence(int contacts) {
+  std::vector<Instance> frames = read_in_order("seq" + std::to_string(contacts));
+  follow_rows(frames);
+  return frames;
+}
 
 }  // namespace zwang
