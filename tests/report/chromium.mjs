@@ -29,7 +29,7 @@ export async function open_browser() {
     child.stdio[3].write(JSON.stringify({id: last, method, params, sessionId}) + '\0');
   });
 
-  async function open_page(file, {width = 1280, height = 900, dark = false} = {}) {
+  async function open_page(file, {width = 1280, height = 900, dark = false, hash = ''} = {}) {
     const {targetId} = await send('Target.createTarget', {url: 'about:blank'});
     const {sessionId} = await send('Target.attachToTarget', {targetId, flatten: true});
     const page = (method, params) => send(method, params, sessionId);
@@ -47,7 +47,7 @@ export async function open_browser() {
     for (const domain of ['Network', 'Runtime', 'Log', 'Page']) await page(`${domain}.enable`);
     await page('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
     await page('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: dark ? 'dark' : 'light'}]});
-    await page('Page.navigate', {url: `file://${fs.realpathSync(file)}`});
+    await page('Page.navigate', {url: `file://${fs.realpathSync(file)}${hash && `#${hash}`}`});
     await load;
     const evaluate = async expression => {
       const {result, exceptionDetails} = await page('Runtime.evaluate', {expression: `(async () => (${expression}))()`, awaitPromise: true, returnByValue: true});
@@ -60,8 +60,11 @@ export async function open_browser() {
       fs.writeFileSync(png, Buffer.from((await page('Page.captureScreenshot', {format: 'png', ...clip})).data, 'base64'));
     };
     const mouse = (type, x, y, more = {}) => page('Input.dispatchMouseEvent', {type, x, y, ...more});
+    const key = async (name, modifiers = 0) => {
+      for (const type of ['keyDown', 'keyUp']) await page('Input.dispatchKeyEvent', {type, key: name, modifiers, ...(name === ' ' && {text: ' '})});
+    };
     const close = () => send('Target.closeTarget', {targetId});
-    return {evaluate, screenshot, mouse, close, requests, complaints};
+    return {evaluate, screenshot, mouse, key, close, requests, complaints};
   }
   async function close() {
     await send('Browser.close').catch(() => {});

@@ -1,0 +1,14 @@
+// Numbers for people.
+const spaced = text => text.replace(/\B(?=(\d{3})+(?!\d))/g, ',');
+export const integer = n => spaced(String(Math.round(n)));
+export const millimetres = metres => metres === 0 ? '0 mm' : Math.abs(metres) < 5e-7 ? `${metres.toExponential(0)} m`.replace('e-', 'e−') : `${(1e3 * metres).toFixed(Math.abs(metres) < .00995 ? 2 : 1)} mm`;
+export const milliseconds = seconds => seconds < 1e-3 ? `${(1e6 * seconds).toFixed(0)} µs` : `${(1e3 * seconds).toFixed(seconds < .01 ? 2 : 1)} ms`;
+export const tiny = (x, unit) => x === 0 ? `0 ${unit}` : `${x.toExponential(0).replace('e-', 'e−').replace('e+', 'e')} ${unit}`;
+export const seconds = s => `${s.toFixed(s < 100 ? 3 : 2)} s`;
+
+export function element(name, properties = {}, ...children) {
+  const node = Object.assign(document.createElement(name), properties);
+  node.append(...children);
+  return node;
+}
+export const css = color => typeof color === 'number' ? `#${color.toString(16).padStart(6, '0')}` : color;
