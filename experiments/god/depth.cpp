@@ -190,8 +190,8 @@ Depth::Deepest Depth::of(const hand::Poses& hand, std::span<const Ball> balls, d
   for (const Ball& ball : balls) {
     const Vec3 p = hand[static_cast<std::size_t>(ball.body)] * ball.at;
     for (std::size_t k = 0; k < solids_.size(); ++k) {
-      const double depth = ball.radius - distance(p, k, std::max(0.0, ball.radius - out.depth), poses);
-      if (depth > out.depth) out = {depth, ball.body, static_cast<int>(k)};
+      const double near = std::max(1e-9, ball.radius - out.depth), gap = distance(p, k, near, poses);
+      if (gap < near && ball.radius - gap > out.depth) out = {ball.radius - gap, ball.body, static_cast<int>(k)};
     }
   }
   return out;

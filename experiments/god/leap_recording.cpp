@@ -89,12 +89,9 @@ class Reader {
     }
     const std::size_t torn = frames.size() - 1 - rows.size();
     if (2 * torn >= frames.size() - 1) refuse(fault_);
-    std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.time < b.time; });
-    const std::size_t before = rows.size();
-    rows.erase(std::unique(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.time == b.time; }),
-               rows.end());
+    const std::size_t repeated = put_in_order(rows);
     if (torn > 0) note(torn, "torn: " + fault_);
-    if (rows.size() < before) note(before - rows.size(), "with the time stamp of another");
+    if (repeated > 0) note(repeated, "with the time stamp of another");
     check_times(rows);
 
     std::array<RecordedTrack, 2> track;
@@ -128,9 +125,7 @@ class Reader {
     std::replace(why.begin(), why.end(), '\n', ' ');
     throw BadFile(file_.string() + ": " + why);
   }
-  void note(std::size_t frames, const std::string& what) {
-    out_.notes.push_back(std::to_string(frames) + (frames == 1 ? " frame " : " frames ") + what);
-  }
+  void note(std::size_t count, const std::string& what) { out_.notes.push_back(god::frames(count, what)); }
   std::string here() const { return "frame " + std::to_string(frame_) + ": "; }
 
   std::size_t column(const std::vector<std::string>& names, const std::string& name, const char* where,

@@ -1,4 +1,5 @@
 #include "collision/mesh_file.h"
+#include "experiments/god/joint_table.h"
 #include "experiments/god/motions.h"
 #include "experiments/god/retarget.h"
 
@@ -25,15 +26,31 @@ Motion read_motion(const fs::path& file) {
   const std::string kind = lower(name.extension().string());
   if (kind == ".lz")
     refuse("packed by LZString, which is not read here: LZString.decompressFromBase64 of its text is the JSON to give");
-  if (kind != ".json") refuse("motions are .json (Leap recordings) or .csv (joint angles), also with .gz");
+  if (kind != ".json" && kind != ".csv")
+    refuse("motions are .json (Leap recordings) or .csv (joint angles), also with .gz");
 
-  Recording recording = parse_leap(file, text);
-  Motion motion{.name = name.stem().string()};
-  motion.notes = std::move(recording.notes);
+  Recording recording;
+  Motion motion;
+  if (kind == ".json") {
+    recording = parse_leap(file, text);
+  } else {
+    const JointTable table = parse_table(file, text);
+    if (is_adroit(table))
+      recording = adroit_recording(table);
+    else
+      motion = plain_motion(table);
+  }
+  motion.name = name.stem().string();
+  motion.notes.insert(motion.notes.end(), recording.notes.begin(), recording.notes.end());
   for (const RecordedTrack& track : recording.hands) {
     motion.hands.push_back(retarget(track, fit_model(track)));
     motion.duration = std::max(motion.duration, track.frames.back().time);
   }
+  for (const Track& track : motion.hands)
+    if (track.held_over > 0)
+      motion.notes.push_back(frames(
+          track.held_over,
+          std::string("without the ") + (track.model.left ? "left" : "right") + " hand: its last pose held over"));
   return motion;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -26,12 +27,28 @@ struct RecordedTrack {
   };
   bool left = false;
   std::vector<Frame> frames = {};
+  double beyond = 0;  // rad, the farthest that an angle was outside its limits, where angles were recorded
 };
 
 struct Recording {
   std::vector<RecordedTrack> hands = {};  // one or two, the right one first
   std::vector<std::string> notes = {};    // what was passed over, one line each, for people
 };
+
+// Rows by their time, the first of each. Returns how many had the time of another.
+template <class Row>
+std::size_t put_in_order(std::vector<Row>& rows) {
+  const std::size_t all = rows.size();
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.time < b.time; });
+  const auto same = [](const Row& a, const Row& b) { return a.time == b.time; };
+  rows.erase(std::unique(rows.begin(), rows.end(), same), rows.end());
+  return all - rows.size();
+}
+
+// "3 frames <what>", "1 frame <what>".
+inline std::string frames(std::size_t count, const std::string& what) {
+  return std::to_string(count) + (count == 1 ? " frame " : " frames ") + what;
+}
 
 // The text of a LeapJS Playback recording: {metadata, frames}, frames[0] the nested header that names the columns.
 // Throws BadFile naming `file`.

@@ -214,7 +214,7 @@ Model fit_model(const RecordedTrack& track) {
 }
 
 Track retarget(const RecordedTrack& track, const Model& model) {
-  Track out{.model = model};
+  Track out{.model = model, .beyond = track.beyond};
   Start start{Vec3::Zero()};
   const std::vector<const RecordedHand*> hands = sample(track, 60);
   for (const RecordedHand* h : hands)

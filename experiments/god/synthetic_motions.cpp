@@ -318,25 +318,21 @@ std::vector<Track> two_hands(const Stage& s) {
       tracks.push_back(path.track());
       continue;
     }
-    // The back of each hand looks away from the object; as low as the ground under it lets the hands be.
+    // The back of each hand looks away from the object; as low as what is under it lets the hands be.
     const Vec3 back = side * s.aside, face = (side > 0 ? wide[1] : wide[0]) * s.aside;
     const Vec3 middle = s.middle();
+    const double most = s.extent(s.out)[1] - s.out.dot(middle);
     double lift = 0;
-    const auto place = [&](double gap) {
+    const auto place = [&](double gap, double by = 0) {
       Palm palm{face + (gap + half) * back, s.axes(s.along, back)};
-      palm.position += s.along * s.along.dot(middle) + s.out * (s.out.dot(middle) + lift);
+      palm.position += s.along * s.along.dot(middle) + s.out * (s.out.dot(middle) + lift + by);
       return palm;
     };
-    for (; lift < 1 && !s.clear(place(0.15), {}, model); lift += 0.005) continue;
-    if (lift >= 1) throw std::invalid_argument("no place clear of the objects near the focus of " + s.about.name);
-    Path path(model, place(0.15), {});
-    const auto raised = [&](double gap, double by) {
-      Palm palm = place(gap);
-      palm.position += by * s.out;
-      return palm;
-    };
-    path.stay(0.1).to(0.8, place(0.005)).to(1.1, place(-0.015)).stay(1.5).to(2, raised(-0.015, 0.05)).stay(2.4);
-    path.to(2.8, place(-0.015)).to(3.2, place(0.02)).to(3.6, place(0.15));
+    while (lift < most && !s.clear(place(0.015), {}, model)) lift += 0.005;
+    const double high = s.clear_height(0.1, [&](double h) { return place(0.03, h); }, {}, model);
+    Path path(model, place(0.03, high), {});
+    path.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
+    path.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));
     tracks.push_back(path.track());
   }
   return tracks;

@@ -97,7 +97,8 @@ TEST(Leap, HoldsTornFramesOverAndSaysSo) {
     EXPECT_EQ(track.keys[k].target.angles, track.keys[5].target.angles);
   }
   EXPECT_TRUE(track.keys[11].target.tracked);
-  ASSERT_EQ(motion.notes.size(), 2u);
+  ASSERT_EQ(motion.notes.size(), 3u);
+  EXPECT_EQ(motion.notes[2], "5 frames without the right hand: its last pose held over");
   EXPECT_EQ(motion.notes[0],
             "3 frames of the right hand torn: frame 7: the right hand's palmPosition is not three numbers");
 }
