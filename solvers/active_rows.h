@@ -31,6 +31,9 @@ class ActiveRows {
   virtual double share(Index row) = 0;
   virtual void drop(Index position) = 0;
   virtual double smallest_pivot() const = 0;
+  // The inequality row with the smallest pivot, if that is below `limit`, else -1. From now to the next reset no row is
+  // accepted whose share is not clearly larger.
+  virtual Index coarsen(double) { return -1; }
   // t = argmin |v - G_A' t|; v becomes v - G_A' t.
   virtual void combine(Vector& v, Part t) = 0;
   // From r1 (n) and r2 (|A|), in place: dy = r1 + G_A' dl and dl, with G_A dy = r2.
@@ -67,10 +70,11 @@ class ActiveRows {
 // G_A' = Q R. A row counts as dependent when rounding in the row itself (eps / share) could make it so.
 class QrRows : public ActiveRows {
  public:
-  QrRows() : ActiveRows(20 * std::numeric_limits<double>::epsilon(), 0) { certain_ = threshold_; }
+  QrRows() : ActiveRows(rounding, rounding) {}
 
   void reset(const Whitened& w) override {
     w_ = &w;
+    threshold_ = certain_ = rounding;
     qr_.reset(w.size(), w.rows());
     rows_.clear();
     rows_.reserve(static_cast<std::size_t>(w.rows()));
@@ -91,6 +95,16 @@ class QrRows : public ActiveRows {
   void drop(Index position) override {
     qr_.drop(position);
     forget(position);
+  }
+  Index coarsen(double limit) override {
+    Index weakest = -1;
+    for (Index i = 0; i < size(); ++i)
+      if (!w_->equality[static_cast<std::size_t>((*this)[i])] && qr_.pivot(i) < limit) {
+        limit = qr_.pivot(i);
+        weakest = i;
+      }
+    if (weakest >= 0) threshold_ = certain_ = 2 * limit;
+    return weakest;
   }
   double smallest_pivot() const override {
     double smallest = 1;
@@ -117,6 +131,8 @@ class QrRows : public ActiveRows {
   }
 
  private:
+  static constexpr double rounding = 20 * std::numeric_limits<double>::epsilon();
+
   ThinQr qr_;
   Vector part_;
 };

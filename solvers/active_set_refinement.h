@@ -45,6 +45,7 @@ class ActiveSetRefinement {
   VectorX<Scalar> y;        // padded n: Q (z - z_u) 2^-exponent
   VectorX<Scalar> mu;       // multipliers of the active inequality rows (first q), on unit rows
   VectorX<Scalar> v;        // free part of Q'y
+  Scalar remaining{0};      // estimate of the correction that another pass would make to y
 
  private:
   void compute_residuals(const BasicProblem<Scalar>& problem, const Factors& f);
@@ -159,6 +160,7 @@ bool ActiveSetRefinement<Scalar>::solve(const BasicProblem<Scalar>& p, const Fac
     compute_residuals(p, f);
     const Scalar change = correct(f);
     const Scalar size = y.norm() + f.whitened.free.norm();
+    remaining = pass > 0 && change < last ? Scalar(change * (change / last)) : change;
     // The next correction would be about change^2 / size.
     if (pass > 0 && change * change <= epsilon / Scalar(32) * size * size) return true;
     if (pass > 1 && change > last / Scalar(2)) return false;

@@ -47,11 +47,16 @@ class GoldfarbIdnani {
   Scalar smallest_accepted{1}, largest_rejected{0};
   bool contracted = true;  // the refinement's corrections became negligible
 
+  // Estimate of |z - z*|_M / max(|z_u|_M, |z - z_u|_M): what the refinement still moved, what rounding hides in the
+  // residuals of the active rows, amplified by the smallest pivot, and the multipliers that came out negative.
+  Scalar error(const BasicProblem<Scalar>& problem) const;
+
   // `infeasible` with a combination so far from zero, or a contradiction so small, that rounding could be behind it.
   bool proof_in_doubt = false;
-  // The worst violation of a row outside the active set, relative to its terms, from the problem's own J and c in the
-  // wider scalar. On unit rows in Scalar, 8 epsilon of it cannot be told from rounding; here 32 epsilon of Wide can.
-  Wide worst_left(const BasicProblem<Scalar>& problem) const;
+  // Whether the rows outside the active set, held against z from the problem's own J and c in the wider scalar, may be
+  // violated (by 32 of its epsilon of their terms; on unit rows in Scalar, 8 of Scalar's cannot be told from rounding),
+  // or could move z by more than `limit` (relative, as error()) though they are not.
+  bool leaves_in_doubt(const BasicProblem<Scalar>& problem, const Scalar& limit);
   // Where the method ended: the whitened rows, and which of them are accepted equality rows and active inequality rows.
   BasicWhitened<Scalar>& whitened() { return whitened_; }
   const std::vector<Index>& accepted_equalities() const { return equality_rows_; }
@@ -79,6 +84,10 @@ class GoldfarbIdnani {
   bool restore_dual_feasibility();
   bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
   void list_active_rows();
+  struct Rest {
+    Wide violation, terms;  // of the unit row, in units of 2^exponent
+  };
+  Rest rest_of(const BasicProblem<Scalar>& problem, Index i) const;
   bool solve_active_set(const BasicProblem<Scalar>& problem);
   void refine(const BasicProblem<Scalar>& problem);
   void observe(const BasicProblem<Scalar>& problem, const Observer& observer);

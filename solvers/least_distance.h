@@ -49,8 +49,9 @@ class LeastDistance {
   const std::vector<Index>& active() const { return active_; }
   bool is_active(Index j) const { return state_[static_cast<std::size_t>(j)] == State::active; }
   bool is_retired(Index j) const { return state_[static_cast<std::size_t>(j)] == State::retired; }
-  const Vector& v() const { return v_; }  // padded
-  const Vector& u() const { return u_; }  // first active().size()
+  const Vector& v() const { return v_; }      // padded
+  const Vector& u() const { return u_; }      // first active().size()
+  double share(Index j) { return split(j); }  // of row j: the length of its part outside the active ones
   double smallest_accepted = 1, largest_rejected = 0;
 
   // For the refinement: x := R^-T x, x := R^-1 x, and Q'w, Q x, over the active rows.

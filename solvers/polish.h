@@ -14,9 +14,11 @@ namespace zwang {
 // It is solved by iterative refinement (Bjorck 1967, BIT 7, for the augmented system): residuals come from the
 // problem's own M, J, c in long double, corrections from the double factors of the active unit rows (active_rows.h).
 // So rounding in the whitening does not reach the answer, and z is right to its last bits as long as
-// cond(G_A) eps < 1. Then every row and multiplier is checked in the same precision. A violated row is added, a
-// negative multiplier dropped, and a violated row that depends on the active ones either takes the place of one of
-// them (Goldfarb & Idnani's partial step) or yields a Farkas certificate, refined in the same way.
+// cond(G_A) eps < 1. "Ill-conditioned" is said where rounding in long double, over the smallest pivot, may have moved z
+// by more than was asked for (polish_doubt.cpp), not where a pivot is small. Then every row and multiplier is checked
+// in the same precision. A violated row is added, a negative multiplier dropped, and a violated row that depends on the
+// active ones either takes the place of one of them (Goldfarb & Idnani's partial step) or yields a Farkas certificate,
+// refined in the same way.
 //
 // Tried before: trusting the least-distance solution itself loses digits as |y| grows (mass ratios of 4e9), and a rank
 // threshold of 1e-12 on double rows decides near-parallel joints wrongly below 1e-10.
@@ -36,22 +38,26 @@ class Polish {
  private:
   using Real = long double;
   using RealVector = VectorX<Real>;
+  enum State : char { outside, inside, ignored };
+  static constexpr Real giving = 1e-9L;  // the least share in a combination by which an active row can give way to it
 
   void prepare(const Problem& p, Whitened& w);
-  Real row_dot(const Problem& p, const Whitened& w, Index i, const RealVector& v) const;
   void add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const;
   bool refine(const Problem& p, Whitened& w, ActiveRows& active);
   double express(const Problem& p, Whitened& w, ActiveRows& active, Index row);
   bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
   bool exchange(const Whitened& w, ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position);
-  void doubt_rejected(const Problem& p, Whitened& w, ActiveRows& active);
+  void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
+  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
+  Real give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
   void name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const;
   Real violation(const Problem& p, const Whitened& w, Index i) const;
+  double hidden(const Problem& p, const Whitened& w, Index i) const;
 
   RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
-  RealVector d_, l_;    // n, k: the point and its unit multipliers
+  RealVector z_, l_;    // n, k: the point and its unit multipliers
   RealVector force_;    // n
   RealVector mu_;       // |A|: the dependent row as a combination of the active ones
   RealVector u_;        // k

@@ -8,7 +8,7 @@ namespace {
 
 // Pivots and remainders between these could go either way by the rounding of N.
 constexpr double clear_accepted = 1e-6, clear_rejected = 4e-15;
-constexpr long double rounding = 32 * std::numeric_limits<long double>::epsilon();
+constexpr long double wide_epsilon = std::numeric_limits<long double>::epsilon(), rounding = 32 * wide_epsilon;
 
 }  // namespace
 
@@ -99,7 +99,8 @@ bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, con
     if (climb_.accept(v_, mu_)) break;
     if (round == rounds) return refuse("decisions that rounding makes");
   }
-  if (!rest_holds(p)) return refuse("a row violated by less than rounding in double");
+  if (!rest_holds(p, std::max(10 * options.tolerance, 1e-12)))
+    return refuse("a row violated by less than rounding in double");
 
   solution.z = z_.cast<double>();
   solution.lambda = lambda_.cast<double>();
@@ -229,17 +230,22 @@ bool ReducedActiveSet::refine(const Problem& p) {
   return false;
 }
 
-// The rows outside the active set, from the problem's own J and c: rounding in long double is all they may be short of.
-bool ReducedActiveSet::rest_holds(const Problem& p) const {
+// The rows outside the active set, from the problem's own J and c: rounding in long double is all they may be short of,
+// and what that leaves open may not move z by more than `limit`, relative: the careful path's leaves_in_doubt().
+bool ReducedActiveSet::rest_holds(const Problem& p, double limit) {
   const BodyRows& rows = form_.rows();
-  const Wide unit = std::ldexp(1.0L, -rows.exponent), length = y_.norm();
+  const Wide unit = std::ldexp(1.0L, -rows.exponent), length = y_.norm(), far = std::max(length, Wide(rows.free_norm));
   for (Index j = 0; j < climb_.rows(); ++j) {
     if (climb_.is_active(j)) continue;
     const Index i = form_.inequalities()[static_cast<std::size_t>(j)], row = rows.row[static_cast<std::size_t>(i)];
     Wide rest = p.c[row];
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
       rest -= Wide(it.value()) * z_[it.col()];
-    if (unit * rest / Wide(rows.row_norm[i]) > rounding * (rows.magnitude[i] + length)) return false;
+    const Wide violation = unit * rest / Wide(rows.row_norm[i]), size = rows.magnitude[i] + length;
+    if (violation > rounding * size) return false;
+    const Wide most = violation + wide_epsilon * size;
+    if (!(most > 0)) continue;
+    if (const double share = climb_.share(j); share > clear_rejected && most > limit * far * share) return false;
   }
   return true;
 }

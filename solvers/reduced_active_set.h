@@ -42,7 +42,7 @@ class ReducedActiveSet {
   void begin_from_climb(const Problem& problem);
   void compute_residuals(const Problem& problem);
   double correct();
-  bool rest_holds(const Problem& problem) const;
+  bool rest_holds(const Problem& problem, double limit);
   Index active_row(Index j) const {
     return form_.inequalities()[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(j)])];
   }

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <random>
 
+#include "bench/suite/allocations.h"
 #include "core/measure.h"
 #include "core/problem_file.h"
-#include "bench/suite/allocations.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -87,9 +87,9 @@ TEST(DualActiveSet, FlagsAWedgeTooSharpForDouble) {
     const Problem p = make_problem(vec({1, 1}), vec({-1, -1}),
                                    {{RowKind::inequality, vec({0, 1}), 0}, {RowKind::inequality, vec({eps, -1}), eps}});
     const Solution s = solve(p);
-    EXPECT_EQ(s.status, k < 34 ? Status::solved : Status::solved_ill_conditioned) << k;
-    if (k <= 45) {
-      EXPECT_LE(test::z_error(p, s.z, vec({1, 0})), 1e-6) << k;
+    EXPECT_TRUE(s.status == Status::solved || (k > 45 && s.status == Status::solved_ill_conditioned)) << k;
+    if (s.status == Status::solved) {
+      EXPECT_LE(test::z_error(p, s.z, vec({1, 0})), 1e-12) << k;
     }
   }
 }
@@ -122,7 +122,7 @@ TEST(DualActiveSet, TellsNoLieOnTheAtlas) {
     flagged_wrong += flagged && !close;
   }
   EXPECT_GE(right, 260);
-  EXPECT_LE(flagged_right, 14);
+  EXPECT_LE(flagged_right, 7) << "3 % of the right ones";
   EXPECT_LE(flagged_wrong, 5);
 }
 
@@ -137,7 +137,8 @@ TEST(DualActiveSet, CertifiesAContactAgainstJointsAndContacts) {
 }
 
 // Near-parallel joints a, a + eps d with right-hand sides of a known z: the error is eps of long double / pivot.
-TEST(DualActiveSet, IsRightOnNearParallelEqualityRowsAndFlagsThemBelowOneInTenBillion) {
+// A flag is for an error that may exceed what was asked for, T = 1e-10, not for a small pivot.
+TEST(DualActiveSet, IsRightOnNearParallelEqualityRowsAndFlagsThemWhereRoundingMovesZ) {
   for (int k = 3; k <= 40; ++k) {
     const double eps = std::ldexp(1.0, -k);
     const Vector a = vec({1, -2, 3}), b = a + eps * vec({2, 1, -1}), z0 = vec({3, -1, 2});
@@ -147,7 +148,12 @@ TEST(DualActiveSet, IsRightOnNearParallelEqualityRowsAndFlagsThemBelowOneInTenBi
     const Solution s = solve(p);
     EXPECT_LE(test::z_error(p, s.z, z0), 1e-15 + 1e-18 / eps) << k;
     EXPECT_NEAR(s.margins.smallest_accepted / eps, 1, 0.9) << k;
-    EXPECT_EQ(s.status, s.margins.smallest_accepted < 1e-10 ? Status::solved_ill_conditioned : Status::solved) << k;
+    const bool flagged = s.status == Status::solved_ill_conditioned;
+    EXPECT_TRUE(flagged || s.status == Status::solved) << k;
+    EXPECT_TRUE(k <= 28 ? !flagged : k < 36 || flagged) << k << ": " << s.margins.smallest_accepted;
+    if (!flagged) {
+      EXPECT_LE(test::z_error(p, s.z, z0), 1e-9) << k;
+    }
   }
 }
 

@@ -1,0 +1,91 @@
+// What the polish says of its own answer: how far rounding may have moved z, and which rows it left out.
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/polish.h"
+
+namespace zwang {
+namespace {
+
+constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// What rounding can hide in a violation.
+double Polish::hidden(const Problem& p, const Whitened& w, Index i) const {
+  Real terms = std::abs(Real(p.c[w.row[at(i)]]));
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+    terms += std::abs(Real(it.value()) * z_[it.col()]);
+  return static_cast<double>(std::ldexp(real_eps * terms / Real(w.row_norm[i]), -w.exponent));
+}
+
+// How far the multiplier of a row sign (G_A' mu_ + rest) can grow before that of an active row, `leaving`, is zero.
+auto Polish::give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const -> Real {
+  Real shortest = std::numeric_limits<Real>::infinity();
+  leaving = active.size();
+  for (Index i = 0; i < active.size(); ++i) {
+    const Real rate = sign * mu_[i];
+    if (w.equality[at(active[i])] || rate < giving) continue;
+    const Real step = std::max(l_[active[i]], Real(0)) / rate;
+    if (step < shortest) {
+      shortest = step;
+      leaving = i;
+    }
+  }
+  return shortest;
+}
+
+void Polish::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
+  double square = 0;
+  for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
+  error_ += std::sqrt(square) / active.smallest_pivot();
+}
+
+// A row outside that is violated by v, or by what rounding hides, and has a share rho outside the active ones would
+// move z by v / rho if it were obeyed, unless an active row gives way to it first: nothing when it is an exact
+// combination or a neighbour's twin, much when it was only taken for one. Returns a row that moves z by more than
+// `limit`, is violated for certain and can enter; -1 where there is none.
+Index Polish::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] == State::inside) continue;
+    const double rounding = hidden(p, w, i);
+    const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
+    if (!(most > 0) || static_cast<double>(most) <= 1e-13 * scale_ * active.share(i)) continue;
+    const double rho = express(p, w, active, i);
+    if (!(rho > 64 * real_eps)) continue;
+    Index leaving;
+    const Real step = std::min(most / (Real(rho) * rho), give_way(w, active, sign, leaving));
+    const double far = std::min(scale_, static_cast<double>(rho * step));
+    if (far > limit && sign * v > 2 * rounding && active.accepts(rho)) return i;
+    error_ = std::max(error_, far);
+  }
+  return -1;
+}
+
+void Polish::write(const Problem& p, const Whitened& w, Solution& s) const {
+  s.z = z_.cast<double>();
+  s.lambda.setZero(p.rows());
+  for (Index i = 0; i < w.rows(); ++i) {
+    const Real unit = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
+    s.lambda[w.row[at(i)]] = static_cast<double>(std::ldexp(unit / Real(w.row_norm[i]), w.exponent));
+  }
+}
+
+void Polish::name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const {
+  s.redundant.reserve(at(w.rows()) + w.idle.size());
+  s.redundant.assign(w.idle.begin(), w.idle.end());
+  s.margins = {.rank = active.size()};
+  if (active.size() > 0) s.margins.smallest_accepted = active.smallest_pivot();
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::ignored) continue;
+    const double share = active.share(i);
+    if (share > 1e-10) continue;
+    s.redundant.push_back(w.row[at(i)]);
+    s.margins.largest_rejected =
+        std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
+  }
+  std::sort(s.redundant.begin(), s.redundant.end());
+}
+
+}  // namespace zwang
