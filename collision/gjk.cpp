@@ -107,7 +107,8 @@ Closest closest(std::span<const Vec3> a, std::span<const Vec3> b) {
     const Vec3 n = v / length;
     const Corner next{farthest(a, -n) - farthest(b, n), farthest(b, n)};
     const double separation = n.dot(next.w);
-    if (separation > out.distance) out = {separation, n, on_b};
+    if (separation > out.distance) out.distance = separation, out.normal = n;
+    out.on_b = on_b;  // v only gets shorter, also where the separation along it was known before
     if (length - separation <= 1e-13 + 1e-12 * length) break;
     if (std::any_of(simplex.begin(), simplex.begin() + count, [&](const Corner& c) { return c.w == next.w; })) break;
 

@@ -240,12 +240,19 @@ std::span<const Touch> World::touches(double activation) {
     const Pose<double>& of_b = pose(pair.b);
     const Tree* tree = mesh(pair.b);
     const double radius = shape(pair.a)->radius(), radius_b = tree ? 0 : shape(pair.b)->radius();
-    for (std::size_t i = pair.first; i < pair.end; ++i) {
-      const auto& [triangle, first, end, c] = near_.candidates[i];
+    const auto add = [&](const Closest& c, std::uint32_t feature) {
       const Vec3 n = of_b.rotation * c.normal, on_b = of_b * c.on_b + radius_b * n;
       const double gap = c.distance - radius - radius_b;
-      touches_.push_back({pair.a, pair.b, tree ? tree->origin(triangle) : 0, gap, n, on_b + gap * n, on_b});
-    }
+      touches_.push_back({pair.a, pair.b, feature, gap, n, on_b + gap * n, on_b});
+    };
+    for (std::size_t i = pair.first; i < pair.end; ++i)
+      add(near_.candidates[i].closest, tree ? tree->origin(near_.candidates[i].triangle) : 0);
+    if (tree) continue;
+    const Relative now(course(pair.a), course(pair.b), 0);
+    facing(*shape(pair.a), now.start().place, *shape(pair.b), near_.candidates[pair.first].closest, activation,
+           facing_);
+    for (int k = 0; k < facing_.count; ++k)
+      add(facing_.at[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k + 1));
   }
   return touches_;
 }

@@ -8,6 +8,7 @@
 
 #include "collision/approach.h"
 #include "collision/broad_phase.h"
+#include "collision/facing.h"
 
 namespace zwang::collision {
 
@@ -18,9 +19,9 @@ struct Filter {
 
 // A shape near something: its nearest point, the other's nearest point, and how far they are apart.
 struct Touch {
-  int a = 0, b = 0;             // colliders; a is a shape, b a mesh or a shape with a higher number
-  std::uint32_t feature = 0;    // the triangle of b's mesh, as the mesh numbers it; 0 against a shape
-  double gap = 0;               // m; negative where they overlap
+  int a = 0, b = 0;           // colliders; a is a shape, b a mesh or a shape with a higher number
+  std::uint32_t feature = 0;  // the triangle of b's mesh, as the mesh numbers it; against a shape 0, further pairs 1..6
+  double gap = 0;             // m; negative where they overlap
   Vec3 normal = Vec3::Zero();   // unit, from b to a, world axes
   Vec3 point_a = Vec3::Zero();  // m, world, on a's surface
   Vec3 point_b = Vec3::Zero();  // m, world, on b's surface
@@ -61,9 +62,9 @@ class World {
   int size() const { return static_cast<int>(colliders_.size()); }
 
   // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree: one entry a shape and
-  // shape, or a shape and triangle, or a shape and up to 64 triangles that one plane keeps off so well that their
-  // smallest gap is known to a tenth of itself and of the stop distance, and never too large. Valid until the next
-  // call.
+  // shape (and up to six more at the corners of the area where two sides face each other), or a shape and triangle, or
+  // a shape and up to 64 triangles that one plane keeps off so well that their smallest gap is known to a tenth of
+  // itself and of the stop distance, and never too large. Valid until the next call.
   std::span<const Touch> touches(double activation);
 
   // The largest part of the step that all moves may make without any two colliders meeting (Algorithm 1 of the paper):
@@ -115,6 +116,7 @@ class World {
   double near_reach_ = -1;     // m, activation distance of near_; -1: out of date
   std::vector<double> least_;  // m, by collider: how near it is to anything at the start
   std::vector<Touch> touches_;
+  Facing facing_;
 };
 
 }  // namespace zwang::collision

@@ -21,45 +21,35 @@ double reach_of(const Shape& shape) { return shape.reach() + shape.radius(); }
 }  // namespace
 
 Resolution::Resolution(const Surroundings& surroundings, std::span<const Shape> gods, const Limits& limits)
-    : limits_(limits), objects_(surroundings.objects), gods_(static_cast<int>(gods.size())) {
-  const auto add = [this](const auto& body, const collision::Filter& near, const collision::Filter& every,
-                          const auto&... scenery) {
-    hands_.add(body, {}, near, scenery...);
-    all_.add(body, {}, every, scenery...);
-  };
-  fast_ = 1;
+    : limits_(limits), objects_(surroundings.objects), gods_(gods.begin(), gods.end()), fast_(1) {
   for (const Shape& god : gods) {
-    add(god, {god_bit, ~god_bit}, {god_bit, ~god_bit}, true);
-    god_reach_.push_back(reach_of(god));
+    for (collision::World* world : {&hands_, &all_}) world->add(god, {}, {god_bit, ~god_bit}, true);
     fast_ = std::min(fast_, god.radius() / 2);
   }
   owner_.resize(gods.size(), nullptr);
   loose_.reserve(objects_.size());  // owner_ points into it
   for (std::size_t k = 0; k < objects_.size(); ++k) {
     const Object& object = objects_[k];
-    if (!object.loose()) {
-      if (object.pieces.empty()) {
-        add(object.mesh, {fixed_bit, 0}, {fixed_bit, ~(god_bit | fixed_bit)});
-        all_.place(all_.size() - 1, object.pose);
-      }
-      for (const Object::Piece& piece : object.pieces) {
-        add(piece.shape, {fixed_bit, 0}, {fixed_bit, ~(god_bit | fixed_bit)}, true);
-        all_.place(all_.size() - 1, times(object.pose, piece.at));
-      }
-      owner_.resize(static_cast<std::size_t>(all_.size()), nullptr);
-      continue;
-    }
+    if (!object.loose()) continue;
     if (loose_.size() == most_loose)
       throw std::invalid_argument("more than " + std::to_string(most_loose) + " loose objects");
     const std::uint64_t bit = std::uint64_t{1} << loose_.size();
     Loose& loose = loose_.emplace_back(Loose{k, all_.size(), 0, 0, object.mass, object.inertia.diagonal()});
     for (const Object::Piece& piece : object.pieces) {
-      add(piece.shape, {bit, god_bit}, {bit, ~bit});
+      hands_.add(piece.shape, {}, {bit, god_bit});
+      all_.add(piece.shape, {}, {bit, ~bit});
       loose.arm = std::max(loose.arm, piece.at.position.norm() + reach_of(piece.shape));
     }
     loose.end = all_.size();
     owner_.resize(static_cast<std::size_t>(all_.size()), &loose);
   }
+  for (const Object& object : objects_) {  // as the engine sees them
+    if (object.loose()) continue;
+    if (object.pieces.empty()) all_.add(object.mesh, object.pose, {fixed_bit, ~(god_bit | fixed_bit)});
+    for (const Object::Piece& piece : object.pieces)
+      all_.add(piece.shape, times(object.pose, piece.at), {fixed_bit, ~(god_bit | fixed_bit)}, true);
+  }
+  owner_.resize(static_cast<std::size_t>(all_.size()), nullptr);
   impulses_.resize(objects_.size());
 }
 
@@ -70,6 +60,7 @@ void Resolution::place(collision::World& world, const Loose& loose) const {
 
 void Resolution::read(const Physics& physics, std::span<const Pose<double>> before,
                       std::span<const Pose<double>> gods) {
+  god_pose_.assign(gods.begin(), gods.end());
   for (Loose& loose : loose_) {
     loose.pose = physics.pose(loose.object);
     loose.before = before[loose.object];
@@ -77,7 +68,7 @@ void Resolution::read(const Physics& physics, std::span<const Pose<double>> befo
     loose.near = loose.met = loose.swept = loose.moved = loose.returned = false;
     const double reach = loose.arm + (loose.pose.position - loose.before.position).norm() + 1e-3;
     for (std::size_t g = 0; g < gods.size(); ++g)
-      loose.near = loose.near || (gods[g].position - loose.pose.position).norm() < reach + god_reach_[g];
+      loose.near = loose.near || (gods[g].position - loose.pose.position).norm() < reach + reach_of(gods_[g]);
   }
 }
 
@@ -87,8 +78,11 @@ bool Resolution::sweep(Loose& loose) {
   const Vec<double, 6> twist = twist_between(loose.before, loose.pose);
   if (twist.head<3>().norm() + twist.tail<3>().norm() * loose.arm < fast_) return false;
   const Pose<double> goal = loose.pose;
-  loose.pose = loose.before;
-  place(hands_, loose);
+  for (std::size_t g = 0; g < gods_.size(); ++g) hands_.place(static_cast<int>(g), god_pose_[g]);
+  for (Loose& other : loose_) {
+    if (&other == &loose) other.pose = loose.before;
+    place(hands_, other);
+  }
   paths_.clear();
   moves_.clear();
   for (const Object::Piece& piece : objects_[loose.object].pieces) {
@@ -103,7 +97,6 @@ bool Resolution::sweep(Loose& loose) {
     moves_.push_back({loose.first + static_cast<int>(k), Vec<double, 6>::Zero(), &paths_[k]});
   const double time = hands_.time_of_contact(moves_).time;
   loose.pose = time < 1 ? retract(loose.before, Vec<double, 6>(time * twist)) : goal;
-  place(hands_, loose);
   return time < 1;
 }
 
@@ -148,7 +141,6 @@ void Resolution::project(const Touch& touch, double amount) {
       twist << sign * straight * touch.normal, turn;
       l.loose->pose = retract(l.loose->pose, twist);
       l.loose->moved = true;
-      place(hands_, *l.loose);
       place(all_, *l.loose);
     }
     sign = -1;
@@ -159,28 +151,53 @@ void Resolution::put_back(Loose& loose, Resolved& out) {
   loose.pose = loose.before;
   loose.velocity.setZero();
   loose.moved = loose.returned = true;
-  place(hands_, loose);
   place(all_, loose);
   ++out.returned;
 }
 
+// Loose objects nearer than `reach` to god objects, at `ahead` [s] from where they are. As many pairs are looked at as
+// lie within each other's spheres.
+void Resolution::meet(double reach, double ahead) {
+  meetings_.clear();
+  for (Loose& loose : loose_) {
+    if (!loose.near) continue;
+    const Pose<double> pose = retract(loose.pose, Vec<double, 6>(ahead * loose.velocity));
+    for (const Object::Piece& piece : objects_[loose.object].pieces) {
+      const Pose<double> at = times(pose, piece.at);
+      for (std::size_t g = 0; g < gods_.size(); ++g) {
+        const Shape& god = gods_[g];
+        const Pose<double>& place = god_pose_[g];
+        if ((place.position - at.position).norm() > reach_of(god) + reach_of(piece.shape) + reach) continue;
+        const Mat3 inverse = place.rotation.transpose();
+        const Pose<double> in_god{inverse * (at.position - place.position), inverse * at.rotation};
+        const auto add = [&](const collision::Closest& c) {
+          const double gap = c.distance - god.radius() - piece.shape.radius();
+          if (gap > reach) return;
+          const Vec3 n = place.rotation * c.normal;
+          meetings_.push_back({&loose, gap, n, place * c.on_b + (god.radius() + gap) * n});
+        };
+        const collision::Closest nearest = closest(piece.shape, in_god, {.shape = &god}, 0);
+        add(nearest);
+        facing(piece.shape, in_god, god, nearest, reach, facing_);
+        for (int k = 0; k < facing_.count; ++k) add(facing_.at[static_cast<std::size_t>(k)]);
+      }
+    }
+  }
+}
+
 // Takes away what velocity there is toward god objects, contact by contact, each time by the impulse that just does it:
-// energy only falls. One point stands for a pair of shapes, and a box that is stopped there turns into the other end of
-// the finger; so the outcome is tried out over a way of `trial`, and what comes nearer then is a contact as well.
+// energy only falls. A box that is stopped at its edge turns into the finger with the next one; so the outcome is tried
+// out over a way of `trial`, and what comes near then is a contact as well.
 void Resolution::slow(Physics& physics) {
   constexpr double trial = 2e-4;  // m
   levers_.clear();
+  double ahead = 0;
   for (int round = 0; round < 10; ++round) {
-    bool more = false;
-    for (const Touch& touch : hands_.touches(2 * limits_.clearance)) {
-      const bool first = !is_god(touch.a);  // is the loose one
-      const Vec3 n = first ? touch.normal : Vec3(-touch.normal);
-      const Lever l = lever(*loose_of(first ? touch.a : touch.b), first ? touch.point_a : touch.point_b, n);
-      if (approach(l) <= still || (round > 0 && touch.gap > limits_.clearance)) continue;
-      levers_.push_back(l);
-      more = true;
-    }
-    if (!more) break;
+    meet(round == 0 ? 2 * limits_.clearance : limits_.clearance, ahead);
+    const std::size_t known = levers_.size();
+    for (const Meeting& m : meetings_)
+      if (const Lever l = lever(*m.loose, m.point, m.normal); approach(l) > still) levers_.push_back(l);
+    if (levers_.size() == known) break;
     for (int pass = 0; pass < 50; ++pass) {
       bool done = true;
       for (const Lever& l : levers_) {
@@ -195,14 +212,11 @@ void Resolution::slow(Physics& physics) {
       }
       if (done) break;
     }
-    for (Loose& loose : loose_) {
-      const double speed = loose.velocity.head<3>().norm() + loose.velocity.tail<3>().norm() * loose.arm;
-      if (!loose.near || speed <= still) continue;
-      const Pose<double> here = loose.pose;
-      loose.pose = retract(here, Vec<double, 6>(trial / speed * loose.velocity));
-      place(hands_, loose);
-      loose.pose = here;
-    }
+    double fastest = still;
+    for (const Loose& loose : loose_)
+      if (loose.near)
+        fastest = std::max(fastest, loose.velocity.head<3>().norm() + loose.velocity.tail<3>().norm() * loose.arm);
+    ahead = trial / fastest;
   }
   for (const Loose& loose : loose_)
     if (loose.moved) physics.place(loose.object, loose.pose, loose.velocity);
@@ -214,19 +228,17 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
   for (Vec<double, 6>& impulse : impulses_) impulse.setZero();
   read(physics, before, gods);
   if (std::none_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.near; })) return out;
-  for (int g = 0; g < gods_; ++g) hands_.place(g, gods[static_cast<std::size_t>(g)]);
-  for (const Loose& loose : loose_) place(hands_, loose);
   for (Loose& loose : loose_)
     if (loose.near && sweep(loose)) loose.swept = loose.moved = loose.met = true, ++out.swept;
 
-  for (const Touch& touch : hands_.touches(limits_.clearance)) {
-    if (touch.gap >= limits_.accepted) continue;
-    loose_of(is_god(touch.a) ? touch.b : touch.a)->met = true;
-    out.deepest = std::max(out.deepest, -touch.gap);
+  meet(limits_.accepted, 0);
+  for (const Meeting& m : meetings_) {
+    m.loose->met = true;
+    out.deepest = std::max(out.deepest, -m.gap);
   }
   for (const Loose& loose : loose_) out.overlapping += loose.met;
   if (std::any_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.met; })) {
-    for (int g = 0; g < gods_; ++g) all_.place(g, gods[static_cast<std::size_t>(g)]);
+    for (std::size_t g = 0; g < gods_.size(); ++g) all_.place(static_cast<int>(g), god_pose_[g]);
     for (Loose& loose : loose_) {
       loose.allowed = limits_.slack;
       place(all_, loose);
@@ -237,7 +249,12 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
         for (const int c : {touch.a, touch.b})
           if (Loose* loose = loose_of(c)) loose->allowed = std::max(loose->allowed, -touch.gap);
 
-    for (; out.rounds < limits_.rounds; ++out.rounds) {
+    // Far from where the engine had left it an object is not mended but moved.
+    const double far = 3 * out.deepest + limits_.slack;
+    const auto lost = [&](const Loose& loose) {
+      return !loose.swept && (loose.pose.position - physics.pose(loose.object).position).norm() > far;
+    };
+    for (; out.rounds < limits_.rounds && std::none_of(loose_.begin(), loose_.end(), lost); ++out.rounds) {
       double most = 0;
       Touch worst;
       for (const Touch& touch : all_.touches(limits_.clearance))
@@ -245,10 +262,8 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
       if (most == 0) break;
       project(worst, most);
     }
-    const double far = 3 * out.deepest + limits_.slack;
     for (Loose& loose : loose_)
-      if ((loose.pose.position - physics.pose(loose.object).position).norm() > far && !loose.swept)
-        put_back(loose, out);
+      if (lost(loose)) put_back(loose, out);
     // What cannot be mended goes back; whatever then lies in its place goes back, too.
     for (bool changed = true; changed;) {
       changed = false;

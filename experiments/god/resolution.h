@@ -27,7 +27,7 @@ class Resolution {
     double clearance = 5e-5;  // m: objects that are moved end at this gap
     double accepted = 2e-5;   // m: nearer than this an object is moved, or does not stay
     double slack = 5e-4;      // m: how deep objects may lie in each other, as the engine leaves them
-    int rounds = 60;
+    int rounds = 40;
   };
 
   // gods: the shapes of all god objects, of all hands. Throws std::invalid_argument for more than 62 loose objects.
@@ -63,6 +63,12 @@ class Resolution {
     double ease = 0;              // what an impulse of 1 along n changes the velocity along n by
   };
 
+  struct Meeting {  // of a loose object and a god object
+    Loose* loose;
+    double gap;          // m
+    Vec3 normal, point;  // away from the god object; on the loose one; world
+  };
+
   void read(const Physics& physics, std::span<const Pose<double>> before, std::span<const Pose<double>> gods);
   void place(collision::World& world, const Loose& loose) const;
   bool sweep(Loose& loose);
@@ -73,20 +79,23 @@ class Resolution {
   double lacking(const collision::Touch& touch) const;
   void project(const collision::Touch& touch, double amount);
   void put_back(Loose& loose, Resolved& out);
+  void meet(double reach, double ahead);
   void slow(Physics& physics);
   Loose* loose_of(int collider) { return owner_[static_cast<std::size_t>(collider)]; }
   const Loose* loose_of(int collider) const { return owner_[static_cast<std::size_t>(collider)]; }
-  bool is_god(int collider) const { return collider < gods_; }
+  bool is_god(int collider) const { return collider < static_cast<int>(gods_.size()); }
 
   Limits limits_;
   std::vector<Object> objects_;
-  int gods_ = 0;
-  double fast_ = 0;                // m a step: from here on an object might jump over a god object
-  std::vector<double> god_reach_;  // m
-  collision::World hands_, all_;   // the same colliders: loose objects against god objects, and against everything
+  std::vector<collision::Shape> gods_;
+  std::vector<Pose<double>> god_pose_;
+  double fast_ = 0;               // m a step: from here on an object might jump over a god object
+  collision::World hands_, all_;  // god and loose objects, numbered alike; and all others after them
   std::vector<Loose> loose_;
   std::vector<Loose*> owner_;  // by collider; null: a god object or a fixed one
   std::vector<Vec<double, 6>> impulses_;
+  std::vector<Meeting> meetings_;
+  collision::Facing facing_;
   std::vector<Lever> levers_;
   std::vector<collision::Path> paths_;
   std::vector<collision::Move> moves_;
