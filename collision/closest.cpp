@@ -5,25 +5,8 @@
 #include <limits>
 
 namespace zwang::collision {
-namespace {
 
-// Every answer below is checked by this: along the unit vector from the triangle's point to the core's, how far are the
-// two apart? No more than their distance, whatever the point pair; equal to it for the nearest pair.
-double separation(std::span<const Vec3> core, const Triangle& t, const Vec3& n) {
-  double low = n.dot(core[0]);
-  for (const Vec3& p : core.subspan(1)) low = std::min(low, n.dot(p));
-  return low - std::max({n.dot(t.corner[0]), n.dot(t.corner[1]), n.dot(t.corner[2])});
-}
-
-struct Pair {
-  Vec3 a, b;
-  double distance2 = std::numeric_limits<double>::infinity();
-  void offer(const Vec3& on_a, const Vec3& on_b) {
-    if (const double d2 = (on_a - on_b).squaredNorm(); d2 < distance2) *this = {on_a, on_b, d2};
-  }
-};
-
-// The triangle's point nearest to p, by its Voronoi regions (Ericson, Real-Time Collision Detection, 5.1.5).
+// By its Voronoi regions (Ericson, Real-Time Collision Detection, 5.1.5).
 Vec3 nearest_point(const Triangle& t, const Vec3& p) {
   const auto& [a, b, c] = t.corner;
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
@@ -43,6 +26,24 @@ Vec3 nearest_point(const Triangle& t, const Vec3& p) {
   if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
   return a + (vb * ab + vc * ac) / (va + vb + vc);
 }
+
+namespace {
+
+// Every answer below is checked by this: along the unit vector from the triangle's point to the core's, how far are the
+// two apart? No more than their distance, whatever the point pair; equal to it for the nearest pair.
+double separation(std::span<const Vec3> core, const Triangle& t, const Vec3& n) {
+  double low = n.dot(core[0]);
+  for (const Vec3& p : core.subspan(1)) low = std::min(low, n.dot(p));
+  return low - std::max({n.dot(t.corner[0]), n.dot(t.corner[1]), n.dot(t.corner[2])});
+}
+
+struct Pair {
+  Vec3 a, b;
+  double distance2 = std::numeric_limits<double>::infinity();
+  void offer(const Vec3& on_a, const Vec3& on_b) {
+    if (const double d2 = (on_a - on_b).squaredNorm(); d2 < distance2) *this = {on_a, on_b, d2};
+  }
+};
 
 // The nearest points of two segments (same book, 5.1.9).
 void segment_segment(Pair& best, const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {

@@ -22,4 +22,7 @@ Closest closest(std::span<const Vec3> a, std::span<const Vec3> b);
 // nearest features allow it. Beyond `reach` [m] any lower bound >= reach may come back.
 Closest closest(const Shape& shape, const Triangle& triangle, double reach);
 
+// The point of a triangle nearest to p.
+Vec3 nearest_point(const Triangle& triangle, const Vec3& p);
+
 }  // namespace zwang::collision

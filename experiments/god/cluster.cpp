@@ -11,24 +11,12 @@
 namespace zwang::god {
 namespace {
 
-using collision::Touch;
-
-constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
-constexpr double leg = 0.25;        // rad
-constexpr double jump = 8;          // activation distances that targets may go in a frame before it is one
-
-std::uint64_t mixed(std::uint64_t h) {
-  h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
-  return h ^ (h >> 29);
-}
+constexpr double leg = 0.25;  // rad
+constexpr double jump = 8;    // activation distances that targets may go in a frame before it is one
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
   return twist.head<3>().norm() + twist.tail<3>().norm() * (shape.reach() + shape.radius());
-}
-
-Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
-  return {on * part.position, on.rotation * part.rotation};
 }
 
 }  // namespace
@@ -37,29 +25,13 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
     : options_(options),
       objects_(std::move(objects)),
       skeleton_(objects_.scene),
-      world_({.stop = clearance}),
+      encounters_(objects_, surroundings),
       solver_(solver_of(options)) {
-  for (std::size_t b = 0; b < size(); ++b) {
-    pose_.push_back(objects_.scene.bodies[b].pose);
-    world_.add(objects_.shapes[b], pose_[b], objects_.filters[b]);
-    object_of_.push_back(-1);
-  }
-  for (const Object& object : surroundings.objects) {
-    const auto number = static_cast<int>(colliders_.size());
-    colliders_.emplace_back();
-    place_.emplace_back();
-    const auto add = [&](int collider, const Pose<double>& at) {
-      colliders_.back().push_back(collider);
-      place_.back().push_back(at);
-      object_of_.push_back(number);
-    };
-    if (object.mesh && !object.loose()) add(world_.add(object.mesh, object.pose, object_filter), {});
-    for (const Object::Piece& piece : object.pieces)
-      add(world_.add(piece.shape, placed(object.pose, piece.at), object_filter, true), piece.at);
+  for (const Body& body : objects_.scene.bodies) pose_.push_back(body.pose);
+  for (const Object& object : surroundings.objects)
     objects_.scene.add(Body{.pose = object.pose, .motion = zwang::Motion::fixed});
-  }
   target_.resize(objects_.scene.bodies.size());
-  way_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
+  way_.resize(size());
   screw_.resize(size());
   place(pose_);
 }
@@ -69,22 +41,17 @@ void Cluster::place(std::span<const Pose<double>> poses) {
   skeleton_.close(pose_, options_.limits == Options::Limits::predictive);
   for (std::size_t b = 0; b < size(); ++b) {
     objects_.scene.bodies[b].pose = target_[b] = pose_[b];
-    world_.place(static_cast<int>(b), pose_[b]);
+    encounters_.place(static_cast<BodyId>(b), pose_[b]);
   }
   warm_ = {};
+  blocked_ = false;
+  caution_ = 1;
   end_ = pose_;
 }
 
 void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
   objects_.scene.bodies[size() + object].pose = pose;
-  for (std::size_t k = 0; k < colliders_[object].size(); ++k)
-    world_.place(colliders_[object][k], placed(pose, place_[object][k]));
-}
-
-double Cluster::gap(double reach) {
-  double least = reach;
-  for (const Touch& t : world_.touches(reach)) least = std::min(least, t.gap);
-  return least;
+  encounters_.place_object(object, pose);
 }
 
 // What a cluster that presses may move in a sub-step: half as far again as its targets went in this frame, at least a
@@ -109,16 +76,12 @@ void Cluster::write_rows(bool push) {
   contacts.all.clear();
   contacts.labels.clear();
   contacts.keys.clear();
-  const auto body = [&](int collider) {
-    return object_of(collider) < 0 ? collider : object_of(collider) + static_cast<int>(size());
-  };
-  for (const std::uint32_t i : manifold_.kept()) {
-    const Touch& t = touches_[i];
+  for (const auto& [t, key, lift] : rows()) {
+    const int object = encounters_.object_of(t.b);
+    const BodyId partner = object < 0 ? t.b : object + static_cast<BodyId>(size());
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
-    const double room = push ? t.gap - options_.gap : std::max(t.gap - options_.gap, 0.0);
-    const std::uint64_t key =
-        mixed(mixed(static_cast<std::uint64_t>(t.a) << 32 | static_cast<std::uint64_t>(t.b)) ^ t.feature);
-    scene.add(contact_at(scene.bodies, body(t.a), body(t.b), t.point_a, t.normal, room), "touch", key);
+    const double keep = options_.gap + lift, room = push ? t.gap - keep : std::max(t.gap - keep, 0.0);
+    scene.add(contact_at(scene.bodies, t.a, partner, t.point_a, t.normal, room), "touch", key);
   }
 }
 
@@ -158,7 +121,7 @@ bool Cluster::solve_lazily(Frame& frame) {
     int added = 0;
     {
       const Lap lap(frame.times.collision);
-      added = manifold_.complete(touches_, world_, way_, 0.5 * options_.gap, 0.1 * options_.gap);
+      added = encounters_.complete(way_, 0.75 * options_.gap, 0.1 * options_.gap);
     }
     if (added == 0) break;
     frame.completed += added;
@@ -179,8 +142,6 @@ bool Cluster::presses() const {
     if (lambda(r) > nothing) return true;
   return false;
 }
-
-int Cluster::object_of(int collider) const { return object_of_[static_cast<std::size_t>(collider)]; }
 
 bool Cluster::bound() {
   double most = 0;
@@ -211,16 +172,15 @@ double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const 
 void Cluster::damp(Frame& frame) {
   candidate(1, frame);
   const Lap lap(frame.times.other);
-  const std::span<const Vec<double, 6>> way = std::span(way_).first(size());
   std::fill(screw_.begin(), screw_.end(), Vec<double, 6>::Zero());
-  const double bent = constraint(end_, screw_) - constraint(pose_, way);
+  const double bent = constraint(end_, screw_) - constraint(pose_, way_);
   double norm = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& body = objects_.scene.bodies[b];
     const Vec3 turn = pose_[b].rotation.transpose() * way_[b].tail<3>();
     norm += body.mass * way_[b].head<3>().squaredNorm() + turn.dot(body.inertia * turn);
   }
-  if (bent <= 0 || norm == 0) return;
+  if (bent <= 1e-9 * constraint(pose_, screw_) || norm == 0) return;  // the solver's rounding of the joints
   for (std::size_t b = 0; b < size(); ++b) way_[b] /= 1 + 2 * bent / norm;
 }
 
@@ -251,10 +211,7 @@ void Cluster::candidate(double part, Frame& frame) {
 
 double Cluster::sweep(Frame& frame) {
   const Lap lap(frame.times.collision);
-  moves_.clear();
-  for (std::size_t b = 0; b < size(); ++b)
-    if (!screw_[b].isZero(0)) moves_.push_back({static_cast<int>(b), screw_[b]});
-  return world_.time_of_contact(moves_).time;
+  return encounters_.time_of_contact(screw_);
 }
 
 double Cluster::propose(Frame& frame) {
@@ -264,11 +221,10 @@ double Cluster::propose(Frame& frame) {
   }
   {
     const Lap lap(frame.times.collision);
-    touches_ = world_.touches(std::max(options_.activation, 1.2 * allowed_));
-    manifold_.reduce(touches_, !options_.reduce_contacts);
+    encounters_.look(std::max(options_.activation, 1.2 * allowed_), options_.reduce_contacts);
   }
   if (frame.kept == 0 && sub_step_ == 0) {
-    frame.raw += static_cast<int>(touches_.size());
+    frame.raw += static_cast<int>(encounters_.raw());
     frame.kept += static_cast<int>(rows().size());
   }
   std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
@@ -322,7 +278,7 @@ void Cluster::commit(double toc, Frame& frame) {
   const Lap lap(frame.times.collision);
   for (std::size_t b = 0; b < size(); ++b) {
     objects_.scene.bodies[b].pose = pose_[b] = end_[b];
-    world_.place(static_cast<int>(b), pose_[b]);
+    encounters_.place(static_cast<BodyId>(b), pose_[b]);
   }
 }
 

@@ -3,10 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "collision/manifold.h"
-#include "collision/world.h"
 #include "core/assemble.h"
 #include "core/solver.h"
+#include "experiments/god/encounters.h"
 #include "experiments/god/frame.h"
 #include "experiments/god/god_objects.h"
 #include "experiments/god/options.h"
@@ -37,8 +36,8 @@ class Cluster {
   // Poses of all god objects, put onto joints and limits. Forgets what earlier frames left behind.
   void place(std::span<const Pose<double>> poses);
   void place_object(std::size_t object, const Pose<double>& pose);
-  // The smallest gap to anything or between two of them [m], if below `reach`.
-  double gap(double reach);
+  // The smallest gap to anything or between two of them [m]; `reach` where there is none below that.
+  double gap(double reach) { return encounters_.gap(reach); }
 
   // A frame: where the god objects are tracked.
   void aim(std::span<const Pose<double>> targets);
@@ -48,10 +47,9 @@ class Cluster {
   bool done() const { return done_; }
 
   // Of the frame's last solve.
-  std::span<const collision::Touch> touches() const { return touches_; }
-  std::span<const std::uint32_t> rows() const { return manifold_.kept(); }  // into touches()
-  double lambda(std::size_t row) const;                                     // N, of a kept contact
-  int object_of(int collider) const;                                        // of the surroundings; -1: god object
+  std::span<const Encounters::Row> rows() const { return encounters_.rows(); }
+  double lambda(std::size_t row) const;  // N, of a contact row
+  int object_of(int collider) const { return encounters_.object_of(collider); }
   const Problem& problem() const { return problem_; }
   bool held() const { return held_; }
 
@@ -72,11 +70,7 @@ class Cluster {
   const Options options_;
   GodObjects objects_;
   Skeleton skeleton_;
-  collision::World world_;
-  collision::Manifold manifold_;
-  std::vector<int> object_of_;                    // by collider
-  std::vector<std::vector<int>> colliders_;       // by object
-  std::vector<std::vector<Pose<double>>> place_;  // of the colliders, in the object's axes
+  Encounters encounters_;
   Assembler assembler_;
   AnySolver solver_;
   Problem problem_;
@@ -84,12 +78,10 @@ class Cluster {
   WarmStart warm_;
   Vector z_u_;
   std::vector<Pose<double>> pose_, target_, end_;  // target_: of all bodies of the scene, as assembly wants it
-  std::vector<Vec<double, 6>> way_;                // m, rad: to the candidate, by collider
+  std::vector<Vec<double, 6>> way_;                // m, rad: to the candidate
   std::vector<Vec<double, 6>> screw_;              // m, rad: to the present end, by god object
-  std::vector<collision::Move> moves_;
-  std::span<const collision::Touch> touches_;
-  double allowed_ = 0;  // m, the most that a pressing cluster moves in a sub-step
-  double caution_ = 1;  // part of it that is tried after held ones
+  double allowed_ = 0;                             // m, the most that a pressing cluster moves in a sub-step
+  double caution_ = 1;                             // part of it that is tried after held ones
   bool done_ = false, held_ = false, solved_ = false, bounded_ = false, leg_ = false, blocked_ = false;
   int sub_step_ = 0;
 };

@@ -13,7 +13,7 @@ namespace zwang::god {
 // God objects that are solved together, a cluster of section 5 of the paper: free bodies, the joints and limits among
 // them, and the shapes that they are met by. A joint's first body is the one nearer to the root; joints close no loops.
 struct GodObjects {
-  static constexpr int most = 62;  // bodies; the filters have a bit for each
+  static constexpr int most = 62;  // bodies; a filter has a bit for each, and two for objects
 
   Scene scene = {};
   std::vector<collision::Shape> shapes = {};    // by body
@@ -25,9 +25,6 @@ struct GodObjects {
   // The two do not meet.
   void pass(BodyId a, BodyId b);
 };
-
-// The filter of everything that is no god object.
-inline constexpr collision::Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
 
 // Adds a hand: 96 unknowns, 70 joint rows, 40 limits written from `reach` [rad] before they are met on. The palm is a
 // rounded box, the phalanxes are capsules. Bodies that touch while the hand is straight do not meet (those that share a

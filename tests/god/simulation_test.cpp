@@ -79,6 +79,21 @@ TEST(Hand, StaysOutsideOfAFloorItIsPressedInto) {
   }
 }
 
+TEST(Hand, SlidesOverAFloorWithoutArtificialFriction) {
+  Simulation s = one_hand(floor_of(), hand_at(at(-0.2, 0, 0.05)));
+  for (int k = 0; k < 100; ++k) go(s, hand_at(at(-0.2, 0, 0.05 - 6e-4 * k), 0.2));
+  for (int k = 0; k < 200; ++k) go(s, hand_at(at(-0.2, 0, -0.0094), 0.2));
+  Vec3 before = go(s, hand_at(at(-0.2, 0, -0.0094), 0.2)).god[0].position;
+  for (int k = 1; k <= 400; ++k) {
+    const Frame& f = go(s, hand_at(at(-0.2 + 0.0005 * k, 0.0003 * k, -0.0094), 0.2));
+    expect_sound(f);
+    const Vec3 moved = f.god[0].position - before;
+    before = f.god[0].position;
+    ASSERT_NEAR(moved.x(), 0.0005, 1e-6 * 0.0005) << k;
+    ASSERT_NEAR(moved.y(), 0.0003, 1e-6 * 0.0003) << k;
+  }
+}
+
 TEST(Hand, NeverPopsThroughASheetOfNoThickness) {
   for (const double speed : {0.5, 5.0}) {
     Simulation s = one_hand(sheet(), hand_at(at(0, 0, 0.1)));

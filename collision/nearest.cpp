@@ -1,0 +1,59 @@
+#include "collision/nearest.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/closest.h"
+
+namespace zwang::collision {
+namespace {
+
+bool hides(const Plane& plane, const TreeNode& node) {
+  double highest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double n = plane.normal[static_cast<Index>(k)];
+    highest += n * static_cast<double>(n > 0 ? node.high[k] : node.low[k]);
+  }
+  return highest <= plane.offset + Plane::tolerance;
+}
+
+bool hides(const Plane& plane, const Vec3& p) { return plane.normal.dot(p) <= plane.offset + Plane::tolerance; }
+
+double square_to(const TreeNode& node, const Vec3& p) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = p[static_cast<Index>(k)];
+    const double out = std::max({static_cast<double>(node.low[k]) - x, x - static_cast<double>(node.high[k]), 0.0});
+    sum += out * out;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
+  const auto is_hidden = [&](const auto& what) {
+    return std::any_of(hidden.begin(), hidden.end(), [&](const Plane& plane) { return hides(plane, what); });
+  };
+  std::optional<NearestPoint> best;
+  double least = reach * reach;
+  const std::span<const TreeNode> nodes = tree.nodes();
+  for (std::size_t i = 0; i < nodes.size();) {
+    const TreeNode& node = nodes[i];
+    if (square_to(node, p) >= least || is_hidden(node)) {
+      i = node.skip;
+      continue;
+    }
+    ++i;
+    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
+      const Vec3 q = nearest_point(tree.triangles()[t], p);
+      const double square = (q - p).squaredNorm();
+      if (!(square < least) || is_hidden(q)) continue;
+      least = square;
+      best = {std::sqrt(square), q, t};
+    }
+  }
+  return best;
+}
+
+}  // namespace zwang::collision

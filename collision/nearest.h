@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "collision/tree.h"
+
+namespace zwang::collision {
+
+// What lies under a plane, or less than `tolerance` over it, is hidden: normal . x <= offset + tolerance.
+struct Plane {
+  static constexpr double tolerance = 2e-7;  // m; nodes are rounded outward by less
+  Vec3 normal = Vec3::UnitZ();
+  double offset = 0;  // m
+};
+
+struct NearestPoint {
+  double distance = 0;         // m
+  Vec3 point = Vec3::Zero();   // of the mesh
+  std::uint32_t triangle = 0;  // in the tree's order
+};
+
+// The point of a mesh nearest to `p` (its axes), exact to rounding, if one is nearer than `reach` [m] and not hidden by
+// any plane. The nearest point of all, then the nearest that its plane does not hide, and so on, are what a sphere may
+// run into: a handful, however fine the mesh is, and a flat floor is one of them, without the edges of its triangles.
+std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden = {});
+
+}  // namespace zwang::collision

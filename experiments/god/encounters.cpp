@@ -1,0 +1,221 @@
+#include "experiments/god/encounters.h"
+
+#include <algorithm>
+
+namespace zwang::god {
+namespace {
+
+using collision::Core;
+using collision::Filter;
+using collision::Shape;
+using collision::Touch;
+
+constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
+constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
+constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
+constexpr double small_lift = 2e-8;     // m
+
+Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
+  return {on * part.position, on.rotation * part.rotation};
+}
+
+std::uint64_t mixed(std::uint64_t h) {
+  h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
+  return h ^ (h >> 29);
+}
+
+std::uint64_t key_of(const Touch& t, std::uint64_t kind, std::uint64_t number) {
+  return mixed(mixed(mixed(kind + 1) + static_cast<std::uint64_t>(t.a)) ^ static_cast<std::uint64_t>(t.b) << 32 ^
+               number);
+}
+
+// A god object's sphere at `center` against the point `q` of b, or against its sphere of radius `thick` there.
+Touch touch_of(int a, int b, const Vec3& center, double radius, const Vec3& q, double thick = 0) {
+  const double distance = (center - q).norm();
+  const Vec3 n = (center - q) / distance;
+  return {.a = a,
+          .b = b,
+          .gap = distance - radius - thick,
+          .normal = n,
+          .point_a = center - radius * n,
+          .point_b = q + thick * n};
+}
+
+Vec3 into(const Pose<double>& axes, const Vec3& p) { return axes.rotation.transpose() * (p - axes.position); }
+
+}  // namespace
+
+Encounters::Encounters(const GodObjects& objects, const Surroundings& surroundings) : world_({.stop = clearance}) {
+  for (std::size_t b = 0; b < objects.shapes.size(); ++b)
+    world_.add(objects.shapes[b], objects.scene.bodies[b].pose, objects.filters[b]);
+  choose_corners(objects);
+  object_.assign(objects.shapes.size(), -1);
+  for (const Object& object : surroundings.objects) {
+    std::vector<Part>& parts = parts_.emplace_back();
+    const auto add = [&](int collider, const Pose<double>& at) {
+      parts.push_back({collider, at});
+      object_.push_back(static_cast<int>(parts_.size()) - 1);
+    };
+    if (object.mesh && !object.loose()) add(world_.add(object.mesh, object.pose, object_filter), {});
+    for (const Object::Piece& piece : object.pieces)
+      add(world_.add(piece.shape, placed(object.pose, piece.at), object_filter, true), piece.at);
+  }
+  motion_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
+}
+
+// A corner that coincides with a thicker one, or an earlier one as thick, of a body that it does not meet (a finger's
+// joint) goes the same way and says less: left out.
+void Encounters::choose_corners(const GodObjects& objects) {
+  const auto place = [&](std::size_t b, const Vec3& corner) { return Vec3(objects.scene.bodies[b].pose * corner); };
+  const auto said = [&](std::size_t b, const Vec3& corner) {
+    for (std::size_t other = 0; other < objects.shapes.size(); ++other) {
+      const double less = objects.shapes[other].radius() - objects.shapes[b].radius();
+      if (other == b || less < 0 || (less == 0 && other > b) ||
+          (objects.filters[b].mask & objects.filters[other].group) != 0)
+        continue;
+      for (const Vec3& theirs : objects.shapes[other].corners())
+        if ((place(other, theirs) - place(b, corner)).norm() < 1e-9) return true;
+    }
+    return false;
+  };
+  for (std::size_t b = 0; b < objects.shapes.size(); ++b) {
+    corners_.emplace_back();
+    for (const Vec3& corner : objects.shapes[b].corners())
+      if (!said(b, corner)) corners_[b].push_back(corner);
+  }
+}
+
+void Encounters::place_object(std::size_t object, const Pose<double>& pose) {
+  for (const Part& part : parts_[object]) world_.place(part.collider, placed(pose, part.at));
+}
+
+void Encounters::look(double activation, bool reduce) {
+  const Touches touches = world_.touches(activation);
+  raw_ = touches.size();
+  rows_.clear();
+  left_.clear();
+  for (std::size_t first = 0, end = 0; first < touches.size(); first = end) {
+    while (end < touches.size() && touches[end].a == touches[first].a && touches[end].b == touches[first].b) ++end;
+    if (reduce)
+      meet(touches.subspan(first, end - first), activation);
+    else
+      left_.insert(left_.end(), touches.begin() + static_cast<long>(first), touches.begin() + static_cast<long>(end));
+  }
+  manifold_.reduce(left_, !reduce);
+  add_kept(0);
+}
+
+// One pair of colliders.
+void Encounters::meet(Touches touches, double activation) {
+  const std::size_t first = rows_.size();
+  const auto [a, b] = std::pair(touches[0].a, touches[0].b);
+  if (world_.mesh(b) != nullptr)
+    for (std::size_t corner = 0; corner < corners_[static_cast<std::size_t>(a)].size(); ++corner)
+      meet_mesh(a, corner, b, activation);
+  else
+    meet_shape(a, b, activation);
+  for (const Touch& t : touches)
+    if (!implied(t, first, activation)) left_.push_back(t);
+}
+
+void Encounters::meet_mesh(int a, std::size_t corner, int b, double activation) {
+  const Pose<double>& mesh = world_.pose(b);
+  const double radius = world_.shape(a)->radius();
+  const Vec3 center = world_.pose(a) * corners_[static_cast<std::size_t>(a)][corner], local = into(mesh, center);
+  std::array<collision::Plane, most_planes> planes;
+  for (std::size_t k = 0; k < most_planes; ++k) {
+    const auto found = nearest(*world_.mesh(b), local, radius + activation, std::span(planes).first(k));
+    if (!found || !(found->distance > 0)) return;
+    const Touch t = touch_of(a, b, center, radius, mesh * found->point);
+    planes[k].normal = mesh.rotation.transpose() * t.normal;
+    planes[k].offset = planes[k].normal.dot(found->point);
+    rows_.push_back({t, key_of(t, corner, k), small_lift * static_cast<double>(corner)});
+  }
+}
+
+// The corners of each against the other.
+void Encounters::meet_shape(int a, int b, double activation) {
+  const Shape &mine = *world_.shape(a), &theirs = *world_.shape(b);
+  const Pose<double>&at_a = world_.pose(a), &at_b = world_.pose(b);
+  const double apart = mine.radius() + theirs.radius();
+  const std::vector<Vec3>& corners = corners_[static_cast<std::size_t>(a)];
+  const Shape point = Shape::sphere(mine.radius());
+  for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+    const Vec3 center = at_a * corners[corner];
+    const collision::Closest c =
+        collision::closest(point, {into(at_b, center), Mat3::Identity()}, {.shape = &theirs}, 0);
+    if (c.distance <= 0 || c.distance - apart > activation) continue;
+    const Touch t = touch_of(a, b, center, mine.radius(), at_b * c.on_b, theirs.radius());
+    rows_.push_back({t, key_of(t, corner, 0), small_lift * static_cast<double>(corner)});
+  }
+  const std::span<const Vec3> others = theirs.corners();
+  for (std::size_t corner = 0; corner < others.size(); ++corner) {
+    const Vec3 center = at_b * others[corner];
+    const collision::Closest c = collision::closest(point, {into(at_a, center), Mat3::Identity()}, {.shape = &mine}, 0);
+    if (c.distance <= 0 || c.distance - apart > activation) continue;
+    const Touch seen = touch_of(b, a, center, theirs.radius(), at_a * c.on_b, mine.radius());
+    const Touch t{a, b, 0, seen.gap, -seen.normal, seen.point_b, seen.point_a};
+    rows_.push_back({t, key_of(t, corners.size() + corner, 0), small_lift * static_cast<double>(corner + 8)});
+  }
+}
+
+// Is there a plane over the touched point which every corner keeps off, by a row or by being far from it?
+bool Encounters::implied(const Touch& touch, std::size_t first_row, double activation) const {
+  const Pose<double>& pose = world_.pose(touch.a);
+  const double radius = world_.shape(touch.a)->radius();
+  const std::span<const Row> rows = std::span(rows_).subspan(first_row);
+  return std::any_of(rows.begin(), rows.end(), [&](const Row& row) {
+    const Vec3 &n = row.touch.normal, &p = row.touch.point_b;
+    if (n.dot(touch.point_b - p) > collision::Plane::tolerance) return false;
+    const std::vector<Vec3>& corners = corners_[static_cast<std::size_t>(touch.a)];
+    return std::all_of(corners.begin(), corners.end(), [&](const Vec3& corner) {
+      const Vec3 center = pose * corner;
+      const double height = n.dot(center - p) - radius;
+      if (height > activation) return true;
+      return std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
+        return other.touch.gap <= height + 1e-9 && n.dot(other.touch.normal) > 1 - 1e-12 &&
+               (other.touch.point_a + radius * other.touch.normal - center).squaredNorm() < 1e-18;
+      });
+    });
+  });
+}
+
+// What the manifold has kept from number `from` on, each as the sphere of its core point.
+void Encounters::add_kept(std::size_t from) {
+  const std::span<const std::uint32_t> kept = manifold_.kept().subspan(from);
+  for (const std::uint32_t i : kept) {
+    Touch t = left_[i];
+    if (const collision::Tree* tree = world_.mesh(t.b)) {
+      const double radius = world_.shape(t.a)->radius();
+      const Pose<double>& mesh = world_.pose(t.b);
+      const Vec3 center = t.point_a + radius * t.normal;
+      if (const auto found = nearest(*tree, into(mesh, center), radius + t.gap + clearance);
+          found && found->distance > 0)
+        t = touch_of(t.a, t.b, center, radius, mesh * found->point);
+    }
+    rows_.push_back({t, key_of(t, 1 << 10, left_[i].feature), 0});
+  }
+}
+
+int Encounters::complete(std::span<const Vec<double, 6>> motion, double room, double tolerance) {
+  std::copy(motion.begin(), motion.end(), motion_.begin());
+  const std::size_t before = manifold_.kept().size();
+  const int added = manifold_.complete(left_, world_, motion_, room, tolerance);
+  add_kept(before);
+  return added;
+}
+
+double Encounters::time_of_contact(std::span<const Vec<double, 6>> screws) {
+  moves_.clear();
+  for (std::size_t b = 0; b < screws.size(); ++b)
+    if (!screws[b].isZero(0)) moves_.push_back({static_cast<int>(b), screws[b]});
+  return world_.time_of_contact(moves_).time;
+}
+
+double Encounters::gap(double reach) {
+  double least = reach;
+  for (const Touch& t : world_.touches(reach)) least = std::min(least, t.gap);
+  return least;
+}
+
+}  // namespace zwang::god
