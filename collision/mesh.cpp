@@ -47,29 +47,34 @@ std::uint64_t hash_of(const Cell& c) {
   return h;
 }
 
-// With weld = 0 a cell is the vertex itself (-0 counts as 0).
-Cell cell_of(const Vec3& p, double weld) {
+// With width 0 a cell is the vertex itself (-0 counts as 0).
+Cell cell_of(const Vec3& p, double width) {
   Cell c;
   for (std::size_t k = 0; k < 3; ++k) {
     const double x = p[static_cast<Index>(k)];
-    c[k] = weld > 0 ? static_cast<std::int64_t>(std::floor(std::clamp(x / weld, -9e18, 9e18)))
-                    : std::bit_cast<std::int64_t>(x + 0.0);
+    c[k] = width > 0 ? static_cast<std::int64_t>(std::floor(std::clamp(x / width, -9e18, 9e18)))
+                     : std::bit_cast<std::int64_t>(x + 0.0);
   }
   return c;
 }
 
-// Which earlier vertex each one is merged into.
+// Which earlier vertex each one is merged into. Cells are four times as wide as the weld distance: most vertices are
+// farther than that from their cell's sides, and ask no other one.
 std::vector<std::uint32_t> welded(const std::vector<Vec3>& vertices, double weld) {
+  const double width = 4 * weld;
+  const Vec3 reach = Vec3::Constant(weld);
   VertexTable table(vertices.size());
   std::vector<std::uint32_t> first(vertices.size());
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     const Vec3& p = vertices[v];
     const auto near = [&](std::uint32_t u) { return (vertices[u] - p).cwiseAbs().maxCoeff() <= weld; };
-    const Cell home = cell_of(p, weld);
+    const Cell home = cell_of(p, width), low = cell_of(p - reach, width), high = cell_of(p + reach, width);
     std::uint32_t found = table.find(hash_of(home), near);
     if (weld > 0)
-      for (int k = 0; k < 27 && found == none; ++k)
-        found = table.find(hash_of({home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1}), near);
+      for (Cell c = low; c[0] <= high[0] && found == none; ++c[0])
+        for (c[1] = low[1]; c[1] <= high[1] && found == none; ++c[1])
+          for (c[2] = low[2]; c[2] <= high[2] && found == none; ++c[2])
+            if (c != home) found = table.find(hash_of(c), near);
     if (found == none) table.insert(hash_of(home), v);
     first[v] = found == none ? v : found;
   }
