@@ -37,16 +37,26 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
 }
 
 void Cluster::place(std::span<const Pose<double>> poses) {
-  std::copy(poses.begin(), poses.end(), pose_.begin());
-  skeleton_.close(pose_, options_.limits == Options::Limits::predictive);
+  std::vector<Pose<double>> closed(poses.begin(), poses.end());
+  skeleton_.close(closed, options_.limits == Options::Limits::predictive);
+  restore({closed, closed, false, 1});
+}
+
+Cluster::Memory Cluster::memory() const {
+  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, blocked_, caution_};
+}
+
+void Cluster::restore(const Memory& memory) {
+  end_ = pose_ = memory.pose;
+  std::copy(memory.target.begin(), memory.target.end(), target_.begin());
   for (std::size_t b = 0; b < size(); ++b) {
-    objects_.scene.bodies[b].pose = target_[b] = pose_[b];
+    objects_.scene.bodies[b].pose = pose_[b];
     encounters_.place(static_cast<BodyId>(b), pose_[b]);
   }
+  blocked_ = memory.blocked;
+  caution_ = memory.caution;
   warm_ = {};
-  blocked_ = false;
-  caution_ = 1;
-  end_ = pose_;
+  solver_ = solver_of(options_);
 }
 
 void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
@@ -136,6 +146,14 @@ double Cluster::lambda(std::size_t row) const {
              : 0;
 }
 
+Vec<double, 6> Cluster::contact_row(std::size_t row, BodyId body) const {
+  Vec<double, 6> part = Vec<double, 6>::Zero();
+  const Index at = problem_.rows() - static_cast<Index>(rows().size() - row);
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(problem_.J, at); entry; ++entry)
+    if (entry.col() / 6 == body) part[entry.col() % 6] = entry.value();
+  return part;
+}
+
 bool Cluster::presses() const {
   const double nothing = 1e-12 / (options_.dt * options_.dt);  // N: a kilogram, a picometre
   for (std::size_t r = 0; r < rows().size(); ++r)
@@ -197,6 +215,11 @@ bool Cluster::go_freely() {
   return true;
 }
 
+bool Cluster::way_is_clear() {
+  for (std::size_t b = 0; b < size(); ++b) screw_[b] = twist_between(pose_[b], target_[b]);
+  return encounters_.time_of_contact(screw_) == 1;
+}
+
 // end_ = that part of the way, put onto the joints; screw_ = how each body gets there.
 void Cluster::candidate(double part, Frame& frame) {
   const Lap lap(frame.times.other);
@@ -227,6 +250,7 @@ double Cluster::propose(Frame& frame) {
     frame.raw += static_cast<int>(encounters_.raw());
     frame.kept += static_cast<int>(rows().size());
   }
+  solved_at_ = pose_;
   std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
   bounded_ = leg_ = false;
   if (!solve_lazily(frame)) {
@@ -239,7 +263,10 @@ double Cluster::propose(Frame& frame) {
     leg_ = go_freely();
     candidate(1, frame);
     const double toc = sweep(frame);
-    if (toc == 1 || !pressing) return toc;
+    if (toc == 1 || !pressing) {
+      solution_.lambda.setZero();  // nothing is held back
+      return toc;
+    }
     leg_ = false;
     take_solution();
   }

@@ -35,9 +35,21 @@ class Cluster {
 
   // Poses of all god objects, put onto joints and limits. Forgets what earlier frames left behind.
   void place(std::span<const Pose<double>> poses);
+
+  // What is kept from frame to frame, but for what makes it faster: restore() forgets that.
+  struct Memory {
+    std::vector<Pose<double>> pose, target;
+    bool blocked;
+    double caution;
+  };
+  Memory memory() const;
+  void restore(const Memory& memory);
   void place_object(std::size_t object, const Pose<double>& pose);
   // The smallest gap to anything or between two of them [m]; `reach` where there is none below that.
   double gap(double reach) { return encounters_.gap(reach); }
+
+  // Would the way straight to the targets be clear?
+  bool way_is_clear();
 
   // A frame: where the god objects are tracked.
   void aim(std::span<const Pose<double>> targets);
@@ -50,6 +62,8 @@ class Cluster {
   std::span<const Encounters::Row> rows() const { return encounters_.rows(); }
   double lambda(std::size_t row) const;  // N, of a contact row
   int object_of(int collider) const { return encounters_.object_of(collider); }
+  Vec<double, 6> contact_row(std::size_t row, BodyId body) const;         // of J, a god object's part
+  std::span<const Pose<double>> solved_at() const { return solved_at_; }  // where the god objects stood then
   const Problem& problem() const { return problem_; }
   bool held() const { return held_; }
 
@@ -77,11 +91,12 @@ class Cluster {
   Solution solution_;
   WarmStart warm_;
   Vector z_u_;
-  std::vector<Pose<double>> pose_, target_, end_;  // target_: of all bodies of the scene, as assembly wants it
-  std::vector<Vec<double, 6>> way_;                // m, rad: to the candidate
-  std::vector<Vec<double, 6>> screw_;              // m, rad: to the present end, by god object
-  double allowed_ = 0;                             // m, the most that a pressing cluster moves in a sub-step
-  double caution_ = 1;                             // part of it that is tried after held ones
+  std::vector<Pose<double>> pose_, target_, end_,
+      solved_at_;                      // target_: of all bodies of the scene, as assembly wants it
+  std::vector<Vec<double, 6>> way_;    // m, rad: to the candidate
+  std::vector<Vec<double, 6>> screw_;  // m, rad: to the present end, by god object
+  double allowed_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
+  double caution_ = 1;                 // part of it that is tried after held ones
   bool done_ = false, held_ = false, solved_ = false, bounded_ = false, leg_ = false, blocked_ = false;
   int sub_step_ = 0;
 };

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "experiments/god/coupling.h"
+#include "experiments/god/measures.h"
+#include "experiments/god/physics.h"
+#include "experiments/god/resolution.h"
+#include "experiments/god/simulation.h"
+
+namespace zwang::god {
+
+struct Simulation::State {
+  State(Surroundings surroundings, const Options& options);
+
+  // Takes the clusters over; `target` has their poses already. `easy`: as target, where a hand does not touch itself.
+  void build(std::vector<GodObjects> objects, std::span<const Pose<double>> easy);
+  void step();
+
+  Surroundings surroundings;
+  Options options;
+  std::vector<hand::Model> models;
+  std::vector<Cluster> clusters;
+  std::vector<std::size_t> first = {0};  // god object of each cluster, and their number
+  std::vector<Pose<double>> target;      // of all god objects, the last that was tracked
+  std::optional<Physics> physics;        // where something is loose
+  std::optional<Resolution> resolution;
+  std::optional<Coupling> coupling;
+  std::optional<Measures> measures;
+  std::vector<Pose<double>> object, object_before, god;
+  Frame frame = {};
+  long number = 0;
+
+  template <class T>
+  std::span<const T> of(std::size_t cluster, const std::vector<T>& all) const {
+    return std::span(all).subspan(first[cluster], first[cluster + 1] - first[cluster]);
+  }
+
+ private:
+  void start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy);
+  void step_physics();
+  void step_god_objects();
+};
+
+}  // namespace zwang::god
