@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,11 +39,16 @@ struct Recording {
 // Rows by their time, the first of each. Returns how many had the time of another.
 template <class Row>
 std::size_t put_in_order(std::vector<Row>& rows) {
-  const std::size_t all = rows.size();
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.time < b.time; });
-  const auto same = [](const Row& a, const Row& b) { return a.time == b.time; };
-  rows.erase(std::unique(rows.begin(), rows.end(), same), rows.end());
-  return all - rows.size();
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return rows[a].time < rows[b].time || (rows[a].time == rows[b].time && a < b);
+  });
+  std::vector<Row> sorted;
+  for (const std::size_t k : order)
+    if (sorted.empty() || sorted.back().time != rows[k].time) sorted.push_back(std::move(rows[k]));
+  std::swap(rows, sorted);
+  return sorted.size() - rows.size();
 }
 
 // "3 frames <what>", "1 frame <what>".
