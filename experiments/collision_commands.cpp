@@ -14,8 +14,7 @@
 
 namespace zwang {
 
-// Where real parts and recordings lie, which are not the project's.
-static std::filesystem::path real_data() {
+std::filesystem::path real_data() {
   const char* given = std::getenv("ZWANG_DATA");
   return given && *given ? std::filesystem::path(given) : std::filesystem::path(ZWANG_SOURCE_DIR) / "../shared/data";
 }

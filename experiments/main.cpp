@@ -25,6 +25,8 @@ const std::array commands = {
                    "charts of stored results, as a page or for a paper; two runs side by side", zwang::report_command},
     zwang::Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true",
                    zwang::fuzz_command},
+    zwang::Command{"experiment", "The god hand", "a question of the paper, answered by a run here",
+                   zwang::experiment_command},
     zwang::Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
                    zwang::solve_command},
     zwang::Command{"export", "Look at one problem", "write a scene's problem to a file", zwang::export_command},

@@ -9,20 +9,19 @@
 
 namespace zwang::god {
 
-// A Leap recording (.json) or joint angles (.csv), also with .gz, retargeted: z up, metres, in its own place
-// (docs/motion.md). Throws BadFile, one line: file, frame or line, what was expected.
+// A Leap recording (.json, also .gz) or joint angles (.csv), retargeted: z up, metres, in its own place. Throws
+// BadFile, one line: file, frame or line, what was expected.
 Motion read_motion(const std::filesystem::path& file);
 
-// A motion made by formula, about the surroundings' focus: press, slide, grasp, poke, fist, swipe, teleport, lost, nan,
-// two_hands. Throws std::invalid_argument with the nearest name, or when nothing near the focus is clear.
+// A motion made by formula, about the surroundings' focus: press, slide, grasp, poke, fist, swipe, teleport, lost, nan.
+// Throws std::invalid_argument with the nearest name.
 Motion synthetic_motion(const std::string& name, const Surroundings& about);
 std::vector<std::pair<std::string, std::string>> synthetic_motions();  // name, one line
 
 // Moves a recording to where it works: turned and shifted so that it goes on about the focus, and lowered until the
-// hand would be inside an object in `share` of its time and at some time `depth` [m] deep. Where it would not begin
-// clear of the objects, half a second of coming down is put before it.
+// hand would be inside an object in `share` of its frames and at some time `depth` [m] deep.
 struct Placement {
-  double inside = 0;  // share of its time in which the target is inside or touches
+  double inside = 0;  // share of the frames in which the target is inside or touches
   double depth = 0;   // m, the deepest
 };
 Placement place(Motion& motion, const Surroundings& about, double share = 0.45, double depth = 0.012);

@@ -1,18 +1,14 @@
 #include "experiments/report/report.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <fstream>
 #include <stdexcept>
 
 #include "experiments/report/collision_page.h"
 #include "experiments/report/compare.h"
+#include "experiments/report/draw.h"
 #include "experiments/report/page.h"
 #include "experiments/report/tables.h"
-
-extern char** environ;
 
 namespace zwang::report {
 namespace {
@@ -25,19 +21,6 @@ void write(const fs::path& file, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw std::runtime_error("cannot write " + file.string());
-}
-
-// Runs a program with its output passed through; throws when it cannot start or ends with an error.
-void run_program(std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  int status = 0;
-  if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0)
-    throw std::runtime_error("cannot start " + words[0] + "; ./zwang setup installs it");
-  if (waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error(words[0] + " " + words[1] + " failed");
 }
 
 std::string title(const Run& run) { return run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite"; }
@@ -75,9 +58,9 @@ std::vector<fs::path> write_figures(const fs::path& dir, const std::vector<std::
   }
   const fs::path figures = dir / "figures", data = figures / "data.json";
   write(data, page_data(run, {title(run), headline(run)}, tables));
-  std::vector<std::string> words = {"node", ZWANG_REPORT_DIR "/figures.mjs", data.string(), figures.string()};
+  std::vector<std::string> words = {data.string(), figures.string()};
   words.insert(words.end(), formats.begin(), formats.end());
-  run_program(words);
+  run_script("figures.mjs", words);
   fs::remove(data);
   for (const auto& entry : fs::directory_iterator(figures)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());

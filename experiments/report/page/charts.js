@@ -188,5 +188,5 @@
     'scaling': (data, state) => ({SIZE: `${all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'} (number)`}),
   };
 
-  globalThis.zwang_charts = {styles, register, spec, rows, words, all_rows, measures, scientific, duration, superscript};
+  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, all_rows, measures, scientific, duration, superscript};
 })();

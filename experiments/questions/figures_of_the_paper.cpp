@@ -1,0 +1,118 @@
+// Figures 8, 9 and 10 of the paper and the detailed parts of its section 7: what a frame costs, where the time goes.
+
+#include "experiments/god/scenes.h"
+#include "experiments/questions/list.h"
+#include "experiments/questions/play.h"
+
+namespace zwang::questions {
+namespace {
+
+constexpr const char* stage_names[] = {"collision", "solve", "assembly", "physics", "resolution", "other"};
+
+double stage(const god::StageTimes& t, std::size_t k) {
+  const double times[] = {t.collision, t.solve, t.assembly, t.physics, t.resolution, t.other};
+  return times[k];
+}
+
+Chart frame_times(const std::string& name, const std::string& title, const std::vector<god::Frame>& frames,
+                  std::vector<Level> levels) {
+  Chart chart{.name = name,
+              .title = title,
+              .x = "time (s)",
+              .y = "time of a frame (ms)",
+              .log_y = true,
+              .levels = std::move(levels)};
+  add_series(chart, "frame", frames, [](const god::Frame& f) { return 1e3 * f.times.total(); });
+  add_series(chart, "collision", frames, [](const god::Frame& f) { return 1e3 * f.times.collision; });
+  return chart;
+}
+
+Chart contacts(const std::string& name, const std::string& title, const std::vector<god::Frame>& frames) {
+  Chart chart{.name = name, .title = title, .x = "time (s)", .y = "contacts"};
+  add_series(chart, "found", frames, [](const god::Frame& f) { return f.raw; });
+  add_series(chart, "kept as rows", frames, [](const god::Frame& f) { return f.kept; });
+  return chart;
+}
+
+std::vector<std::vector<std::string>> rate_rows(const std::vector<god::Frame>& frames, const char* mean,
+                                                const char* least, const char* collision) {
+  const Rates r = rates(frames);
+  int raw = 0, kept = 0;
+  for (const god::Frame& f : frames) raw = std::max(raw, f.raw), kept = std::max(kept, f.kept);
+  return {{"frames a second, median", number(r.median), ""},
+          {"frames a second, mean", number(r.mean), mean},
+          {"frames a second, slowest frame", number(r.least), least},
+          {"share of collision detection", number(100 * r.collision) + " %", collision},
+          {"frames that touch",
+           number(100. * static_cast<double>(touching(frames)) / static_cast<double>(frames.size())) + " %", ""},
+          {"contacts, most in a frame: found, kept", number(raw) + ", " + number(kept), ""}};
+}
+
+struct Played {
+  god::Surroundings surroundings;
+  std::vector<god::Frame> frames;
+};
+
+Played grasp_in(const char* scene, const Asking& asking) {
+  Played p;
+  p.surroundings = god::make_surroundings(scene, asking.parts);
+  p.frames = play(p.surroundings, motion_for("grasp", p.surroundings, asking),
+                  {.solver = asking.solver, .verify = false}, asking, scene);
+  return p;
+}
+
+}  // namespace
+
+Findings simple_scene(const Asking& asking) {
+  const auto [surroundings, frames] = grasp_in("simple", asking);
+  return {.columns = {"simple scene, 100,000 triangles", "here", "paper (2012)"},
+          .rows = rate_rows(frames, "600", "100", "about 40 %"),
+          .charts = {contacts("fig8-contacts", "Contacts over an interaction, simple scene", frames),
+                     frame_times("fig8-times", "Time of a frame over the same interaction", frames,
+                                 {{1e3 / 600, "paper, mean"}, {1e3 / 100, "paper, slowest"}})}};
+}
+
+Findings stages(const Asking& asking) {
+  const auto [surroundings, frames] = grasp_in("simple", asking);
+  Findings found{.columns = {"stage, simple scene", "here", "paper (2012)"}};
+  Chart chart{.name = "fig9",
+              .title = "Where the time of a frame goes, simple scene",
+              .x = "time (s)",
+              .y = "share of the frame's time",
+              .kind = Chart::Kind::shares};
+  double whole = 0;
+  for (const god::Frame& f : frames) whole += f.times.total();
+  for (std::size_t k = 0; k < std::size(stage_names); ++k) {
+    double sum = 0;
+    for (const god::Frame& f : frames) sum += stage(f.times, k);
+    found.rows.push_back({stage_names[k], number(100 * sum / whole) + " %", k == 0 ? "about 40 %" : ""});
+    // Sums over stretches, so that the shares of a stretch are those of its time.
+    const std::size_t stretch = std::max<std::size_t>(1, frames.size() / 200);
+    for (std::size_t begin = 0; begin < frames.size(); begin += stretch) {
+      double part = 0;
+      for (std::size_t i = begin; i < std::min(begin + stretch, frames.size()); ++i) part += stage(frames[i].times, k);
+      chart.points.push_back({stage_names[k], frames[begin].time, part});
+    }
+  }
+  found.charts.push_back(std::move(chart));
+  return found;
+}
+
+Findings engine(const Asking& asking) {
+  const auto [surroundings, frames] = grasp_in("engine", asking);
+  return {.columns = {"engine compartment, 1,000,000 triangles", "here", "paper (2012)"},
+          .rows = rate_rows(frames, "50 to 70", "below 20", "up to 80 %"),
+          .charts = {contacts("fig10-contacts", "Contacts over an interaction, engine compartment", frames),
+                     frame_times("fig10-times", "Time of a frame, engine compartment", frames,
+                                 {{1e3 / 60, "paper, typical"}, {1e3 / 20, "paper, slow"}})}};
+}
+
+Findings detailed_parts(const Asking& asking) {
+  const auto [surroundings, frames] = grasp_in("detailed", asking);
+  return {.columns = {"parts of 400,000 triangles", "here", "paper (2012)"},
+          .rows = rate_rows(frames, "10 to 15", "", "70 to 80 %"),
+          .charts = {frame_times("detailed-times", "Time of a frame, parts of 400,000 triangles", frames,
+                                 {{1e3 / 12.5, "paper, typical"}})}};
+}
+
+}  // namespace zwang::questions

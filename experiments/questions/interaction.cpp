@@ -1,0 +1,109 @@
+// What a hand does to things, and things to a hand: friction that is not there, pushes at several rates, recordings.
+
+#include <algorithm>
+
+#include "experiments/god/motions.h"
+#include "experiments/god/scenes.h"
+#include "experiments/questions/list.h"
+#include "experiments/questions/play.h"
+
+namespace zwang::questions {
+
+Findings artificial_friction(const Asking& asking) {
+  const god::Surroundings scene = god::make_surroundings("wall", asking.parts);
+  const auto frames =
+      play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = false}, asking, "slide");
+  double lost = 0, way = 0;
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (frames[k].gap > 5e-4) continue;
+    lost += frames[k].lost_slide;
+    way += (frames[k].target[0].position - frames[k - 1].target[0].position).norm();
+  }
+  Findings found{.columns = {"sliding on a frictionless plane", "here", "paper (2012)"}};
+  found.rows = {{"way of the pressed hand's target", number(way) + " m", ""},
+                {"tangential motion lost", number(lost) + " m", ""},
+                {"share", number(lost / way), "artificial friction does not occur"}};
+  Chart chart{.name = "friction",
+              .title = "Tangential motion lost on a frictionless plane, frame by frame",
+              .x = "time (s)",
+              .y = "lost (m)",
+              .log_y = true};
+  add_series(chart, "lost in a frame", frames, [](const god::Frame& f) { return std::max(f.lost_slide, 1e-20); });
+  found.charts.push_back(std::move(chart));
+  return found;
+}
+
+// The palm, upright, goes 0.25 m along x at 0.4 m/s: from 60 mm before the first loose object to behind it.
+static god::Motion push_at(const god::Surroundings& scene) {
+  const auto box =
+      std::find_if(scene.objects.begin(), scene.objects.end(), [](const god::Object& o) { return o.loose(); });
+  if (box == scene.objects.end()) throw std::invalid_argument(scene.name + " has no loose object to push");
+  Mat3 upright;
+  upright << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  god::Track hand{.model = hand::standard()};
+  const Vec3 start = box->pose.position - Vec3(0.06 + 0.014 + box->pieces[0].shape.half().x(), 0, 0);
+  constexpr double speed = 0.4, way = 0.25;
+  hand.keys.push_back({0, {{start, upright}, {}, true}});
+  hand.keys.push_back({way / speed, {{start + Vec3(way, 0, 0), upright}, {}, true}});
+  hand.keys.push_back({way / speed + 0.5, {{start + Vec3(way, 0, 0), upright}, {}, true}});
+  hand.patience = 1;
+  return {"push", {hand}, way / speed + 0.5};
+}
+
+Findings rate_of_a_push(const Asking& asking) {
+  const god::Surroundings scene = god::make_surroundings("box", asking.parts);
+  const god::Motion motion = push_at(scene);
+  Findings found{.columns = {"rate", "box moved", "fastest", "fastest against the hand", "worst balance of impulses"}};
+  Chart chart{.name = "rates", .title = "One push of a box at three rates", .x = "time (s)", .y = "way of the box (m)"};
+  for (const double rate : {250., 500., 1000.}) {
+    const std::string name = number(rate) + " Hz";
+    const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = false}, asking, name);
+    double fastest = 0, balance = 0;
+    for (const god::Frame& f : frames) {
+      fastest = std::max(fastest, f.object_speed);
+      balance = std::max(balance, f.impulse_error);
+    }
+    const Vec3 start = frames.front().loose[0].position;
+    const double moved = (frames.back().loose[0].position - start).norm();
+    found.rows.push_back(
+        {name, number(1e3 * moved, 4) + " mm", number(fastest) + " m/s", number(fastest / 0.4), number(balance)});
+    add_series(chart, name, frames, [&](const god::Frame& f) { return (f.loose[0].position - start).norm(); });
+  }
+  found.charts.push_back(std::move(chart));
+  return found;
+}
+
+Findings recordings(const Asking& asking) {
+  Findings found{.columns = {"recording, scene", "frames", "that touch", "target deepest inside", "smallest gap",
+                             "joints", "limits left by", "held", "stuck", "median rate", "slowest"}};
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::exists(asking.data / "motion_leap_bones"))
+    for (const auto& entry : std::filesystem::directory_iterator(asking.data / "motion_leap_bones"))
+      if (entry.path().extension() == ".json") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) found.remarks.push_back("There are no recordings in " + asking.data.string() + ".");
+  for (const auto& file : files)
+    for (const char* name : {"simple", "engine"}) {
+      const god::Surroundings scene = god::make_surroundings(name, asking.parts);
+      god::Motion motion = god::read_motion(file);
+      god::place(motion, scene);
+      const auto frames = play(scene, motion, {.solver = asking.solver, .verify = false}, asking, file.stem().string());
+      double depth = 0, gap = 1, joints = 0, limits = 0, held = 0, stuck = 0;
+      for (const god::Frame& f : frames) {
+        depth = std::max(depth, f.target_depth);
+        gap = std::min(gap, f.gap);
+        joints = std::max(joints, f.separation);
+        limits = std::max(limits, f.limit);
+        held += f.held;
+        stuck += f.stuck;
+      }
+      const Rates r = rates(frames);
+      found.rows.push_back({file.stem().string() + ", " + name, number(static_cast<double>(frames.size())),
+                            number(static_cast<double>(touching(frames))), number(1e3 * depth) + " mm",
+                            number(1e6 * gap) + " um", number(joints) + " m", number(limits) + " rad", number(held),
+                            number(stuck), number(r.median) + " Hz", number(r.least) + " Hz"});
+    }
+  return found;
+}
+
+}  // namespace zwang::questions

@@ -1,0 +1,113 @@
+// What the paper's method does as printed, and what the commit cycle makes of it.
+
+#include <algorithm>
+
+#include "collision/world.h"
+#include "experiments/god/scenes.h"
+#include "experiments/questions/list.h"
+#include "experiments/questions/play.h"
+#include "solvers/registry.h"
+
+namespace zwang::questions {
+
+Findings separation(const Asking& asking) {
+  const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
+  const god::Motion motion = motion_for("grasp", scene, asking);
+  using Commit = god::Options::Commit;
+  const std::pair<std::string, god::Options> variants[] = {
+      {"the paper's: nnls_paper, linear step", {.solver = "nnls_paper", .commit = Commit::printed, .verify = false}},
+      {asking.solver + ", linear step", {.solver = asking.solver, .commit = Commit::printed, .verify = false}},
+      {asking.solver + ", commit cycle", {.solver = asking.solver, .verify = false}}};
+  Findings found{.columns = {"joints of the hand", "widest gap of a joint", "limits left by", "frames held"}};
+  Chart chart{.name = "separation",
+              .title = "Joints of the hand: how far the phalanxes come apart",
+              .x = "time (s)",
+              .y = "widest gap of a joint (m)",
+              .log_y = true};
+  for (const auto& [name, options] : variants) {
+    const auto frames = play(scene, motion, options, asking, name);
+    double widest = 0, limit = 0, held = 0;
+    for (const god::Frame& f : frames) {
+      widest = std::max(widest, f.separation);
+      limit = std::max(limit, f.limit);
+      held += f.held;
+    }
+    found.rows.push_back({name, number(widest) + " m", number(limit) + " rad", number(held)});
+    add_series(chart, name, frames, [](const god::Frame& f) { return std::max(f.separation, 1e-17); });
+  }
+  found.charts.push_back(std::move(chart));
+  return found;
+}
+
+// One body, 100 mm before a wall, its target 50 mm inside: each frame asks for the rest of the way and gets the time of
+// contact's share of it. As printed the share is applied to the velocity and to the step: the square of it.
+Findings printed_step(const Asking&) {
+  Findings found{.columns = {"frame", "gap, TOC once", "gap, TOC twice (as printed)"}};
+  Chart chart{.name = "printed-step",
+              .title = "Up to a wall: the time of contact applied once, and twice as printed",
+              .x = "frame",
+              .y = "gap (m)",
+              .log_y = true};
+  constexpr double radius = 0.01;
+  constexpr int frames = 40;
+  std::vector<double> gaps[2];
+  for (const bool twice : {false, true}) {
+    collision::World world;
+    const int wall = world.add(collision::Shape::rounded_box({1, 1, 0.1}, 0.001), {}, {.group = 2}, true);
+    const int body = world.add(collision::Shape::sphere(radius), {{0, 0, 0.05 + radius + 0.1}, Mat3::Identity()});
+    for (int k = 0; k < frames; ++k) {
+      const double gap = world.pose(body).position.z() - 0.05 - radius;
+      gaps[twice].push_back(gap);
+      chart.points.push_back({twice ? "TOC twice (Eq. 29-30 as printed)" : "TOC once", 1. * k, gap});
+      Vec<double, 6> way = Vec<double, 6>::Zero();
+      way.z() = -(gap + 0.05);
+      const double toc = world.time_of_contact(std::array{collision::Move{body, way}}).time;
+      world.place(body, retract(world.pose(body), Vec<double, 6>((twice ? toc * toc : toc) * way)));
+    }
+    static_cast<void>(wall);
+  }
+  for (const int k : {0, 1, 2, 3, 5, 10, 20, frames - 1})
+    found.rows.push_back({number(k), number(1e3 * gaps[0][static_cast<std::size_t>(k)]) + " mm",
+                          number(1e3 * gaps[1][static_cast<std::size_t>(k)]) + " mm"});
+  found.charts.push_back(std::move(chart));
+  found.remarks = {"Without contact rows, which would stop the body by themselves: what the printed step does alone."};
+  return found;
+}
+
+Findings solver_swap(const Asking& asking) {
+  const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
+  const god::Motion motion = motion_for("grasp", scene, asking);
+  Findings found{.columns = {"solver", "solve, median", "frames verified", "wrong or undecided", "frames held",
+                             "joints", "farthest from the first, first contact second"}};
+  Chart chart{.name = "solvers",
+              .title = "One grasp, driven by each solver: speed against what becomes of the motion",
+              .x = "farthest from dual_active_set's motion in the first second of contact (m)",
+              .y = "time of a frame's solves (us)",
+              .kind = Chart::Kind::points,
+              .log_x = true,
+              .log_y = true};
+  std::vector<god::Frame> first;
+  for (const char* solver : {"dual_active_set", "nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton",
+                             "nnls_paper", "pgs", "apgd", "bullet_dantzig", "bullet_pgs", "nlopt_slsqp", "ipopt"}) {
+    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver}, asking, solver, 1);
+    if (first.empty()) first = frames;
+    std::vector<double> times;
+    double verified = 0, doubtful = 0, held = 0, joints = 0;
+    for (const god::Frame& f : frames) {
+      times.push_back(f.times.solve);
+      verified += f.verified == Verdict::solved;
+      doubtful += f.verified != Verdict::solved && f.verified != Verdict::infeasible_proven;
+      held += f.held;
+      joints = std::max(joints, f.separation);
+    }
+    std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
+    const double time = times[times.size() / 2], apart = farthest(first, frames);
+    found.rows.push_back({solver, number(1e6 * time) + " us", number(verified), number(doubtful), number(held),
+                          number(joints) + " m", number(apart) + " m"});
+    chart.points.push_back({solver, std::max(apart, 1e-17), 1e6 * time});
+  }
+  found.charts.push_back(std::move(chart));
+  return found;
+}
+
+}  // namespace zwang::questions

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "experiments/god/motion.h"
+#include "experiments/god/simulation.h"
+#include "experiments/questions/question.h"
+
+namespace zwang::questions {
+
+// The run of a question was cut short by Ctrl-C.
+struct Interrupted {};
+
+// A motion by name about the surroundings, or a recording placed among them; `asking.motion` goes before `name`.
+god::Motion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking);
+
+// Simulates the motion and keeps every frame, up to `contact` seconds after the first one with contacts. Throws
+// Interrupted.
+std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::Motion& motion,
+                             const god::Options& options, const Asking& asking, const std::string& what,
+                             double contact = std::numeric_limits<double>::infinity());
+
+// Of the frames' times [s].
+struct Rates {
+  double median, mean, least;  // Hz; mean: frames over the whole time; least: of the slowest frame
+  double collision;            // share of the whole time
+};
+Rates rates(const std::vector<god::Frame>& frames);
+
+std::size_t touching(const std::vector<god::Frame>& frames);  // frames with a god object nearer than 0.5 mm
+
+// One value a frame as series of a chart: where there are more than 600 frames, the median and the largest of each of
+// 600 stretches, as "NAME" and "NAME, largest".
+void add_series(Chart& chart, const std::string& name, const std::vector<god::Frame>& frames,
+                const std::function<double(const god::Frame&)>& value);
+
+// The farthest that a god object of one run is from the same in the other, in any frame that both have [m].
+double farthest(const std::vector<god::Frame>& a, const std::vector<god::Frame>& b);
+
+std::string number(double value, int digits = 3);  // "1,234", "0.0123", "1.2e-09"
+
+}  // namespace zwang::questions

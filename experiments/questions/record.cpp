@@ -1,0 +1,91 @@
+#include "experiments/questions/record.h"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/suite/conditions.h"
+#include "experiments/report/draw.h"
+
+namespace zwang::questions {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::vector<std::vector<std::string>> with_head(const Findings& findings) {
+  std::vector<std::vector<std::string>> rows = findings.rows;
+  rows.insert(rows.begin(), findings.columns);
+  return rows;
+}
+
+std::string to_csv(const Findings& findings) {
+  std::string text;
+  for (const auto& row : with_head(findings))
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      text += '"';
+      for (const char ch : row[k]) text += ch == '"' ? std::string("\"\"") : std::string(1, ch);
+      text += k + 1 < row.size() ? "\"," : "\"\n";
+    }
+  return text;
+}
+
+json to_json(const Chart& chart) {
+  json points = json::array(), levels = json::array();
+  for (const Point& p : chart.points) points.push_back({{"series", p.series}, {"x", p.x}, {"y", p.y}});
+  for (const Level& l : chart.levels) levels.push_back({{"y", l.y}, {"text", l.text}});
+  constexpr const char* kinds[] = {"lines", "points", "shares"};
+  return {{"name", chart.name}, {"title", chart.title}, {"x", chart.x},
+          {"y", chart.y},       {"log_x", chart.log_x}, {"log_y", chart.log_y},
+          {"points", points},   {"levels", levels},     {"kind", kinds[static_cast<int>(chart.kind)]}};
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace
+
+std::string to_text(const Findings& findings) {
+  const auto rows = with_head(findings);
+  std::vector<std::size_t> width(findings.columns.size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t k = 0; k < row.size(); ++k) width[k] = std::max(width[k], row[k].size());
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t k = 0; k < row.size(); ++k) line += row[k] + std::string(width[k] - row[k].size() + 2, ' ');
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  for (const std::string& remark : findings.remarks) text += remark + "\n";
+  return text;
+}
+
+std::vector<fs::path> record(const Findings& findings, const Question& question, const std::string& command,
+                             const fs::path& directory) {
+  fs::create_directories(directory);
+  const Conditions c = conditions();
+  json charts = json::array();
+  for (const Chart& chart : findings.charts) charts.push_back(to_json(chart));
+  const json all = {{"question", question.line},
+                    {"paper", question.paper},
+                    {"command", command},
+                    {"circumstances", "zwang " + c.commit.substr(0, 12) + (c.dirty ? ", changed" : "") + ", " +
+                                          c.compiler + ", " + c.cpu},
+                    {"columns", findings.columns},
+                    {"rows", findings.rows},
+                    {"remarks", findings.remarks},
+                    {"charts", charts}};
+  std::vector<fs::path> files = {directory / (question.name + ".csv"), directory / (question.name + ".json")};
+  write(files[0], to_csv(findings));
+  write(files[1], all.dump(1, ' ', false, json::error_handler_t::replace));
+  if (!findings.charts.empty()) report::draw(files[1], directory);
+  for (const Chart& chart : findings.charts) files.push_back(directory / (chart.name + ".svg"));
+  return files;
+}
+
+}  // namespace zwang::questions
