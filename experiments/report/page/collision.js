@@ -28,10 +28,16 @@
     document.getElementById(id).append(scroll);
   }
 
-  const draw = (id, spec) => vegaEmbed(`#${id}`, {
-    $schema: 'https://vega.github.io/schema/vega-lite/v6.json', width: 'container', background: null,
-    config: {view: {stroke: null}, axis: {labelFontSize: 12, titleFontSize: 12, labelLimit: 320}}, ...spec,
-  }, {mode: 'vega-lite', actions: false, renderer: 'svg', ast: true, expr: vega_interpreter});
+  function draw(id, rows, spec) {
+    if (rows.length === 0) {
+      document.getElementById(id).textContent = 'The run was stopped before the first of these.';
+      return;
+    }
+    vegaEmbed(`#${id}`, {
+      $schema: 'https://vega.github.io/schema/vega-lite/v6.json', width: 'container', background: null,
+      data: {values: rows}, config: {view: {stroke: null}, axis: {labelFontSize: 12, titleFontSize: 12, labelLimit: 320}}, ...spec,
+    }, {mode: 'vega-lite', actions: false, renderer: 'svg', ast: true, expr: vega_interpreter});
+  }
 
   for (const line of data.headline ?? ['The run was stopped before its end.']) {
     const p = document.createElement('p');
@@ -41,9 +47,8 @@
 
   const engines = ['zwang', 'fcl', 'bullet'];
   const motions = {sliding: 'sliding at 0.2 mm', pressing: 'pressing at 0.2 mm', passing: 'passing at 2 mm'};
-  draw('pairs', {
+  draw('pairs', data.pairs.flatMap(p => engines.map(engine => ({engine, triangles: p.triangles, time: 1e6 * p.times[engine], motion: motions[p.motion]}))), {
     height: 320, width: 300,
-    data: {values: data.pairs.flatMap(p => engines.map(engine => ({engine, triangles: p.triangles, time: 1e6 * p.times[engine], motion: motions[p.motion]})))},
     facet: {column: {field: 'motion', title: null, sort: Object.values(motions), header: {labelFontSize: 13, labelFontWeight: 600}}},
     spec: {
       height: 300, width: 300,
@@ -69,8 +74,8 @@
   const bars = data.frames.map(f => ({...f, run: name(f), median: 1e3 * f.median, p99: 1e3 * f.p99, worst: 1e3 * f.worst, touching_median: 1e3 * f.touching_median}));
   const y = {field: 'run', type: 'nominal', sort: null, title: null};
   const x = field => ({field, type: 'quantitative', scale: {type: 'log'}, title: 'time of a frame (ms)', axis: {values: [0.01, 0.1, 1, 10, 100]}});
-  draw('frames', {
-    height: {step: 22}, data: {values: bars},
+  draw('frames', bars, {
+    height: 22 * bars.length,
     layer: [
       {mark: {type: 'rule', color: '#57606a'}, encoding: {y, x: x('median'), x2: {field: 'worst'}}},
       {mark: {type: 'bar', height: 11, color: '#4b2bd7', tooltip: true}, encoding: {y, x: x('median'), x2: {field: 'p99'}}},
