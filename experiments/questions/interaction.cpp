@@ -16,19 +16,19 @@ Findings artificial_friction(const Asking& asking) {
   double lost = 0, way = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (frames[k].gap > 5e-4) continue;
-    lost += frames[k].lost_slide;
+    lost = std::max(lost, frames[k].lost_slide);
     way += (frames[k].target[0].position - frames[k - 1].target[0].position).norm();
   }
   Findings found{.columns = {"sliding on a frictionless plane", "here", "paper (2012)"}};
   found.rows = {{"way of the pressed hand's target", number(way) + " m", ""},
-                {"tangential motion lost", number(lost) + " m", ""},
-                {"share", number(lost / way), "artificial friction does not occur"}};
+                {"farthest that the hand lags along the plane", number(lost) + " m", ""},
+                {"share of the way", number(lost / way), "artificial friction does not occur"}};
   Chart chart{.name = "friction",
-              .title = "Tangential motion lost on a frictionless plane, frame by frame",
+              .title = "How far a pressed hand lags behind its target along a frictionless plane",
               .x = "time (s)",
-              .y = "lost (m)",
+              .y = "distance (m)",
               .log_y = true};
-  add_series(chart, "lost in a frame", frames, [](const god::Frame& f) { return std::max(f.lost_slide, 1e-20); });
+  add_series(chart, "of the centre of mass", frames, [](const god::Frame& f) { return std::max(f.lost_slide, 1e-20); });
   found.charts.push_back(std::move(chart));
   return found;
 }
