@@ -56,7 +56,10 @@ Encounters::Encounters(const GodObjects& objects, const Surroundings& surroundin
       parts.push_back({collider, at});
       object_.push_back(static_cast<int>(parts_.size()) - 1);
     };
-    if (object.mesh && !object.loose()) add(world_.add(object.mesh, object.pose, object_filter), {});
+    if (object.mesh && !object.loose()) {
+      add(world_.add(object.mesh, object.pose, object_filter), {});
+      continue;
+    }
     for (const Object::Piece& piece : object.pieces)
       add(world_.add(piece.shape, placed(object.pose, piece.at), object_filter, true), piece.at);
   }
