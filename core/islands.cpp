@@ -139,22 +139,26 @@ bool Islands::several(const Problem& p, Index unit) {
   parent_.resize(static_cast<std::size_t>(p.size()));
   for (Index k = 0; k < blocks; ++k) parent_[static_cast<std::size_t>(k)] = k;
   Index count = blocks;
+  std::array<Index, 2> joined{-1, -1};  // the rows of one joint couple the same two
   const auto couple_blocks = [&](Index a, Index b) {
-    if (a == b) return;
+    if (std::array{a, b} == joined) return;
+    joined = {a, b};
     count -= root(a) != root(b);
     couple(a, b);
   };
+  // Dividing by a constant takes a quarter of the time.
+  const auto block_of = [&](int k) -> Index { return unit == 6 ? k / 6 : k / unit; };
   // Inner indices ascend: where the first and the last are of one block, so are all.
   const auto visit = [&](const auto& A, Index outer, Index block) {
     const int* at = A.innerIndexPtr() + A.outerIndexPtr()[outer];
     const int* const last =
         at + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer] : A.innerNonZeroPtr()[outer]);
     if (at == last) return;
-    if (block < 0) block = *at / unit;
+    if (block < 0) block = block_of(*at);
     if (*at >= block * unit && last[-1] < (block + 1) * unit) return;
     for (Index begin = block * unit; at != last; ++at) {
       if (*at >= begin && *at < begin + unit) continue;
-      const Index own = *at / unit;
+      const Index own = block_of(*at);
       couple_blocks(block, own);
       block = own;
       begin = own * unit;

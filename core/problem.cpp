@@ -57,12 +57,11 @@ std::string bad_input(const Problem& p) {
   }
   for (Index k = 0; k < p.M.outerSize(); ++k) {
     int diagonal = 0;
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, k); it; ++it) {
-      diagonal += it.row() < k;
-      if (it.row() == k && it.value() > 0 && it.value() < least_mass)
-        return "M(" + std::to_string(k) + ", " + std::to_string(k) + ") is below 2^-960: its inverse would overflow";
-    }
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, k); it; ++it)
+    Eigen::SparseMatrix<double>::InnerIterator it(p.M, k);
+    for (; it && it.row() < k; ++it) ++diagonal;
+    if (it && it.row() == k && it.value() > 0 && it.value() < least_mass)
+      return "M(" + std::to_string(k) + ", " + std::to_string(k) + ") is below 2^-960: its inverse would overflow";
+    for (it = {p.M, k}; it; ++it)
       if (it.row() != k && mirrored(p.M, k, it.row(), diagonal) != it.value())
         return "M is not symmetric at (" + std::to_string(it.row()) + ", " + std::to_string(k) + ")";
   }

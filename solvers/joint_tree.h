@@ -1,18 +1,16 @@
 #pragma once
 
-#include <span>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "solvers/body_rows.h"
+#include "solvers/joint_graph.h"
 
 namespace zwang {
 
 // The null space of the equality rows of jointed bodies, from one pass over the joint graph in each direction.
 //
-// A spanning tree gives each body b but the roots one joint, C y_b + D y_p = h, to its parent p. An orthogonal
-// factorization of its six columns gives its free directions Z and
+// A spanning tree (joint_graph.h) gives each body b but the roots one joint, C y_b + D y_p = h, to its parent p. An
+// orthogonal factorization of its six columns gives its free directions Z and
 //
 //   y_b = C^+ h + X y_p + Z q,   X = -C^+ D.
 //
@@ -25,23 +23,26 @@ namespace zwang {
 // v_b being the joint's own coordinates. Forward, these products are the columns of N: an orthonormal basis, G_E N = 0,
 // of 6 columns a floating root and 6 - rank a joint; a row of a body meets the columns of its ancestors only.
 //
-// Rows that close loops are not part of the tree: `cut` lists them. factorize() refuses, with the reason, joints whose
-// rows are nearly dependent (the decision which of them count needs the careful path of equality_elimination.h).
+// Joints that do not wait for each other (the same phalanx of five fingers) are eliminated together, one a lane: roots
+// and quotients, which wait for each other twelve times a joint, then do so once for all of them.
+//
+// factorize() refuses, with the reason, joints whose rows are nearly dependent (the decision which of them count needs
+// the careful path of equality_elimination.h).
 class JointTree {
  public:
-  using Lanes = BodyRows::Lanes;
   using Block = BodyRows::Block;
-  using Rows = Block;                                           // column i is row i of a 6 x 6 block
   using Motion = Mat<double, BodyRows::lanes, Eigen::Dynamic>;  // lanes x bodies
+
+  // A pivot below this leaves too few digits to decide over contact rows; the careful path does.
+  static constexpr double clear_pivot = 1e-5;
 
   bool factorize(const BodyRows& rows);
   std::string_view reason() const { return reason_; }  // why factorize() refused
 
-  Index freedom() const { return freedom_; }
-  std::span<const Index> tree_rows() const { return tree_rows_; }  // of BodyRows, in the order of mu below
-  std::span<const Index> cut() const { return cut_; }              // of BodyRows
+  Index freedom() const { return graph_.freedom(); }
+  const std::vector<Index>& tree_rows() const { return graph_.tree_rows(); }  // of BodyRows, in the order of mu below
+  const std::vector<Index>& cut() const { return graph_.cut(); }              // of BodyRows: rows that close loops
   double smallest_pivot() const { return smallest_pivot_; }
-  double pivot_of(Index position) const { return pivot_[position]; }
 
   // Nt: padded x 6 bodies, column 6 b + i is row i of body b in N; padded is a multiple of 8.
   void null_space(Matrix& Nt) const;
@@ -54,39 +55,26 @@ class JointTree {
   void multipliers(const Motion& t, Vector& mu) const;
 
  private:
-  struct Joint {
-    int body = -1, parent = -1;      // parent -1: the world, or none for a floating root
-    Index first = 0, count = 0;      // tree rows
-    Index column = 0, freedom = 0;   // of N
-    std::vector<int> children = {};  // positions in joints_
-    Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero();  // by columns
-    Rows F_rows, R, S;  // by rows; of S the first `freedom` are void
-  };
-  struct Edge {
-    int a = 0, b = -1;
-    Index first = 0, count = 0;  // of sorted_
+  using Lanes = BodyRows::Lanes;
+  // Of a joint: C^+, F and P by columns; F and S = (B without its first `freedom` rows) by rows.
+  struct Blocks {
+    Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero(), F_rows = Block::Zero(), S = Block::Zero();
   };
 
-  bool build_topology(const BodyRows& rows);
-  void accumulate(Joint& joint);
-  bool eliminate(const BodyRows& rows, Joint& joint);
+  // Scalar: double for one joint, eight lanes for a group.
+  template <class Scalar>
+  bool eliminate(const BodyRows& rows, std::span<const int> group);
+  template <class Scalar>
+  bool accumulate(std::span<const int> group, std::array<std::array<Scalar, 6>, 6>& R);
+  const JointGraph::Joint& joint(int position) const { return graph_.joints()[static_cast<std::size_t>(position)]; }
   bool refuse(std::string_view why) {
     reason_ = why;
     return false;
   }
 
-  std::vector<Joint> joints_;  // parents before children
-  std::vector<Index> tree_rows_, cut_, sorted_;
-  std::vector<double*> below_;
-  std::vector<Edge> edges_;
-  std::vector<std::vector<int>> edges_of_;  // a body; the last entry is the world's
-  std::vector<int> joint_of_;               // a body
-  std::vector<std::array<int, 2>> known_;   // the graph that the topology was built for
-  std::vector<Index> known_rows_;
-  Index known_bodies_ = -1;
-  Index freedom_ = 0;
+  JointGraph graph_;
+  std::vector<Blocks> blocks_;  // of the graph's joints
   double smallest_pivot_ = 1;
-  Vector pivot_;
   mutable Vector v_;
   mutable Motion rest_;
   std::string_view reason_;

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace zwang {
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double rank_tolerance = 64 * epsilon, violation_tolerance = 8 * epsilon;  // as in goldfarb_idnani.h
 constexpr Index lanes = LeastDistance::lanes;
 using Lanes = Vec<double, lanes>;
 
@@ -18,6 +15,8 @@ auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
 auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
 
 double dot(const double* x, const double* y, Index padded) {
+  using Wide = Vec<double, 4 * lanes>;  // a hand's 26 unknowns
+  if (padded == Wide::SizeAtCompileTime) return Eigen::Map<const Wide>(x).dot(Eigen::Map<const Wide>(y));
   Lanes sum = at(x, 0).cwiseProduct(at(y, 0));
   for (Index k = lanes; k < padded; k += lanes) sum += at(x, k).cwiseProduct(at(y, k));
   return sum.sum();
@@ -55,7 +54,6 @@ void LeastDistance::reset(Index freedom, Index rows) {
   if (A_.rows() != padded_ || A_.cols() < padded_rows_) A_.resize(padded_, padded_rows_);
   if (Q_.rows() != padded_) {
     Q_.resize(padded_, padded_);
-    R_.resize(padded_, padded_);
     T_.resize(padded_, padded_);
     for (Vector* part : {&v_, &u_, &r_, &d_, &remainder_, &rest_}) part->resize(padded_);
   }
@@ -66,12 +64,15 @@ void LeastDistance::reset(Index freedom, Index rows) {
   }
   state_.assign(static_cast<std::size_t>(padded_rows_), State::resting);
   active_.clear();
+  v_.setZero();
+  u_.setZero();
+  complete_ = false;
   carried_ = true;
   smallest_accepted = 1;
   largest_rejected = 0;
 }
 
-void LeastDistance::start() {
+void LeastDistance::complete() {
   for (Index k = 0; k < freedom_; ++k)
     for (Index j = 0; j < rows_; ++j) At_(j, k) = A_(k, j);
   for (Index j = rows_; j < At_.rows(); ++j) {
@@ -79,9 +80,7 @@ void LeastDistance::start() {
     magnitude[j] = 1;
     At_.row(j).head(freedom_).setZero();
   }
-  v_.setZero();
-  u_.setZero();
-  T_.setZero();
+  complete_ = true;
   scan();
 }
 
@@ -117,7 +116,7 @@ double LeastDistance::split(Index p) {
   double* rest = remainder_.data();
   for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
   for (Index j = 0; j < q; ++j) {
-    d_[j] = AQ_(p, j);
+    d_[j] = carried_ ? AQ_(p, j) : dot(Q_.col(j).data(), a, padded_);
     rest_[j] = -d_[j];
   }
   accumulate(Q_, q, rest_.data(), rest, padded_);
@@ -141,7 +140,8 @@ void LeastDistance::append(Index p, double multiplier) {
   const Index q = size();
   const double reciprocal = 1 / length_;
   for (Index k = 0; k < padded_; k += lanes) at(Q_.col(q).data(), k) = reciprocal * at(remainder_.data(), k);
-  for (Index j = 0; j < padded_rows_; j += lanes) at(AQ_.col(q).data(), j) = reciprocal * at(along_.data(), j);
+  for (Index j = 0; carried_ && j < padded_rows_; j += lanes)
+    at(AQ_.col(q).data(), j) = reciprocal * at(along_.data(), j);
   T_.col(q).setZero();
   for (Index k = 0; k < q; ++k) T_(k, q) = -r_[k] * reciprocal;
   T_(q, q) = reciprocal;
@@ -201,51 +201,14 @@ bool LeastDistance::restore_dual_feasibility() {
   return clean;
 }
 
-// Gram and Schmidt's modified orthogonalization: every column that is done leaves all others at once, in products that
-// do not wait for each other. A column of which less than a tenth is left has lost a digit and is swept again.
-void LeastDistance::factorize(std::span<const Index> rows) {
-  constexpr double clear = 1e-7, digit = 0.1;
-  const Index count = std::min(static_cast<Index>(rows.size()), padded_);
-  for (Index k = 0; k < count; ++k) Q_.col(k) = A_.col(rows[static_cast<std::size_t>(k)]);
-  for (Index k = 0; k < count && size() < freedom_; ++k) {
-    const Index p = rows[static_cast<std::size_t>(k)], q = size();
-    double* own = Q_.col(k).data();
-    double length = std::sqrt(dot(own, own, padded_));
-    if (length * length < digit * digit * dot(A_.col(p).data(), A_.col(p).data(), padded_)) {
-      for (Index i = 0; i < q; ++i) {
-        const double rest = dot(Q_.col(i).data(), own, padded_);
-        R_(i, k) += rest;
-        add(-rest, Q_.col(i).data(), own, padded_);
-      }
-      length = std::sqrt(dot(own, own, padded_));
-    }
-    if (!(length > clear)) continue;
-    R_.col(q).head(q) = R_.col(k).head(q);
-    R_(q, q) = length;
-    double* unit = Q_.col(q).data();
-    for (Index i = 0; i < padded_; i += lanes) at(unit, i) = at(own, i) / length;
-    for (Index l = k + 1; l < count; ++l) {
-      R_(q, l) = dot(unit, Q_.col(l).data(), padded_);
-      add(-R_(q, l), unit, Q_.col(l).data(), padded_);
-    }
-    active_.push_back(p);
-    state_[static_cast<std::size_t>(p)] = State::active;
-    smallest_accepted = std::min(smallest_accepted, length);
-  }
-  for (Index k = 0; k < size(); ++k) {
-    const double reciprocal = 1 / R_(k, k);
-    for (Index i = 0; i < k; ++i) rest_[i] = -reciprocal * R_(i, k);
-    accumulate(T_, k, rest_.data(), T_.col(k).data(), round_up(k));
-    T_(k, k) = reciprocal;
-  }
-}
-
 void LeastDistance::start_from(std::span<const Index> rows) {
-  factorize(rows);
+  constexpr double clear = 1e-7;
   carried_ = false;
+  for (const Index j : rows)
+    if (size() < freedom_ && split(j) > clear) append(j, 0);
   refresh();
   restore_dual_feasibility();
-  scan();
+  if (complete_) scan();
 }
 
 // A Q of what a warm start took in: not before a step needs it.
@@ -262,6 +225,7 @@ bool LeastDistance::accept(const Vector& v, const Vector& u) {
   v_ = v;
   u_.head(size()) = u.head(size());
   const bool clean = restore_dual_feasibility();
+  if (!complete_) return clean;
   scan();
   return clean && most_violated() < 0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,24 +24,28 @@ namespace zwang {
 class LeastDistance {
  public:
   static constexpr Index lanes = 8;
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  static constexpr double rank_tolerance = 64 * epsilon, violation_tolerance = 8 * epsilon;  // as in goldfarb_idnani.h
   using Columns = Mat<double, Eigen::Dynamic, Eigen::Dynamic>;
 
   // Room for `rows` columns of `freedom` entries, all zero; allocates only when the room must grow.
   void reset(Index freedom, Index rows);
-  auto row(Index j) { return A_.col(j); }  // padded; the caller fills it, b and magnitude, then calls start()
+  auto row(Index j) { return A_.col(j); }  // padded; the caller fills it, b and magnitude
   auto row(Index j) const { return A_.col(j); }
   Vector b, magnitude;      // rows
   double fixed_length = 0;  // the length of what the equality rows took away
-  void start();
 
-  // From these rows, as far as they are clearly independent and their multipliers not negative: a warm start. One
-  // factorization of all, a third of the time of as many steps.
+  // The optimum of these rows alone, as far as they are clearly independent and their multipliers not negative: a warm
+  // start. Other rows need not be filled yet.
   void start_from(std::span<const Index> rows);
+  // All rows are there: climb() may follow.
+  void complete();
 
   enum class End { optimal, contradiction, iteration_limit, time_limit };
   // Up to the optimum of the rows, from the present active set.
   End climb(int& iterations, int most_iterations, const Deadline& deadline);
   // Where the refined v and multipliers of the same active set change a decision: false, and the next climb goes on.
+  // Before complete() only multipliers decide.
   bool accept(const Vector& v, const Vector& u);
 
   Index freedom() const { return freedom_; }
@@ -64,7 +69,6 @@ class LeastDistance {
   enum class State : char { resting, active, retired };
 
   Index size() const { return static_cast<Index>(active_.size()); }
-  void factorize(std::span<const Index> rows);
   void carry();
   double split(Index p);
   void append(Index p, double multiplier);
@@ -76,8 +80,8 @@ class LeastDistance {
   Index most_violated() const;
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
-  Columns A_, At_, Q_, R_, T_, AQ_;
-  bool carried_ = true;  // A Q is there
+  Columns A_, At_, Q_, T_, AQ_;
+  bool complete_ = false, carried_ = true;  // A' is there; A Q is
   Vector v_, u_, r_, d_, remainder_, slack_, along_, rest_;
   double length_ = 0;
   std::vector<Index> active_;

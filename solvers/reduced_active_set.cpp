@@ -12,32 +12,44 @@ constexpr long double wide_epsilon = std::numeric_limits<long double>::epsilon()
 
 }  // namespace
 
-void ReducedActiveSet::fill() {
-  const auto& inequalities = form_.inequalities();
-  const auto m = static_cast<Index>(inequalities.size());
-  climb_.reset(form_.freedom(), m);
-  for (Index j = 0; j < m; ++j) {
-    const Index i = inequalities[static_cast<std::size_t>(j)];
-    form_.reduce_row(i, climb_.row(j).data());
-    climb_.b[j] = form_.rows().h[i] - form_.rows().dot(i, form_.y_E());
-    climb_.magnitude[j] = form_.rows().magnitude[i];
-  }
-  climb_.fixed_length = form_.y_E().norm();
-  climb_.start();
+bool ReducedActiveSet::clearly_independent() const {
+  return climb_.smallest_accepted >= clear_accepted && climb_.largest_rejected <= clear_rejected;
+}
+
+// Row j of the reduced problem.
+void ReducedActiveSet::fill(Index j) {
+  const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+  form_.reduce_row(i, climb_.row(j).data());
+  climb_.b[j] = form_.rows().h[i] - form_.rows().dot(i, form_.y_E());
+  climb_.magnitude[j] = form_.rows().magnitude[i];
+}
+
+void ReducedActiveSet::complete() {
+  if (complete_) return;
+  complete_ = true;
+  for (Index j = 0; j < climb_.rows(); ++j) fill(j);
+  climb_.complete();
 }
 
 bool ReducedActiveSet::prepare(const Problem& p) {
   reason_ = {};
+  complete_ = false;
   if (!form_.build(p)) return refuse(form_.reason());
   if (form_.smallest_pivot() < clear_accepted) return refuse("nearly dependent joints");
-  fill();
+  climb_.reset(form_.freedom(), static_cast<Index>(form_.inequalities().size()));
+  climb_.fixed_length = form_.y_E().norm();
+  const Index bodies = form_.rows().bodies(), padded = climb_.padded();
+  for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
+  for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
+  for (Vector* part : {&mu_, &sigma_I_, &dv_, &s_v_, &v_}) part->setZero(padded);
   return true;
 }
 
 // A row that the joints leave nothing of is noise, which a method would take for a row: it is idle (c = -Inf), and
 // finish() judges it.
-void ReducedActiveSet::state(const Problem& p, Problem& reduced) const {
+void ReducedActiveSet::state(const Problem& p, Problem& reduced) {
   constexpr double nothing = 1e-13;
+  complete();
   const Index f = climb_.freedom(), m = climb_.rows();
   reduced.name = p.name;
   if (reduced.M.rows() != f) {
@@ -88,19 +100,21 @@ bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solu
 
 bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                               std::span<const Index> active, Solution& solution) {
-  if (!active.empty()) climb_.start_from(active);
-  constexpr int rounds = 8;
-  for (int round = 0;; ++round) {
-    const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);
-    if (end != LeastDistance::End::optimal) return refuse("no clear optimum");
-    if (climb_.smallest_accepted < clear_accepted || climb_.largest_rejected > clear_rejected)
-      return refuse("nearly dependent active rows");
-    if (!refine(p)) return refuse("the refinement does not contract");
-    if (climb_.accept(v_, mu_)) break;
-    if (round == rounds) return refuse("decisions that rounding makes");
+  const double allowed = std::max(10 * options.tolerance, 1e-12);
+  if (!guess_holds(p, active, allowed)) {
+    complete();
+    constexpr int rounds = 8;
+    for (int round = 0;; ++round) {
+      const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);
+      if (end != LeastDistance::End::optimal) return refuse("no clear optimum");
+      if (!clearly_independent()) return refuse("nearly dependent active rows");
+      begin_from_climb(p);
+      if (!refine(p)) return refuse("the refinement does not contract");
+      if (climb_.accept(v_, mu_)) break;
+      if (round == rounds) return refuse("decisions that rounding makes");
+    }
+    if (!rest_holds(p, allowed)) return refuse("a row violated by less than rounding in double");
   }
-  if (!rest_holds(p, std::max(10 * options.tolerance, 1e-12)))
-    return refuse("a row violated by less than rounding in double");
 
   solution.z = z_.cast<double>();
   solution.lambda = lambda_.cast<double>();
@@ -117,6 +131,29 @@ bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, con
                       .largest_rejected = climb_.largest_rejected};
   solution.status = Status::solved;
   return true;
+}
+
+// Where the rows of a warm start are the active ones, the others need not be reduced: they are only held against the
+// answer.
+bool ReducedActiveSet::guess_holds(const Problem& p, std::span<const Index> active, double allowed) {
+  if (active.empty()) return false;
+  if (!complete_)
+    for (const Index j : active) fill(j);
+  climb_.start_from(active);
+  if (!clearly_independent()) return false;
+  begin_from_climb(p);
+  return !any_violated() && refine(p) && climb_.accept(v_, mu_) && rest_holds(p, allowed);
+}
+
+bool ReducedActiveSet::any_violated() const {
+  const double length = y_.norm();
+  for (Index j = 0; j < climb_.rows(); ++j) {
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    if (!climb_.is_active(j) && form_.rows().h[i] - form_.rows().dot(i, y_) >
+                                    LeastDistance::violation_tolerance * (form_.rows().magnitude[i] + length))
+      return true;
+  }
+  return false;
 }
 
 // (z, lambda) of the climb's point.
@@ -213,12 +250,6 @@ double ReducedActiveSet::correct() {
 }
 
 bool ReducedActiveSet::refine(const Problem& p) {
-  const Index bodies = form_.rows().bodies(), padded = climb_.padded();
-  for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
-  for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
-  for (Vector* part : {&mu_, &sigma_I_, &dv_, &s_v_, &v_}) part->setZero(padded);
-  begin_from_climb(p);
-
   constexpr int passes = 4;
   for (int pass = 0; pass < passes; ++pass) {
     compute_residuals(p);
@@ -245,6 +276,7 @@ bool ReducedActiveSet::rest_holds(const Problem& p, double limit) {
     if (violation > rounding * size) return false;
     const Wide most = violation + wide_epsilon * size;
     if (!(most > 0)) continue;
+    if (!complete_) fill(j);
     if (const double share = climb_.share(j); share > clear_rejected && most > limit * far * share) return false;
   }
   return true;

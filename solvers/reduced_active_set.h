@@ -22,10 +22,11 @@ class ReducedActiveSet {
   bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   std::string_view reason() const { return reason_; }
 
-  // The same in steps, for another method in between (reduced_problem.h). prepare() reduces the problem; state() writes
-  // the reduced one, its storage reused; finish() goes on from active rows of that one, and adds to the iterations.
+  // The same in steps, for another method in between (reduced_problem.h). prepare() eliminates the joints; state()
+  // writes the reduced problem, its storage reused; finish() goes on from active rows of that one, and adds to the
+  // iterations.
   bool prepare(const Problem& problem);
-  void state(const Problem& problem, Problem& reduced) const;
+  void state(const Problem& problem, Problem& reduced);
   bool finish(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
               std::span<const Index> active, Solution& solution);
 
@@ -37,9 +38,13 @@ class ReducedActiveSet {
     reason_ = why;
     return false;
   }
-  void fill();
+  void fill(Index j);
+  void complete();
+  bool guess_holds(const Problem& problem, std::span<const Index> active, double allowed);
   bool refine(const Problem& problem);
   void begin_from_climb(const Problem& problem);
+  bool any_violated() const;
+  bool clearly_independent() const;
   void compute_residuals(const Problem& problem);
   double correct();
   bool rest_holds(const Problem& problem, double limit);
@@ -50,6 +55,7 @@ class ReducedActiveSet {
   ReducedForm form_;
   LeastDistance climb_;
   WarmRows warm_;
+  bool complete_ = false;              // all rows are in the climb
   std::vector<Index> column_, start_;  // of a row in the climb; of the warm rows
   VectorX<Wide> z_, lambda_, force_;   // n; m; n
   Motion y_, step_, rest_, rho_;

@@ -5,8 +5,8 @@
 namespace zwang {
 namespace {
 
-constexpr double clear_pivot = 1e-5;  // as in joint_tree.cpp
-constexpr Index most_freedom = 512;   // N is dense: beyond, rows that keep their zeros are worth more
+constexpr double clear_pivot = JointTree::clear_pivot;
+constexpr Index most_freedom = 512;  // N is dense: beyond, rows that keep their zeros are worth more
 constexpr Index lanes = BodyRows::lanes;
 
 }  // namespace

@@ -14,22 +14,19 @@ class WarmRows {
   template <class Rows>
   const std::vector<Index>& find(const Problem& problem, const Rows& rows, const WarmStart* warm) {
     found_.clear();
-    force_.clear();
     if (!warm) return found_;
-    const std::size_t count = std::min(warm->key.size(), static_cast<std::size_t>(warm->lambda.size()));
-    order_.clear();
-    for (std::size_t i = 0; i < count; ++i)
-      if (warm->lambda[static_cast<Index>(i)] > 0) order_.push_back(i);
-    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return warm->key[a] < warm->key[b]; });
+    warm_ = warm;
+    sorted_ = false;
     force_.resize(static_cast<std::size_t>(rows.rows()));
+    Index shift = 0;  // most rows stand where they stood, or as far from there as the row before
     for (Index i = 0; i < rows.rows(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (rows.equality[at]) continue;
-      const RowKey& key = problem.key[static_cast<std::size_t>(rows.row[at])];
-      const auto place = std::lower_bound(order_.begin(), order_.end(), key,
-                                          [&](std::size_t a, const RowKey& k) { return warm->key[a] < k; });
-      if (place == order_.end() || warm->key[*place] != key) continue;
-      force_[at] = warm->lambda[static_cast<Index>(*place)] * rows.row_norm[i];
+      const Index place = find(problem.key[static_cast<std::size_t>(rows.row[at])], rows.row[at] + shift);
+      if (place < 0) continue;
+      shift = place - rows.row[at];
+      if (!(warm->lambda[place] > 0)) continue;
+      force_[at] = warm->lambda[place] * rows.row_norm[i];
       found_.push_back(i);
     }
     std::sort(found_.begin(), found_.end(), [&](Index a, Index b) {
@@ -40,6 +37,29 @@ class WarmRows {
   }
 
  private:
+  // Where the key is among the earlier frame's, first near `guess`, or -1; far from it only pushing rows are found.
+  Index find(const RowKey& key, Index guess) {
+    constexpr Index near = 3;
+    const auto count = std::min(static_cast<Index>(warm_->key.size()), warm_->lambda.size());
+    const auto is = [&](Index k) { return k >= 0 && k < count && warm_->key[static_cast<std::size_t>(k)] == key; };
+    for (Index d = 0; d <= near; ++d)
+      for (const Index k : {guess + d, guess - d})
+        if (is(k)) return k;
+    if (!sorted_) {
+      order_.clear();
+      for (Index k = 0; k < count; ++k)
+        if (warm_->lambda[k] > 0) order_.push_back(static_cast<std::size_t>(k));
+      std::sort(order_.begin(), order_.end(),
+                [&](std::size_t a, std::size_t b) { return warm_->key[a] < warm_->key[b]; });
+      sorted_ = true;
+    }
+    const auto place = std::lower_bound(order_.begin(), order_.end(), key,
+                                        [&](std::size_t a, const RowKey& k) { return warm_->key[a] < k; });
+    return place != order_.end() && warm_->key[*place] == key ? static_cast<Index>(*place) : -1;
+  }
+
+  const WarmStart* warm_ = nullptr;
+  bool sorted_ = false;
   std::vector<std::size_t> order_;
   std::vector<Index> found_;
   std::vector<double> force_;

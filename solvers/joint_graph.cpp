@@ -1,0 +1,113 @@
+#include "solvers/joint_graph.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace zwang {
+
+bool JointGraph::is_known(const BodyRows& rows) {
+  sorted_.clear();
+  for (Index i = 0; i < rows.rows(); ++i)
+    if (rows.equality[static_cast<std::size_t>(i)]) sorted_.push_back(i);
+  if (known_bodies_ != rows.bodies() || known_rows_ != sorted_) return false;
+  for (std::size_t k = 0; k < sorted_.size(); ++k)
+    if (known_[k] != rows.body[static_cast<std::size_t>(sorted_[k])]) return false;
+  return true;
+}
+
+void JointGraph::find_edges(const BodyRows& rows) {
+  const auto pair = [&](Index i) { return rows.body[static_cast<std::size_t>(i)]; };
+  std::stable_sort(sorted_.begin(), sorted_.end(), [&](Index i, Index j) { return pair(i) < pair(j); });
+  const int world = static_cast<int>(rows.bodies());
+  edges_.clear();
+  edges_of_.assign(static_cast<std::size_t>(world) + 1, {});
+  for (std::size_t k = 0; k < sorted_.size(); ++k) {
+    const auto [a, second] = pair(sorted_[k]);
+    const int b = second < 0 ? world : second;
+    if (edges_.empty() || edges_.back().a != a || edges_.back().b != b) {
+      for (const int end : {a, b}) edges_of_[static_cast<std::size_t>(end)].push_back(static_cast<int>(edges_.size()));
+      edges_.push_back({.a = a, .b = b, .first = static_cast<Index>(k), .count = 0});
+    }
+    ++edges_.back().count;
+  }
+}
+
+void JointGraph::span(int world) {
+  joints_.clear();
+  tree_rows_.clear();
+  std::vector<char> reached(static_cast<std::size_t>(world) + 1, 0), used(edges_.size(), 0);
+  reached.back() = 1;
+  const auto spread = [&](int from, int position) {
+    for (const int e : edges_of_[static_cast<std::size_t>(from)]) {
+      const Edge& edge = edges_[static_cast<std::size_t>(e)];
+      const int to = edge.a == from ? edge.b : edge.a;
+      if (used[static_cast<std::size_t>(e)] || reached[static_cast<std::size_t>(to)]) continue;
+      used[static_cast<std::size_t>(e)] = reached[static_cast<std::size_t>(to)] = 1;
+      if (position >= 0)
+        joints_[static_cast<std::size_t>(position)].children.push_back(static_cast<int>(joints_.size()));
+      joints_.push_back({.body = to,
+                         .parent = from == world ? -1 : from,
+                         .first = static_cast<Index>(tree_rows_.size()),
+                         .count = edge.count});
+      for (Index k = 0; k < edge.count; ++k) tree_rows_.push_back(sorted_[static_cast<std::size_t>(edge.first + k)]);
+    }
+  };
+  std::size_t done = 0;
+  const auto exhaust = [&] {
+    for (; done < joints_.size(); ++done) spread(joints_[done].body, static_cast<int>(done));
+  };
+  spread(world, -1);
+  exhaust();
+  const auto joints_of = [&](int b) { return edges_of_[static_cast<std::size_t>(b)].size(); };
+  while (static_cast<int>(joints_.size()) < world) {
+    int root = -1;
+    for (int b = 0; b < world; ++b)
+      if (!reached[static_cast<std::size_t>(b)] && (root < 0 || joints_of(b) > joints_of(root))) root = b;
+    reached[static_cast<std::size_t>(root)] = 1;
+    joints_.push_back({.body = root});
+    exhaust();
+  }
+  freedom_ = 0;
+  for (Joint& joint : joints_) {
+    joint.freedom = std::max<Index>(0, 6 - joint.count);
+    joint.column = freedom_;
+    freedom_ += joint.freedom;
+  }
+  cut_.clear();
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    for (Index k = 0; !used[e] && k < edges_[e].count; ++k)
+      cut_.push_back(sorted_[static_cast<std::size_t>(edges_[e].first + k)]);
+}
+
+void JointGraph::group_joints() {
+  std::vector<int> height(joints_.size(), 0);
+  order_.clear();
+  for (std::size_t j = joints_.size(); j-- > 0;) {
+    for (const int c : joints_[j].children) height[j] = std::max(height[j], height[static_cast<std::size_t>(c)] + 1);
+    order_.push_back(static_cast<int>(j));
+  }
+  const auto kind = [&](int j) {
+    return std::tuple(height[static_cast<std::size_t>(j)], joints_[static_cast<std::size_t>(j)].count);
+  };
+  std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return kind(a) < kind(b); });
+  group_end_.clear();
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= order_.size(); ++k)
+    if (k == order_.size() || k - begin == BodyRows::lanes || kind(order_[k]) != kind(order_[begin])) {
+      group_end_.push_back(k);
+      begin = k;
+    }
+}
+
+void JointGraph::build(const BodyRows& rows) {
+  if (is_known(rows)) return;
+  known_bodies_ = rows.bodies();
+  known_rows_ = sorted_;
+  known_.clear();
+  for (const Index i : sorted_) known_.push_back(rows.body[static_cast<std::size_t>(i)]);
+  find_edges(rows);
+  span(static_cast<int>(rows.bodies()));
+  group_joints();
+}
+
+}  // namespace zwang
