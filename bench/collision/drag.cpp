@@ -80,24 +80,30 @@ HandDrag::HandDrag(std::vector<Part> parts, const DragOptions& options)
   for (Vec<double, 6>& t : twist_) t.setZero();
 }
 
-// Where the hand is tracked in this frame: on a Lissajous curve over the parts, fingers curling.
+// Where the hand is tracked in this frame: on a Lissajous curve over the parts, fingers curling; or along a bar, closed
+// about it deeper than it lets them, the thumb less: there every phalanx but the first ones is pressed on something,
+// while on a flat surface a hand that lies on its palm touches with its finger tips at most.
 void HandDrag::aim() {
   const double t = static_cast<double>(frame_) * options_.dt;
-  const Vec3 reach = (0.3 * (high_ - low_)).cwiseMax(Vec3::Constant(0.02)), middle = (low_ + high_) / 2;
+  const bool grips = options_.grip > 0;
+  const Vec3 middle = (low_ + high_) / 2;
+  Vec3 reach = (0.3 * (high_ - low_)).cwiseMax(Vec3::Constant(0.02));
+  if (grips) reach.y() = 0;
   // Both terms pass through the middle; the mean speed is about options_.speed.
   const double omega = options_.speed / std::hypot(reach.x(), 0.7 * reach.y());
   const double lowered = std::min(1.0, t / 0.15);
   const double height = high_.z() + palm_half + 0.05 * (1 - lowered) - options_.depth * lowered;
-  const Vec3 at(middle.x() + reach.x() * std::sin(omega * t), middle.y() + reach.y() * std::sin(0.7 * omega * t),
-                height);
-  const double turn = 0.4 * std::sin(0.3 * omega * t) + (options_.spin > 0 ? std::sin(options_.spin * frame_) : 0);
+  Vec3 at(middle.x() + reach.x() * std::sin(omega * t), middle.y() + reach.y() * std::sin(0.7 * omega * t), height);
+  double turn = 0.4 * std::sin(0.3 * omega * t) + (options_.spin > 0 ? std::sin(options_.spin * frame_) : 0);
+  if (grips) turn *= 0.25, at.y() -= 0.045;
   hand::Angles angles{};
   for (int k = 0; k < hand::angles; ++k) {
-    const hand::Range range = hand::range(k);
     const double wave = 0.5 - 0.5 * std::cos(2 * pi * (0.7 + 0.05 * k) * t);
-    angles[static_cast<std::size_t>(k)] = k % 4 == 1 ? 0 : 0.25 * wave * range.high;
+    const double share = grips ? lowered * options_.grip * (0.9 + 0.1 * wave) * (k < 4 ? 0.3 : 1.0) : 0.25 * wave;
+    angles[static_cast<std::size_t>(k)] = k % 4 == 1 ? 0 : share * hand::range(k).high;
   }
-  const hand::Poses poses = hand::assemble({at, rotation(turn * Vec3::UnitZ())}, angles);
+  const Mat3 axes = rotation(turn * Vec3::UnitZ()) * rotation(Vec3(grips ? -0.5 : 0.0, 0, 0));
+  const hand::Poses poses = hand::assemble({at, axes}, angles);
   target_.assign(scene_.bodies.size(), Pose<double>{});
   std::copy(poses.begin(), poses.end(), target_.begin());
 }
@@ -215,14 +221,12 @@ DragFrame HandDrag::step() {
   }
   frame.held = share > 1e-3;
   ++frame_;
-  std::array<double, hand_bodies> gap;
-  gap.fill(1);
-  for (const collision::Touch& t : world_.touches(5e-4))
-    gap[static_cast<std::size_t>(t.a)] = std::min(gap[static_cast<std::size_t>(t.a)], t.gap);
-  for (const double g : gap) {
-    frame.touching += g < 5e-4;
-    frame.gap = std::min(frame.gap, g);
+  std::array<bool, hand_bodies> touches{};
+  for (const collision::Touch& t : world_.touches(5e-4)) {
+    frame.gap = std::min(frame.gap, t.gap);
+    if (t.b >= hand_bodies) touches[static_cast<std::size_t>(t.a)] = true;
   }
+  frame.touching = static_cast<int>(std::count(touches.begin(), touches.end(), true));
   return frame;
 }
 

@@ -21,10 +21,13 @@ struct Part {
 };
 
 struct DragOptions {
-  double dt = 1e-3;          // s
-  double speed = 0.5;        // m/s, of the target on its way over the parts
-  double spin = 0;           // rad per frame, of the target about its own vertical, to and fro
-  double depth = 0.03;       // m, of the target's palm below the surfaces
+  double dt = 1e-3;     // s
+  double speed = 0.5;   // m/s, of the target on its way over the parts
+  double spin = 0;      // rad per frame, of the target about its own vertical, to and fro
+  double depth = 0.03;  // m, of the target's palm below the surfaces
+  // The share of their range to which fingers close, about a bar along x on which the hand is dragged to and fro; 0:
+  // over a surface, curling and stretching.
+  double grip = 0;
   double gap = 2e-4;         // m, that contact rows keep
   double activation = 2e-3;  // m, at least; the motion of a frame when that is more
   int sub_steps = 3;
@@ -36,7 +39,7 @@ struct DragOptions {
 struct DragFrame {
   double touches = 0, manifold = 0, toc = 0;  // s
   int raw = 0, kept = 0;                      // contacts, of the frame's first sub-step
-  int touching = 0;                           // bodies nearer than 0.5 mm to something at the frame's end
+  int touching = 0;                           // bodies nearer than 0.5 mm to a part at the frame's end
   int truncations = 0;                        // sub-steps that ended at a time of contact
   int completed = 0;                          // contacts that lazy completion gave back
   bool held = false;                          // motion was left after the last sub-step
@@ -47,8 +50,9 @@ struct DragFrame {
 };
 
 // The bench's hand as a god object: palm a rounded box, phalanxes capsules. Its target runs over the parts with the
-// palm pressed `depth` below their highest points and the fingers curling; each frame z = dual_active_set(couple to
-// targets, joints, limits, contacts) moves the hand as far as the time of contact allows.
+// palm pressed `depth` below their highest points and the fingers curling, or along a bar that they are closed about;
+// each frame z = dual_active_set(couple to targets, joints, limits, contacts) moves the hand as far as the time of
+// contact allows.
 class HandDrag {
  public:
   HandDrag(std::vector<Part> parts, const DragOptions& options);

@@ -1,5 +1,8 @@
 #include "bench/collision/drag_scenes.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "bench/collision/meshes.h"
 #include "collision/load.h"
 
@@ -81,6 +84,30 @@ std::vector<Part> procedural(int count, std::size_t triangles, double row) {
   return laid_out(trees, row);
 }
 
+// Bars along x to close the hand about, 0.1 m thick. `outline` [m]: radius at an angle about x and a place along it.
+Tree bar(const std::function<double(double angle, double x)>& outline, std::size_t triangles) {
+  Mesh mesh = meshes::pipe(0.05, 0.01, 0.6, triangles);
+  for (Vec3& p : mesh.vertices) {
+    const double angle = std::atan2(p.y(), p.x()), share = std::hypot(p.x(), p.y()) / 0.05;
+    const double radius = share * outline(angle, p.z());
+    p = {p.z(), radius * std::cos(angle), radius * std::sin(angle)};
+  }
+  return tree(mesh);
+}
+
+// A sheet rolled up.
+Tree tube(std::size_t triangles) {
+  Mesh mesh = meshes::sheet(0.6, 2 * std::numbers::pi * 0.05, triangles);
+  for (Vec3& p : mesh.vertices) p = {p.x(), 0.05 * std::sin(p.y() / 0.05), 0.05 * std::cos(p.y() / 0.05)};
+  return tree(mesh);
+}
+
+std::vector<DragOptions> gripping(std::initializer_list<double> speeds) {
+  std::vector<DragOptions> runs;
+  for (const double v : speeds) runs.push_back({.speed = v, .grip = 0.6});
+  return runs;
+}
+
 std::vector<DragOptions> at_speeds(std::initializer_list<double> speeds) {
   std::vector<DragOptions> runs;
   for (const double v : speeds) runs.push_back({.speed = v});
@@ -143,6 +170,22 @@ std::vector<DragScene> drag_scenes(const fs::path& data, const fs::path& cache) 
          parts[2].velocity << 0, 0, 0.1, 2, 0, 0;
          return parts;
        }});
+  scenes.push_back({"gripped pipe", "100k triangles, smooth", gripping({0.5, 2}), 2500,
+                    [] { return laid_out({bar([](double, double) { return 0.05; }, 100000)}, 1); }});
+  scenes.push_back(
+      {"gripped bumpy bar", "60k triangles", gripping({0.5, 2}), 2500, [] {
+         return laid_out(
+             {bar([](double angle, double x) { return 0.05 * (1 + 0.05 * std::sin(6 * angle) * std::sin(120 * x)); },
+                  60000)},
+             1);
+       }});
+  scenes.push_back({"gripped shaft with teeth", "100k triangles", gripping({0.5, 2}), 2500, [] {
+                      Mesh shaft = meshes::gear(0.055, 0.6, 30, 100000);
+                      for (Vec3& p : shaft.vertices) p = Vec3(p.z(), p.x(), p.y());
+                      return laid_out({tree(shaft)}, 1);
+                    }});
+  scenes.push_back({"gripped tube of a sheet without thickness", "30k triangles", gripping({1, 5}), 2500,
+                    [] { return laid_out({tube(30000)}, 1); }});
   return scenes;
 }
 
