@@ -4,6 +4,7 @@
 #include "solvers/goldfarb_idnani.h"
 #include "solvers/polish.h"
 #include "solvers/reduced_active_set.h"
+#include "solvers/registry.h"
 
 namespace zwang {
 
@@ -19,6 +20,10 @@ struct DualActiveSet {
   static constexpr std::string_view name = "dual_active_set";
 
   bool reduce = true;  // the fast path of jointed bodies (reduced_active_set.h) first
+
+  static std::vector<Setting<DualActiveSet>> settings() {
+    return {{"reduce", &DualActiveSet::reduce, "solve in the few unknowns that the joints leave"}};
+  }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
