@@ -67,24 +67,23 @@ Encounters::Encounters(const GodObjects& objects, const Surroundings& surroundin
 }
 
 // A corner that coincides with a thicker one, or an earlier one as thick, of a body that it does not meet (a finger's
-// joint) goes the same way and says less: left out.
+// joint) goes the same way and says less: it has no rows of its own.
 void Encounters::choose_corners(const GodObjects& objects) {
   const auto place = [&](std::size_t b, const Vec3& corner) { return Vec3(objects.scene.bodies[b].pose * corner); };
-  const auto said = [&](std::size_t b, const Vec3& corner) {
+  const auto said_by = [&](std::size_t b, const Vec3& corner) {
     for (std::size_t other = 0; other < objects.shapes.size(); ++other) {
       const double less = objects.shapes[other].radius() - objects.shapes[b].radius();
       if (other == b || less < 0 || (less == 0 && other > b) ||
           (objects.filters[b].mask & objects.filters[other].group) != 0)
         continue;
       for (const Vec3& theirs : objects.shapes[other].corners())
-        if ((place(other, theirs) - place(b, corner)).norm() < 1e-9) return true;
+        if ((place(other, theirs) - place(b, corner)).norm() < 1e-9) return static_cast<BodyId>(other);
     }
-    return false;
+    return static_cast<BodyId>(b);
   };
   for (std::size_t b = 0; b < objects.shapes.size(); ++b) {
     corners_.emplace_back();
-    for (const Vec3& corner : objects.shapes[b].corners())
-      if (!said(b, corner)) corners_[b].push_back(corner);
+    for (const Vec3& corner : objects.shapes[b].corners()) corners_[b].push_back({corner, said_by(b, corner)});
   }
 }
 
@@ -122,9 +121,11 @@ void Encounters::meet(Touches touches, double activation) {
 }
 
 void Encounters::meet_mesh(int a, std::size_t corner, int b, double activation) {
+  const Corner& mine = corners_[static_cast<std::size_t>(a)][corner];
+  if (mine.said_by != a) return;
   const Pose<double>& mesh = world_.pose(b);
   const double radius = world_.shape(a)->radius();
-  const Vec3 center = world_.pose(a) * corners_[static_cast<std::size_t>(a)][corner], local = into(mesh, center);
+  const Vec3 center = world_.pose(a) * mine.at, local = into(mesh, center);
   std::array<collision::Plane, most_planes> planes;
   for (std::size_t k = 0; k < most_planes; ++k) {
     const auto found = nearest(*world_.mesh(b), local, radius + activation, std::span(planes).first(k));
@@ -141,10 +142,11 @@ void Encounters::meet_shape(int a, int b, double activation) {
   const Shape &mine = *world_.shape(a), &theirs = *world_.shape(b);
   const Pose<double>&at_a = world_.pose(a), &at_b = world_.pose(b);
   const double apart = mine.radius() + theirs.radius();
-  const std::vector<Vec3>& corners = corners_[static_cast<std::size_t>(a)];
+  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(a)];
   const Shape point = Shape::sphere(mine.radius());
   for (std::size_t corner = 0; corner < corners.size(); ++corner) {
-    const Vec3 center = at_a * corners[corner];
+    if (corners[corner].said_by != a) continue;
+    const Vec3 center = at_a * corners[corner].at;
     const collision::Closest c =
         collision::closest(point, {into(at_b, center), Mat3::Identity()}, {.shape = &theirs}, 0);
     if (c.distance <= 0 || c.distance - apart > activation) continue;
@@ -166,20 +168,20 @@ void Encounters::meet_shape(int a, int b, double activation) {
 bool Encounters::implied(const Touch& touch, std::size_t first_row, double activation) const {
   const Pose<double>& pose = world_.pose(touch.a);
   const double radius = world_.shape(touch.a)->radius();
-  const std::span<const Row> rows = std::span(rows_).subspan(first_row);
-  return std::any_of(rows.begin(), rows.end(), [&](const Row& row) {
+  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(touch.a)];
+  const auto keeps_off = [&](const Corner& corner, const Vec3& n, const Vec3& p) {
+    const Vec3 center = pose * corner.at;
+    const double height = n.dot(center - p) - radius, thick = world_.shape(corner.said_by)->radius();
+    return height > activation || std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
+             const Touch& t = row.touch;
+             return t.a == corner.said_by && t.b == touch.b && t.gap <= height + 1e-9 && n.dot(t.normal) > 1 - 1e-12 &&
+                    (t.point_a + thick * t.normal - center).squaredNorm() < 1e-18;
+           });
+  };
+  return std::any_of(rows_.begin() + static_cast<long>(first_row), rows_.end(), [&](const Row& row) {
     const Vec3 &n = row.touch.normal, &p = row.touch.point_b;
-    if (n.dot(touch.point_b - p) > collision::Plane::tolerance) return false;
-    const std::vector<Vec3>& corners = corners_[static_cast<std::size_t>(touch.a)];
-    return std::all_of(corners.begin(), corners.end(), [&](const Vec3& corner) {
-      const Vec3 center = pose * corner;
-      const double height = n.dot(center - p) - radius;
-      if (height > activation) return true;
-      return std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
-        return other.touch.gap <= height + 1e-9 && n.dot(other.touch.normal) > 1 - 1e-12 &&
-               (other.touch.point_a + radius * other.touch.normal - center).squaredNorm() < 1e-18;
-      });
-    });
+    return n.dot(touch.point_b - p) <= collision::Plane::tolerance &&
+           std::all_of(corners.begin(), corners.end(), [&](const Corner& c) { return keeps_off(c, n, p); });
   });
 }
 

@@ -57,6 +57,10 @@ class Encounters {
     int collider;
     Pose<double> at;  // in the object's axes
   };
+  struct Corner {
+    Vec3 at;         // m, in the god object's axes
+    BodyId said_by;  // whose rows say it
+  };
   using Touches = std::span<const collision::Touch>;
   void choose_corners(const GodObjects& objects);
   void meet(Touches touches, double activation);
@@ -67,10 +71,10 @@ class Encounters {
 
   collision::World world_;
   collision::Manifold manifold_;
-  std::vector<std::vector<Vec3>> corners_;  // by god object: m, of its core, those that say something
-  std::vector<std::vector<Part>> parts_;    // by object
-  std::vector<int> object_;                 // by collider
-  std::vector<collision::Touch> left_;      // that corners do not imply
+  std::vector<std::vector<Corner>> corners_;  // of the cores, by god object
+  std::vector<std::vector<Part>> parts_;      // by object
+  std::vector<int> object_;                   // by collider
+  std::vector<collision::Touch> left_;        // that corners do not imply
   std::vector<Row> rows_;
   std::size_t raw_ = 0;
   std::vector<Vec<double, 6>> motion_;  // by collider

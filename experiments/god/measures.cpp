@@ -23,6 +23,7 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
   for (const Object& object : surroundings.objects) {
     auto& parts = parts_.emplace_back();
     if (object.mesh && !object.loose()) parts.emplace_back(sight_.add(object.mesh, object.pose), Pose<double>{});
+    if (!parts.empty()) continue;
     for (const Object::Piece& piece : object.pieces)
       parts.emplace_back(sight_.add(piece.shape, placed(object.pose, piece.at), {}, true), piece.at);
   }
