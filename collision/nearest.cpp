@@ -17,8 +17,6 @@ bool hides(const Plane& plane, const TreeNode& node) {
   return highest <= plane.offset + Plane::tolerance;
 }
 
-bool hides(const Plane& plane, const Vec3& p) { return plane.normal.dot(p) <= plane.offset + Plane::tolerance; }
-
 double square_to(const TreeNode& node, const Vec3& p) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -32,15 +30,13 @@ double square_to(const TreeNode& node, const Vec3& p) {
 }  // namespace
 
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
-  const auto is_hidden = [&](const auto& what) {
-    return std::any_of(hidden.begin(), hidden.end(), [&](const Plane& plane) { return hides(plane, what); });
-  };
+  const auto hidden_by_any = [&](const auto& test) { return std::any_of(hidden.begin(), hidden.end(), test); };
   std::optional<NearestPoint> best;
   double least = reach * reach;
   const std::span<const TreeNode> nodes = tree.nodes();
   for (std::size_t i = 0; i < nodes.size();) {
     const TreeNode& node = nodes[i];
-    if (square_to(node, p) >= least || is_hidden(node)) {
+    if (square_to(node, p) >= least || hidden_by_any([&](const Plane& plane) { return hides(plane, node); })) {
       i = node.skip;
       continue;
     }
@@ -48,7 +44,7 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
     for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
       const Vec3 q = nearest_point(tree.triangles()[t], p);
       const double square = (q - p).squaredNorm();
-      if (!(square < least) || is_hidden(q)) continue;
+      if (!(square < least) || hidden_by_any([&](const Plane& plane) { return plane.hides(q); })) continue;
       least = square;
       best = {std::sqrt(square), q, t};
     }

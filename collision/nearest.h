@@ -12,6 +12,8 @@ struct Plane {
   static constexpr double tolerance = 2e-7;  // m; nodes are rounded outward by less
   Vec3 normal = Vec3::UnitZ();
   double offset = 0;  // m
+
+  bool hides(const Vec3& p) const { return normal.dot(p) <= offset + tolerance; }
 };
 
 struct NearestPoint {

@@ -69,7 +69,7 @@ std::string Simulation::checkpoint() {
   write(s.target);
   for (const Cluster& c : s.clusters) {
     const Cluster::Memory m = c.memory();
-    write(m.pose), write(m.target), write(m.blocked ? 1.0 : 0.0), write(m.caution);
+    write(m.pose), write(m.target), write(m.last_way), write(m.blocked ? 1.0 : 0.0), write(m.caution);
   }
   const Coupling::Memory coupled = s.coupling->memory();
   write(coupled.hand_speed), write(coupled.wrench);
@@ -91,7 +91,7 @@ void Simulation::restore(const std::string& checkpoint) {
   std::vector<Cluster::Memory> of_clusters;
   for (const Cluster& c : s.clusters) {
     Cluster::Memory& m = of_clusters.emplace_back(c.memory());
-    read(m.pose), read(m.target), read(blocked), read(m.caution);
+    read(m.pose), read(m.target), read(m.last_way), read(blocked), read(m.caution);
     m.blocked = blocked != 0;
   }
   Coupling::Memory coupled = s.coupling->memory();

@@ -11,8 +11,9 @@
 namespace zwang::god {
 namespace {
 
-constexpr double leg = 0.25;  // rad
-constexpr double jump = 8;    // activation distances that targets may go in a frame before it is one
+constexpr double leg = 0.25;    // rad
+constexpr double catch_up = 1;  // m/s
+constexpr double jump = 8;      // activation distances that targets may go in a frame before it is one
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
@@ -39,11 +40,11 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
 void Cluster::place(std::span<const Pose<double>> poses) {
   std::vector<Pose<double>> closed(poses.begin(), poses.end());
   skeleton_.close(closed, options_.limits == Options::Limits::predictive);
-  restore({closed, closed, false, 1});
+  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), false, 1});
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, blocked_, caution_};
+  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, last_way_, blocked_, caution_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -53,6 +54,7 @@ void Cluster::restore(const Memory& memory) {
     objects_.scene.bodies[b].pose = pose_[b];
     encounters_.place(static_cast<BodyId>(b), pose_[b]);
   }
+  last_way_ = memory.last_way;
   blocked_ = memory.blocked;
   caution_ = memory.caution;
   warm_ = {};
@@ -64,8 +66,6 @@ void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
   encounters_.place_object(object, pose);
 }
 
-// What a cluster that presses may move in a sub-step: half as far again as its targets went in this frame, at least a
-// millimetre to catch up with, at most what contacts are looked for over.
 void Cluster::aim(std::span<const Pose<double>> targets) {
   std::copy(targets.begin(), targets.end(), end_.begin());
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
@@ -75,7 +75,8 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
     target_[b] = end_[b];
   }
   if (most > jump * options_.activation) blocked_ = false;
-  allowed_ = std::clamp(1.5 * most, 0.5 * options_.activation, 1.5 * jump * options_.activation);
+  pace_ = std::min(1.2 * most, jump * options_.activation);
+  allowed_ = std::max({1.5 * pace_, 0.5 * options_.activation, std::min(catch_up * options_.dt, options_.activation)});
   done_ = held_ = false;
   sub_step_ = 0;
 }
@@ -161,13 +162,19 @@ bool Cluster::presses() const {
   return false;
 }
 
-bool Cluster::bound() {
+// The motion of a cluster that presses: half as far again as its targets went in this frame, at least at a metre a
+// second to catch up with, at most what contacts are looked for over. Where it turns back on itself, as between two
+// contacts that the linear rows put too far apart, it is bounded to half as much each time, but never below its
+// targets' pace.
+void Cluster::bound() {
   double most = 0;
   for (std::size_t b = 0; b < size(); ++b) most = std::max(most, travel(objects_.shapes[b], way_[b]));
-  const double allowed = caution_ * allowed_;
-  if (most <= allowed) return false;
+  double along = 0;
+  for (std::size_t b = 0; b < size(); ++b) along += way_[b].head<3>().dot(last_way_[b].head<3>());
+  caution_ = along < 0 && most > pace_ ? caution_ / 2 : std::min(1.0, 1.5 * caution_);
+  const double allowed = std::max(caution_ * allowed_, pace_);
+  if (most <= allowed) return;
   for (std::size_t b = 0; b < size(); ++b) way_[b] *= allowed / most;
-  return true;
 }
 
 // Gauss' function of what is left to the targets from the poses, less a motion [kg m^2].
@@ -252,7 +259,7 @@ double Cluster::propose(Frame& frame) {
   }
   solved_at_ = pose_;
   std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
-  bounded_ = leg_ = false;
+  leg_ = false;
   if (!solve_lazily(frame)) {
     std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
     candidate(1, frame);
@@ -272,7 +279,7 @@ double Cluster::propose(Frame& frame) {
   }
   blocked_ = pressing;
   if (!printed()) damp(frame);
-  bounded_ = bound();
+  bound();
   candidate(1, frame);
   return sweep(frame);
 }
@@ -285,7 +292,7 @@ void Cluster::commit(double toc, Frame& frame) {
   double part = options_.toc_twice ? toc * toc : toc;
   if (part < 1 || !leg_) ++sub_step_;
   frame.sub_steps = std::max(frame.sub_steps, sub_step_);
-  done_ = sub_step_ == options_.sub_steps || (part == 1 && !bounded_ && !leg_);
+  done_ = sub_step_ == options_.sub_steps || (part == 1 && !leg_);
   held_ = !solved_;
   bool clear = part == 1;
   if (printed()) candidate(part, frame), clear = true;
@@ -297,13 +304,15 @@ void Cluster::commit(double toc, Frame& frame) {
     clear = again == 1;
     part *= again;
   }
-  caution_ = clear ? std::min(1.0, 2 * caution_) : caution_ / 2;
   if (!clear) {
     held_ = true;
+    caution_ /= 2;
+    pace_ /= 2;
     return;
   }
   const Lap lap(frame.times.collision);
   for (std::size_t b = 0; b < size(); ++b) {
+    last_way_[b] = screw_[b];
     objects_.scene.bodies[b].pose = pose_[b] = end_[b];
     encounters_.place(static_cast<BodyId>(b), pose_[b]);
   }

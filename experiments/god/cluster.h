@@ -39,6 +39,7 @@ class Cluster {
   // What is kept from frame to frame, but for what makes it faster: restore() forgets that.
   struct Memory {
     std::vector<Pose<double>> pose, target;
+    std::vector<Vec<double, 6>> last_way;
     bool blocked;
     double caution;
   };
@@ -76,7 +77,7 @@ class Cluster {
   bool presses() const;
   double constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const;
   void damp(Frame& frame);
-  bool bound();
+  void bound();
   bool go_freely();
   void candidate(double part, Frame& frame);
   double sweep(Frame& frame);
@@ -92,12 +93,14 @@ class Cluster {
   WarmStart warm_;
   Vector z_u_;
   std::vector<Pose<double>> pose_, target_, end_,
-      solved_at_;                      // target_: of all bodies of the scene, as assembly wants it
-  std::vector<Vec<double, 6>> way_;    // m, rad: to the candidate
-  std::vector<Vec<double, 6>> screw_;  // m, rad: to the present end, by god object
-  double allowed_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
-  double caution_ = 1;                 // part of it that is tried after held ones
-  bool done_ = false, held_ = false, solved_ = false, bounded_ = false, leg_ = false, blocked_ = false;
+      solved_at_;                         // target_: of all bodies of the scene, as assembly wants it
+  std::vector<Vec<double, 6>> way_;       // m, rad: to the candidate
+  std::vector<Vec<double, 6>> screw_;     // m, rad: to the present end, by god object
+  std::vector<Vec<double, 6>> last_way_;  // m, rad: that was gone last
+  double allowed_ = 0;                    // m, the most that a pressing cluster moves in a sub-step
+  double pace_ = 0;                       // m, that it always may
+  double caution_ = 1;                    // part of it that it may after it turned back or was held
+  bool done_ = false, held_ = false, solved_ = false, leg_ = false, blocked_ = false;
   int sub_step_ = 0;
 };
 

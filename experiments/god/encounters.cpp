@@ -116,8 +116,10 @@ void Encounters::meet(Touches touches, double activation) {
       meet_mesh(a, corner, b, activation);
   else
     meet_shape(a, b, activation);
+  find_planes(a, b, first, activation);
   for (const Touch& t : touches)
-    if (!implied(t, first, activation)) left_.push_back(t);
+    if (std::none_of(planes_.begin(), planes_.end(), [&](const collision::Plane& p) { return p.hides(t.point_b); }))
+      left_.push_back(t);
 }
 
 void Encounters::meet_mesh(int a, std::size_t corner, int b, double activation) {
@@ -164,25 +166,27 @@ void Encounters::meet_shape(int a, int b, double activation) {
   }
 }
 
-// Is there a plane over the touched point which every corner keeps off, by a row or by being far from it?
-bool Encounters::implied(const Touch& touch, std::size_t first_row, double activation) const {
-  const Pose<double>& pose = world_.pose(touch.a);
-  const double radius = world_.shape(touch.a)->radius();
-  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(touch.a)];
+// The planes of a pair's rows that every corner keeps off, by a row or by being far from it. What lies under one of
+// them the god object keeps off, too.
+void Encounters::find_planes(int a, int b, std::size_t first_row, double activation) {
+  const Pose<double>& pose = world_.pose(a);
+  const double radius = world_.shape(a)->radius();
+  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(a)];
   const auto keeps_off = [&](const Corner& corner, const Vec3& n, const Vec3& p) {
     const Vec3 center = pose * corner.at;
     const double height = n.dot(center - p) - radius, thick = world_.shape(corner.said_by)->radius();
     return height > activation || std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
              const Touch& t = row.touch;
-             return t.a == corner.said_by && t.b == touch.b && t.gap <= height + 1e-9 && n.dot(t.normal) > 1 - 1e-12 &&
+             return t.a == corner.said_by && t.b == b && t.gap <= height + 1e-9 && n.dot(t.normal) > 1 - 1e-12 &&
                     (t.point_a + thick * t.normal - center).squaredNorm() < 1e-18;
            });
   };
-  return std::any_of(rows_.begin() + static_cast<long>(first_row), rows_.end(), [&](const Row& row) {
-    const Vec3 &n = row.touch.normal, &p = row.touch.point_b;
-    return n.dot(touch.point_b - p) <= collision::Plane::tolerance &&
-           std::all_of(corners.begin(), corners.end(), [&](const Corner& c) { return keeps_off(c, n, p); });
-  });
+  planes_.clear();
+  for (std::size_t r = first_row; r < rows_.size(); ++r) {
+    const Vec3 &n = rows_[r].touch.normal, &p = rows_[r].touch.point_b;
+    if (std::all_of(corners.begin(), corners.end(), [&](const Corner& c) { return keeps_off(c, n, p); }))
+      planes_.push_back({n, n.dot(p)});
+  }
 }
 
 // What the manifold has kept from number `from` on, each as the sphere of its core point.

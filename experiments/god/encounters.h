@@ -66,7 +66,7 @@ class Encounters {
   void meet(Touches touches, double activation);
   void meet_mesh(int a, std::size_t corner, int b, double activation);
   void meet_shape(int a, int b, double activation);
-  bool implied(const collision::Touch& touch, std::size_t first_row, double activation) const;
+  void find_planes(int a, int b, std::size_t first_row, double activation);
   void add_kept(std::size_t from);
 
   collision::World world_;
@@ -76,6 +76,7 @@ class Encounters {
   std::vector<int> object_;                   // by collider
   std::vector<collision::Touch> left_;        // that corners do not imply
   std::vector<Row> rows_;
+  std::vector<collision::Plane> planes_;  // m, world; of the pair at hand
   std::size_t raw_ = 0;
   std::vector<Vec<double, 6>> motion_;  // by collider
   std::vector<collision::Move> moves_;
