@@ -106,7 +106,8 @@ std::span<const Suite> suites() {
        400,
        20,
        true,
-       "dual_active_set,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,mujoco_newton",
+       "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,mujoco_"
+       "newton",
        true},
   };
   return all;
@@ -151,8 +152,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.limit_s = suite.limit_s;
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
-    for (const std::string& name : split_solvers(suite.solvers))
-      if (find_solver(name, among)) options.solvers += (options.solvers.empty() ? "" : ",") + name;
+    for (const std::string& text : split_solvers(suite.solvers))
+      if (find_solver(text.substr(0, text.find(':')), among))
+        options.solvers += (options.solvers.empty() ? "" : ",") + text;
   if (options.solvers.empty())
     for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;
 

@@ -11,6 +11,7 @@
 #include "bench/suite/neutral_kernel.h"
 #include "bench/suite/result.h"
 #include "bench/suite/sequence.h"
+#include "bench/suite/stages.h"
 #include "core/islands.h"
 
 namespace zwang {
@@ -19,7 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int generated_frames = 500, assembly_samples = 25;
-constexpr Index dense_limit = 2000;
 
 void put_quartiles(const std::string& name, const std::vector<double>& samples, Json& line) {
   const Quartiles q = quartiles(samples);
@@ -106,14 +106,42 @@ std::vector<std::string> time_assembly() {
   return lines;
 }
 
+std::vector<std::string> profile_stages() {
+  const std::vector<int> contacts{0, 4, 16, 64, 200};
+  std::vector<Problem> hands;
+  for (const int c : contacts) hands.push_back(Assembly(c).problem);
+  const std::vector<StageTimes> times = time_stages(hands);
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < hands.size(); ++k) {
+    const StageTimes& t = times[k];
+    lines.push_back(Json({{"kind", "stages"},
+                          {"scene", "hand"},
+                          {"contacts", contacts[k]},
+                          {"checks", t.checks},
+                          {"whiten", t.whiten},
+                          {"joints", t.joints},
+                          {"rows", t.rows},
+                          {"climb", t.climb},
+                          {"refine", t.refine}})
+                        .dump());
+  }
+  return lines;
+}
+
+// Of one island, for methods of dense matrices.
+constexpr std::pair<std::string_view, Index> dense_limits[] = {
+    {"dual_active_set", 2000}, {"nnls", 700}, {"cholesky", 700}};
+
 }  // namespace
 
 std::string left_out(const Problem& problem, const Run& run) {
-  if (problem.size() <= dense_limit || !run.solver.starts_with("dual_active_set")) return {};
+  const auto* const limit = std::ranges::find(dense_limits, run.solver.substr(0, run.solver.find(':')),
+                                              [](const auto& l) { return l.first; });
+  if (limit == std::end(dense_limits) || problem.size() <= limit->second) return {};
   Islands islands;
   islands.split(problem);
   for (const Island& island : islands.all())
-    if (island.problem.size() > dense_limit)
+    if (island.problem.size() > limit->second)
       return "not run: dense, and one island has " + std::to_string(island.problem.size()) + " unknowns";
   return {};
 }
@@ -124,6 +152,7 @@ bool write_speed(const std::filesystem::path& directory, const std::filesystem::
   std::filesystem::remove(file);
   ResultFile out(file);
   out.append(time_assembly());
+  out.append(profile_stages());
 
   std::vector<Sequence> sequences;
   for (const int contacts : {16, 64}) {

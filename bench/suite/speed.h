@@ -8,13 +8,13 @@
 
 namespace zwang {
 
-// Whether a solver of dense matrices is kept from a problem: one of its islands has more than 2000 unknowns. Returns ""
-// or why.
+// Whether a solver of dense matrices is kept from a problem: one of its islands has more unknowns than is worth
+// waiting for. Returns "" or why.
 std::string left_out(const Problem& problem, const Run& run);
 
 // What the speed suite measures beside its batches, as DIR/speed.jsonl (docs/formats.md): sequences of frames, cold and
-// warm, and assembly. Written anew in each call; takes up to `budget` seconds of solving. False when interrupted.
-// `cache`: of references (suite.h).
+// warm, assembly, and where dual_active_set's time goes. Written anew in each call; takes up to `budget` seconds of
+// solving. False when interrupted. `cache`: of references (suite.h).
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
                  double budget, Desk& desk, const std::atomic<bool>& interrupted);
 

@@ -223,6 +223,18 @@ json range_gaps(const Run& run) {
       {"rows", rows}};
 }
 
+json stages(const Run& run) {
+  json rows = json::array();
+  for (const StageTimes& t : run.stages) {
+    double whole = 0;
+    for (const auto& [stage, time] : t.stages) whole += time;
+    int order = 0;
+    for (const auto& [stage, time] : t.stages)
+      rows.push_back({t.contacts, stage, order++, known(time), known(time / whole, 3)});
+  }
+  return {{"fields", {"contacts", "stage", "order", "time", "share"}}, {"rows", rows}};
+}
+
 }  // namespace
 
 std::string drawn_as(const Result& r) {
@@ -235,10 +247,14 @@ std::string drawn_as(const Result& r) {
 }
 
 std::string chart_rows(const Run& run) {
-  return json{
-      {"work-precision", work_precision(run)}, {"profile", profiles(run)},         {"sweep", sweep_states(run)},
-      {"scaling", scaling_points(run, false)}, {"fit", scaling_points(run, true)}, {"convergence", convergence(run)},
-      {"range-gap", range_gaps(run)}}
+  return json{{"work-precision", work_precision(run)},
+              {"profile", profiles(run)},
+              {"sweep", sweep_states(run)},
+              {"scaling", scaling_points(run, false)},
+              {"fit", scaling_points(run, true)},
+              {"convergence", convergence(run)},
+              {"range-gap", range_gaps(run)},
+              {"stages", stages(run)}}
       .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -30,6 +30,7 @@ const figures = [
   ...distinct('scaling', 'family').map(sweep => ['scaling', `scaling-${file_name(sweep)}`, `Scaling: ${sweep}`, {sweep}]),
   ['sweep', 'break-points', 'Stability families, benign to hard', {}],
   ['range-gap', 'range-gap', 'Error against the range gap', {}],
+  ['stages', 'stages', 'Where the time of dual_active_set goes', {}],
 ];
 
 const logger = vega.logger(vega.Error);

@@ -113,6 +113,11 @@ void parse_speed(const json& line, Run& run) {
                             .assemble_s = number(line, "assemble_s"),
                             .islands_s = number(line, "islands_s"),
                             .kernel_s = number(line, "kernel_s")});
+  if (text(line, "kind") == "stages") {
+    run.stages.push_back({.scene = text(line, "scene"), .contacts = count(line, "contacts")});
+    for (const char* stage : {"checks", "whiten", "joints", "rows", "climb", "refine"})
+      run.stages.back().stages.emplace_back(stage, number(line, stage));
+  }
   if (text(line, "kind") == "sequence")
     run.sequences.push_back({.sequence = text(line, "sequence"),
                              .solver = text(line, "solver"),

@@ -61,6 +61,13 @@ struct AssemblyTimes {
   double assemble_s = unknown, islands_s = unknown, kernel_s = unknown;
 };
 
+// A line of speed.jsonl about where dual_active_set's time goes on one problem [s].
+struct StageTimes {
+  std::string scene = {};
+  long contacts = 0;
+  std::vector<std::pair<std::string, double>> stages = {};  // in their order
+};
+
 // A line of speed.jsonl about one solver over successive frames.
 struct SequenceTimes {
   std::string sequence = {}, solver = {};
@@ -88,6 +95,7 @@ struct Run {
   std::vector<TracePoint> traces;
   std::vector<AssemblyTimes> assembly;   // of the speed suite
   std::vector<SequenceTimes> sequences;  // likewise
+  std::vector<StageTimes> stages;        // likewise
   std::string torn;                      // "" or what was left out: a line cut off by a killed run
 };
 

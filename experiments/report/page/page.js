@@ -107,7 +107,7 @@
   // New rows into a drawn chart; drawn anew where its words change or it was empty.
   async function update(name) {
     const holder = document.querySelector(`[data-chart="${name}"]`);
-    if (!holder.dataset.seen) return;
+    if (!holder?.dataset.seen) return;
     const drawn = rows[name](data, state);
     if (!views[name] || drawn.length === 0 || shown_spec[name] !== JSON.stringify(placeholders(name, holder))) return draw(name);
     await views[name].change('rows', vega.changeset().remove(() => true).insert(drawn)).runAsync();
@@ -277,7 +277,8 @@
   document.getElementById('headline').append(...data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''})));
   for (const section of all('main > section[data-short]')) {
     const holder = section.querySelector('[data-table]');
-    if (holder && !data.tables[holder.dataset.table] && !section.querySelector('[data-chart]')) section.remove();
+    const needed = section.dataset.needs ?? (section.querySelector('[data-chart]') ? undefined : holder?.dataset.table);
+    if (needed && !data.tables[needed]) section.remove();
   }
   document.querySelector('nav').append(...all('main > section[data-short]').map(s => element('a', {href: `#${s.id}`, textContent: s.dataset.short})));
   const undrawn = data.families.filter(family => !drawn_families.includes(family));

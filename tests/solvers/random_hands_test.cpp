@@ -1,0 +1,75 @@
+// dual_active_set on a thousand random hands: its fast path against its careful one and against another method.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bench/scenes/physical.h"
+#include "core/measure.h"
+#include "solvers/dual_active_set.h"
+#include "solvers/nnls.h"
+#include "tests/solvers/random_mechanism.h"
+
+namespace zwang {
+namespace {
+
+constexpr int hands_tried = 1000;
+
+// Any pose, joints open by a micrometre to a centimetre, up to 100 contacts and 20 limits, the index finger locked or
+// not. Where the gaps are not drawn around a motion, some ask for what no motion gives.
+Problem random_hand(int seed) {
+  Draw draw(seed);
+  const double contacts = draw.below(4) ? draw.below(101) : draw.below(9);
+  const double limits = draw.below(3) ? draw.below(9) : draw.below(21);
+  const double drift = std::exp2(-draw.uniform(7, 20));
+  return hands({{"hands", 1},
+                {"contacts", contacts},
+                {"limits", limits},
+                {"drift", drift},
+                {"feasible", draw.below(2)},
+                {"locked", draw.below(8) == 0},
+                {"seed", seed}})
+      .problem;
+}
+
+TEST(RandomHands, AreSolvedAlikeByTheFastPathTheCarefulOneAndNnls) {
+  DualActiveSet fast, careful;
+  careful.reduce = false;
+  Nnls other;
+  ReducedActiveSet reduced;
+  Solution a, b, c, d;
+  int infeasible = 0, taken = 0, compared = 0, nnls_alike = 0;
+  for (int seed = 1; seed <= hands_tried; ++seed) {
+    const Problem p = random_hand(seed);
+    fast.solve(p, {}, a);
+    careful.solve(p, {}, b);
+    other.solve(p, {}, c);
+    d.reset(p.size(), p.rows());
+    const bool by_fast_path = reduced.solve(p, {}, d);
+    taken += by_fast_path;
+    ASSERT_EQ(a.status, b.status) << seed << ": " << to_string(a.status) << ", " << to_string(b.status);
+    if (a.status == Status::infeasible) {
+      ++infeasible;
+      EXPECT_FALSE(by_fast_path) << seed;
+      EXPECT_EQ(measure(p, a, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << seed;
+      EXPECT_NE(c.status, Status::solved) << seed;
+      continue;
+    }
+    ASSERT_TRUE(a.status == Status::solved || a.status == Status::solved_ill_conditioned)
+        << seed << ": " << to_string(a.status);
+    if (a.status != Status::solved) continue;
+    ++compared;
+    EXPECT_LE(test::distance(p, a.z, b.z), 1e-12) << seed;
+    if (c.status != Status::solved) continue;
+    ++nnls_alike;
+    EXPECT_LE(test::distance(p, a.z, c.z), 1e-12) << seed;
+  }
+  RecordProperty("infeasible", infeasible);
+  RecordProperty("fast path", taken);
+  EXPECT_GE(infeasible, 19);
+  EXPECT_GE(compared, hands_tried - infeasible - 20);
+  EXPECT_GE(nnls_alike, compared - 20);
+  EXPECT_GE(taken, (hands_tried - infeasible) * 9 / 10);
+}
+
+}  // namespace
+}  // namespace zwang
