@@ -1,8 +1,6 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <stdexcept>
 
 #include "bench/suite/conditions.h"
@@ -10,33 +8,12 @@
 #include "bench/suite/run_record.h"
 #include "bench/suite/suite.h"
 #include "experiments/commands.h"
+#include "experiments/long_run.h"
 #include "experiments/options.h"
 #include "experiments/report/report.h"
 
 namespace zwang {
 namespace {
-
-std::atomic<bool> interrupted = false;
-
-// The first Ctrl-C ends the run cleanly, a second one at once.
-void stop_on_interrupt() {
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
-// results/20261120-2354, or with -2, -3, ... where that is taken.
-std::filesystem::path fresh_directory() {
-  const std::time_t now = std::time(nullptr);
-  char name[32];
-  std::strftime(name, sizeof name, "%Y%m%d-%H%M", std::localtime(&now));
-  std::filesystem::path path = std::filesystem::path("results") / name;
-  for (int i = 2; std::filesystem::exists(path); ++i)
-    path = std::filesystem::path("results") / (name + ("-" + std::to_string(i)));
-  return path;
-}
 
 std::string counts(const Tally& t) {
   std::string text = grouped(t.solved) + " solved, " + grouped(t.near) + " near, " + grouped(t.wrong) + " wrong, " +
@@ -115,9 +92,8 @@ int bench_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   if (asked.suite.suite == "collision") {
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
-    stop_on_interrupt();
     return bench_collision(asked.out.empty() ? fresh_directory() : std::filesystem::path(asked.out), command,
-                           interrupted);
+                           stop_on_interrupt());
   }
   asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
@@ -155,7 +131,7 @@ int bench_command(std::vector<std::string> words) {
   // problem -> solve -> solution -> measure -> results
   const std::string directory = settings.directory.string();
   const std::string go_on = "./zwang bench --resume " + report::shell_word(directory);
-  stop_on_interrupt();
+  const std::atomic<bool>& interrupted = stop_on_interrupt();
   Outcome outcome;
   try {
     outcome = run_suite(plan, settings, interrupted);

@@ -28,6 +28,8 @@ int export_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
+int simulate_command(std::vector<std::string> words);
+int hand_command(std::vector<std::string> words);
 int experiment_command(std::vector<std::string> words);
 
 // Where real parts and recordings lie, which are not the project's: $ZWANG_DATA, or ../shared/data beside the project.

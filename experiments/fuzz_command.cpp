@@ -1,22 +1,18 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <thread>
 
 #include "bench/fuzz/worker.h"
 #include "bench/suite/progress.h"
 #include "experiments/commands.h"
+#include "experiments/long_run.h"
 #include "experiments/options.h"
 #include "experiments/report/results.h"
 
 namespace zwang {
-namespace {
-
-std::atomic<bool> interrupted = false;
-
-}  // namespace
+namespace {}  // namespace
 
 int fuzz_command(std::vector<std::string> words) {
   CLI::App options(
@@ -39,10 +35,6 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
   if (!read(options, std::move(words))) return done;
 
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
   Progress bar(isatty(STDERR_FILENO) == 1);
   const auto start = std::chrono::steady_clock::now();
   const auto progress = [&](std::uint64_t so_far) {
@@ -50,7 +42,7 @@ int fuzz_command(std::vector<std::string> words) {
     const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     bar.show(fraction, grouped(so_far) + " problems", fraction > 0 ? passed * (1 - fraction) / fraction : -1);
   };
-  const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, interrupted);
+  const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, stop_on_interrupt());
   bar.clear();
 
   std::printf("%s problems (seed %llu) in %s\n\n", grouped(o.done).c_str(), static_cast<unsigned long long>(fuzz.seed),

@@ -3,7 +3,7 @@
 //   scene -> assemble -> problem -> solve -> solution -> measure -> metrics -> results.jsonl -> report
 //
 // `bench` walks all of it, `solve` from a stored problem to its metrics, `export` from a scene to a stored problem,
-// `report` from stored results to charts.
+// `report` from stored results to charts. `simulate` walks it once a frame, for a hand among objects.
 
 #include <array>
 #include <cstdio>
@@ -25,8 +25,11 @@ const std::array commands = {
                    "charts of stored results, as a page or for a paper; two runs side by side", zwang::report_command},
     zwang::Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true",
                    zwang::fuzz_command},
+    zwang::Command{"simulate", "The god hand", "a tracked hand among objects: frames, a summary, a replay in 3D",
+                   zwang::simulate_command},
     zwang::Command{"experiment", "The god hand", "a question of the paper, answered by a run here",
                    zwang::experiment_command},
+    zwang::Command{"hand", "The god hand", "the sparsity of its problem", zwang::hand_command},
     zwang::Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
                    zwang::solve_command},
     zwang::Command{"export", "Look at one problem", "write a scene's problem to a file", zwang::export_command},
@@ -53,6 +56,7 @@ void print_help() {
       "Examples:\n"
       "  ./zwang bench                    the standard suite, at most ten minutes\n"
       "  ./zwang bench --suite quick      a minute\n"
+      "  ./zwang simulate simple --motion grasp\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
       "Exit codes: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped with "
       "Ctrl-C.");

@@ -7,6 +7,7 @@
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include <map>
 #include <stdexcept>
 
 namespace zwang {
@@ -36,6 +37,34 @@ struct Solid {
   Pose<double> place;  // in the shape's axes
 };
 
+// The faces of the hull of these corners, moved outward by r: every triangle of corners that has all others on one
+// side. Null where the corners lie in a plane or a line; their capsules are all of such a shape but two flat sides.
+std::shared_ptr<Model> swept_faces(std::span<const Vec3> corners, double r) {
+  std::vector<Vec3> points;
+  std::vector<fcl::Triangle> faces;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& c : corners) middle += c / static_cast<double>(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (std::size_t k = 0; k < j; ++k) {
+        Vec3 normal = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
+        const double area = normal.norm();
+        if (area < 1e-14) continue;
+        normal *= (normal.dot(corners[i] - middle) < 0 ? -1 : 1) / area;
+        const double top = normal.dot(corners[i]) + 1e-9;
+        if (std::any_of(corners.begin(), corners.end(), [&](const Vec3& c) { return normal.dot(c) > top; })) continue;
+        faces.emplace_back(points.size(), points.size() + 1, points.size() + 2);
+        for (const std::size_t c : {i, j, k}) points.push_back(corners[c] + r * normal);
+      }
+  if (faces.empty()) return nullptr;
+  auto model = std::make_shared<Model>();
+  model->beginModel(static_cast<int>(faces.size()), static_cast<int>(points.size()));
+  model->addSubModel(points, faces);
+  if (model->endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
+  model->computeLocalAABB();
+  return model;
+}
+
 std::vector<Solid> solids(const Shape& shape) {
   const double r = shape.radius();
   const auto corners = shape.corners();
@@ -46,6 +75,8 @@ std::vector<Solid> solids(const Shape& shape) {
       const Vec3 widths = 2 * (shape.half() + r * Vec3::Unit(k));
       out.push_back({std::make_shared<fcl::Box<double>>(widths), {}});
     }
+  if (shape.core() == Core::hull)
+    if (const auto faces = swept_faces(corners, r)) out.push_back({faces, {}});
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const Vec3 edge = corners[j] - corners[i];
@@ -62,18 +93,16 @@ Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b
 struct Witness::Models {
   std::vector<std::unique_ptr<Model>> all;
   std::vector<std::shared_ptr<const collision::Tree>> trees;
-  // By the shape's address: the caller's shapes outlive the questions about them.
-  mutable std::vector<std::pair<const Shape*, std::vector<Solid>>> known;
+  mutable std::map<const Shape*, std::vector<Solid>> known;
 
   const std::vector<Solid>& of(const Shape& shape) const {
-    for (const auto& [address, list] : known)
-      if (address == &shape) return list;
-    return known.emplace_back(&shape, solids(shape)).second;
+    const auto [at, fresh] = known.try_emplace(&shape);
+    if (fresh) at->second = solids(shape);
+    return at->second;
   }
 };
 
 Witness::Witness(std::span<const std::shared_ptr<const collision::Tree>> meshes) : models_(std::make_unique<Models>()) {
-  models_->known.reserve(64);
   for (const auto& tree : meshes) {
     std::vector<Vec3> corners;
     std::vector<fcl::Triangle> triangles;
@@ -109,6 +138,22 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t
                  transform(times(pose, solid.place)), request, result);
     if (result.isCollision()) return true;
   }
+  return false;
+}
+
+bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, const Shape& other,
+                       const Pose<double>& of_other) const {
+  const double reach = shape.reach() + shape.radius() + other.reach() + other.radius();
+  if ((pose.position - of_other.position).squaredNorm() > reach * reach) return false;
+  fcl::CollisionRequest<double> request;
+  request.gjk_solver_type = fcl::GST_LIBCCD;
+  for (const Solid& a : models_->of(shape))
+    for (const Solid& b : models_->of(other)) {
+      fcl::CollisionResult<double> result;
+      fcl::collide(b.geometry.get(), transform(times(of_other, b.place)), a.geometry.get(),
+                   transform(times(pose, a.place)), request, result);
+      if (result.isCollision()) return true;
+    }
   return false;
 }
 

@@ -19,6 +19,10 @@ class Witness {
   // capsules that it is the union of; of a hull, the capsules between its corners.
   bool overlaps(const collision::Shape& shape, const Pose<double>& pose, std::size_t mesh,
                 const Pose<double>& of_mesh) const;
+  // Do two shapes overlap? What a hull has beyond those capsules, its faces moved out by the radius, counts too. Shapes
+  // are known by their addresses: they outlive the witness, unchanged.
+  bool overlaps(const collision::Shape& shape, const Pose<double>& pose, const collision::Shape& other,
+                const Pose<double>& of_other) const;
 
   // The plainest continuous query that FCL's discrete ones allow, as a rival: step by (distance - stop / 2) over the
   // fastest point's speed until the distance is at most `stop`. fcl::distance at tolerance 1e-9. Spheres and capsules.

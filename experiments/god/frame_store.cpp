@@ -151,7 +151,7 @@ std::uintmax_t end_of_lines(const std::filesystem::path& file, long keep) {
 std::span<const Column> columns() { return all_columns; }
 
 FrameWriter::FrameWriter(const std::filesystem::path& directory, std::size_t bodies, std::size_t loose, long keep)
-    : directory_(directory) {
+    : directory_(directory), bodies_(bodies), loose_(loose) {
   const auto lines = directory / "frames.jsonl", poses = directory / "poses.bin";
   PosesHead head;
   head.bodies = static_cast<std::uint32_t>(bodies);
@@ -171,6 +171,10 @@ FrameWriter::FrameWriter(const std::filesystem::path& directory, std::size_t bod
 }
 
 void FrameWriter::write(const Frame& frame) {
+  if (frame.target.size() != bodies_ || frame.god.size() != bodies_ || frame.loose.size() != loose_)
+    throw std::logic_error("frame " + std::to_string(frame.number) + " has " + std::to_string(frame.god.size()) +
+                           " god objects and " + std::to_string(frame.loose.size()) + " loose ones, the run " +
+                           std::to_string(bodies_) + " and " + std::to_string(loose_));
   line_ = "{\"n\":";
   put(line_, frame.number);
   for (const Column& column : all_columns) {

@@ -35,11 +35,13 @@ class FrameWriter {
  public:
   // `keep`: so many of the frames that are in the folder already stay, the others go. bodies: god objects of all hands.
   FrameWriter(const std::filesystem::path& directory, std::size_t bodies, std::size_t loose, long keep = 0);
+  // Throws std::logic_error when the frame has other numbers of poses.
   void write(const Frame& frame);
   void flush();  // throws BadFile when the disk is full
 
  private:
   std::filesystem::path directory_;
+  std::size_t bodies_, loose_;
   std::ofstream lines_, poses_;
   std::string line_;
 };

@@ -62,15 +62,18 @@ int marks(const Frame& f) {
          (f.stuck ? stuck : 0) | (fault(f).empty() ? 0 : wrong);
 }
 
-// The frames that are shown, one of each `every`.
-std::vector<Frame> shown_frames(const std::filesystem::path& directory, long every) {
+// The frames that are shown: all, or the most telling ones of `most_frames_shown` stretches of equal length.
+std::vector<Frame> shown_frames(const std::filesystem::path& directory, long total) {
+  const long places = std::min(total, most_frames_shown);
   std::vector<Frame> shown;
-  long read = 0;
+  long read = 0, place = -1;
   read_frames(directory, [&](const Frame& frame) {
-    if (read++ % every == 0)
+    const long here = std::min(read++ * places / total, places - 1);
+    if (here != place)
       shown.push_back(frame);
     else if (marks(frame) > marks(shown.back()))
       shown.back() = frame;
+    place = here;
   });
   return shown;
 }
@@ -197,8 +200,7 @@ Json words_json(const std::vector<Frame>& frames, const Name& name) {
 
 std::filesystem::path write_replay(const std::filesystem::path& directory, const Record& record, const Summary& summary,
                                    const Surroundings& surroundings, std::span<const hand::Model> models) {
-  const long every = std::max(1l, (summary.frames() + most_frames_shown - 1) / most_frames_shown);
-  const std::vector<Frame> frames = shown_frames(directory, every);
+  const std::vector<Frame> frames = shown_frames(directory, std::max(1l, summary.frames()));
   if (frames.empty()) throw BadFile(directory.string() + ": no frame to show");
   const Conditions c = conditions();
   Json hands = Json::array(), bodies = Json::array();
@@ -219,7 +221,6 @@ std::filesystem::path write_replay(const std::filesystem::path& directory, const
                      {"lines", summary.lines(record)},
                      {"total", summary.frames()},
                      {"frames", frames.size()},
-                     {"every", every},
                      {"stages", stage_names},
                      {"hands", hands},
                      {"bodies", bodies},

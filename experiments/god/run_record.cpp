@@ -123,6 +123,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
   j["options"] = to_json(r.asked.options);
   j["hands"] = r.hands;
   j["loose"] = r.loose;
+  j["notes"] = r.notes;
   j["recorded"] = r.recorded;
   j["held_over"] = r.held_over;
   j["misfit_mean"] = r.misfit_mean;
@@ -155,6 +156,7 @@ Record read_record(const std::filesystem::path& directory) {
     r.title = j.at("title");
     r.hands = j.at("hands");
     r.loose = j.at("loose");
+    r.notes = j.at("notes").get<std::vector<std::string>>();
     r.recorded = j.at("recorded");
     r.held_over = j.at("held_over");
     r.misfit_mean = j.at("misfit_mean");

@@ -26,6 +26,7 @@ struct Record {
   std::uint64_t motion = 0, surroundings = 0;  // fingerprints of what the run began with
   std::string title = {};                      // of the motion
   std::size_t hands = 0, loose = 0, held_over = 0;
+  std::vector<std::string> notes = {};      // on the motion, one line each
   bool recorded = false;                    // the motion is a recording: misfit and placement say something
   double misfit_mean = 0, misfit_most = 0;  // m, of the worst hand
   Placement placement = {};

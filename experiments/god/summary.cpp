@@ -99,6 +99,12 @@ void Summary::add(const Frame& f) {
   }
 }
 
+void Summary::set_audit(long looked, long found, long first) {
+  audited_ = looked;
+  overlaps_ = found;
+  first_overlap_ = first;
+}
+
 std::vector<std::string> Summary::lines(const Record& record) const {
   if (frames() == 0) return {"No frame was simulated."};
   const auto n = static_cast<double>(frames());
@@ -131,10 +137,15 @@ std::vector<std::string> Summary::lines(const Record& record) const {
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
                   length(record.misfit_most) + " at most; " +
                   counted(static_cast<long>(record.held_over), "recorded frame") + " without a hand held over");
+  out.insert(out.end(), record.notes.begin(), record.notes.end());
   if (untracked_ > 0) out.push_back(counted(untracked_, "frame") + " without tracking: the last target was kept");
   if (returned_ > 0) out.push_back(counted(returned_, "object") + " put back clear of the hand");
   if (!claimed_.empty())
     out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " + tally(verified_) + " (by frame, the worst)");
+  if (audited_ > 0)
+    out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
+                  counted(audited_, "body-frame") +
+                  (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : ""));
   if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
   return out;
 }
@@ -177,6 +188,7 @@ std::string Summary::json(const Record& record) const {
                   {"contacts", {{"raw_median", median(raw_)}, {"kept_median", median(kept_)}}},
                   {"claimed", claimed_},
                   {"verified", verified_},
+                  {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}} : Json(nullptr)},
                   {"misfit_m", {{"mean", record.misfit_mean}, {"most", record.misfit_most}}},
                   {"recorded_frames_held_over", record.held_over},
                   {"placement", {{"inside_share", record.placement.inside}, {"depth_m", record.placement.depth}}}};

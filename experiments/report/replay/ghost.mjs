@@ -2,6 +2,8 @@
 // over the scene pixel by pixel at its own depth: full where it is in front, fainter where it is inside an object (not
 // where it is behind the god hand, whose pixels are marked in the stencil). Plain translucent bodies add up at the joints,
 // and what is inside an object, the part that matters, would be hidden.
+// It stands 1.5 mm behind where it is (depth is nearly 1 - near / distance, near = 10 mm): where both hands are the same,
+// the god hand alone is seen.
 import * as THREE from 'three';
 
 const rim_vertex = `
@@ -22,12 +24,13 @@ const lay_vertex = 'varying vec2 at; void main() { at = uv; gl_Position = vec4(p
 const lay_fragment = `
   uniform sampler2D ghost, depth;
   uniform vec3 tint;
-  uniform float strength;
+  uniform float strength, behind;
   varying vec2 at;
   void main() {
     float alpha = texture2D(ghost, at).a * strength;
     if (alpha < .004) discard;
-    gl_FragDepth = texture2D(depth, at).x;
+    float d = texture2D(depth, at).x;
+    gl_FragDepth = d + behind * (1. - d) * (1. - d);
     gl_FragColor = vec4(tint, alpha);
     #include <colorspace_fragment>
   }`;
@@ -47,7 +50,7 @@ export function make_ghost(geometries) {
   const lay = (strength, depthFunc, more) => {
     const quad = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.ShaderMaterial({
       vertexShader: lay_vertex, fragmentShader: lay_fragment, transparent: true, depthWrite: false, depthFunc,
-      uniforms: {ghost: {value: picture.texture}, depth: {value: picture.depthTexture}, tint, strength: {value: strength}}, ...more,
+      uniforms: {ghost: {value: picture.texture}, depth: {value: picture.depthTexture}, tint, strength: {value: strength}, behind: {value: .0015 / .01}}, ...more,
     }));
     quad.frustumCulled = false;
     quad.renderOrder = 20;

@@ -11,7 +11,7 @@ export function make_panel(run) {
   document.title = `zwang: ${run.motion} in ${run.scene}`;
   $('title').textContent = `${run.motion} · ${run.scene}`;
   $('subtitle').textContent = `${run.solver} at ${integer(rate)} Hz`;
-  const shown = run.every > 1 ? `${integer(run.frames)} of ${integer(run.total)} frames are shown: of each ${run.every} the most telling, a wrong, stuck or held one first.` : `All ${integer(run.total)} frames are shown.`;
+  const shown = run.frames < run.total ? `${integer(run.frames)} of ${integer(run.total)} frames are shown: of neighbours the most telling, a wrong, stuck or held one first.` : `All ${integer(run.total)} frames are shown.`;
   const full = run.surroundings.meshes.reduce((sum, mesh) => sum + mesh.full, 0), drawn = run.surroundings.meshes.reduce((sum, mesh) => sum + mesh.indices / 3, 0);
   const meshes = full === 0 ? [] : [drawn < full ? `Meshes of ${integer(full)} triangles are drawn with ${integer(drawn)}; the simulation met all of them.` : `Meshes of ${integer(full)} triangles, all drawn.`];
   $('lines').append(...[...run.lines, shown, ...meshes].map(line => element('p', {textContent: line})),

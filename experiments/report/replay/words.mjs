@@ -1,7 +1,12 @@
 // Numbers for people.
 const spaced = text => text.replace(/\B(?=(\d{3})+(?!\d))/g, ',');
 export const integer = n => spaced(String(Math.round(n)));
-export const millimetres = metres => metres === 0 ? '0 mm' : Math.abs(metres) < 5e-7 ? `${metres.toExponential(0)} m`.replace('e-', 'e−') : `${(1e3 * metres).toFixed(Math.abs(metres) < .00995 ? 2 : 1)} mm`;
+export function millimetres(metres) {
+  if (metres === 0) return '0 mm';
+  if (metres > 0 && metres < 1e-6) return '< 1 µm';
+  if (Math.abs(metres) < 1e-5) return `${metres.toExponential(0).replaceAll('-', '−')} m`;
+  return `${(1e3 * metres).toFixed(Math.abs(metres) < .00995 ? 2 : 1).replace('-', '−')} mm`;
+}
 export const milliseconds = seconds => seconds < 1e-3 ? `${(1e6 * seconds).toFixed(0)} µs` : `${(1e3 * seconds).toFixed(seconds < .01 ? 2 : 1)} ms`;
 export const tiny = (x, unit) => x === 0 ? `0 ${unit}` : `${x.toExponential(0).replace('e-', 'e−').replace('e+', 'e')} ${unit}`;
 export const seconds = s => `${s.toFixed(s < 100 ? 3 : 2)} s`;

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "experiments/god/frame.h"
+#include "experiments/god/surroundings.h"
+
+namespace zwang::god {
+
+// FCL as an independent witness of committed frames: does any god object overlap an object, or one of the other hand?
+class Audit {
+ public:
+  // `hands`: the shapes of each hand's god objects, in the order of Frame::god. Both must outlive the audit.
+  Audit(const Surroundings& surroundings, std::span<const std::vector<collision::Shape>> hands);
+  ~Audit();
+
+  void look(const Frame& frame);
+  long looked() const { return looked_; }  // god objects times frames
+  long found() const { return found_; }    // of these: that overlapped something
+  long first() const { return first_; }    // number of the first such frame, or -1
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+  long looked_ = 0, found_ = 0, first_ = -1;
+};
+
+}  // namespace zwang::god
