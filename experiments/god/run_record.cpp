@@ -176,8 +176,8 @@ bool holds_run(const std::filesystem::path& directory) {
 }
 
 void require_same_program(const std::filesystem::path& directory) {
-  const Json stored = load(directory);
-  for (const auto& [name, value] : program().items())
+  const Json stored = load(directory), here = program();
+  for (const auto& [name, value] : here.items())
     if (const Json was = stored.value(name, Json()); was != value)
       throw std::invalid_argument(directory.string() + " cannot go on, its numbers would not be the same: its " + name +
                                   " is " + was.dump() + ", now it is " + value.dump());
