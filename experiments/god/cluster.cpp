@@ -11,9 +11,9 @@
 namespace zwang::god {
 namespace {
 
-constexpr double leg = 0.25;    // rad
-constexpr double catch_up = 1;  // m/s
-constexpr double jump = 8;      // activation distances that targets may go in a frame before it is one
+constexpr double leg = 0.25;      // rad
+constexpr double catch_up = 0.8;  // m/s
+constexpr double jump = 8;        // activation distances that targets may go in a frame before it is one
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
@@ -76,7 +76,8 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
   }
   if (most > jump * options_.activation) blocked_ = false;
   pace_ = std::min(1.2 * most, jump * options_.activation);
-  allowed_ = std::max({1.5 * pace_, 0.5 * options_.activation, std::min(catch_up * options_.dt, options_.activation)});
+  allowed_ =
+      std::max({1.5 * pace_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
   done_ = held_ = false;
   sub_step_ = 0;
 }
@@ -251,7 +252,8 @@ double Cluster::propose(Frame& frame) {
   }
   {
     const Lap lap(frame.times.collision);
-    encounters_.look(std::max(options_.activation, 1.2 * allowed_), options_.reduce_contacts);
+    // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
+    encounters_.look(std::max(options_.activation, 2.3 * allowed_), options_.reduce_contacts);
   }
   if (frame.kept == 0 && sub_step_ == 0) {
     frame.raw += static_cast<int>(encounters_.raw());

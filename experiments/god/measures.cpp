@@ -5,6 +5,8 @@
 namespace zwang::god {
 namespace {
 
+constexpr double look_out = 1e-3;  // m: gaps beyond are not told apart. (Not the cluster's own distance: World would
+                                   // keep what it finds for the next frame, and nobody would pay for it.)
 constexpr double touching = 3e-4;  // m: at this gap a contact counts for sliding
 constexpr double reached = 5e-4;   // m: so near to its target a god object is there
 constexpr double speck = 1e-6;     // m
@@ -42,7 +44,7 @@ void Measures::look(std::span<Cluster> clusters, std::span<const Pose<double>> o
     const std::size_t first = frame.god.size();
     frame.target.insert(frame.target.end(), c.targets().begin(), c.targets().end());
     frame.god.insert(frame.god.end(), c.poses().begin(), c.poses().end());
-    frame.gap = std::min(frame.gap, c.gap(2e-3));
+    frame.gap = std::min(frame.gap, c.gap(look_out));
     frame.separation = std::max(frame.separation, c.skeleton().separation(c.poses()));
     frame.limit = std::max(frame.limit, c.skeleton().excess(c.poses()));
     frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
