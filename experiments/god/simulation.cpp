@@ -42,8 +42,12 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
 Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options)
     : state_(std::make_unique<State>(std::move(surroundings), options)) {
   if (clusters.empty()) throw std::invalid_argument("no god objects");
-  for (const GodObjects& objects : clusters)
+  for (const GodObjects& objects : clusters) {
+    if (objects.shapes.empty() || objects.shapes.size() != objects.scene.bodies.size())
+      throw std::invalid_argument(
+          counts(objects.scene.bodies.size(), " god objects, ", objects.shapes.size(), " shapes"));
     for (const Body& body : objects.scene.bodies) state_->target.push_back(body.pose);
+  }
   const std::vector<Pose<double>> easy = state_->target;
   state_->build(std::move(clusters), easy);
 }
