@@ -10,7 +10,7 @@
 namespace zwang {
 namespace {
 
-constexpr int samples = 25, repeats = 10;
+constexpr int samples = 25, repeats = 20;
 
 class Profile {
  public:
@@ -22,6 +22,7 @@ class Profile {
   }
   void sample() {
     for (int up_to = 0; taken_ && up_to < parts; ++up_to) {
+      run(up_to);  // fills the caches
       const double start = thread_cpu_seconds();
       for (int i = 0; i < repeats; ++i) run(up_to);
       seconds_[static_cast<std::size_t>(up_to)].push_back((thread_cpu_seconds() - start) / repeats);
