@@ -37,6 +37,14 @@ class Islands {
   // The same over islands that were split before, with solve(problem, options, solution) for each.
   template <class Solve>
   void solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
+  // Solves a problem of several islands island by island, one of a single island (or with an observer) as it is.
+  template <class Solve>
+  void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution) {
+    if (options.observe || problem.size() % unit != 0 || !several(problem, unit))
+      return solve(problem, options, solution);
+    split(problem, unit);
+    solve_each(solve, problem, options, solution);
+  }
 
  private:
   Index root(Index unknown);

@@ -39,10 +39,8 @@ void DualActiveSet::judge_again(const Problem& problem, double tolerance, Soluti
 void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
   if (!reduce || options.observe || problem.size() % body != 0) return solve_carefully(problem, options, solution);
-  if (!islands_.several(problem, body)) return solve_island(problem, options, solution);
-  islands_.split(problem, body);
-  islands_.solve_each([this](const Problem& p, const SolveOptions& o, Solution& part) { solve_island(p, o, part); },
-                      problem, options, solution);
+  islands_.solve_apart([this](const Problem& p, const SolveOptions& o, Solution& part) { solve_island(p, o, part); },
+                       body, problem, options, solution);
 }
 
 void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& options, Solution& solution) {

@@ -38,11 +38,8 @@ class ReducedProblem {
 template <class Plain>
 void ReducedProblem::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
-  if (options.observe || problem.size() % body != 0 || !islands_.several(problem, body))
-    return solve_island(plain, problem, options, solution);
-  islands_.split(problem, body);
-  islands_.solve_each([&](const Problem& p, const SolveOptions& o, Solution& s) { solve_island(plain, p, o, s); },
-                      problem, options, solution);
+  islands_.solve_apart([&](const Problem& p, const SolveOptions& o, Solution& s) { solve_island(plain, p, o, s); },
+                       body, problem, options, solution);
 }
 
 template <class Plain>
