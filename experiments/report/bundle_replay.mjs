@@ -6,7 +6,7 @@ const here = new URL('.', import.meta.url).pathname;
 const read = name => fs.readFileSync(`${here}replay/${name}`, 'utf8');
 const {outputFiles: [script]} = buildSync({
   entryPoints: [`${here}replay/app.mjs`], bundle: true, minify: true, format: 'iife', target: 'es2022', charset: 'utf8',
-  legalComments: 'none', write: false,
+  legalComments: 'eof', write: false,
 });
 // A script element's text ends at "</script"; "<!--" and "<script" change how it is read. All three occur in strings only.
 const code = script.text.replace(/<\/(script)/gi, '<\\/$1').replace(/<!--/g, '\\x3c!--').replace(/<(script)/gi, '\\x3c$1');

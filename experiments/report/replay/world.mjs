@@ -29,7 +29,7 @@ export function make_world(canvas, run, changed) {
   // come out as black flecks.
   const two_sided = shader => {
     shader.fragmentShader = shader.fragmentShader.replace('#include <normal_fragment_begin>', THREE.ShaderChunk.normal_fragment_begin.replace(
-      /float faceDirection = [^;]*;/, 'float faceDirection = dot(normalize(vNormal), normalize(vViewPosition)) < -.15 ? -1. : 1.;'));
+      /float faceDirection = [^;]*;/, 'float faceDirection = dot(normalize(vNormal), normalize(vViewPosition)) < -.4 ? -1. : 1.;'));
   };
   const unit_meshes = run.meshes.map(mesh_geometry);
   const objects = new THREE.Group(), loose = [], materials = [];
