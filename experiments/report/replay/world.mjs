@@ -24,12 +24,12 @@ export function make_world(canvas, run, changed) {
   orbit.minDistance = .04;
   orbit.maxDistance = 12;
 
-  // Objects. A fixed one stays where it is; a loose one is moved by show(). Two-sided, since parts may be open sheets: a
-  // normal that points away from the eye is turned. By winding, as is usual, slivers that simplification has folded over
-  // come out as black flecks.
+  // Objects. A fixed one stays where it is; a loose one is moved by show(). Two-sided, since parts may be open sheets or
+  // wound inside out: a normal on the far side of its pixel's own plane is turned. By winding, as is usual, slivers that
+  // simplification has folded over come out as black flecks.
   const two_sided = shader => {
     shader.fragmentShader = shader.fragmentShader.replace('#include <normal_fragment_begin>', THREE.ShaderChunk.normal_fragment_begin.replace(
-      /float faceDirection = [^;]*;/, 'float faceDirection = dot(normalize(vNormal), normalize(vViewPosition)) < -.4 ? -1. : 1.;'));
+      /float faceDirection = [^;]*;/, 'float faceDirection = dot(vNormal, cross(dFdx(vViewPosition), dFdy(vViewPosition))) < 0. ? -1. : 1.;'));
   };
   const unit_meshes = run.meshes.map(mesh_geometry);
   const objects = new THREE.Group(), loose = [], materials = [];
