@@ -6,6 +6,10 @@
 
 namespace zwang::collision {
 
+// m, and relative: what is better by less than this is equal, and the first one wins. On flat faces many touches are
+// equal up to rounding, and which of them is kept must not hang on that: the motion would.
+static constexpr double tie = 1e-9;
+
 void Manifold::keep(std::uint32_t touch) {
   if (is_kept_[touch]) return;
   is_kept_[touch] = 1;
@@ -41,8 +45,9 @@ void Manifold::reduce_one(std::span<const Touch> touches, std::uint32_t first, s
   left_.resize(end - first);
   for (std::uint32_t i = first; i < end; ++i) left_[i - first] = i;
   for (int c = 0; c < options_.clusters && !left_.empty(); ++c) {
-    const std::uint32_t closest = *std::min_element(
-        left_.begin(), left_.end(), [&](std::uint32_t i, std::uint32_t j) { return touches[i].gap < touches[j].gap; });
+    std::uint32_t closest = left_.front();
+    for (const std::uint32_t i : left_)
+      if (touches[i].gap < touches[closest].gap - tie) closest = i;
     const Touch& top = touches[closest];
     members_.clear();
     std::size_t others = 0;
@@ -64,7 +69,7 @@ void Manifold::keep_corners(std::span<const Touch> touches, std::uint32_t closes
     std::uint32_t winner = closest;
     double most = 1e-12;
     for (const std::uint32_t i : members_)
-      if (const double s = score(touches[i].point_b); s > most) most = s, winner = i;
+      if (const double s = score(touches[i].point_b); s > most) most = s * (1 + tie), winner = i;
     if (winner != closest) keep(winner), --left;
     return winner;
   };

@@ -89,7 +89,7 @@ Findings solver_swap(const Asking& asking) {
   std::vector<god::Frame> first;
   for (const char* solver : {"dual_active_set", "nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton",
                              "nnls_paper", "pgs", "apgd", "bullet_dantzig", "bullet_pgs", "nlopt_slsqp", "ipopt"}) {
-    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver}, asking, solver, 1);
+    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver, .verify = false}, asking, solver, 1);
     if (first.empty()) first = frames;
     std::vector<double> times;
     double verified = 0, doubtful = 0, held = 0, joints = 0;
