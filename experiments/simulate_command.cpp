@@ -108,7 +108,11 @@ void add_options(CLI::App& options, Typed& typed) {
              [&o](bool yes) { o.lazy_contacts = yes; });
   add_choice(options, "model", "reduced", "maximal", "26 unknowns a hand, or 96 with 70 joint rows",
              [&o](bool yes) { o.maximal = yes; });
-  add_choice(options, "verify", "off", "on", "the referee looks at every solve", [&o](bool yes) { o.verify = yes; });
+  options
+      .add_option("--verify", o.verify,
+                  "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"
+                  "which is not in the figures")
+      ->check(CLI::NonNegativeNumber);
   options.add_option("--out", typed.out, "folder for the run; default: results/<date>-<time>")
       ->group("Where it goes")
       ->type_name("DIR");

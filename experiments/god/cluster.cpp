@@ -109,8 +109,8 @@ bool Cluster::solve(Frame& frame) {
       const Lap lap(frame.times.solve);
       solver_.solve(problem_, {.tolerance = options_.tolerance, .warm_start = &warm_}, solution_);
     }
-    if (options_.verify)
-      frame.verified = worse(frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
+    if (frame.verified)
+      frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
     solved_ = has_answer(problem_, solution_);
     if (solved_) break;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ struct Frame {
   int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
   bool tracked = true, held = false, stuck = false, behind = false;  // behind: target through a thin part, hand not
   Status claimed = Status::unsolved;
-  Verdict verified = Verdict::undecided;  // of the worst solve of the frame
+  std::optional<Verdict> verified = {};  // of the worst solve of the frame; none: the referee did not look
   StageTimes times = {};
 };
 

@@ -99,7 +99,7 @@ Frame frame_from(const nlohmann::json& j) {
   for (std::size_t k = 0; k < 6; ++k) frame.device[static_cast<Index>(k)] = number_of(j.at("device").at(k));
   for (std::size_t k = 0; k < stages.size(); ++k) frame.times.*stages[k] = number_of(j.at("times").at(k));
   frame.claimed = named(j.at("claimed"), Status::crashed);
-  frame.verified = named(j.at("verified"), Verdict::unsupported);
+  if (!j.at("verified").is_null()) frame.verified = named(j.at("verified"), Verdict::unsupported);
   for (const nlohmann::json& c : j.at("contacts")) {
     FrameContact& contact = frame.contacts.emplace_back();
     contact.body = c.at(0);
@@ -185,7 +185,10 @@ void FrameWriter::write(const Frame& frame) {
   put_key(line_, "claimed");
   line_.append("\"").append(to_string(frame.claimed)).append("\"");
   put_key(line_, "verified");
-  line_.append("\"").append(to_string(frame.verified)).append("\"");
+  if (frame.verified)
+    line_.append("\"").append(to_string(*frame.verified)).append("\"");
+  else
+    line_.append("null");
   std::array<double, stages.size()> times;
   for (std::size_t k = 0; k < times.size(); ++k) times[k] = frame.times.*stages[k];
   put_all(line_, "times", times);

@@ -210,27 +210,29 @@ std::filesystem::path write_replay(const std::filesystem::path& directory, const
     hands.push_back({{"left", model.left}, {"shapes", shapes}});
   }
   for (int body = 0; body < hand::bodies; ++body) bodies.push_back(hand::body_name(body));
-  const Json data = {{"scene", record.asked.scene},
-                     {"motion", record.title},
-                     {"solver", record.asked.options.solver},
-                     {"dt", record.asked.options.dt},
-                     {"command", record.command},
-                     {"conditions", "commit " + c.commit.substr(0, 12) + ", " + c.compiler + ", " + c.cpu},
-                     {"started", record.started},
-                     {"finished", record.finished},
-                     {"lines", summary.lines(record)},
-                     {"total", summary.frames()},
-                     {"frames", frames.size()},
-                     {"stages", stage_names},
-                     {"hands", hands},
-                     {"bodies", bodies},
-                     {"surroundings", scene_json(surroundings)},
-                     {"poses", poses_json(frames)},
-                     {"numbers", numbers_json(frames)},
-                     {"contacts", contacts_json(frames)},
-                     {"claimed", words_json(frames, [](const Frame& f) { return to_string(f.claimed); })},
-                     {"verified", words_json(frames, [](const Frame& f) { return to_string(f.verified); })},
-                     {"fault", words_json(frames, fault)}};
+  const Json data = {
+      {"scene", record.asked.scene},
+      {"motion", record.title},
+      {"solver", record.asked.options.solver},
+      {"dt", record.asked.options.dt},
+      {"command", record.command},
+      {"conditions", "commit " + c.commit.substr(0, 12) + ", " + c.compiler + ", " + c.cpu},
+      {"started", record.started},
+      {"finished", record.finished},
+      {"lines", summary.lines(record)},
+      {"total", summary.frames()},
+      {"frames", frames.size()},
+      {"stages", stage_names},
+      {"hands", hands},
+      {"bodies", bodies},
+      {"surroundings", scene_json(surroundings)},
+      {"poses", poses_json(frames)},
+      {"numbers", numbers_json(frames)},
+      {"contacts", contacts_json(frames)},
+      {"claimed", words_json(frames, [](const Frame& f) { return to_string(f.claimed); })},
+      {"verified",
+       words_json(frames, [](const Frame& f) { return f.verified ? to_string(*f.verified) : "not looked at"; })},
+      {"fault", words_json(frames, fault)}};
   const std::filesystem::path file = directory / "replay.html";
   std::ofstream out(file, std::ios::binary);
   out << report::replay_page(data.dump(-1, ' ', false, Json::error_handler_t::replace));

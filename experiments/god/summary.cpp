@@ -95,7 +95,7 @@ void Summary::add(const Frame& f) {
   }
   if (f.claimed != Status::unsolved) {
     ++claimed_[std::string(to_string(f.claimed))];
-    ++verified_[std::string(to_string(f.verified))];
+    if (f.verified) ++verified_[std::string(to_string(*f.verified))];
   }
 }
 
@@ -141,7 +141,8 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   if (untracked_ > 0) out.push_back(counted(untracked_, "frame") + " without tracking: the last target was kept");
   if (returned_ > 0) out.push_back(counted(returned_, "object") + " put back clear of the hand");
   if (!claimed_.empty())
-    out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " + tally(verified_) + " (by frame, the worst)");
+    out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
+                  (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
   if (audited_ > 0)
     out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
                   counted(audited_, "body-frame") +

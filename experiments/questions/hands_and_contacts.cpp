@@ -53,9 +53,9 @@ Findings side_by_side(const std::string& first_column, const std::vector<Variant
 
 Findings growth_with_contacts(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  const auto frames = play(scene, motion_for("grasp", scene, asking),
-                           {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = false},
-                           asking, "growth");
+  const auto frames =
+      play(scene, motion_for("grasp", scene, asking),
+           {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}, asking, "growth");
   // Medians over eighths of an octave, so that a rare count does not stand for itself.
   std::map<int, std::vector<const god::Frame*>> bins;
   for (const god::Frame& f : frames)
@@ -90,10 +90,10 @@ Findings two_hands(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::Motion motion = motion_for("two_hands", scene, asking);
   Findings found = side_by_side("two hands",
-                                {{"two clusters", {.solver = asking.solver, .verify = false}},
-                                 {"one system", {.solver = asking.solver, .clusters = false, .verify = false}},
-                                 {"nnls, two clusters", {.solver = "nnls", .verify = false}},
-                                 {"nnls, one system", {.solver = "nnls", .clusters = false, .verify = false}}},
+                                {{"two clusters", {.solver = asking.solver, .verify = 0}},
+                                 {"one system", {.solver = asking.solver, .clusters = false, .verify = 0}},
+                                 {"nnls, two clusters", {.solver = "nnls", .verify = 0}},
+                                 {"nnls, one system", {.solver = "nnls", .clusters = false, .verify = 0}}},
                                 scene, motion, asking);
   found.remarks.push_back("The paper: clusters make the accelerations faster by a factor of about 1.7.");
   return found;
@@ -103,9 +103,9 @@ Findings thinning(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   return side_by_side(
       "contacts",
-      {{"all of them", {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = false}},
-       {"thinned, completed after each solve", {.solver = asking.solver, .verify = false}},
-       {"thinned, not completed", {.solver = asking.solver, .lazy_contacts = false, .verify = false}}},
+      {{"all of them", {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}},
+       {"thinned, completed after each solve", {.solver = asking.solver, .verify = 0}},
+       {"thinned, not completed", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}}},
       scene, motion_for("grasp", scene, asking), asking);
 }
 
@@ -113,14 +113,14 @@ Findings no_more_than_needed(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   return side_by_side(
       "model",
-      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .verify = false}},
+      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .verify = 0}},
        {"the same with all contacts",
-        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = false}},
-       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .maximal = true, .verify = false}},
+        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}},
+       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .maximal = true, .verify = 0}},
        {"96 unknowns, 70 joint rows, all contacts",
-        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .maximal = true, .verify = false}},
-       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .verify = false}},
-       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .verify = false}}},
+        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .maximal = true, .verify = 0}},
+       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .verify = 0}},
+       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .verify = 0}}},
       scene, motion_for("grasp", scene, asking), asking);
 }
 

@@ -12,7 +12,7 @@ namespace zwang::questions {
 Findings artificial_friction(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("wall", asking.parts);
   const auto frames =
-      play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = false}, asking, "slide");
+      play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = 0}, asking, "slide");
   double lost = 0, way = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (frames[k].gap > 5e-4) continue;
@@ -57,7 +57,7 @@ Findings rate_of_a_push(const Asking& asking) {
   Chart chart{.name = "rates", .title = "One push of a box at three rates", .x = "time (s)", .y = "way of the box (m)"};
   for (const double rate : {250., 500., 1000.}) {
     const std::string name = number(rate) + " Hz";
-    const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = false}, asking, name);
+    const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = 0}, asking, name);
     double fastest = 0, balance = 0;
     for (const god::Frame& f : frames) {
       fastest = std::max(fastest, f.object_speed);
@@ -87,7 +87,7 @@ Findings recordings(const Asking& asking) {
       const god::Surroundings scene = god::make_surroundings(name, asking.parts);
       god::Motion motion = god::read_motion(file);
       god::place(motion, scene);
-      const auto frames = play(scene, motion, {.solver = asking.solver, .verify = false}, asking, file.stem().string());
+      const auto frames = play(scene, motion, {.solver = asking.solver, .verify = 0}, asking, file.stem().string());
       double depth = 0, gap = 1, joints = 0, limits = 0, held = 0, stuck = 0;
       for (const god::Frame& f : frames) {
         depth = std::max(depth, f.target_depth);

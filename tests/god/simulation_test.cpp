@@ -45,7 +45,7 @@ Target hand_at(const Pose<double>& palm, double curl = 0) {
 
 Options unverified() {
   Options o;
-  o.verify = false;
+  o.verify = 0;
   return o;
 }
 
@@ -418,6 +418,7 @@ TEST(Simulation, VerifiedFramesDoNotDependOnTheSolver) {
   for (int k = 0; k < 2; ++k) {
     Options o;
     o.solver = k == 0 ? "dual_active_set" : "cholesky";
+    o.verify = 1;
     Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.02)), o);
     for (int frame = 0; frame < 40; ++frame) {
       const Frame& f = go(s, hand_at(at(2e-4 * frame, 0, 0.02 - 1e-3 * frame), 0.2));
