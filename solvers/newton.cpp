@@ -78,6 +78,14 @@ void Newton::warm(const Problem& p, const WarmStart& from) {
   }
 }
 
+// z_u breaks no row, so it is the answer to the last bit. Multipliers of an earlier frame would only be worked off down
+// to the smallest numbers there are, which is far from z = 0.
+bool Newton::rests() const {
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (is_equality(i) ? rows_.h[i] != 0 : rows_.h[i] > 0) return false;
+  return true;
+}
+
 // slack_, term_ and the weights of the rows in the max, at d.
 void Newton::weigh(double s) {
   for (Index i = 0; i < rows_.rows(); ++i) {
@@ -256,6 +264,12 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   }
   const Deadline deadline(options.time_limit);
   prepare(p, options.warm_start);
+  if (rests()) {
+    write(p, s);
+    s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
+    s.status = Status::solved;
+    return;
+  }
   s_ = penalty;
   rate_ = 1;
   reach_ = std::max(rows_.free_length, 1.0);

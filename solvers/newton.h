@@ -63,6 +63,7 @@ struct Newton {
   void add_row(Index i, double factor, Vector& x) const;
   bool is_equality(Index i) const { return rows_.equality[static_cast<std::size_t>(i)] != 0; }
 
+  bool rests() const;
   void weigh(double s);
   bool start(const Problem& p);
   End descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline, Solution& s);

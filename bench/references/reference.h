@@ -15,7 +15,9 @@ struct FoundReference {
 };
 
 struct ReferenceOptions {
-  bool second_witness = false;  // n <= 96: CGAL's rational solver must agree (16 to 20 s a hand)
+  // n <= 96: CGAL's rational solver must agree (16 to 20 s a hand); with what the instance brings, the 100-digit
+  // method.
+  bool second_witness = false;
 };
 
 // The instance's own reference where it has one (closed form, known answer, file); otherwise

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "bench/references/reference.h"
+#include "bench/references/witnesses.h"
 #include "bench/scenes/catalog.h"
 #include "bench/suite/batch.h"
 #include "bench/suite/plan.h"
@@ -36,10 +37,10 @@ Run run_of(const SolverEntry& e) { return {.solver = e.name, .foreign = e.foreig
 struct Break {
   std::string fails = "never", lies = "never";
 };
-using Breaks = std::map<std::pair<std::string, std::string>, Break>;  // family, solver
+using Table = std::map<std::pair<std::string, std::string>, Break>;  // family, solver
 
-Breaks measured() {
-  Breaks out;
+Table measured() {
+  Table out;
   Desk desk([](std::string_view text) { return make_solver(text); });
   const std::atomic<bool> interrupted = false;
   for (const Instance& i : points())
@@ -71,46 +72,80 @@ TEST(Atlas, EveryPointHasATruth) {
   }
 }
 
-// Later than stored is welcome, and wants the table renewed: ZWANG_RENEW_BREAK_POINTS=1 writes it.
-TEST(Atlas, NoSolverBreaksEarlierThanStored) {
-  const Breaks now = measured();
-  if (std::getenv("ZWANG_RENEW_BREAK_POINTS")) {
-    std::ofstream out(stored_table);
-    out << "family\tsolver\tfails\tlies\n";
-    for (const auto& [key, b] : now)
-      out << key.first << '\t' << key.second << '\t' << b.fails << '\t' << b.lies << '\n';
-    return;
-  }
+Table stored() {
+  Table out;
   std::ifstream in(stored_table);
   std::string line;
   std::getline(in, line);
-  std::size_t compared = 0;
-  for (std::string family, solver, fails, lies; std::getline(in, line); ++compared) {
+  for (std::string family, solver, fails, lies; std::getline(in, line);) {
     std::stringstream cells(line);
     std::getline(std::getline(cells, family, '\t'), solver, '\t');
     std::getline(std::getline(cells, fails, '\t'), lies);
-    const auto found = now.find({family, solver});
-    ASSERT_NE(found, now.end()) << line;
-    EXPECT_GE(place(found->second.fails), place(fails)) << solver << " fails at " << found->second.fails << " already";
-    EXPECT_GE(place(found->second.lies), place(lies)) << solver << " lies at " << found->second.lies << " already";
+    out[{family, solver}] = {fails, lies};
   }
-  EXPECT_EQ(compared, now.size()) << "a family or a solver is missing from " << stored_table;
+  return out;
+}
+
+// Where rows differ by less than about 2^-36, the last bits of a sum decide which knob is the first to break, and these
+// differ from compiler to compiler and with the width of the vector registers. The table therefore keeps the earliest
+// of what three builds measured (g++ for this machine, g++ for any machine, clang), and nothing may come before that.
+// ZWANG_RENEW_BREAK_POINTS=1 writes it anew from this build; =merge, from another one, keeps the earlier of both.
+TEST(Atlas, NoSolverBreaksEarlierThanStored) {
+  Table now = measured();
+  const Table table = stored();
+  const auto earlier = [](const std::string& a, const std::string& b) { return place(a) < place(b) ? a : b; };
+  if (const char* renew = std::getenv("ZWANG_RENEW_BREAK_POINTS")) {
+    std::ofstream out(stored_table);
+    out << "family\tsolver\tfails\tlies\n";
+    for (auto& [key, b] : now) {
+      if (const auto old = table.find(key); renew == std::string("merge") && old != table.end())
+        b = {earlier(b.fails, old->second.fails), earlier(b.lies, old->second.lies)};
+      out << key.first << '\t' << key.second << '\t' << b.fails << '\t' << b.lies << '\n';
+    }
+    return;
+  }
+  for (const auto& [key, before] : table) {
+    const auto found = now.find(key);
+    ASSERT_NE(found, now.end()) << key.first << " " << key.second;
+    const auto& [family, solver] = key;
+    EXPECT_GE(place(found->second.fails), place(before.fails))
+        << solver << " fails at " << found->second.fails << " already, stored " << before.fails;
+    EXPECT_GE(place(found->second.lies), place(before.lies))
+        << solver << " lies at " << found->second.lies << " already, stored " << before.lies;
+  }
+  EXPECT_EQ(table.size(), now.size()) << "a family or a solver is missing from " << stored_table;
 }
 
 // The active-set methods of ours may fail, flagged; they may not lie.
 TEST(Atlas, OurActiveSetMethodsNeverLie) {
-  std::ifstream in(stored_table);
   int seen = 0;
-  for (std::string line; std::getline(in, line);) {
-    std::stringstream cells(line);
-    std::string family, solver, fails, lies;
-    std::getline(std::getline(cells, family, '\t'), solver, '\t');
-    std::getline(std::getline(cells, fails, '\t'), lies);
-    if (solver != "dual_active_set" && solver != "nnls" && solver != "cholesky") continue;
+  for (const auto& [key, b] : stored()) {
+    if (key.second != "dual_active_set" && key.second != "nnls" && key.second != "cholesky") continue;
     ++seen;
-    EXPECT_EQ(lies, "never") << line;
+    EXPECT_EQ(b.lies, "never") << key.second << " on " << key.first;
   }
   EXPECT_EQ(seen, 3 * 21);
+}
+
+// A film of the FLIP family, each frame warm-started from the one before, against 100 digits frame by frame.
+TEST(Atlas, EveryFrameOfTheFlippingStackIsRightWarmAndCold) {
+  const std::vector<std::string> names = {"dual_active_set", "nnls", "cholesky"};
+  for (const int k : {3, 27, 48}) {
+    std::vector<WarmStart> before(names.size());
+    std::vector<AnySolver> solvers;
+    for (const std::string& name : names) solvers.push_back(make_solver(name));
+    for (const Instance& frame : make_scenes("FLIP(k=" + std::to_string(k) + ",frame=0..255)")) {
+      const Problem& p = frame.problem;
+      const auto truth = multiprecision_reference(p);
+      ASSERT_TRUE(truth && truth->feasible) << p.name;
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        const Solution cold = solvers[i].solve(p), warm = solvers[i].solve(p, {.warm_start = &before[i]});
+        EXPECT_LE(relative_distance(p, truth->z, cold.z), 1e-14) << names[i] << ", cold, on " << p.name;
+        EXPECT_LE(relative_distance(p, truth->z, warm.z), 1e-14) << names[i] << ", warm, on " << p.name;
+        before[i] = {.key = p.key, .lambda = warm.lambda};
+      }
+    }
+  }
 }
 
 TEST(Atlas, InfeasibleHandNamesWhatContradicts) {

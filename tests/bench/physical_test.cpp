@@ -6,12 +6,12 @@
 #include "bench/scenes/catalog.h"
 #include "bench/scenes/hand.h"
 #include "bench/scenes/physical.h"
+#include "bench/suite/allocations.h"
 #include "constraints/contact.h"
 #include "constraints/joint_limit.h"
 #include "core/assemble.h"
 #include "core/islands.h"
 #include "core/measure.h"
-#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "bench/scenes/catalog.h"
+#include "bench/suite/allocations.h"
 #include "core/measure.h"
 #include "solvers/newton.h"
-#include "bench/suite/allocations.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -89,6 +89,19 @@ TEST(Newton, SecondSolveOfAWallAllocatesNothingAndGivesTheSameBits) {
   EXPECT_EQ(allocations() - before, 0);
   ASSERT_EQ(first.z.size(), second.z.size());
   EXPECT_EQ(std::memcmp(first.z.data(), second.z.data(), sizeof(double) * static_cast<std::size_t>(first.z.size())), 0);
+}
+
+// Opposed rows that hold as they are: earlier multipliers of both must not leave a trace of 1e-44 in z = 0.
+TEST(Newton, WhereNothingIsViolatedZIsTheFreeMotionToTheLastBitFromAnyStart) {
+  const Problem p = test::make_problem(test::vec({1, 1}), test::vec({0, 0}),
+                                       {{RowKind::equality, test::vec({1, 0}), 0},
+                                        {RowKind::equality, test::vec({2, 0}), 0},
+                                        {RowKind::inequality, test::vec({-1, 1}), -1}});
+  const WarmStart warm{.key = p.key, .lambda = test::vec({1, 2, 3})};
+  AnySolver solver = Newton();
+  const Solution s = solver.solve(p, {.warm_start = &warm});
+  EXPECT_EQ(s.status, Status::solved);
+  EXPECT_EQ(s.z, p.z_u);
 }
 
 TEST(Newton, AWarmStartSavesStepsAndGivesTheSameMotion) {
