@@ -31,8 +31,13 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   if (!(proof > violation_tolerance() * size)) return false;
 
   // Any motion that met the rows would be at least proof / length long: 1e8 times the longest one here stands for none.
+  // A rest that rounding of the rows does not explain is a direction in which they can be met, however far away.
   const Scalar reach = std::max(Scalar(1), whitened_.free.norm());
-  proof_in_doubt = proof < Scalar(2e8) * reach * (length + violation_tolerance());
+  Scalar weight(1);
+  for (Index k = 0; k < elimination_.rank(); ++k) weight += abs(w_[k]);
+  for (Index j = 0; j < q; ++j) weight += abs(r_[j]);
+  proof_in_doubt =
+      proof < Scalar(2e8) * reach * (length + violation_tolerance()) || length > Scalar(8) * epsilon() * weight;
   list_active_rows();
 
   certificate.setZero(p.rows());

@@ -108,7 +108,7 @@ bool Newton::certify(const Problem& p, Solution& s) {
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) far_l_[i] -= Real(s_) * row_dot(i, step_);
   }
-  Real work = 0, noise = 0;
+  Real work = 0, noise = 0, weight = 0;
   double reach = reach_;
   whole_.setZero(p.size());
   certificate_.setZero(p.rows());
@@ -119,12 +119,16 @@ bool Newton::certify(const Problem& p, Solution& s) {
     far_l_[i] = Real(u) * Real(rows_.norm[i]);
     work += far_l_[i] * rows_.h[i];
     noise += std::abs(far_l_[i]) * Real(rows_.magnitude[i]);
+    weight += std::abs(far_l_[i]);
     if (u != 0) reach = std::max(reach, std::abs(h_[i]));
   }
   extended_force(p);
   for (int j = 0; j < factor_.size(); ++j) whole_[factor_.column(j)] = static_cast<double>(far_force_[j] / noise);
   if (p.size() > 0) rows_.factor.solve_lower(whole_);
-  if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * whole_.norm()) {
+  // More than the rows' own rounding is a way to meet them, however far away: solvers/polish.cpp.
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
+  if (whole_.norm() <= rounding && work > 8 * real_eps * noise &&
+      static_cast<double>(work / noise) >= 2e8 * reach * whole_.norm()) {
     s.certificate = certificate_;
     s.status = Status::infeasible;
     return true;

@@ -11,6 +11,10 @@ constexpr long double noise = 32 * real_eps;  // a violation below this share of
 // Where the refinement does not converge, a contact this near to a combination of the others gives way: its neighbours
 // do what it did, and where they do not, it is found violated again and judged as dependent.
 constexpr double coarse = 1e-10;
+// |G'u| beyond this share of sum |u_i| is not the rounding of the rows, but a way to meet them, however far away. A
+// wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46
+// times as long, and the referee's 1e8 alone would call it contradicting.
+constexpr double row_rounding = 8 * std::numeric_limits<double>::epsilon();
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -130,12 +134,13 @@ bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Ind
     certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, 1) / unit);
     for (Index i = 0; i < active.size(); ++i)
       certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
-    Real work = 0, noise = 0;
+    Real work = 0, noise = 0, weight = 0;
     force_.setZero();
     const auto add = [&](Index i) {
       const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
       work += u * b_[i];
       noise += std::abs(u) * Real(w.magnitude[i]);
+      weight += std::abs(u);
       add_row(p, w, i, u, force_);
     };
     add(row);
@@ -143,7 +148,8 @@ bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Ind
     r1_ = (force_ / noise).cast<double>();
     w.factor.solve_lower(r1_);
     const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
-    if (work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) {
+    const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
+    if (parallel && work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) {
       s.certificate = certificate_;
       return true;
     }

@@ -21,10 +21,12 @@ namespace {
 const std::filesystem::path stored_table = ZWANG_SOURCE_DIR "/tests/data/atlas_break_points.tsv";
 constexpr double broken = 1e-6;
 
-// Every point with its truth: computed once, 5 s.
+// Every point with its truth: computed once, 5 s. Not the longest chains and stacks, where the time limit would decide.
 const std::vector<Instance>& points() {
+  constexpr Index largest = 600;
   static const std::vector<Instance> all = [] {
     std::vector<Instance> out = make_plan({.suite = "atlas", .solvers = "nnls"}).instances;
+    std::erase_if(out, [](const Instance& i) { return i.problem.size() > largest; });
     for (Instance& i : out) i.reference = reference_for(i, {}).reference;
     return out;
   }();

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "bench/scenes/catalog.h"
 #include "core/measure.h"
 #include "core/problem_file.h"
 #include "solvers/registry.h"
@@ -59,6 +60,27 @@ TEST_P(ActiveSet, TellsAGapOfOnePartInTenToTheTwelve) {
     EXPECT_EQ(s.status, Status::infeasible) << "gap = -2^-" << k;
     EXPECT_EQ(measure(closed, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << "gap = -2^-" << k;
   }
+}
+
+// z = (1, 0) lies 2^k openings away, and no other length stands beside it: far, but there.
+TEST_P(ActiveSet, AWedgeWithNothingToCompareItWithIsFeasible) {
+  for (int k = 20; k <= 46; ++k) {
+    const double opening = std::ldexp(1.0, -k);
+    const Problem p = unit_mass(Matrix{{0, 1}, {opening, -1}}, Vector{{0, opening}}, Vector{{0, 0}}, 0);
+    const Solution s = solver.solve(p);
+    EXPECT_EQ(s.status, Status::solved) << "opening 2^-" << k;
+    ASSERT_EQ(s.z.size(), 2) << "opening 2^-" << k;
+    EXPECT_LE((s.z - Vector{{1, 0}}).norm(), 1e-12) << "opening 2^-" << k;
+  }
+}
+
+// A finger that is welded where a joint's limit is beyond reach: the welded and the jointed rows agree to rounding
+// only.
+TEST_P(ActiveSet, ProvesALimitAgainstAWeldThatRepeatsAJoint) {
+  const Problem hand = make_scenes("hand(limits=20,drift=0,contacts=16,locked=1)").at(0).problem;
+  const Solution s = solver.solve(hand);
+  EXPECT_EQ(s.status, Status::infeasible) << s.message;
+  EXPECT_EQ(measure(hand, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
 }
 
 TEST_P(ActiveSet, NamesTheRedundantRows) {
