@@ -14,6 +14,9 @@ AnySolver solver_of(const Options& options);
 // stops.
 bool has_answer(const Problem& problem, const Solution& solution);
 
+// Multipliers by least squares, where the method gives none: forces are read from them.
+void complete_multipliers(const Problem& problem, Solution& solution);
+
 Status worse(Status a, Status b);
 // An infeasibility that is proven is no fault: rows that push out of a wedge may contradict each other.
 Verdict worse(Verdict a, Verdict b);

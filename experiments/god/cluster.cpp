@@ -116,6 +116,7 @@ bool Cluster::solve(Frame& frame) {
   }
   frame.claimed = worse(frame.claimed, solution_.status);
   if (!solved_) return false;
+  complete_multipliers(problem_, solution_);
   warm_.key = problem_.key;
   warm_.lambda = solution_.lambda;
   take_solution();
