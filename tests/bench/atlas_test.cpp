@@ -90,7 +90,7 @@ Table stored() {
 
 // Where rows differ by less than about 2^-36, the last bits of a sum decide which knob is the first to break, and these
 // differ from compiler to compiler and with the width of the vector registers. The table therefore keeps the earliest
-// of what three builds measured (g++ for this machine, g++ for any machine, clang), and nothing may come before that.
+// of what g++ (for this machine) and clang (with sanitizers) measured, and nothing may come before that.
 // ZWANG_RENEW_BREAK_POINTS=1 writes it anew from this build; =merge, from another one, keeps the earlier of both.
 TEST(Atlas, NoSolverBreaksEarlierThanStored) {
   Table now = measured();
