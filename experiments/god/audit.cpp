@@ -60,9 +60,8 @@ void Audit::look(const Frame& frame) {
   for (std::size_t hand = 0; hand < scene_->hands.size(); ++hand)
     for (std::size_t body = 0; body < scene_->hands[hand].size(); ++body, ++at) {
       ++looked_;
-      if (!scene_->overlaps(scene_->hands[hand][body], frame.god[at], frame.loose) &&
-          !scene_->meets_other_hand(hand, body, frame.god))
-        continue;
+      crossed_ += scene_->meets_other_hand(hand, body, frame.god);
+      if (!scene_->overlaps(scene_->hands[hand][body], frame.god[at], frame.loose)) continue;
       ++found_;
       if (first_ < 0) first_ = frame.number;
     }

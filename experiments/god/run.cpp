@@ -60,7 +60,7 @@ Stage set_up(Record& record) {
     record.misfit_most = std::max(record.misfit_most, track.misfit_most);
   }
   record.notes = stage.motion.notes;
-  const long whole = std::lround(std::ceil(stage.motion.duration / asked.options.dt)) + 1;
+  const long whole = static_cast<long>(stage.motion.duration / asked.options.dt + 1e-6) + 1;
   asked.frames = asked.frames > 0 ? std::min(asked.frames, whole) : whole;
   return stage;
 }
@@ -104,7 +104,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     audit.look(frame);
     progress(static_cast<double>(out.summary.frames()) / planned, "FCL looks at every frame");
   });
-  if (record.asked.audit) out.summary.set_audit(audit.looked(), audit.found(), audit.first());
+  if (record.asked.audit) out.summary.set_audit(audit.looked(), audit.found(), audit.first(), audit.crossed());
   out.lines = out.summary.lines(record);
   const auto file = directory / "summary.json";
   std::ofstream json(file);

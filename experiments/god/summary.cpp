@@ -99,7 +99,8 @@ void Summary::add(const Frame& f) {
   }
 }
 
-void Summary::set_audit(long looked, long found, long first) {
+void Summary::set_audit(long looked, long found, long first, long crossed) {
+  crossed_ = crossed;
   audited_ = looked;
   overlaps_ = found;
   first_overlap_ = first;
@@ -144,9 +145,11 @@ std::vector<std::string> Summary::lines(const Record& record) const {
     out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
                   (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
   if (audited_ > 0)
-    out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
-                  counted(audited_, "body-frame") +
-                  (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : ""));
+    out.push_back(
+        "Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
+        counted(audited_, "body-frame") +
+        (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
+        (crossed_ > 0 ? "; the hands, which do not meet each other, cross in " + counted(crossed_, "body-frame") : ""));
   if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
   return out;
 }
@@ -156,43 +159,45 @@ std::string Summary::json(const Record& record) const {
   Json shares;
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   for (std::size_t k = 0; k < stages_.size(); ++k) shares[stage_names[k]] = all > 0 ? stages_[k] / all : 0;
-  const Json j = {{"scene", record.asked.scene},
-                  {"motion", record.title},
-                  {"solver", record.asked.options.solver},
-                  {"rate_hz", 1 / dt_},
-                  {"frames", frames()},
-                  {"finished", !record.finished.empty()},
-                  {"penetration_m", std::max(0.0, -gap_)},
-                  {"smallest_gap_m", gap_},
-                  {"joint_separation_m", separation_},
-                  {"limit_violation_rad", limit_},
-                  {"stuck_frames", stuck_},
-                  {"held_frames", held_},
-                  {"faulty_frames", broken_},
-                  {"target_beyond_thin_part_frames", behind_},
-                  {"untracked_frames", untracked_},
-                  {"objects_put_back", returned_},
-                  {"touching_share", frames() > 0 ? static_cast<double>(touching_) / static_cast<double>(frames()) : 0},
-                  {"target_depth_m", depth_},
-                  {"target_distance_m", distance_},
-                  {"lost_slide_m", lost_slide_},
-                  {"jitter_m", jitter_},
-                  {"work_j", work_},
-                  {"impulse_error", impulse_},
-                  {"object_speed_m_s", speed_},
-                  {"step_s",
-                   {{"median", quantile(totals_, 0.5)},
-                    {"p99", quantile(totals_, 0.99)},
-                    {"worst", quantile(totals_, 1)},
-                    {"median_hz", quantile(totals_, 0.5) > 0 ? 1 / quantile(totals_, 0.5) : 0},
-                    {"shares", shares}}},
-                  {"contacts", {{"raw_median", median(raw_)}, {"kept_median", median(kept_)}}},
-                  {"claimed", claimed_},
-                  {"verified", verified_},
-                  {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}} : Json(nullptr)},
-                  {"misfit_m", {{"mean", record.misfit_mean}, {"most", record.misfit_most}}},
-                  {"recorded_frames_held_over", record.held_over},
-                  {"placement", {{"inside_share", record.placement.inside}, {"depth_m", record.placement.depth}}}};
+  const Json j = {
+      {"scene", record.asked.scene},
+      {"motion", record.title},
+      {"solver", record.asked.options.solver},
+      {"rate_hz", 1 / dt_},
+      {"frames", frames()},
+      {"finished", !record.finished.empty()},
+      {"penetration_m", std::max(0.0, -gap_)},
+      {"smallest_gap_m", gap_},
+      {"joint_separation_m", separation_},
+      {"limit_violation_rad", limit_},
+      {"stuck_frames", stuck_},
+      {"held_frames", held_},
+      {"faulty_frames", broken_},
+      {"target_beyond_thin_part_frames", behind_},
+      {"untracked_frames", untracked_},
+      {"objects_put_back", returned_},
+      {"touching_share", frames() > 0 ? static_cast<double>(touching_) / static_cast<double>(frames()) : 0},
+      {"target_depth_m", depth_},
+      {"target_distance_m", distance_},
+      {"lost_slide_m", lost_slide_},
+      {"jitter_m", jitter_},
+      {"work_j", work_},
+      {"impulse_error", impulse_},
+      {"object_speed_m_s", speed_},
+      {"step_s",
+       {{"median", quantile(totals_, 0.5)},
+        {"p99", quantile(totals_, 0.99)},
+        {"worst", quantile(totals_, 1)},
+        {"median_hz", quantile(totals_, 0.5) > 0 ? 1 / quantile(totals_, 0.5) : 0},
+        {"shares", shares}}},
+      {"contacts", {{"raw_median", median(raw_)}, {"kept_median", median(kept_)}}},
+      {"claimed", claimed_},
+      {"verified", verified_},
+      {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}, {"hands_crossed", crossed_}}
+                             : Json(nullptr)},
+      {"misfit_m", {{"mean", record.misfit_mean}, {"most", record.misfit_most}}},
+      {"recorded_frames_held_over", record.held_over},
+      {"placement", {{"inside_share", record.placement.inside}, {"depth_m", record.placement.depth}}}};
   return j.dump(2) + "\n";
 }
 
