@@ -49,7 +49,7 @@ Table measured() {
     for (const SolverEntry& e : solvers()) {
       if (e.foreign) continue;
       Break& b = out[{i.family, e.name}];
-      const Solution s = desk.run(i.problem, run_of(e), {.time_limit = 5, .fresh = true}, &interrupted).solution;
+      const Solution s = desk.run(i.problem, run_of(e), {.time_limit = 120, .fresh = true}, &interrupted).solution;
       if (s.status == Status::unsupported) continue;
       const Reference& truth = *i.reference;
       const Metrics m = measure(i.problem, s, &truth, 1e-12);
