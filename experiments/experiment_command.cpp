@@ -31,11 +31,6 @@ int experiment_command(std::vector<std::string> words) {
             "  ./zwang experiment separation --out docs/figures\n"
             "  ./zwang experiment all --seconds 2\n\n" +
                 list_of_questions());
-  const std::string command = "./zwang experiment" + [&] {
-    std::string all;
-    for (const std::string& w : words) all += " " + w;
-    return all;
-  }();
   std::string name, out = "results/experiments", parts;
   questions::Asking asking{
       .data = real_data(), .interrupted = &experiment_interrupted, .terminal = isatty(STDERR_FILENO) == 1};
@@ -58,6 +53,11 @@ int experiment_command(std::vector<std::string> words) {
   if (!known)
     throw std::invalid_argument("no question '" + name + "'" + did_you_mean(name, names) +
                                 " (./zwang experiment --help lists all)");
+  std::string chosen;  // what decides the answer, for whoever repeats it
+  if (options.count("--solver") > 0) chosen += " --solver " + asking.solver;
+  if (!asking.motion.empty()) chosen += " --motion " + asking.motion;
+  if (!parts.empty()) chosen += " --parts " + parts;
+  if (asking.seconds > 0) chosen += " --seconds " + questions::number(asking.seconds);
   std::signal(SIGINT, [](int) { experiment_interrupted = true; });
   for (const questions::Question& q : questions::questions()) {
     if (name != "all" && q.name != name) continue;
@@ -66,7 +66,8 @@ int experiment_command(std::vector<std::string> words) {
     try {
       const questions::Findings found = q.ask(asking);
       std::printf("%s", questions::to_text(found).c_str());
-      for (const auto& file : questions::record(found, q, command, out)) std::printf("  %s\n", file.c_str());
+      for (const auto& file : questions::record(found, q, "./zwang experiment " + q.name + chosen, out))
+        std::printf("  %s\n", file.c_str());
     } catch (const questions::Interrupted&) {
       std::printf("Stopped within '%s'; what was finished before is in %s\n", q.name.c_str(), out.c_str());
       return stopped;
