@@ -69,8 +69,8 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
       const Vec3 local = start.rotation.transpose() * (t.point_a - start.position);
       const Vec3 point = end * local;
       const double push = cluster.lambda(r) * options_.dt * options_.dt * options_.force_stiffness;
-      frame.contacts.push_back({first_body + t.a, object < 0 ? -1 - first_body - t.b : object, point, t.normal,
-                                t.gap + t.normal.dot(point - t.point_a), std::min(push, options_.force_cap)});
+      frame.contacts.push_back({first_body + t.a, object < 0 ? -1 - first_body - t.b : object, point, t.normal, t.gap,
+                                std::min(push, options_.force_cap)});
       if (object < 0 || push <= 0 || !surroundings_->objects[static_cast<std::size_t>(object)].loose() || !physics)
         continue;
       const Pose<double>& target = cluster.targets()[body];

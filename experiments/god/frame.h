@@ -14,7 +14,7 @@ struct FrameContact {
   int body = 0, object = -1;   // god object; object of the surroundings, or -1 - other god object
   Vec3 point = Vec3::Zero();   // m, world, on the god object's surface at the frame's end
   Vec3 normal = Vec3::Zero();  // unit, toward the god object
-  double gap = 0;              // m
+  double gap = 0;              // m, when it became a row
   double push = 0;             // N, on the object: lambda k_f dt^2, capped
 };
 

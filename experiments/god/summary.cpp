@@ -118,7 +118,8 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   std::vector<std::size_t> order(stages_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stages_[a] > stages_[b]; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return stages_[a] != stages_[b] ? stages_[a] > stages_[b] : a < b; });
   std::string shares;
   for (const std::size_t k : order)
     if (stages_[k] > 0)

@@ -24,14 +24,16 @@ export function make_contacts(run) {
   const up = new THREE.Vector3(0, 0, 1), point = new THREE.Vector3(), normal = new THREE.Vector3(), turn = new THREE.Quaternion();
   const one = new THREE.Vector3(1, 1, 1), scale = new THREE.Vector3(), matrix = new THREE.Matrix4(), color = new THREE.Color();
   function show(frame) {
+    // A row's gap is to first order, and of the row's sphere: whether anything is inside, the shapes say.
+    const pierced = run.numbers.gap[frame] < 0;
     const count = start[frame + 1] - start[frame];
     for (let i = 0; i < count; i++) {
-      const at = 8 * (start[frame] + i), gap = numbers[at + 6], push = numbers[at + 7];
+      const at = 8 * (start[frame] + i), inside = pierced && numbers[at + 6] < 0, push = numbers[at + 7];
       point.set(numbers[at], numbers[at + 1], numbers[at + 2]);
       normal.set(numbers[at + 3], numbers[at + 4], numbers[at + 5]);
       turn.setFromUnitVectors(up, normal);
-      const length = gap < 0 || push > 1e-6 ? .026 + .034 * (1 - Math.exp(-push / 12)) : .012;
-      color.set(gap < 0 ? contact_colors.inside : push > 1e-6 ? contact_colors.push : contact_colors.near);
+      const length = inside || push > 1e-6 ? .026 + .034 * (1 - Math.exp(-push / 12)) : .012;
+      color.set(inside ? contact_colors.inside : push > 1e-6 ? contact_colors.push : contact_colors.near);
       for (const {kind, mesh} of layers) {
         if (kind === 'shaft') matrix.compose(point, turn, scale.set(1, 1, length));
         else if (kind === 'tip') matrix.compose(scale.copy(normal).multiplyScalar(length).add(point), turn, one);

@@ -134,7 +134,7 @@ export function make_world(canvas, run, changed) {
     loose.forEach((group, k) => run.place(group, frame, 2 * run.count + k));
     const {start, numbers, who} = run.contacts;
     for (let k = start[frame]; k < start[frame + 1]; k++) {
-      const body = who[2 * k], inside = numbers[8 * k + 6] < 0;
+      const body = who[2 * k], inside = run.numbers.gap[frame] < 0 && numbers[8 * k + 6] < 0;
       if (inside || (numbers[8 * k + 7] > 1e-6 && bodies[body].material !== skins[owner[body].hand].inside))
         bodies[body].material = skins[owner[body].hand][inside ? 'inside' : 'touch'];
     }
