@@ -148,7 +148,7 @@ TEST(Leap, RefusesInOneLine) {
        "no column 'pipPosition'; did you mean"},
       {changed([](Json& d) { d["frames"][0][1] = "time"; }), "no column 'timestamp'"},
       {each([](Json& row) { row[3].erase(2); }), "fingers in pointables are 4, 5 expected"},
-      {each([](Json& row) { row[3] = {row[3][1]}; }), "fingers in pointables are 1, 5 expected"},
+      {each([](Json& row) { row[3] = Json::array({row[3][1]}); }), "fingers in pointables are 1, 5 expected"},
       {each([](Json& row) { row[3][1].erase(7); }), "frame 1: the right hand's pointables are torn"},
       {each([](Json& row) { row[2][0][2] = "north"; }), "direction is not three numbers"},
       {each([](Json& row) { row[2][0][1] = 3; }), "neither \"left\" nor \"right\""},
