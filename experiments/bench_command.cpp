@@ -5,6 +5,7 @@
 
 #include "bench/suite/conditions.h"
 #include "bench/suite/progress.h"
+#include "bench/suite/record_file.h"
 #include "bench/suite/run_record.h"
 #include "bench/suite/suite.h"
 #include "experiments/commands.h"
@@ -69,10 +70,6 @@ void add_options(CLI::App& options, Asked& asked) {
       ->type_name("DIR");
 }
 
-bool holds_run(const std::filesystem::path& directory) {
-  return std::filesystem::exists(directory / "run.json") || std::filesystem::exists(directory / "results.jsonl");
-}
-
 }  // namespace
 
 int bench_command(std::vector<std::string> words) {
@@ -87,13 +84,11 @@ int bench_command(std::vector<std::string> words) {
             "  ./zwang bench --resume rover");
   Asked asked;
   add_options(options, asked);
-  std::string command = "./zwang bench";
-  for (const std::string& word : words) command += " " + word;
+  const std::string command = command_line("bench", words);
   if (!read(options, std::move(words))) return done;
   if (asked.suite.suite == "collision") {
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
-    return bench_collision(asked.out.empty() ? fresh_directory() : std::filesystem::path(asked.out), command,
-                           stop_on_interrupt());
+    return bench_collision(new_directory(asked.out, ""), command, stop_on_interrupt());
   }
   asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
@@ -108,10 +103,7 @@ int bench_command(std::vector<std::string> words) {
     settings.directory = asked.resume;
     asked.suite = options_to_resume(settings.directory, asked.suite, given);
   } else {
-    settings.directory = asked.out.empty() ? fresh_directory() : std::filesystem::path(asked.out);
-    if (holds_run(settings.directory))
-      throw std::invalid_argument(settings.directory.string() + " holds a run already: go on with --resume " +
-                                  settings.directory.string() + ", or choose another --out");
+    settings.directory = new_directory(asked.out, "./zwang bench --resume");
   }
   settings.cache = reference_cache();
   settings.command = command;

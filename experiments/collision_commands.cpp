@@ -21,8 +21,6 @@ std::filesystem::path real_data() {
 
 int bench_collision(const std::filesystem::path& directory, const std::string& command,
                     const std::atomic<bool>& interrupted) {
-  if (std::filesystem::exists(directory / "collision.json"))
-    throw std::invalid_argument(directory.string() + " holds a run already: choose another --out");
   bool whole = false;
   const std::vector<std::string> lines = run_collision_suite({.directory = directory,
                                                               .data = real_data(),

@@ -1,18 +1,16 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <stdexcept>
 
 #include "core/nearest.h"
 #include "experiments/commands.h"
+#include "experiments/long_run.h"
 #include "experiments/options.h"
 #include "experiments/questions/play.h"
 #include "experiments/questions/record.h"
 
 namespace zwang {
-
-static std::atomic<bool> experiment_interrupted = false;
 
 static std::string list_of_questions() {
   std::string text = "Questions:\n";
@@ -33,7 +31,7 @@ int experiment_command(std::vector<std::string> words) {
                 list_of_questions());
   std::string name, out = "results/experiments", parts;
   questions::Asking asking{
-      .data = real_data(), .interrupted = &experiment_interrupted, .terminal = isatty(STDERR_FILENO) == 1};
+      .data = real_data(), .interrupted = &stop_on_interrupt(), .terminal = isatty(STDERR_FILENO) == 1};
   options.add_option("NAME", name, "of the question, or all")->required()->type_name("");
   options.add_option("--out", out, "folder of the table and the charts; default: results/experiments")
       ->type_name("DIR");
@@ -58,7 +56,6 @@ int experiment_command(std::vector<std::string> words) {
   if (!asking.motion.empty()) chosen += " --motion " + asking.motion;
   if (!parts.empty()) chosen += " --parts " + parts;
   if (asking.seconds > 0) chosen += " --seconds " + questions::number(asking.seconds);
-  std::signal(SIGINT, [](int) { experiment_interrupted = true; });
   for (const questions::Question& q : questions::questions()) {
     if (name != "all" && q.name != name) continue;
     std::printf("%s\n", q.line.c_str());

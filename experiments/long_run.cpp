@@ -2,7 +2,10 @@
 
 #include <csignal>
 #include <ctime>
-#include <string>
+#include <stdexcept>
+
+#include "bench/suite/record_file.h"
+#include "experiments/report/results.h"
 
 namespace zwang {
 
@@ -17,7 +20,20 @@ const std::atomic<bool>& stop_on_interrupt() {
   return interrupted;
 }
 
-std::filesystem::path fresh_directory() {
+std::string command_line(const std::string& name, const std::vector<std::string>& words) {
+  std::string line = "./zwang";
+  line.append(" ").append(name);
+  for (const std::string& word : words) line.append(" ").append(report::shell_word(word));
+  return line;
+}
+
+std::filesystem::path new_directory(const std::string& out, const std::string& resume) {
+  if (!out.empty() && holds_run(out)) {
+    std::string line = out + " holds a run already: ";
+    if (!resume.empty()) line += "go on with " + resume + " " + report::shell_word(out) + ", or ";
+    throw std::invalid_argument(line + "choose another --out");
+  }
+  if (!out.empty()) return out;
   const std::time_t now = std::time(nullptr);
   char name[32];
   std::strftime(name, sizeof name, "%Y%m%d-%H%M", std::localtime(&now));

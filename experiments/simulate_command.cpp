@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "bench/suite/progress.h"
-#include "bench/suite/run_record.h"
+#include "bench/suite/record_file.h"
 #include "core/nearest.h"
 #include "experiments/commands.h"
 #include "experiments/god/run.h"
@@ -181,8 +181,7 @@ int simulate_command(std::vector<std::string> words) {
                 names());
   Typed typed;
   add_options(options, typed);
-  std::string command = "./zwang simulate";
-  for (const std::string& word : words) command += " " + report::shell_word(word);
+  const std::string command = command_line("simulate", words);
   if (!read(options, std::move(words))) return done;
 
   const bool resume = !typed.resume.empty();
@@ -199,10 +198,7 @@ int simulate_command(std::vector<std::string> words) {
       record.asked.frames = record.asked.frames > 0 ? std::min(record.asked.frames, most) : most;
     }
     make_absolute(record.asked);
-    directory = typed.out.empty() ? fresh_directory() : fs::path(typed.out);
-    if (god::holds_run(directory))
-      throw std::invalid_argument(directory.string() + " holds a run already: go on with ./zwang simulate --resume " +
-                                  report::shell_word(directory.string()) + ", or choose another --out");
+    directory = new_directory(typed.out, "./zwang simulate --resume");
   }
   const god::Record stored = record;
   const god::Stage stage = god::set_up(record);

@@ -1,13 +1,11 @@
 #include "bench/suite/run_record.h"
 
-#include <chrono>
-#include <ctime>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
 #include "bench/suite/conditions.h"
+#include "bench/suite/record_file.h"
 
 namespace zwang {
 namespace {
@@ -44,34 +42,15 @@ SuiteOptions options_from(const Json& j) {
   return o;
 }
 
-// What must not change within a run, since it decides times or results.
-Json fixed_conditions(const Conditions& c) {
-  return {{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
-          {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}};
-}
-
 Json load(const std::filesystem::path& directory) {
-  const auto file = directory / "run.json";
-  std::ifstream in(file);
-  if (!in) throw BadFile(directory.string() + " holds no run: run.json is missing");
-  try {
-    Json j = Json::parse(in);
-    for (const char* key : {"command", "started", "finished", "notes", "options", "problem_sha256"})
-      if (!j.contains(key)) throw BadFile(file.string() + ": written by another version of zwang (no \"" + key + "\")");
-    return j;
-  } catch (const Json::exception&) {
-    throw BadFile(file.string() + ": not a JSON object");
-  }
+  Json j = load_record(directory, "run");
+  for (const char* key : {"command", "started", "finished", "notes", "options", "problem_sha256"})
+    if (!j.contains(key))
+      throw BadFile((directory / "run.json").string() + ": written by another version of zwang (no \"" + key + "\")");
+  return j;
 }
 
 }  // namespace
-
-std::string now_iso8601() {
-  const std::time_t now = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  return text;
-}
 
 void write_run_record(const std::filesystem::path& directory, const Plan& plan, std::span<const SolverEntry> among,
                       const RunRecord& record) {
@@ -89,7 +68,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
             {"started", record.started},
             {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
             {"seed", plan.options.seed}};
-  j.update(fixed_conditions(c));
+  j.update(fixed_conditions());
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   j["tolerances"] = plan.options.tolerances;
@@ -99,13 +78,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["options"] = to_json(plan.options);
   j["problem_sha256"] = hashes;
   j["notes"] = record.notes;
-
-  const auto file = directory / "run.json", draft = directory / "run.json.new";
-  std::ofstream out(draft);
-  out << j.dump(2) << '\n';
-  out.close();
-  if (!out) throw BadFile("cannot write " + file.string());
-  std::filesystem::rename(draft, file);
+  replace_record(directory, j);
 }
 
 RunRecord read_run_record(const std::filesystem::path& directory) {
@@ -121,12 +94,8 @@ RunRecord read_run_record(const std::filesystem::path& directory) {
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
                                const std::vector<std::string>& given) {
   const Json j = load(directory);
-  const Json here = fixed_conditions(conditions()), asked = to_json(typed);
-  for (const auto& [name, value] : here.items())
-    if (const Json stored = j.value(name, Json()); stored != value)
-      throw std::invalid_argument(directory.string() + " cannot go on, its times would not compare: its " + name +
-                                  " is " + stored.dump() + ", now it is " + value.dump());
-  const Json options = j.at("options");
+  require_same_conditions(directory, j, "its times would not compare");
+  const Json options = j.at("options"), asked = to_json(typed);
   for (const std::string& name : given)
     if (const Json stored = options.value(name, Json()); stored != asked.at(name))
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +

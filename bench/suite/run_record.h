@@ -15,10 +15,6 @@ struct RunRecord {
   std::vector<std::string> notes = {};
 };
 
-// "2026-11-20T23:54:03Z"
-std::string now_iso8601();
-
-// Replaces the file in one step: a killed run leaves the old one or the new one.
 void write_run_record(const std::filesystem::path& directory, const Plan& plan, std::span<const SolverEntry> among,
                       const RunRecord& record);
 RunRecord read_run_record(const std::filesystem::path& directory);

@@ -8,6 +8,7 @@
 #include "bench/references/reference.h"
 #include "bench/suite/conditions.h"
 #include "bench/suite/progress.h"
+#include "bench/suite/record_file.h"
 #include "bench/suite/run_record.h"
 #include "bench/suite/speed.h"
 #include "bench/suite/trace.h"

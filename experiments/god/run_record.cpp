@@ -1,10 +1,12 @@
 #include "experiments/god/run_record.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/suite/conditions.h"
+#include "bench/suite/record_file.h"
 #include "core/problem_file.h"
 
 namespace zwang::god {
@@ -12,66 +14,52 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Options& o) {
-  return {{"dt", o.dt},
-          {"solver", o.solver},
-          {"tolerance", o.tolerance},
-          {"limits", o.limits == Options::Limits::predictive ? "predictive" : "violated"},
-          {"commit", o.commit == Options::Commit::cycle ? "cycle" : "printed"},
-          {"toc_twice", o.toc_twice},
-          {"toc_of_all", o.toc_of_all},
-          {"clusters", o.clusters},
-          {"reduce_contacts", o.reduce_contacts},
-          {"lazy_contacts", o.lazy_contacts},
-          {"maximal", o.maximal},
-          {"force_stiffness", o.force_stiffness},
-          {"force_cap", o.force_cap},
-          {"gap", o.gap},
-          {"activation", o.activation},
-          {"sub_steps", o.sub_steps},
-          {"verify", o.verify}};
+// One list of the options for writing and for reading: visit(name, option), and with names for those that are words.
+template <class Some, class Visit>
+void each_option(Some& o, Visit&& visit) {
+  visit("dt", o.dt);
+  visit("solver", o.solver);
+  visit("tolerance", o.tolerance);
+  visit("limits", o.limits, std::array{"predictive", "violated"});
+  visit("commit", o.commit, std::array{"cycle", "printed"});
+  visit("toc_twice", o.toc_twice);
+  visit("toc_of_all", o.toc_of_all);
+  visit("clusters", o.clusters);
+  visit("reduce_contacts", o.reduce_contacts);
+  visit("lazy_contacts", o.lazy_contacts);
+  visit("maximal", o.maximal);
+  visit("force_stiffness", o.force_stiffness);
+  visit("force_cap", o.force_cap);
+  visit("gap", o.gap);
+  visit("activation", o.activation);
+  visit("sub_steps", o.sub_steps);
+  visit("verify", o.verify);
 }
 
-Options options_from(const Json& j) {
-  Options o;
-  o.dt = j.at("dt");
-  o.solver = j.at("solver");
-  o.tolerance = j.at("tolerance");
-  o.limits = j.at("limits") == "predictive" ? Options::Limits::predictive : Options::Limits::violated;
-  o.commit = j.at("commit") == "cycle" ? Options::Commit::cycle : Options::Commit::printed;
-  o.toc_twice = j.at("toc_twice");
-  o.toc_of_all = j.at("toc_of_all");
-  o.clusters = j.at("clusters");
-  o.reduce_contacts = j.at("reduce_contacts");
-  o.lazy_contacts = j.at("lazy_contacts");
-  o.maximal = j.at("maximal");
-  o.force_stiffness = j.at("force_stiffness");
-  o.force_cap = j.at("force_cap");
-  o.gap = j.at("gap");
-  o.activation = j.at("activation");
-  o.sub_steps = j.at("sub_steps");
-  o.verify = j.at("verify");
-  return o;
-}
+struct Write {
+  Json& out;
+  void operator()(const char* name, const auto& option) { out[name] = option; }
+  void operator()(const char* name, auto choice, const auto& words) {
+    out[name] = words[static_cast<std::size_t>(choice)];
+  }
+};
 
-// What decides the bits of a result.
-Json program() {
-  const Conditions c = conditions();
-  return {{"commit", c.commit},         {"compiler", c.compiler}, {"flags", c.flags},
-          {"build_type", c.build_type}, {"cpu", c.cpu},           {"libraries", c.libraries}};
-}
+struct Read {
+  const Json& in;
+  void operator()(const char* name, auto& option) { in.at(name).get_to(option); }
+  void operator()(const char* name, auto& choice, const auto& words) {
+    const std::string word = in.at(name);
+    const auto at = std::ranges::find(words, word);
+    if (at == words.end()) throw std::invalid_argument("no " + std::string(name) + " '" + word + "'");
+    choice = static_cast<std::remove_reference_t<decltype(choice)>>(at - words.begin());
+  }
+};
 
 Json load(const std::filesystem::path& directory) {
-  const auto file = directory / "run.json";
-  std::ifstream in(file);
-  if (!in) throw BadFile(directory.string() + " holds no simulated run: run.json is missing");
-  try {
-    Json j = Json::parse(in);
-    if (j.value("kind", "") != "simulation") throw BadFile(file.string() + ": not the record of a simulated run");
-    return j;
-  } catch (const Json::exception&) {
-    throw BadFile(file.string() + ": not a JSON object");
-  }
+  Json j = load_record(directory, "simulated run");
+  if (j.value("kind", "") != "simulation")
+    throw BadFile((directory / "run.json").string() + ": not the record of a simulated run");
+  return j;
 }
 
 // FNV-1a over the bits of numbers.
@@ -109,8 +97,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
             {"command", r.command},
             {"started", r.started},
             {"finished", r.finished.empty() ? Json(nullptr) : Json(r.finished)}};
-  j.update(program());
-  j["dirty"] = c.dirty;
+  j.update(fixed_conditions());
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   j["scene"] = r.asked.scene;
@@ -120,7 +107,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
   j["share"] = r.asked.share;
   j["frames"] = r.asked.frames;
   j["audit"] = r.asked.audit;
-  j["options"] = to_json(r.asked.options);
+  each_option(r.asked.options, Write{j["options"]});
   j["hands"] = r.hands;
   j["loose"] = r.loose;
   j["notes"] = r.notes;
@@ -130,13 +117,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
   j["misfit_most"] = r.misfit_most;
   j["placement"] = {{"inside", r.placement.inside}, {"depth", r.placement.depth}};
   j["fingerprints"] = {{"motion", hex(r.motion)}, {"surroundings", hex(r.surroundings)}};
-
-  const auto file = directory / "run.json", draft = directory / "run.json.new";
-  std::ofstream out(draft);
-  out << j.dump(2) << '\n';
-  out.close();
-  if (!out) throw BadFile("cannot write " + file.string());
-  std::filesystem::rename(draft, file);
+  replace_record(directory, j);
 }
 
 Record read_record(const std::filesystem::path& directory) {
@@ -149,10 +130,10 @@ Record read_record(const std::filesystem::path& directory) {
     r.asked = {.scene = j.at("scene"),
                .parts = j.at("parts"),
                .motion = j.at("motion"),
-               .options = options_from(j.at("options")),
                .share = j.at("share"),
                .frames = j.at("frames"),
                .audit = j.at("audit")};
+    each_option(r.asked.options, Read{j.at("options")});
     r.title = j.at("title");
     r.hands = j.at("hands");
     r.loose = j.at("loose");
@@ -170,17 +151,8 @@ Record read_record(const std::filesystem::path& directory) {
   }
 }
 
-bool holds_run(const std::filesystem::path& directory) {
-  return std::filesystem::exists(directory / "run.json") || std::filesystem::exists(directory / "frames.jsonl") ||
-         std::filesystem::exists(directory / "results.jsonl");
-}
-
 void require_same_program(const std::filesystem::path& directory) {
-  const Json stored = load(directory), here = program();
-  for (const auto& [name, value] : here.items())
-    if (const Json was = stored.value(name, Json()); was != value)
-      throw std::invalid_argument(directory.string() + " cannot go on, its numbers would not be the same: its " + name +
-                                  " is " + was.dump() + ", now it is " + value.dump());
+  require_same_conditions(directory, load(directory), "its numbers would not be the same");
 }
 
 std::uint64_t fingerprint(const Motion& motion) {

@@ -34,7 +34,6 @@ struct Record {
 
 void write_record(const std::filesystem::path& directory, const Record& record);  // in one step
 Record read_record(const std::filesystem::path& directory);  // throws BadFile where there is none, or it is broken
-bool holds_run(const std::filesystem::path& directory);
 
 // Throws std::invalid_argument when this program is not the one that began the run, whose bits could differ.
 void require_same_program(const std::filesystem::path& directory);
