@@ -1,204 +1,42 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "core/nearest.h"
-#include "experiments/god/depth.h"
 #include "experiments/god/motions.h"
+#include "experiments/god/path.h"
+#include "experiments/god/site.h"
 
 namespace zwang::god {
 namespace {
 
 using hand::Angles;
 using Palm = Pose<double>;
-constexpr double degree = std::numbers::pi / 180;
-constexpr double key_step = 0.005;  // s
 
-// All fingers curled alike: 0 straight, 1 a fist, the thumb over it.
-Angles curled(double share) {
-  Angles out = {};
-  for (std::size_t f = 1; f < 5; ++f) {
-    out[4 * f] = share * 80 * degree;
-    out[4 * f + 2] = share * 100 * degree;
-    out[4 * f + 3] = share * 70 * degree;
-  }
-  out[0] = share * 40 * degree;
-  out[2] = share * 40 * degree;
-  out[3] = share * 50 * degree;
-  return out;
-}
-
-// Down the sides of an object that the palm lies on: the fingers from one side, the thumb from the other.
-Angles gripping(double share) {
-  Angles out = {};
-  for (std::size_t f = 1; f < 5; ++f) {
-    out[4 * f] = share * 75 * degree;
-    out[4 * f + 2] = share * 55 * degree;
-    out[4 * f + 3] = share * 35 * degree;
-  }
-  out[0] = share * 60 * degree;
-  out[1] = -20 * degree;
-  out[2] = share * 30 * degree;
-  out[3] = share * 40 * degree;
-  return out;
-}
-
-// About a bar under the first phalanxes, the thumb along them.
-Angles hooking(double share) {
-  Angles out = {};
-  for (std::size_t f = 1; f < 5; ++f) {
-    out[4 * f] = share * 30 * degree;
-    out[4 * f + 2] = share * 105 * degree;
-    out[4 * f + 3] = share * 80 * degree;
-  }
-  out[1] = -55 * degree;
-  return out;
-}
+constexpr Posture a_fist{80, 100, 70, {40, 0, 40, 50}};  // the thumb over the fingers
+constexpr Posture grip{75, 55, 35, {60, -20, 30, 40}};   // down the sides of an object that the palm lies on
+constexpr Posture hook{30, 105, 80, {0, -55, 0, 0}};     // about a bar under the first phalanxes, the thumb along them
 
 Angles pointing(double share) {
-  Angles out = curled(share);
+  Angles out = a_fist.at(share);
   std::fill(out.begin() + 4, out.begin() + 8, 0.0);
   return out;
 }
 
-enum class Way { eased, even, jump };  // to a stop, at constant speed, at once
-
-// A track made of places and when they are reached.
-class Path {
- public:
-  Path(const hand::Model& model, const Palm& palm, const Angles& angles) : track_{.model = model} {
-    append(track_, {0, {palm, angles}});
-  }
-  Path& to(double time, const Palm& palm, const Angles& angles, Way way = Way::eased) {
-    const Track::Key from = track_.keys.back();
-    const double whole = time - from.time;
-    const int steps = way == Way::jump ? 1 : std::max(1, static_cast<int>(std::lround(whole / key_step)));
-    if (way == Way::jump) stay(time - 1e-6);
-    for (int k = 1; k <= steps; ++k) {
-      const double u = static_cast<double>(k) / steps, s = way == Way::eased ? u * u * (3 - 2 * u) : u;
-      Target at{palm, angles};
-      if (k < steps) {
-        at.palm = retract(from.target.palm, Vec<double, 6>(s * twist_between(from.target.palm, palm)));
-        for (std::size_t a = 0; a < angles.size(); ++a)
-          at.angles[a] = from.target.angles[a] + s * (angles[a] - from.target.angles[a]);
-      }
-      append(track_, {way == Way::jump ? time : from.time + u * whole, at});
-    }
-    return *this;
-  }
-  Path& to(double time, const Palm& palm, Way way = Way::eased) {
-    return to(time, palm, Angles(track_.keys.back().target.angles), way);
-  }
-  Path& stay(double time) { return to(time, Palm(track_.keys.back().target.palm), Way::even); }
-
-  // What a tracker does to it: the keys of [from, to) come through append() again, spoilt.
-  Path& spoil(double from, double to, const std::function<void(Target&)>& how) {
-    Track out{.model = track_.model};
-    for (Track::Key key : track_.keys) {
-      if (key.time >= from && key.time < to) how(key.target);
-      append(out, key);
-    }
-    track_ = std::move(out);
-    return *this;
-  }
-  const Palm& start() const { return track_.keys.front().target.palm; }
-  Track track() const { return track_; }
-
- private:
-  Track track_;
-};
-
-// Where the motions go on: the focus, the way out of the surface there, and the object it belongs to.
-struct Stage {
-  const Surroundings& about;
-  Depth depth;
-  std::vector<Ball> of_hand = balls(hand::standard());
-  Vec3 focus, out, along, aside;  // aside = along x out
-  std::size_t object = 0;
-
-  explicit Stage(const Surroundings& surroundings) : about(surroundings), depth(surroundings), focus(about.focus) {
-    // The way out is the one along which the distance grows; up, where that is as good as any.
-    double most = -1;
-    for (const Vec3& way : {Vec3(0, 0, 1), Vec3(0, -1, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(1, 0, 0)})
-      if (const double gap = depth.distance(focus + 0.03 * way, 0.04); gap > most + 0.004) {
-        most = gap;
-        out = way;
-      }
-    along = out.z() > 0.5 ? Vec3::UnitY() : Vec3::UnitZ();
-    aside = along.cross(out);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < about.objects.size(); ++k)
-      if (const double gap = depth.distance(focus, k, 1); gap < nearest - 1e-6) {
-        nearest = gap;
-        object = k;
-      }
-  }
-
-  Mat3 axes(const Vec3& fingers, const Vec3& back) const {
-    Mat3 R;
-    R << fingers.cross(back), fingers, back;
-    return R;
-  }
-  // The palm parallel to the surface, its underside at this height [m] over it.
-  Palm flat(double height, double forth = 0, double sideways = 0) const {
-    const double half = hand::standard().palm_widths.z() / 2;
-    return {focus + (height + half) * out + forth * along + sideways * aside, axes(along, out)};
-  }
-  bool clear(const Palm& palm, const Angles& angles, const hand::Model& model) const {
-    return depth.of(hand::assemble(palm, angles, model), of_hand, 0.01).depth <= -0.01;
-  }
-  // The first height from `least` on at which place(height) is clear of everything by 10 mm.
-  double clear_height(double least, const std::function<Palm(double)>& place, const Angles& angles = {},
-                      const hand::Model& model = hand::standard()) const {
-    for (double height = least; height < least + 1; height += 0.01)
-      if (clear(place(height), angles, model)) return height;
-    throw std::invalid_argument("no place clear of the objects near the focus of " + about.name);
-  }
-  // How far one may go from a point of the focus' object before leaving it, m; at most 0.15.
-  double solid_way(const Vec3& from, const Vec3& along_axis) const {
-    constexpr double step = 0.001;
-    double way = step;
-    while (way < 0.15 && depth.distance(from + way * along_axis, object, step) < 0) way += step;
-    return way;
-  }
-  // From where the focus' object begins to where it ends along an axis, m.
-  std::array<double, 2> extent(const Vec3& axis) const {
-    const Object& o = about.objects[object];
-    std::array<double, 2> range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    const auto take = [&](const Vec3& p, double radius) {
-      range[0] = std::min(range[0], axis.dot(o.pose * p) - radius);
-      range[1] = std::max(range[1], axis.dot(o.pose * p) + radius);
-    };
-    if (o.mesh && !o.loose())
-      for (const collision::Triangle& t : o.mesh->triangles())
-        for (const Vec3& corner : t.corner) take(corner, 0);
-    for (const Object::Piece& piece : o.pieces)
-      for (const Vec3& corner : piece.shape.corners()) take(piece.at * corner, piece.shape.radius());
-    return range;
-  }
-  Vec3 middle() const {
-    Vec3 m = Vec3::Zero();
-    for (const Vec3& axis : {out, along, aside}) m += (extent(axis)[0] + extent(axis)[1]) / 2 * axis;
-    return m;
-  }
-};
-
-Path at_flat_start(const Stage& s) {
+Path at_flat_start(const Site& s) {
   const double high = s.clear_height(0.15, [&](double h) { return s.flat(h); });
   return {hand::standard(), s.flat(high), {}};
 }
 
-std::vector<Track> press(const Stage& s) {
+std::vector<Track> press(const Site& s) {
   Path path = at_flat_start(s);
   const Palm start = path.start();
   path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, start);
   return {path.track()};
 }
 
-std::vector<Track> slide(const Stage& s) {
+std::vector<Track> slide(const Site& s) {
   Path path = at_flat_start(s);
   const Palm start = path.start();
   path.stay(0.1).to(0.7, s.flat(-0.015)).to(1.3, s.flat(-0.015, 0, 0.1)).to(2, s.flat(-0.015, 0, -0.04));
@@ -208,20 +46,20 @@ std::vector<Track> slide(const Stage& s) {
 
 // A bar with room under it is taken into the crook of the fingers, which alone lifts without friction. Anything else is
 // gripped from above: the middle between finger tips and thumb comes over its middle, the palm onto it.
-std::vector<Track> grasp(const Stage& s) {
+std::vector<Track> grasp(const Site& s) {
   const hand::Model& model = hand::standard();
-  const Mat3 R = s.axes(s.along, s.out);
+  const Mat3 R = Site::axes(s.along, s.out);
   const double thick = s.solid_way(s.focus, -s.out);
   const bool bar = thick < 0.04 && s.depth.distance(s.focus - (thick + 0.02) * s.out, 0.02) > 0.015;
-  const auto angles = bar ? hooking : gripping;
+  const Posture& fingers = bar ? hook : grip;
   Palm low{Vec3::Zero(), R};
   if (bar) {
-    const hand::Poses hooked = hand::assemble(low, angles(1), model);
+    const hand::Poses hooked = hand::assemble(low, fingers.at(1), model);
     const hand::Phalanx first = model.phalanx(7);
     low.position =
         s.focus - thick / 2 * s.out - hooked[7] * Vec3(0, 0.2 * first.length, -(first.radius + thick / 2 + 0.001));
   } else {
-    const hand::Poses closing = hand::assemble(low, angles(0.7), model);
+    const hand::Poses closing = hand::assemble(low, fingers.at(0.7), model);
     Vec3 grip = closing[3].position / 2;
     for (std::size_t f = 1; f < 5; ++f) grip += closing[3 + 3 * f].position / 8;
     const Vec3 within = s.focus - std::min(thick / 2, 0.03) * s.out;
@@ -232,7 +70,7 @@ std::vector<Track> grasp(const Stage& s) {
     for (const Vec3& axis : {s.along, s.aside}) low.position += axis.dot(middle - grip - low.position) * axis;
   }
   const auto over = [&](double height) { return Palm{low.position + height * s.out, R}; };
-  const Angles open = angles(0.1), closed = angles(1);
+  const Angles open = fingers.at(0.1), closed = fingers.at(1);
   const double high = s.clear_height(0.15, over, open);
   Path path(model, over(high), open);
   path.stay(0.1).to(0.9, low).to(1.5, low, closed).stay(1.8).to(2.3, over(0.1)).stay(2.7);
@@ -240,9 +78,9 @@ std::vector<Track> grasp(const Stage& s) {
   return {path.track()};
 }
 
-std::vector<Track> poke(const Stage& s) {
+std::vector<Track> poke(const Site& s) {
   const hand::Model& model = hand::standard();
-  const Mat3 R = s.axes(-s.out, s.along);
+  const Mat3 R = Site::axes(-s.out, s.along);
   const hand::Poses straight = hand::assemble({Vec3::Zero(), R}, {}, model);
   const hand::Phalanx last = model.phalanx(6);
   const Vec3 tip = straight[6] * Vec3(0, last.length / 2 + last.radius, 0);
@@ -254,56 +92,59 @@ std::vector<Track> poke(const Stage& s) {
   return {path.track()};
 }
 
-std::vector<Track> fist(const Stage& s) {
+std::vector<Track> fist(const Site& s) {
   Path path = at_flat_start(s);
   const Palm start = path.start();
-  path.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), curled(0.95)).stay(1.8);
-  path.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), curled(0.1)).to(3, start, {});
+  path.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), a_fist.at(0.95)).stay(1.8);
+  path.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, start, {});
   return {path.track()};
 }
 
-std::vector<Track> swipe(const Stage& s) {
+std::vector<Track> swipe(const Site& s) {
   constexpr double speed = 5;  // m/s
   const auto on_line = [&](double height) { return s.flat(height, 0.4 * height); };
   const double high = s.clear_height(0.25, on_line), length = std::hypot(2 * high, 0.8 * high);
   const double there = 0.3 + length / speed, back = there + 0.8;
   Path path(hand::standard(), on_line(high), {});
-  path.stay(0.3).to(there, on_line(-high), Way::even).stay(back).to(back + length / speed, on_line(high), Way::even);
+  path.stay(0.3)
+      .to(there, on_line(-high), Path::Way::even)
+      .stay(back)
+      .to(back + length / speed, on_line(high), Path::Way::even);
   path.stay(2);
   return {path.track()};
 }
 
-std::vector<Track> teleport(const Stage& s) {
+std::vector<Track> teleport(const Site& s) {
   const auto aside = [&](double h) { return s.flat(h, 0, 0.3); };
   const double high = std::max(s.clear_height(0.12, aside), s.clear_height(0.12, [&](double h) { return s.flat(h); }));
   Path path(hand::standard(), aside(high), {});
-  path.stay(0.5).to(0.501, s.flat(high), Way::jump).stay(1).to(1.3, s.flat(0.1)).stay(1.5);
-  path.to(1.501, s.flat(-0.2), Way::jump).stay(2.2).to(2.201, s.flat(0.1), Way::jump).stay(3);
+  path.stay(0.5).to(0.501, s.flat(high), Path::Way::jump).stay(1).to(1.3, s.flat(0.1)).stay(1.5);
+  path.to(1.501, s.flat(-0.2), Path::Way::jump).stay(2.2).to(2.201, s.flat(0.1), Path::Way::jump).stay(3);
   return {path.track()};
 }
 
 // The slide of a hand that goes on while nobody sees it.
-std::vector<Track> lost(const Stage& s) {
+std::vector<Track> lost(const Site& s) {
   Path path = at_flat_start(s);
   const Palm start = path.start();
-  path.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Way::even).to(3, start);
+  path.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Path::Way::even).to(3, start);
   path.spoil(1.2, 1.5, [](Target& t) { t.tracked = false; });
   return {path.track()};
 }
 
-std::vector<Track> not_numbers(const Stage& s) {
+std::vector<Track> not_numbers(const Site& s) {
   Path path = at_flat_start(s);
   const Palm start = path.start();
   path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, start);
   const auto spoilt = [](Target& t) { t.palm.position.x() = std::numeric_limits<double>::quiet_NaN(); };
-  path.spoil(1.0, 1.0 + key_step, spoilt).spoil(1.6, 1.6 + 4 * key_step, [](Target& t) {
+  path.spoil(1.0, 1.005, spoilt).spoil(1.6, 1.62, [](Target& t) {
     t.angles.fill(std::numeric_limits<double>::quiet_NaN());
   });
   return {path.track()};
 }
 
 // A loose object is held between two palms; on anything else both press side by side.
-std::vector<Track> two_hands(const Stage& s) {
+std::vector<Track> two_hands(const Site& s) {
   const std::array<double, 2> wide = s.extent(s.aside);
   const bool between = s.about.objects[s.object].loose() && wide[1] - wide[0] < 0.4;
   std::vector<Track> tracks;
@@ -324,7 +165,7 @@ std::vector<Track> two_hands(const Stage& s) {
     const double most = s.extent(s.out)[1] - s.out.dot(middle);
     double lift = 0;
     const auto place = [&](double gap, double by = 0) {
-      Palm palm{face + (gap + half) * back, s.axes(s.along, back)};
+      Palm palm{face + (gap + half) * back, Site::axes(s.along, back)};
       palm.position += s.along * s.along.dot(middle) + s.out * (s.out.dot(middle) + lift + by);
       return palm;
     };
@@ -341,7 +182,7 @@ std::vector<Track> two_hands(const Stage& s) {
 struct Entry {
   const char* name;
   const char* line;
-  std::vector<Track> (*make)(const Stage&);
+  std::vector<Track> (*make)(const Site&);
 };
 constexpr Entry entries[] = {
     {"press", "the flat hand pressed 30 mm into the surface", press},
@@ -368,7 +209,7 @@ Motion synthetic_motion(const std::string& name, const Surroundings& about) {
   for (const Entry& e : entries) {
     names.emplace_back(e.name);
     if (name != e.name) continue;
-    Motion motion{.name = name, .hands = e.make(Stage(about))};
+    Motion motion{.name = name, .hands = e.make(Site(about))};
     for (const Track& track : motion.hands) {
       motion.duration = std::max(motion.duration, track.keys.back().time);
       if (track.held_over > 0)
