@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <compare>
 #include <vector>
 
 namespace zwang {
@@ -33,8 +34,20 @@ struct DoubleDouble {
     const DoubleDouble p = exact_product(a.hi, b.hi);
     return fast_sum(p.hi, p.lo + std::fma(a.hi, b.lo, a.lo * b.hi) + a.lo * b.lo);
   }
-  friend bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
-    return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo);
+  friend DoubleDouble operator/(const DoubleDouble& a, const DoubleDouble& b) {
+    const double first = a.hi / b.hi;
+    const DoubleDouble left = a - b * first;
+    const double second = left.hi / b.hi;
+    return fast_sum(first, second) + (left - b * second).hi / b.hi;
+  }
+  friend DoubleDouble abs(const DoubleDouble& a) { return a.hi < 0 ? -a : a; }
+  friend DoubleDouble sqrt(const DoubleDouble& a) {
+    const double root = std::sqrt(a.hi);
+    return a.hi > 0 ? fast_sum(root, (a - exact_product(root, root)).hi / (2 * root)) : DoubleDouble(root);
+  }
+  friend DoubleDouble ldexp(const DoubleDouble& a, int exponent) { return a.scaled(exponent); }
+  friend std::partial_ordering operator<=>(const DoubleDouble& a, const DoubleDouble& b) {
+    return a.hi == b.hi ? a.lo <=> b.lo : a.hi <=> b.hi;
   }
   friend bool operator==(const DoubleDouble& a, const DoubleDouble& b) { return a.hi == b.hi && a.lo == b.lo; }
 

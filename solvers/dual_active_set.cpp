@@ -72,9 +72,9 @@ void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& 
                         .smallest_accepted = method_.smallest_accepted,
                         .largest_rejected = method_.largest_rejected};
     const double limit = std::max(10 * options.tolerance, 1e-12);
-    if (!method_.contracted || method_.largest_rejected > doubtful_rejected || method_.error(problem) > limit)
-      solution.status = Status::solved_ill_conditioned;
-    if (method_.leaves_in_doubt(problem, limit)) judge_again(problem, options.tolerance, solution);
+    if (!method_.contracted || method_.largest_rejected > doubtful_rejected || method_.error(problem) > limit ||
+        method_.leaves_in_doubt(problem, limit))
+      judge_again(problem, options.tolerance, solution);
   }
   if (solution.status == Status::infeasible) {
     solution.z.resize(0);

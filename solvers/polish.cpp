@@ -1,273 +1,31 @@
 #include "solvers/polish.h"
 
-#include <algorithm>
-#include <cmath>
+#include <cstdlib>
 
 namespace zwang {
 namespace {
 
-constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
-constexpr long double noise = 32 * real_eps;  // a violation below this share of its terms is rounding
-// Where the refinement does not converge, a contact this near to a combination of the others gives way: its neighbours
-// do what it did, and where they do not, it is found violated again and judged as dependent.
-constexpr double coarse = 1e-10;
-// |G'u| beyond this share of sum |u_i| is not the rounding of the rows, but a way to meet them, however far away. A
-// wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46
-// times as long, and the referee's 1e8 alone would call it contradicting.
-constexpr double row_rounding = 8 * std::numeric_limits<double>::epsilon();
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+// Double-double has double's range: its products may not underflow.
+bool in_range(const Whitened& w) {
+  constexpr int most = 300;
+  return std::abs(w.exponent) < most && w.row_norm.maxCoeff() < std::ldexp(1, most) &&
+         w.row_norm.minCoeff() > std::ldexp(1, -most);
+}
 
 }  // namespace
 
-void Polish::add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const {
-  factor /= Real(w.row_norm[i]);
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    v[it.col()] += Real(it.value()) * factor;
-}
-
-// From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
-auto Polish::violation(const Problem& p, const Whitened& w, Index i) const -> Real {
-  Real rest = p.c[w.row[at(i)]];
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    rest -= Real(it.value()) * z_[it.col()];
-  return std::ldexp(rest / Real(w.row_norm[i]), -w.exponent);
-}
-
-void Polish::prepare(const Problem& p, Whitened& w) {
-  const Index n = p.size(), k = w.rows();
-  z_ = p.z_u.cast<Real>();
-  l_.setZero(k);
-  u_.setZero(k);
-  b_.resize(k);
-  force_.resize(n);
-  mu_.resize(std::min(n, k));
-  r1_.resize(n);
-  r2_.resize(std::min(n, k));
-  t_.resize(std::min(n, k));
-  state_.assign(at(k), State::outside);
-  for (Index i = 0; i < k; ++i) {
-    Real sum = p.c[w.row[at(i)]];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-      sum -= Real(it.value()) * Real(p.z_u[it.col()]);
-    b_[i] = std::ldexp(sum / Real(w.row_norm[i]), -w.exponent);
-  }
-  Real square = 0;
-  for (Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
-      square += Real(p.z_u[it.row()]) * it.value() * p.z_u[j];
-  z_u_length_ = static_cast<double>(std::ldexp(std::sqrt(std::max(square, Real(0))), -w.exponent));
-}
-
-// False when the corrections do not shrink: the factors no longer describe the rows.
-bool Polish::refine(const Problem& p, Whitened& w, ActiveRows& active) {
-  const Index n = p.size(), a = active.size();
-  auto r2 = r2_.head(a);
-  double last = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < 12; ++step) {
-    force_.setZero();
-    for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
-    for (Index j = 0; j < n; ++j) {
-      const Real d = std::ldexp(z_[j] - Real(p.z_u[j]), -w.exponent);
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
-    }
-    r1_ = force_.cast<double>();
-    if (n > 0) w.factor.solve_lower(r1_);
-    for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
-
-    active.correct(r1_, r2);
-    for (Index i = 0; i < a; ++i) l_[active[i]] += Real(r2[i]);
-    const double length = r1_.norm();
-    if (n > 0) w.factor.solve_upper(r1_);
-    for (Index j = 0; j < n; ++j) z_[j] += std::ldexp(Real(r1_[j]), w.exponent);
-
-    Real square = 0;
-    for (const Index i : active.rows()) square += l_[i] * b_[i];  // |y|^2 = l'b at the solution
-    length_ = static_cast<double>(std::sqrt(std::max(square, Real(0))));
-    scale_ = std::max(z_u_length_, length_);
-    error_ = length;
-    if (!std::isfinite(length)) return false;
-    if (length <= 1e-18 * scale_) return true;
-    if (step > 1 && length > 0.3 * last) return length <= 1e-6 * scale_;
-    last = length;
-  }
-  return true;
-}
-
-// g_row = G_A' mu + rest; returns the length of the rest.
-double Polish::express(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
-  const Index a = active.size();
-  auto t = t_.head(a);
-  mu_.head(a).setZero();
-  for (int step = 0; step < 4; ++step) {
-    force_.setZero();
-    add_row(p, w, row, 1, force_);
-    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i], force_);
-    r1_ = force_.cast<double>();
-    w.factor.solve_lower(r1_);
-    active.combine(r1_, t);
-    mu_.head(a) += t.cast<Real>();
-  }
-  return r1_.norm();
-}
-
-// Joints that a weld repeats agree to the rounding of their poses only; the contacts then take a share of 1e-17 in the
-// combination, of either sign. What has the wrong sign and cannot give way in exchange() is cut off: the proof is
-// judged without it. u = +-(e_row - mu) proves infeasibility when u_I >= 0 and h'u / |G'u| is beyond any motion of this
-// problem: the referee's bound. It is judged after rounding to double, so of three normalizations the one that rounds
-// best is kept (rows in small integers then give integers).
-bool Polish::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
-  const Real sign = violation(p, w, row) < 0 ? -1 : 1;
-  const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
-  Real first = std::abs(multiplier(row, 1)), smallest = first, largest = first;
-  for (Index i = 0; i < active.size(); ++i) {
-    Real& mu = mu_[i];
-    const bool wrong = !w.equality[at(active[i])] && sign * mu > 0;
-    if (wrong && std::abs(mu) >= giving) return false;
-    if (wrong || std::abs(mu) <= 16 * real_eps) mu = 0;
-    if (mu == 0) continue;
-    const Real u = std::abs(multiplier(active[i], mu));
-    smallest = std::min(smallest, u);
-    largest = std::max(largest, u);
-  }
-  for (const Real unit : {first, smallest, largest}) {
-    certificate_.setZero(p.rows());
-    certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, 1) / unit);
-    for (Index i = 0; i < active.size(); ++i)
-      certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
-    Real work = 0, noise = 0, weight = 0;
-    force_.setZero();
-    const auto add = [&](Index i) {
-      const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
-      work += u * b_[i];
-      noise += std::abs(u) * Real(w.magnitude[i]);
-      weight += std::abs(u);
-      add_row(p, w, i, u, force_);
-    };
-    add(row);
-    for (const Index i : active.rows()) add(i);
-    r1_ = (force_ / noise).cast<double>();
-    w.factor.solve_lower(r1_);
-    const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
-    const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
-    if (parallel && work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * r1_.norm()) {
-      s.certificate = certificate_;
-      return true;
-    }
-  }
-  return false;
-}
-
-void Polish::remove(ActiveRows& active, Index position) {
-  state_[at(active[position])] = State::outside;
-  l_[active[position]] = 0;
-  active.drop(position);
-}
-
-// The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
-bool Polish::exchange(const Whitened& w, ActiveRows& active, Index row) {
-  Index leaving;
-  give_way(w, active, w.equality[at(row)] && b_[row] < 0 ? -1 : 1, leaving);
-  if (leaving == active.size()) return false;
-  remove(active, leaving);
-  if (!active.accepts(active.append(row))) return false;
-  state_[at(row)] = State::inside;
-  return true;
-}
-
 Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
-  prepare(p, w);
-  for (const Index i : active.rows()) state_[at(i)] = State::inside;
-  const Index rounds = 20 + 2 * w.rows();
-  for (Index round = 0; round < rounds; ++round) {
-    if (round > 0) s.fallback = true;
-    if (!refine(p, w, active)) {
-      const Index weakest = active.coarsen(coarse);
-      if (weakest >= 0) {
-        remove(active, weakest);
-        continue;
-      }
-      s.message = "the active rows are too close to dependent to be told apart";
-      break;
-    }
-
-    // The most negative multiplier leaves. One of 1e-15 s moves z by less than that.
-    Index leaving = active.size();
-    Real most = -1e-15L * scale_;
-    for (Index i = 0; i < active.size(); ++i)
-      if (!w.equality[at(active[i])] && l_[active[i]] < most) {
-        most = l_[active[i]];
-        leaving = i;
-      }
-    if (leaving < active.size()) {
-      remove(active, leaving);
-      continue;
-    }
-
-    // The most violated row enters.
-    Index entering = -1;
-    Real worst = noise;
-    for (Index i = 0; i < w.rows(); ++i) {
-      if (state_[at(i)] != State::outside) continue;
-      const Real v = violation(p, w, i), size = Real(w.magnitude[i]) + length_;
-      const Real relative = (w.equality[at(i)] ? std::abs(v) : v) / size;
-      if (relative > worst) {
-        worst = relative;
-        entering = i;
-      }
-    }
-    const double limit = std::max(10 * tolerance, 1e-12) * scale_;
-    if (entering < 0) {
-      doubt_active(p, w, active);
-      entering = doubt_others(p, w, active, limit);
-    }
-    if (entering < 0) {
-      for (Index i = 0; i < w.rows(); ++i)
-        if (state_[at(i)] == State::outside &&
-            std::abs(violation(p, w, i)) <= 1e-12L * (Real(w.magnitude[i]) + length_))
-          state_[at(i)] = State::ignored;
-      write(p, w, s);
-      name_redundant(w, active, s);
-      s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
-      return Outcome::solved;
-    }
-    const double share = active.append(entering);
-    if (active.accepts(share)) {
-      state_[at(entering)] = State::inside;
-      continue;
-    }
-    if (active.undecided(share)) {
-      s.message = "a violated row is too close to a combination of the active ones";
-      break;
-    }
-    express(p, w, active, entering);
-    if (farkas(p, w, active, entering, s)) {
-      s.status = Status::infeasible;
-      return Outcome::infeasible;
-    }
-    if (exchange(w, active, entering)) continue;
-    if (worst > 1e-13L) {
-      s.message = "a row that depends on others to rounding contradicts them, but not provably";
-      break;
-    }
-    state_[at(entering)] = State::ignored;
+  const Outcome first = long_double_.run(p, w, active, tolerance, s);
+  if (first == Outcome::infeasible || s.status == Status::solved || w.rows() == 0 || !in_range(w)) return first;
+  first_ = s;
+  s.message.clear();
+  const Outcome second = double_double_.run(p, w, active, tolerance, s);
+  if (second == Outcome::failed) {
+    s = first_;
+    return first;
   }
-  if (s.message.empty()) s.message = "no consistent active set was found";
-  s.status = Status::numerical_failure;
-  write(p, w, s);
-  return Outcome::failed;
-}
-
-bool Polish::certify(const Problem& p, Whitened& w, ActiveRows& active, std::span<const Index> support, Solution& s) {
-  prepare(p, w);
-  for (const Index i : support) {
-    if (active.share(i) > 1e-9 && active.accepts(active.append(i))) continue;
-    express(p, w, active, i);
-    if (farkas(p, w, active, i, s)) {
-      s.status = Status::infeasible;
-      return true;
-    }
-  }
-  return false;
+  s.fallback = true;
+  return second;
 }
 
 }  // namespace zwang

@@ -1,28 +1,28 @@
-// What the polish says of its own answer: how far rounding may have moved z, and which rows it left out.
+#pragma once
+
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/polish.h"
+#include "solvers/extended_polish.h"
+
+// What the polish says of its own answer: how far rounding may have moved z, and which rows it left out.
 
 namespace zwang {
-namespace {
-
-constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 // What rounding can hide in a violation.
-double Polish::hidden(const Problem& p, const Whitened& w, Index i) const {
-  Real terms = std::abs(Real(p.c[w.row[at(i)]]));
+template <class Real>
+double ExtendedPolish<Real>::hidden(const Problem& p, const Whitened& w, Index i) const {
+  using std::abs, std::ldexp;
+  Real terms = abs(Real(p.c[w.row[at(i)]]));
   for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    terms += std::abs(Real(it.value()) * z_[it.col()]);
-  return static_cast<double>(std::ldexp(real_eps * terms / Real(w.row_norm[i]), -w.exponent));
+    terms += abs(Real(it.value()) * z_[it.col()]);
+  return static_cast<double>(ldexp(Real(real_eps * terms / Real(w.row_norm[i])), -w.exponent));
 }
 
 // How far the multiplier of a row sign (G_A' mu_ + rest) can grow before that of an active row, `leaving`, is zero.
-auto Polish::give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const -> Real {
-  Real shortest = std::numeric_limits<Real>::infinity();
+template <class Real>
+Real ExtendedPolish<Real>::give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const {
+  Real shortest = std::numeric_limits<double>::infinity();
   leaving = active.size();
   for (Index i = 0; i < active.size(); ++i) {
     const Real rate = sign * mu_[i];
@@ -36,7 +36,8 @@ auto Polish::give_way(const Whitened& w, const ActiveRows& active, Real sign, In
   return shortest;
 }
 
-void Polish::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
+template <class Real>
+void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
   double square = 0;
   for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
   error_ += std::sqrt(square) / active.smallest_pivot();
@@ -46,7 +47,8 @@ void Polish::doubt_active(const Problem& p, const Whitened& w, const ActiveRows&
 // move z by v / rho if it were obeyed, unless an active row gives way to it first: nothing when it is an exact
 // combination or a neighbour's twin, much when it was only taken for one. Returns a row that moves z by more than
 // `limit`, is violated for certain and can enter; -1 where there is none.
-Index Polish::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
+template <class Real>
+Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
@@ -63,16 +65,19 @@ Index Polish::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, do
   return -1;
 }
 
-void Polish::write(const Problem& p, const Whitened& w, Solution& s) const {
-  s.z = z_.cast<double>();
+template <class Real>
+void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& s) const {
+  using std::ldexp;
+  s.z = z_.template cast<double>();
   s.lambda.setZero(p.rows());
   for (Index i = 0; i < w.rows(); ++i) {
     const Real unit = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
-    s.lambda[w.row[at(i)]] = static_cast<double>(std::ldexp(unit / Real(w.row_norm[i]), w.exponent));
+    s.lambda[w.row[at(i)]] = static_cast<double>(ldexp(Real(unit / Real(w.row_norm[i])), w.exponent));
   }
 }
 
-void Polish::name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const {
+template <class Real>
+void ExtendedPolish<Real>::name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const {
   s.redundant.reserve(at(w.rows()) + w.idle.size());
   s.redundant.assign(w.idle.begin(), w.idle.end());
   s.margins = {.rank = active.size()};
