@@ -1,92 +1,9 @@
 #include "bench/scenes/catalog.h"
 
-#include <charconv>
-#include <cmath>
-#include <sstream>
-#include <stdexcept>
-
 #include "bench/scenes/families.h"
 #include "bench/scenes/physical.h"
-#include "core/nearest.h"
 
 namespace zwang {
-namespace {
-
-// Splits at commas outside parentheses.
-std::vector<std::string> split(std::string_view text) {
-  std::vector<std::string> parts(1);
-  int depth = 0;
-  for (const char ch : text) {
-    depth += ch == '(' ? 1 : ch == ')' ? -1 : 0;
-    if (ch == ',' && depth == 0)
-      parts.emplace_back();
-    else
-      parts.back() += ch;
-  }
-  return parts;
-}
-
-double parse_number(const std::string& scene, const std::string& knob, const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc{} && end == text.data() + text.size()) return value;
-  throw std::invalid_argument("scene '" + scene + "': " + knob + "=" + text + " should be a number");
-}
-
-std::string format(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
-struct KnobValues {
-  const Knob* knob;
-  std::vector<double> values;
-};
-
-// "10", "1..5" or one more value of the knob named last ("boxes=10,100").
-void append_values(const SceneEntry& scene, const std::string& text, KnobValues& out) {
-  const auto dots = text.find("..");
-  const double low = parse_number(scene.name, out.knob->name, text.substr(0, dots));
-  const double high = dots == std::string::npos ? low : parse_number(scene.name, out.knob->name, text.substr(dots + 2));
-  const Knob& k = *out.knob;
-  const std::string place = "scene '" + scene.name + "': " + k.name + "=";
-  for (const double v : {low, high})
-    if (!(v >= k.low && v <= k.high) || (k.integer && v != std::floor(v)))
-      throw std::invalid_argument(place + format(v) + " should be " + (k.integer ? "an integer" : "a number") +
-                                  " from " + format(k.low) + " to " + format(k.high));
-  if (!(high >= low && high - low <= 1e6))
-    throw std::invalid_argument(place + text + " should rise, over a million values at most");
-  for (int i = 0; low + i <= high; ++i) out.values.push_back(low + i);
-}
-
-std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& text) {
-  std::vector<KnobValues> all;
-  std::stringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
-    const auto equal = part.find('=');
-    if (equal != std::string::npos) {
-      const std::string name = part.substr(0, equal);
-      std::vector<std::string> names;
-      const Knob* found = nullptr;
-      for (const Knob& k : scene.knobs) {
-        names.push_back(k.name);
-        if (k.name == name) found = &k;
-      }
-      if (!found)
-        throw std::invalid_argument("scene '" + scene.name + "' has no knob '" + name + "'" +
-                                    did_you_mean(name, names));
-      all.push_back({found, {}});
-      part = part.substr(equal + 1);
-    }
-    if (all.empty()) throw std::invalid_argument("scene '" + scene.name + "': '" + part + "' should be knob=value");
-    append_values(scene, part, all.back());
-  }
-  return all;
-}
-
-}  // namespace
-
 namespace {
 
 const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
@@ -99,7 +16,6 @@ const Knob drift_knob{"drift", 0x1p-13, 0, 0x1p-7, false, "opening of the joints
 
 std::span<const SceneEntry> scenes() {
   static const std::vector<SceneEntry> all = {
-      // One line a scene.
       {"tower",
        "tower",
        "boxes one on another, narrower upwards, four corner contacts a face; at rest",
@@ -195,8 +111,7 @@ std::span<const SceneEntry> scenes() {
        "NPE",
        "three pairs of equality rows a and a + 2^-k d, six contacts: near-parallel equalities",
        "k",
-       {{"k", 3, 1, 45, true, "-log2 of the angle between the rows of a pair"},
-        {"seed", 1, 0, 1e9, true, "of the rows"}},
+       {{"k", 3, 1, 45, true, "-log2 of the angle between the rows of a pair"}, draws_knob},
        near_parallel_equalities},
       {"LOOP",
        "LOOP",
@@ -221,8 +136,7 @@ std::span<const SceneEntry> scenes() {
        "WEAK",
        "twelve touching contacts, six of them push with 2^-k only",
        "k",
-       {{"k", 0, 0, zero_knob, true, "-log2 of the weak multipliers; 60: none"},
-        {"seed", 1, 0, 1e9, true, "of the rows"}},
+       {{"k", 0, 0, zero_knob, true, "-log2 of the weak multipliers; 60: none"}, draws_knob},
        weak_contacts},
       {"NPI",
        "NPI",
@@ -333,49 +247,6 @@ const SceneEntry* find_scene(std::string_view name) {
   for (const SceneEntry& e : scenes())
     if (e.name == name) return &e;
   return nullptr;
-}
-
-std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
-  std::vector<Instance> all;
-  for (const std::string& part : split(text)) {
-    const auto open = part.find('(');
-    const std::string name = part.substr(0, open);
-    const SceneEntry* scene = find_scene(name);
-    if (!scene) {
-      std::vector<std::string> names;
-      for (const SceneEntry& e : scenes()) names.push_back(e.name);
-      throw std::invalid_argument("no scene '" + name + "'" + did_you_mean(name, names) +
-                                  " (./zwang scenes lists all)");
-    }
-    if (open != std::string::npos && part.back() != ')')
-      throw std::invalid_argument("scene '" + part + "': a closing parenthesis should follow the knobs");
-    const auto chosen = open == std::string::npos ? std::vector<KnobValues>()
-                                                  : parse_knobs(*scene, part.substr(open + 1, part.size() - open - 2));
-    // An odometer over all combinations.
-    std::vector<std::size_t> digit(chosen.size(), 0);
-    for (bool more = true; more;) {
-      Knobs knobs;
-      for (const Knob& k : scene->knobs) knobs[k.name] = k.name == "seed" ? static_cast<double>(seed) : k.value;
-      std::string label;
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
-        knobs[chosen[i].knob->name] = chosen[i].values[digit[i]];
-        label += (i ? "," : "") + chosen[i].knob->name + "=" + format(chosen[i].values[digit[i]]);
-      }
-      Instance instance = scene->make(knobs);
-      instance.problem.name = label.empty() ? name : name + "(" + label + ")";
-      instance.family = scene->family;
-      instance.knob = scene->sweep;
-      if (!scene->sweep.empty()) instance.knob_value = knobs.at(scene->sweep);
-      if (knobs.contains("seed")) instance.seed = static_cast<std::uint64_t>(knobs.at("seed"));
-      all.push_back(std::move(instance));
-      more = false;
-      for (std::size_t i = digit.size(); i-- > 0 && !more;) {
-        more = ++digit[i] < chosen[i].values.size();
-        if (!more) digit[i] = 0;
-      }
-    }
-  }
-  return all;
 }
 
 }  // namespace zwang

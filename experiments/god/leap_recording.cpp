@@ -1,20 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
-#include "core/nearest.h"
 #include "core/problem_file.h"
+#include "experiments/god/leap_rows.h"
 #include "experiments/god/recording.h"
 
 namespace zwang::god {
 namespace {
 
 using Json = nlohmann::json;
-using Side = std::size_t;  // 0 right, 1 left
-constexpr const char* side_name[2] = {"right", "left"};
-constexpr const char* finger_name[5] = {"thumb", "index finger", "middle finger", "ring finger", "little finger"};
-constexpr const char* joint_column[4] = {"mcpPosition", "pipPosition", "dipPosition", "btipPosition"};
 
 // NaN and Infinity are no JSON, but recorders write them: they become null, which is no number either.
 std::string with_null_for_nan(const std::string& text) {
@@ -38,26 +34,6 @@ std::string with_null_for_nan(const std::string& text) {
   return out;
 }
 
-// Where a recording's columns stand.
-struct Columns {
-  std::size_t time, hands, fingers;                // of a row
-  std::size_t id, side, direction, normal, place;  // of a hand
-  std::size_t hand, bases, type, tool;             // of a finger; of the last three, none: not there
-  std::array<std::size_t, 4> joint;
-};
-constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-
-std::vector<std::string> names_of(const Json& header) {
-  std::vector<std::string> names;
-  for (const Json& column : header) {
-    if (column.is_string())
-      names.push_back(column.get<std::string>());
-    else
-      names.push_back(column.is_object() && column.size() == 1 ? column.begin().key() : std::string());
-  }
-  return names;
-}
-
 class Reader {
  public:
   Reader(const std::filesystem::path& file, const std::string& text) : file_(file) {
@@ -72,30 +48,24 @@ class Reader {
     if (!whole_.is_object() || !whole_.contains("frames") || !whole_["frames"].is_array())
       refuse("no Leap recording: {\"metadata\": ..., \"frames\": [header, row, ...]} expected");
     if (whole_["frames"].size() < 2) refuse("no frames after the header");
-    read_header(whole_["frames"][0]);
   }
 
   Recording read() {
-    struct Row {
-      double time;
-      std::array<std::optional<RecordedHand>, 2> hand;
-      std::array<bool, 2> seen;
-    };
+    using Row = LeapRows::Row;
     std::vector<Row> rows;
     const Json& frames = whole_["frames"];
-    for (frame_ = 1; frame_ < frames.size(); ++frame_) {
-      Row row{};
-      if (read_row(frames[frame_], row.time, row.hand, row.seen)) rows.push_back(std::move(row));
-    }
+    LeapRows reader = under(frames[0]);
+    for (std::size_t k = 1; k < frames.size(); ++k)
+      if (Row row; reader.read(frames[k], k, row)) rows.push_back(std::move(row));
     const std::size_t torn = frames.size() - 1 - rows.size();
-    if (2 * torn >= frames.size() - 1) refuse(fault_);
+    if (2 * torn >= frames.size() - 1) refuse(reader.fault);
     const std::size_t repeated = put_in_order(rows);
-    if (torn > 0) note(torn, "torn: " + fault_);
+    if (torn > 0) note(torn, "torn: " + reader.fault);
     if (repeated > 0) note(repeated, "with the time stamp of another");
     check_times(rows);
 
     std::array<RecordedTrack, 2> track;
-    for (Side s = 0; s < 2; ++s) {
+    for (std::size_t s = 0; s < 2; ++s) {
       track[s].left = s == 1;
       std::size_t seen = 0, sound = 0;
       for (const Row& row : rows) {
@@ -103,15 +73,16 @@ class Reader {
         seen += row.seen[s];
         sound += row.hand[s].has_value();
       }
-      if (2 * sound < seen) refuse(hand_fault_[s]);
+      if (2 * sound < seen) refuse(reader.hand_fault[s]);
       if (sound == 0) continue;
       const std::size_t odd = drop_odd(track[s]);
       if (2 * odd > sound) refuse("the bones of the " + std::string(side_name[s]) + " hand change their lengths");
-      if (seen > sound) note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + hand_fault_[s]);
+      if (seen > sound)
+        note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + reader.hand_fault[s]);
       if (odd > 0) note(odd, "of the " + std::string(side_name[s]) + " hand with a bone of another length");
       kept_[s] = sound - odd;
     }
-    for (Side s = 0; s < 2; ++s) {
+    for (std::size_t s = 0; s < 2; ++s) {
       const bool passing = kept_[s] < 3 || (20 * kept_[s] < rows.size() && kept_[1 - s] > 10 * kept_[s]);
       if (kept_[s] > 0 && !passing) out_.hands.push_back(std::move(track[s]));
       if (kept_[s] > 0 && passing) note(kept_[s], std::string("show a ") + side_name[s] + " hand: passed over");
@@ -126,124 +97,12 @@ class Reader {
     throw BadFile(file_.string() + ": " + why);
   }
   void note(std::size_t count, const std::string& what) { out_.notes.push_back(god::frames(count, what)); }
-  std::string here() const { return "frame " + std::to_string(frame_) + ": "; }
-
-  std::size_t column(const std::vector<std::string>& names, const std::string& name, const char* where,
-                     bool must = true) const {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-    if (must)
-      refuse(std::string("the header's ") + where + " have no column '" + name + "'" + did_you_mean(name, names));
-    return none;
-  }
-  void read_header(const Json& header) {
-    if (!header.is_array()) refuse("frames[0] is no header: a list of column names expected");
-    const auto nested = [&](std::size_t at, const char* name) {
-      const Json* list = header[at].is_object() ? &header[at].begin().value() : nullptr;
-      if (list == nullptr || !list->is_array() || list->empty() || !(*list)[0].is_array())
-        refuse(std::string("the header's '") + name + "' does not name its columns: {\"" + name +
-               "\": [[...]]} expected");
-      return names_of((*list)[0]);
-    };
-    const std::vector<std::string> rows = names_of(header);
-    at_.time = column(rows, "timestamp", "rows");
-    at_.hands = column(rows, "hands", "rows");
-    at_.fingers = column(rows, "pointables", "rows");
-    const std::vector<std::string> hands = nested(at_.hands, "hands"), fingers = nested(at_.fingers, "pointables");
-    at_.id = column(hands, "id", "hands");
-    at_.side = column(hands, "type", "hands");
-    at_.direction = column(hands, "direction", "hands");
-    at_.normal = column(hands, "palmNormal", "hands");
-    at_.place = column(hands, "palmPosition", "hands");
-    at_.hand = column(fingers, "handId", "pointables");
-    for (std::size_t k = 0; k < 4; ++k) at_.joint[k] = column(fingers, joint_column[k], "pointables");
-    at_.bases = column(fingers, "bases", "pointables", false);
-    at_.type = column(fingers, "type", "pointables", false);
-    at_.tool = column(fingers, "tool", "pointables", false);
-    hand_width_ = hands.size();
-    finger_width_ = fingers.size();
-  }
-
-  static bool number(const Json& value, double& out) {
-    if (!value.is_number()) return false;
-    out = value.get<double>();
-    return std::isfinite(out);
-  }
-  static bool vector(const Json& value, Vec3& out) {
-    return value.is_array() && value.size() == 3 && number(value[0], out[0]) && number(value[1], out[1]) &&
-           number(value[2], out[2]);
-  }
-  // The device looks up along y, from a table whose far side is -z; here z is up and the far side is y. mm to m.
-  static Vec3 turned(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
-  static Vec3 placed(const Vec3& v) { return 1e-3 * turned(v); }
-
-  // False: the row is torn.
-  bool read_row(const Json& row, double& time, std::array<std::optional<RecordedHand>, 2>& hand,
-                std::array<bool, 2>& seen) {
-    const auto torn = [&](const std::string& why) {
-      if (fault_.empty()) fault_ = here() + why;
-      return false;
-    };
-    if (!row.is_array() || row.size() <= std::max({at_.time, at_.hands, at_.fingers}))
-      return torn("a row of fewer columns than the header's");
-    if (!number(row[at_.time], time)) return torn("its time stamp is no number");
-    time *= 1e-6;
-    if (!row[at_.hands].is_array() || !row[at_.fingers].is_array())
-      return torn("its hands and pointables are no lists");
-    for (const Json& h : row[at_.hands]) {
-      if (!h.is_array() || h.size() < hand_width_) return torn("a hand of fewer columns than the header's");
-      const Json& type = h[at_.side];
-      const Side s = type == "left" ? 1 : 0;
-      if (type != "left" && type != "right") return torn("a hand's type is neither \"left\" nor \"right\"");
-      // Of two hands of one side the one that was followed so far counts.
-      if (seen[s] && h[at_.id] != followed_[s]) continue;
-      std::string why;
-      seen[s] = true;
-      hand[s] = read_hand(h, row[at_.fingers], why);
-      if (hand[s])
-        followed_[s] = h[at_.id];
-      else if (hand_fault_[s].empty())
-        hand_fault_[s] = here() + "the " + side_name[s] + " hand's " + why;
+  LeapRows under(const Json& header) const {
+    try {
+      return LeapRows(header);
+    } catch (const std::invalid_argument& wrong) {
+      refuse(wrong.what());
     }
-    return true;
-  }
-
-  std::optional<RecordedHand> read_hand(const Json& h, const Json& fingers, std::string& why) const {
-    RecordedHand out;
-    Vec3 ahead, normal, place;
-    const auto bad = [&](const std::string& what) {
-      why = what;
-      return std::nullopt;
-    };
-    if (!vector(h[at_.direction], ahead)) return bad("direction is not three numbers");
-    if (!vector(h[at_.normal], normal)) return bad("palmNormal is not three numbers");
-    if (!vector(h[at_.place], place)) return bad("palmPosition is not three numbers");
-    const Vec3 y = turned(ahead).normalized(), z = (-turned(normal) + y * y.dot(turned(normal))).normalized();
-    if (!(y.squaredNorm() > 0.5 && z.squaredNorm() > 0.5)) return bad("direction and palmNormal span no frame");
-    out.palm.rotation << y.cross(z), y, z;
-    out.palm.position = placed(place);
-
-    std::size_t count = 0;
-    std::array<bool, 5> met = {};
-    for (const Json& f : fingers) {
-      if (!f.is_array() || f.size() < finger_width_) return bad("pointables are torn: fewer columns than the header's");
-      if (f[at_.hand] != h[at_.id]) continue;
-      if (at_.tool != none && f[at_.tool] == true) continue;
-      std::size_t which = count++;
-      if (at_.type != none && f[at_.type].is_number_unsigned()) which = f[at_.type].get<std::size_t>();
-      if (which > 4 || met[which]) return bad("fingers are not thumb, index, middle, ring and little finger");
-      met[which] = true;
-      for (std::size_t k = 0; k < 4; ++k) {
-        Vec3 p;
-        if (!vector(f[at_.joint[k]], p))
-          return bad(std::string(finger_name[which]) + ": " + joint_column[k] + " is not three numbers");
-        out.joints[which][k] = placed(p);
-      }
-      if (at_.bases != none && (!f[at_.bases].is_array() || f[at_.bases].size() != 4))
-        return bad(std::string(finger_name[which]) + ": bases are not those of 4 bones");
-    }
-    if (count != 5) return bad("fingers in pointables are " + std::to_string(count) + ", 5 expected");
-    return out;
   }
 
   template <class Rows>
@@ -279,11 +138,6 @@ class Reader {
 
   const std::filesystem::path& file_;
   Json whole_;
-  Columns at_ = {};
-  std::size_t hand_width_ = 0, finger_width_ = 0, frame_ = 0;
-  std::string fault_;
-  std::array<std::string, 2> hand_fault_;
-  std::array<Json, 2> followed_;
   std::array<std::size_t, 2> kept_ = {};
   Recording out_;
 };
