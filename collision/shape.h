@@ -28,6 +28,8 @@ class Shape {
   const Vec3& half() const { return half_; }
   // The farthest corner from the body's origin.
   double reach() const { return reach_; }
+  // The point of the core nearest to p (the body's axes). Of all cores but hulls.
+  Vec3 nearest(const Vec3& p) const { return p.cwiseMax(-half_).cwiseMin(half_); }
 
  private:
   Shape(Core core, std::vector<Vec3> corners, double radius);

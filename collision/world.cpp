@@ -58,12 +58,6 @@ struct Region {
   }
 };
 
-// The point of a core nearest to p, in the core's axes. Not for hulls.
-Vec3 nearest_of(const Shape& shape, const Vec3& p) {
-  const Vec3& h = shape.half();  // (0, h, 0) of a segment
-  return p.cwiseMax(-h).cwiseMin(h);
-}
-
 constexpr std::uint32_t patch_size = 64;  // triangles
 
 // One point for all triangles of a small subtree: the vertex that lies highest along n, the direction from the
@@ -72,7 +66,7 @@ constexpr std::uint32_t patch_size = 64;  // triangles
 // answer. A palm or a finger on a fine mesh has tens of thousands of triangles within reach, which say the same thing.
 bool stand_in(const Shape& shape, const Region& region, const Region::Seen& seen, std::span<const Triangle> triangles,
               std::uint32_t first, double stop, Closest& out, std::uint32_t& winner) {
-  const Vec3 core = nearest_of(shape, seen.at), apart = core - seen.at;
+  const Vec3 core = shape.nearest(seen.at), apart = core - seen.at;
   const double length = apart.norm();
   if (length <= shape.radius()) return false;
   const double slack = (stop + length - shape.radius()) / 10;
@@ -88,7 +82,7 @@ bool stand_in(const Shape& shape, const Region& region, const Region::Seen& seen
   out.distance = -n.cwiseAbs().dot(shape.half()) - (highest - up.dot(region.a_in_b.position));
   const Vec3 local = region.a_in_b.rotation.transpose() * (out.on_b - region.a_in_b.position);
   const double gap = out.distance - shape.radius();
-  return gap > stop / 2 && (local - nearest_of(shape, local)).norm() - out.distance <= (stop + gap) / 10;
+  return gap > stop / 2 && (local - shape.nearest(local)).norm() - out.distance <= (stop + gap) / 10;
 }
 
 constexpr double touching = 1e-9;  // m: nearer than this counts as overlap

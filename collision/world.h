@@ -64,7 +64,8 @@ class World {
   // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree: one entry a shape and
   // shape (and up to six more at the corners of the area where two sides face each other), or a shape and triangle, or
   // a shape and up to 64 triangles that one plane keeps off so well that their smallest gap is known to a tenth of
-  // itself and of the stop distance, and never too large. Valid until the next call.
+  // itself and of the stop distance, and never too large; its point_a, straight up from the nearest vertex, may lie
+  // beside the shape then. Valid until the next call.
   std::span<const Touch> touches(double activation);
 
   // The largest part of the step that all moves may make without any two colliders meeting (Algorithm 1 of the paper):

@@ -69,7 +69,8 @@ std::string Simulation::checkpoint() {
   write(s.target);
   for (const Cluster& c : s.clusters) {
     const Cluster::Memory m = c.memory();
-    write(m.pose), write(m.target), write(m.last_way), write(m.blocked ? 1.0 : 0.0), write(m.caution);
+    write(m.pose), write(m.target), write(m.last_way), write(m.blocked ? 1.0 : 0.0), write(m.bent ? 1.0 : 0.0),
+        write(m.caution);
   }
   const Coupling::Memory coupled = s.coupling->memory();
   write(coupled.hand_speed), write(coupled.wrench);
@@ -85,14 +86,15 @@ std::string Simulation::checkpoint() {
 void Simulation::restore(const std::string& checkpoint) {
   State& s = *state_;
   Reader read(checkpoint);
-  double number, blocked;
+  double number, blocked, bent;
   read(number);
   read(s.target);
   std::vector<Cluster::Memory> of_clusters;
   for (const Cluster& c : s.clusters) {
     Cluster::Memory& m = of_clusters.emplace_back(c.memory());
-    read(m.pose), read(m.target), read(m.last_way), read(blocked), read(m.caution);
+    read(m.pose), read(m.target), read(m.last_way), read(blocked), read(bent), read(m.caution);
     m.blocked = blocked != 0;
+    m.bent = bent != 0;
   }
   Coupling::Memory coupled = s.coupling->memory();
   read(coupled.hand_speed), read(coupled.wrench);

@@ -40,11 +40,11 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
 void Cluster::place(std::span<const Pose<double>> poses) {
   std::vector<Pose<double>> closed(poses.begin(), poses.end());
   skeleton_.close(closed, options_.limits == Options::Limits::predictive);
-  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), false, 1});
+  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), false, false, 1});
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, last_way_, blocked_, caution_};
+  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, last_way_, blocked_, bent_, caution_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -56,6 +56,7 @@ void Cluster::restore(const Memory& memory) {
   }
   last_way_ = memory.last_way;
   blocked_ = memory.blocked;
+  bent_ = memory.bent;
   caution_ = memory.caution;
   warm_ = {};
   solver_ = solver_of(options_);
@@ -164,13 +165,18 @@ bool Cluster::presses() const {
   return false;
 }
 
+double Cluster::longest(std::span<const Vec<double, 6>> ways) const {
+  double most = 0;
+  for (std::size_t b = 0; b < size(); ++b) most = std::max(most, travel(objects_.shapes[b], ways[b]));
+  return most;
+}
+
 // The motion of a cluster that presses: half as far again as its targets went in this frame, at least at a metre a
 // second to catch up with, at most what contacts are looked for over. Where it turns back on itself, as between two
 // contacts that the linear rows put too far apart, it is bounded to half as much each time, but never below its
 // targets' pace.
 void Cluster::bound() {
-  double most = 0;
-  for (std::size_t b = 0; b < size(); ++b) most = std::max(most, travel(objects_.shapes[b], way_[b]));
+  const double most = longest(way_);
   double along = 0;
   for (std::size_t b = 0; b < size(); ++b) along += way_[b].head<3>().dot(last_way_[b].head<3>());
   caution_ = along < 0 && most > pace_ ? caution_ / 2 : std::min(1.0, 1.5 * caution_);
@@ -246,6 +252,10 @@ double Cluster::sweep(Frame& frame) {
   return encounters_.time_of_contact(screw_);
 }
 
+// The way straight to the targets is for a hand in the air. A finger that unrolls along it by a quarter of a radian may
+// go down before it goes up, where the linear rows see it leave: what ends it is then nearer than what rows are written
+// for, and the linear step, which they know, is taken instead. Otherwise the hand would creep toward that obstacle by
+// ever smaller times of contact, and stay.
 double Cluster::propose(Frame& frame) {
   {
     const Lap lap(frame.times.other);
@@ -262,24 +272,26 @@ double Cluster::propose(Frame& frame) {
   }
   solved_at_ = pose_;
   std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
-  leg_ = false;
+  leg_ = free_ = false;
   if (!solve_lazily(frame)) {
     std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
     candidate(1, frame);
     return 1;
   }
   const bool pressing = presses();
-  if (!printed() && (!pressing || !blocked_)) {
+  if (!printed() && !bent_ && (!pressing || !blocked_)) {
     leg_ = go_freely();
     candidate(1, frame);
     const double toc = sweep(frame);
-    if (toc == 1 || !pressing) {
+    free_ = toc == 1 || (!pressing && toc * longest(screw_) > options_.activation);
+    if (free_) {
       solution_.lambda.setZero();  // nothing is held back
       return toc;
     }
     leg_ = false;
     take_solution();
   }
+  bent_ = false;
   blocked_ = pressing;
   if (!printed()) damp(frame);
   bound();
@@ -290,7 +302,8 @@ double Cluster::propose(Frame& frame) {
 // The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step is cut there and that is all: what
 // lies before a time of contact is clear. In the cycle the end at that part of the way is put onto the joints, which
 // changes the way: it is swept again from the start, and cut again, somewhat shorter, where it meets something. What is
-// left of the bend then shrinks with the square of the step: after a held one, shorter steps are taken.
+// left of the bend then shrinks with the square of the step: after a held one, shorter steps are taken. A
+// free way of which next to nothing is left is not gone: a linear step is taken in its place.
 void Cluster::commit(double toc, Frame& frame) {
   double part = options_.toc_twice ? toc * toc : toc;
   if (part < 1 || !leg_) ++sub_step_;
@@ -306,6 +319,12 @@ void Cluster::commit(double toc, Frame& frame) {
     const double again = sweep(frame);
     clear = again == 1;
     part *= again;
+  }
+  if (free_ && part < 1 && (!clear || longest(screw_) <= options_.activation)) {
+    bent_ = true;
+    --sub_step_;
+    done_ = false;
+    return;
   }
   if (!clear) {
     held_ = true;

@@ -40,7 +40,7 @@ class Cluster {
   struct Memory {
     std::vector<Pose<double>> pose, target;
     std::vector<Vec<double, 6>> last_way;
-    bool blocked;
+    bool blocked, bent;
     double caution;
   };
   Memory memory() const;
@@ -75,6 +75,7 @@ class Cluster {
   void take_solution();
   bool solve_lazily(Frame& frame);
   bool presses() const;
+  double longest(std::span<const Vec<double, 6>> ways) const;  // m, that a point of a god object goes at most
   double constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const;
   void damp(Frame& frame);
   void bound();
@@ -100,7 +101,7 @@ class Cluster {
   double allowed_ = 0;                    // m, the most that a pressing cluster moves in a sub-step
   double pace_ = 0;                       // m, that it always may
   double caution_ = 1;                    // part of it that it may after it turned back or was held
-  bool done_ = false, held_ = false, solved_ = false, leg_ = false, blocked_ = false;
+  bool done_ = false, held_ = false, solved_ = false, leg_ = false, free_ = false, blocked_ = false, bent_ = false;
   int sub_step_ = 0;
 };
 

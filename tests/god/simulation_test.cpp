@@ -1,25 +1,18 @@
-#include "experiments/god/simulation.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "bench/collision/meshes.h"
 #include "bench/collision/witness.h"
-#include "bench/scenes/physical.h"
 #include "constraints/ball_joint.h"
 #include "experiments/god/scenes.h"
+#include "tests/god/tracked.h"
 
 namespace zwang::god {
 namespace {
 
 using collision::Shape;
 using collision::Tree;
-
-Object fixed(collision::Mesh mesh, const Pose<double>& pose = {}) {
-  return {.name = "part", .mesh = std::make_shared<const Tree>(std::move(mesh)), .pose = pose};
-}
 
 // A floor whose top is at z = 0, of some thousand triangles.
 Surroundings floor_of(std::size_t triangles = 5000) {
@@ -33,27 +26,6 @@ Surroundings sheet() {
   s.objects.push_back(fixed(meshes::sheet(1, 1, 800)));
   return s;
 }
-
-Pose<double> at(double x, double y, double z, const Vec3& turn = Vec3::Zero()) { return {{x, y, z}, rotation(turn)}; }
-
-Target hand_at(const Pose<double>& palm, double curl = 0) {
-  Target t{.palm = palm};
-  for (int k = 0; k < hand::angles; ++k)
-    if (k % 4 != 1) t.angles[static_cast<std::size_t>(k)] = curl * hand::range(k).high;
-  return t;
-}
-
-Options unverified() {
-  Options o;
-  o.verify = 0;
-  return o;
-}
-
-Simulation one_hand(const Surroundings& surroundings, const Target& start, const Options& options = unverified()) {
-  return Simulation(surroundings, std::span(&hand::standard(), 1), std::span(&start, 1), options);
-}
-
-const Frame& go(Simulation& simulation, const Target& target) { return simulation.step(std::span(&target, 1)); }
 
 void expect_sound(const Frame& f) {
   ASSERT_GT(f.gap, 0) << "frame " << f.number;

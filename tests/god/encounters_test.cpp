@@ -1,0 +1,57 @@
+#include "experiments/god/encounters.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/god/tracked.h"
+
+namespace zwang::god {
+namespace {
+
+using collision::Shape;
+
+// By looking at every triangle, in the mesh's axes.
+double gap_of(const Shape& shape, const Pose<double>& pose, const collision::Tree& mesh) {
+  double least = 1;
+  for (const collision::Triangle& t : mesh.triangles())
+    least = std::min(least, closest(shape, pose, {.triangle = &t}, shape.radius() + 3e-3).distance - shape.radius());
+  return least;
+}
+
+// Rows are spheres that are part of a shape: none may say less than the shape's own gap, and what one says is the
+// distance of its two points. Fine meshes, on which patches of triangles stand in for their members.
+TEST(Rows, SayTheGapOfTheirPointsAndNeverLessThanTheShape) {
+  Draw draw(3);
+  for (const collision::Mesh& mesh : {meshes::gear(0.05, 0.02, 12, 20000), meshes::bumpy_sphere(0.05, 0.003, 9, 20000),
+                                      meshes::plate({0.1, 0.1, 0.02}, 20000)}) {
+    Surroundings s{.name = "part"};
+    s.objects.push_back(fixed(mesh));
+    const collision::Tree& tree = *s.objects[0].mesh;
+    for (const Shape& shape :
+         {Shape::sphere(0.008), Shape::capsule(0.05, 0.008), Shape::rounded_box({0.08, 0.09, 0.02}, 0.005)}) {
+      GodObjects objects;
+      objects.add(box_body({0.02, 0.02, 0.02}, 0.1, Vec3::Zero()), shape);
+      Encounters encounters(objects, s);
+      int near = 0;
+      for (int draws = 0; draws < 4000 && near < 3; ++draws) {
+        const Pose<double> pose{draw.uniform(0.01, 0.08) * draw.direction(), rotation(draw.cube(2))};
+        encounters.place(0, pose);
+        encounters.look(2e-3, draws % 2 == 0);
+        if (encounters.rows().empty() || encounters.gap(1e-3) < 1e-5) continue;
+        const double truth = gap_of(shape, pose, tree);
+        ++near;
+        for (const auto& [t, key, lift] : encounters.rows()) {
+          ASSERT_GE(t.gap, truth - 1e-9);
+          ASSERT_LT((t.point_a - t.point_b - t.gap * t.normal).norm(), 1e-9);
+          const Vec3 center = t.point_a + shape.radius() * t.normal;
+          const Vec3 local = pose.rotation.transpose() * (center - pose.position);
+          ASSERT_LT((local - shape.nearest(local)).norm(), 1e-9) << "beside the core";
+          ASSERT_LT(nearest(tree, t.point_b, 1)->distance, 1e-9) << "off the mesh";
+        }
+      }
+      EXPECT_EQ(near, 3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace zwang::god

@@ -1,0 +1,30 @@
+#include <gtest/gtest.h>
+
+#include "tests/god/tracked.h"
+
+namespace zwang::god {
+namespace {
+
+// A fist on a table is opened, while the hand is tracked somewhat above and turned. Straight to the targets, each
+// finger unrolls by three radians at once: it goes down before it goes up, where the linear rows see it leave. All the
+// same the hand must find its way.
+TEST(Release, AFistThatOpensOnATableIsNeverStuck) {
+  Draw draw(1);
+  Surroundings s{.name = "floor"};
+  s.objects.push_back(fixed(meshes::plate({1, 1, 0.1}, 5000), {{0, 0, -0.05}, Mat3::Identity()}));
+  for (int round = 0; round < 16; ++round) {
+    const double z = draw.uniform(0.03, 0.06), curl = draw.uniform(0.7, 1);
+    const Vec3 turn = draw.cube(0.3), aside = draw.cube(0.03);
+    Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.15, turn), curl));
+    for (int k = 0; k < 100; ++k) go(simulation, hand_at(at(0, 0, 0.15 + (z - 0.15) * k / 100, turn), curl));
+    const Target away = hand_at(at(aside.x(), aside.y(), z + draw.uniform(0, 0.05), Vec3(turn + draw.cube(0.3))));
+    for (int k = 0; k < 200; ++k) {
+      const Frame& f = go(simulation, away);
+      ASSERT_GT(f.gap, 0);
+      EXPECT_FALSE(f.stuck) << "round " << round << ", frame " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace zwang::god
