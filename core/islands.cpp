@@ -135,6 +135,14 @@ void Islands::find(const Problem& p, Index unit) {
 }
 
 bool Islands::several(const Problem& p, Index unit) {
+  // Dividing by a constant takes a quarter of the time.
+  constexpr std::integral_constant<Index, 6> body;
+  return unit == body ? several_blocks(p, body) : several_blocks(p, unit);
+}
+
+// Rows first: joints connect a hand, and then nothing else needs to be looked at.
+template <class Unit>
+bool Islands::several_blocks(const Problem& p, Unit unit) {
   const Index blocks = (p.size() + unit - 1) / unit;
   parent_.resize(static_cast<std::size_t>(p.size()));
   for (Index k = 0; k < blocks; ++k) parent_[static_cast<std::size_t>(k)] = k;
@@ -146,8 +154,7 @@ bool Islands::several(const Problem& p, Index unit) {
     count -= root(a) != root(b);
     couple(a, b);
   };
-  // Dividing by a constant takes a quarter of the time.
-  const auto block_of = [&](int k) -> Index { return unit == 6 ? k / 6 : k / unit; };
+  const auto block_of = [&](int k) -> Index { return k / unit; };
   // Inner indices ascend: where the first and the last are of one block, so are all.
   const auto visit = [&](const auto& A, Index outer, Index block) {
     const int* at = A.innerIndexPtr() + A.outerIndexPtr()[outer];
@@ -164,8 +171,8 @@ bool Islands::several(const Problem& p, Index unit) {
       begin = own * unit;
     }
   };
-  for (Index j = 0; j < p.size(); ++j) visit(p.M, j, j / unit);
-  for (Index i = 0; i < p.rows(); ++i) visit(p.J, i, -1);
+  for (Index i = 0; i < p.rows() && count > 1; ++i) visit(p.J, i, -1);
+  for (Index j = 0; j < p.size() && count > 1; ++j) visit(p.M, j, j / unit);
   return count > 1;
 }
 

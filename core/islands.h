@@ -49,6 +49,8 @@ class Islands {
  private:
   Index root(Index unknown);
   Index couple(Index a, Index b);
+  template <class Unit>
+  bool several_blocks(const Problem& problem, Unit unit);
   void find(const Problem& problem, Index unit);
   Island& next_island();
   void fill(const Problem& problem, Island& island);

@@ -21,10 +21,12 @@ void require_matching_sizes(const Problem& p) {
 
 namespace {
 
+// Zero times what is not finite is NaN: one pass along lanes for all entries.
+bool all_finite(const double* x, Index size) { return (Eigen::Map<const Vector>(x, size) * 0.0).sum() == 0; }
+
 template <class Sparse>
 std::string non_finite(const Sparse& A, const char* letter) {
-  // Zero times what is not finite is NaN: one pass along lanes for all entries.
-  if (A.isCompressed() && (Eigen::Map<const Vector>(A.valuePtr(), A.nonZeros()) * 0.0).sum() == 0) return {};
+  if (A.isCompressed() && all_finite(A.valuePtr(), A.nonZeros())) return {};
   for (Index k = 0; k < A.outerSize(); ++k)
     for (typename Sparse::InnerIterator it(A, k); it; ++it)
       if (!std::isfinite(it.value()))
@@ -33,13 +35,28 @@ std::string non_finite(const Sparse& A, const char* letter) {
   return {};
 }
 
-// M(k, i), where `diagonal` entries of column k stand above M(k, k). Columns of one body hold the same rows, so that
-// M(k, i) stands in the same place of column i; elsewhere it is searched for.
-double mirrored(const Eigen::SparseMatrix<double>& M, Index k, Index i, int diagonal) {
-  const int at = M.outerIndexPtr()[i] + diagonal;
-  const bool there = M.isCompressed() && at < M.outerIndexPtr()[i + 1] && M.innerIndexPtr()[at] == k;
-  return there ? M.valuePtr()[at] : M.coeff(k, i);
-}
+// Whether M(i, k) = x has its mirror image, where `diagonal` entries of column k stand above M(k, k). Columns of one
+// body hold the same rows, so that M(k, i) stands in the same place of column i; elsewhere it is searched for.
+class Mirror {
+ public:
+  explicit Mirror(const Eigen::SparseMatrix<double>& M)
+      : M_(M),
+        outer_(M.isCompressed() ? M.outerIndexPtr() : nullptr),
+        inner_(M.innerIndexPtr()),
+        value_(M.valuePtr()) {}
+  bool shows(Index i, Index k, int diagonal, double x) const {
+    if (outer_) {
+      const int at = outer_[i] + diagonal;
+      if (at < outer_[i + 1] && inner_[at] == k) return value_[at] == x;
+    }
+    return M_.coeff(k, i) == x;
+  }
+
+ private:
+  const Eigen::SparseMatrix<double>& M_;
+  const int *outer_, *inner_;
+  const double* value_;
+};
 
 // Squares of 1 / sqrt(M) have to fit a double, sums of them too. A fuzzed mass of 1e-319 made every solver wrong.
 constexpr double least_mass = 0x1p-960;
@@ -49,12 +66,14 @@ constexpr double least_mass = 0x1p-960;
 std::string bad_input(const Problem& p) {
   if (std::string text = non_finite(p.M, "M"); !text.empty()) return text;
   if (std::string text = non_finite(p.J, "J"); !text.empty()) return text;
-  for (Index i = 0; i < p.size(); ++i)
+  const bool check_z_u = !all_finite(p.z_u.data(), p.size()), check_c = !all_finite(p.c.data(), p.rows());
+  for (Index i = 0; check_z_u && i < p.size(); ++i)
     if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
-  for (Index i = 0; i < p.rows(); ++i) {
+  for (Index i = 0; check_c && i < p.rows(); ++i) {
     const bool inactive = !p.is_equality(i) && p.c[i] == -std::numeric_limits<double>::infinity();
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
+  const Mirror mirror(p.M);
   for (Index k = 0; k < p.M.outerSize(); ++k) {
     int diagonal = 0;
     Eigen::SparseMatrix<double>::InnerIterator it(p.M, k);
@@ -62,7 +81,7 @@ std::string bad_input(const Problem& p) {
     if (it && it.row() == k && it.value() > 0 && it.value() < least_mass)
       return "M(" + std::to_string(k) + ", " + std::to_string(k) + ") is below 2^-960: its inverse would overflow";
     for (it = {p.M, k}; it; ++it)
-      if (it.row() != k && mirrored(p.M, k, it.row(), diagonal) != it.value())
+      if (it.row() != k && !mirror.shows(it.row(), k, diagonal, it.value()))
         return "M is not symmetric at (" + std::to_string(it.row()) + ", " + std::to_string(k) + ")";
   }
   return {};

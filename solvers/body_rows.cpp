@@ -21,6 +21,8 @@ using Pack = Eigen::Array<double, 8, 1>;
 // eight bodies, not in each.
 bool BodyRows::factorize(const Problem& p) {
   free.resize(lanes, bodies());
+  z_u.setZero(lanes, bodies());
+  z_u.topRows<6>() = p.z_u.reshaped(6, bodies());
   for (Index base = 0; base < bodies(); base += lanes) {
     const Index count = std::min(lanes, bodies() - base);
     std::array<std::array<Pack, 6>, 6> L, X;
@@ -33,9 +35,12 @@ bool BodyRows::factorize(const Problem& p) {
       for (Index j = 0; j < 6; ++j) {
         const Index column = 6 * (base + lane) + j;
         if (!ordinary_or_zero(p.z_u[column])) return false;
+        auto own = M[static_cast<std::size_t>(base + lane)].col(j);
+        own.setZero();
         z[static_cast<std::size_t>(j)][lane] = p.z_u[column];
         for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, column); it; ++it) {
           const Index i = it.row() - (column - j);
+          if (i >= 0 && i < 6) own[i] = it.value();
           if (i >= j && i < 6)
             L[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)][lane] = it.value();
           else if ((i < 0 || i >= 6) && it.value() != 0)
@@ -65,73 +70,101 @@ bool BodyRows::factorize(const Problem& p) {
     }
     for (Index lane = 0; lane < count; ++lane) {
       Block& inverse = L_inverse[static_cast<std::size_t>(base + lane)];
-      inverse.setZero();
+      Block& transposed = L_inverse_t[static_cast<std::size_t>(base + lane)];
       auto own = free.col(base + lane);
       own.setZero();
       for (std::size_t j = 0; j < 6; ++j) {
         own[static_cast<Index>(j)] = z[j][lane];
-        for (std::size_t i = j; i < 6; ++i) inverse(static_cast<Index>(i), static_cast<Index>(j)) = X[i][j][lane];
+        for (std::size_t i = j; i < 6; ++i) {
+          const auto above = static_cast<Index>(j), below = static_cast<Index>(i);
+          inverse(below, above) = transposed(above, below) = X[i][j][lane];
+        }
       }
     }
   }
   return true;
 }
 
-// g = L^-1 J' of both bodies, then a unit row.
-bool BodyRows::load_row(const Problem& p, Index i, Index k) {
-  const int* column = p.J.innerIndexPtr();
-  const double* entry = p.J.valuePtr();
-  int e = p.J.outerIndexPtr()[i];
-  const int end = p.J.isCompressed() ? p.J.outerIndexPtr()[i + 1] : e + p.J.innerNonZeroPtr()[i];
-  double held = 0;
-  const auto load_side = [&](Lanes& g) {
-    g.setZero();
-    while (e < end && entry[e] == 0) ++e;
-    if (e == end) return -1;
-    const int b = column[e] / 6, first = 6 * b;
-    const Block& inverse = L_inverse[static_cast<std::size_t>(b)];
-    for (; e < end && column[e] < first + 6; ++e) {
-      g += entry[e] * inverse.col(column[e] - first);
-      held += entry[e] * p.z_u[column[e]];
+// J by bodies, G = J L^-T and h = c - J z_u of rows as they stand. Tried: G by whole products once J is there, without
+// its branches; the sums across lanes that h then ends in take more than the branches did.
+bool BodyRows::load_rows(const Problem& p) {
+  const Index m = p.rows();
+  row.resize(static_cast<std::size_t>(m));
+  equality.resize(static_cast<std::size_t>(m));
+  body.resize(static_cast<std::size_t>(m));
+  if (G.cols() < 2 * m) {
+    G.resize(lanes, 2 * m);
+    J.resize(lanes, 2 * m);
+    for (Vector* part : {&c, &h, &row_norm, &magnitude, &reciprocal_}) part->resize(m);
+  }
+  const int *const outer = p.J.outerIndexPtr(), *const counts = p.J.innerNonZeroPtr(),
+                   *const column = p.J.innerIndexPtr();
+  const double *const entry = p.J.valuePtr(), *const z_u_entry = p.z_u.data();
+  std::size_t k = 0;
+  for (Index i = 0; i < m; ++i) {
+    if (!std::isfinite(p.c[i])) continue;
+    int e = outer[i];
+    const int end = counts ? e + counts[i] : outer[i + 1];
+    std::array<int, 2> at{-1, -1};
+    double left = p.c[i], square = 0;
+    const auto place = static_cast<Index>(2 * k);
+    J.middleCols<2>(place).setZero();
+    for (Index side = 0; side < 2; ++side) {
+      Lanes g = Lanes::Zero();
+      while (e < end && entry[e] == 0) ++e;
+      if (e < end) {
+        const int b = at[static_cast<std::size_t>(side)] = column[e] / 6, first = 6 * b;
+        const double* const inverse = L_inverse[static_cast<std::size_t>(b)].data();
+        double* const own = J.col(place + side).data();
+        for (; e < end && column[e] < first + 6; ++e) {
+          const double a = entry[e];
+          const int in_body = column[e] - first;
+          g += a * Eigen::Map<const Lanes>(inverse + lanes * in_body);
+          left -= a * z_u_entry[column[e]];
+          own[in_body] = a;
+        }
+        square += g.squaredNorm();
+      }
+      G.col(place + side) = g;
     }
-    return b;
-  };
-  Lanes g0, g1;
-  auto& at = body[static_cast<std::size_t>(k)];
-  at[0] = load_side(g0);
-  at[1] = load_side(g1);
-  while (e < end && entry[e] == 0) ++e;
-  const double norm = std::sqrt((g0.cwiseProduct(g0) + g1.cwiseProduct(g1)).sum());
-  if (e < end || !ordinary(norm) || !ordinary_or_zero(p.c[i])) return false;
-  const double reciprocal = 1 / norm;
-  G.col(2 * k) = g0 * reciprocal;
-  G.col(2 * k + 1) = g1 * reciprocal;
-  h[k] = (p.c[i] - held) * reciprocal;
-  magnitude[k] = std::abs(p.c[i]) * reciprocal;
-  row_norm[k] = norm;
-  row[static_cast<std::size_t>(k)] = i;
-  equality[static_cast<std::size_t>(k)] = p.is_equality(i);
+    while (e < end && entry[e] == 0) ++e;
+    if (e < end) return false;
+    c[static_cast<Index>(k)] = p.c[i];
+    h[static_cast<Index>(k)] = left;
+    row_norm[static_cast<Index>(k)] = square;
+    row[k] = i;
+    equality[k] = p.is_equality(i);
+    body[k++] = at;
+  }
+  row.resize(k);
+  equality.resize(k);
+  body.resize(k);
+  return true;
+}
+
+// Roots and quotients of all rows side by side.
+bool BodyRows::make_unit_rows() {
+  auto norm = row_norm.head(rows()).array(), reciprocal = reciprocal_.head(rows()).array(),
+       size = magnitude.head(rows()).array();
+  norm = norm.sqrt();
+  size = c.head(rows()).array().abs();
+  if (!(norm > smallest && norm < largest).all() || !(size == 0 || (size > smallest && size < largest)).all())
+    return false;
+  reciprocal = 1 / norm;
+  size *= reciprocal;
+  h.head(rows()).array() *= reciprocal;
+  for (Index k = 0; k < rows(); ++k) G.middleCols<2>(2 * k) *= reciprocal[k];
   return true;
 }
 
 bool BodyRows::build(const Problem& p) {
-  const Index n = p.size(), m = p.rows();
+  const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
-  L_inverse.resize(static_cast<std::size_t>(n / 6));
-  if (!factorize(p)) return false;
-  if (G.cols() < 2 * m) G.resize(lanes, 2 * m);
-  for (Vector* part : {&h, &row_norm, &magnitude})
-    if (part->size() < m) part->resize(m);
-  const auto resize_rows = [&](Index count) {
-    row.resize(static_cast<std::size_t>(count));
-    equality.resize(static_cast<std::size_t>(count));
-    body.resize(static_cast<std::size_t>(count));
-  };
-  resize_rows(m);
-  Index count = 0;
-  for (Index i = 0; i < m; ++i)
-    if (std::isfinite(p.c[i]) && !load_row(p, i, count++)) return false;
-  resize_rows(count);
+  // What stays zero in a triangle is written once.
+  const auto count = static_cast<std::size_t>(n / 6);
+  if (M.size() != count)
+    for (std::vector<Block>* part : {&M, &L_inverse, &L_inverse_t}) part->assign(count, Block::Zero());
+  if (!factorize(p) || !load_rows(p) || !make_unit_rows()) return false;
 
   // The unit of length: the worst violation of z_u.
   double worst = 0;

@@ -25,14 +25,22 @@ struct BodyRows {
   std::vector<char> equality;            // k
   std::vector<std::array<int, 2>> body;  // k: ascending; the second is -1 for a row on one body
   Mat<double, lanes, Eigen::Dynamic> G;  // lanes x 2k: the parts of row i in columns 2i, 2i + 1
+  Mat<double, lanes, Eigen::Dynamic> J;  // likewise, the problem's own entries
+  Vector c;                              // k, the problem's own
   Vector h;                              // k, in units of 2^exponent
   Vector row_norm;                       // k: the M-norm of the problem's row, divided out
-  Vector magnitude;              // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
-  std::vector<Block> L_inverse;  // a body
-  Mat<double, lanes, Eigen::Dynamic> free;  // lanes x bodies: L'z_u, in units of 2^exponent
+  Vector magnitude;  // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
+  std::vector<Block> M, L_inverse, L_inverse_t;  // a body
+  Mat<double, lanes, Eigen::Dynamic> z_u;        // lanes x bodies
+  Mat<double, lanes, Eigen::Dynamic> free;       // lanes x bodies: L'z_u, in units of 2^exponent
   double free_norm = 0;
   int exponent = 0;
 
+  static Lanes times(const Block& A, const Eigen::Ref<const Lanes>& x) {
+    Lanes sum = A.col(0) * x[0];
+    for (Index k = 1; k < 6; ++k) sum += A.col(k) * x[k];
+    return sum;
+  }
   Index bodies() const { return static_cast<Index>(L_inverse.size()); }
   Index rows() const { return static_cast<Index>(row.size()); }
   auto part(Index i, int side) const { return G.col(2 * i + side); }
@@ -54,7 +62,10 @@ struct BodyRows {
 
  private:
   bool factorize(const Problem& problem);
-  bool load_row(const Problem& problem, Index i, Index k);
+  bool load_rows(const Problem& problem);
+  bool make_unit_rows();
+
+  Vector reciprocal_;  // k: of row_norm
 };
 
 }  // namespace zwang

@@ -67,6 +67,9 @@ void JointGraph::span(int world) {
     joints_.push_back({.body = root});
     exhaust();
   }
+  position_.resize(joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    position_[static_cast<std::size_t>(joints_[j].body)] = static_cast<int>(j);
   freedom_ = 0;
   for (Joint& joint : joints_) {
     joint.freedom = std::max<Index>(0, 6 - joint.count);

@@ -23,9 +23,10 @@ class JointGraph {
 
   void build(const BodyRows& rows);
 
-  const std::vector<Joint>& joints() const { return joints_; }        // parents before children
-  const std::vector<Index>& tree_rows() const { return tree_rows_; }  // of BodyRows
-  const std::vector<Index>& cut() const { return cut_; }              // of BodyRows
+  const std::vector<Joint>& joints() const { return joints_; }                           // parents before children
+  const std::vector<Index>& tree_rows() const { return tree_rows_; }                     // of BodyRows
+  const std::vector<Index>& cut() const { return cut_; }                                 // of BodyRows
+  int position_of(int body) const { return position_[static_cast<std::size_t>(body)]; }  // in joints()
   Index freedom() const { return freedom_; }
   // Joints of as many rows that stand equally far above the tips, up to `lanes` together, children before parents:
   // none of them waits for another.
@@ -51,6 +52,7 @@ class JointGraph {
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_of_;  // a body; the last entry is the world's
   std::vector<int> order_;                  // positions in joints_
+  std::vector<int> position_;               // of a body, in joints_
   std::vector<std::size_t> group_end_;
   std::vector<std::array<int, 2>> known_;  // what the graph was built for
   std::vector<Index> known_rows_;

@@ -1,15 +1,6 @@
 #include "solvers/joint_tree.h"
 
 namespace zwang {
-namespace {
-
-BodyRows::Lanes times(const JointTree::Block& A, const Eigen::Ref<const BodyRows::Lanes>& x) {
-  BodyRows::Lanes sum = A.col(0) * x[0];
-  for (Index k = 1; k < 6; ++k) sum += A.col(k) * x[k];
-  return sum;
-}
-
-}  // namespace
 
 void JointTree::null_space(Matrix& Nt) const {
   const Index padded = (freedom() + 7) / 8 * 8, bodies = rest_.cols();
@@ -28,6 +19,19 @@ void JointTree::null_space(Matrix& Nt) const {
   }
 }
 
+void JointTree::add_reduced(int body, const Lanes& part, double* v) const {
+  Lanes own = part;
+  for (;;) {
+    const int position = graph_.position_of(body);
+    const JointGraph::Joint& joint = this->joint(position);
+    const Blocks& block = blocks_[static_cast<std::size_t>(position)];
+    for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] += block.P.col(k).dot(own);
+    if (joint.parent < 0) return;
+    own = BodyRows::times(block.F_rows, own);
+    body = joint.parent;
+  }
+}
+
 void JointTree::reduce(const Motion& y, Vector& v) const {
   rest_ = y;
   for (std::size_t j = blocks_.size(); j-- > 0;) {
@@ -35,7 +39,7 @@ void JointTree::reduce(const Motion& y, Vector& v) const {
     const Blocks& block = blocks_[j];
     const Lanes own = rest_.col(joint.body);
     for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] = block.P.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += times(block.F_rows, own);
+    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, own);
   }
 }
 
@@ -45,7 +49,7 @@ void JointTree::expand(const Vector& v, Motion& y) const {
     const Blocks& block = blocks_[j];
     Lanes own = Lanes::Zero();
     for (Index k = 0; k < joint.freedom; ++k) own += v[joint.column + k] * block.P.col(k);
-    if (joint.parent >= 0) own += times(block.F, y.col(joint.parent));
+    if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
 }
@@ -58,7 +62,7 @@ void JointTree::shift(const Vector& sigma, Motion& y) const {
     const Blocks& block = blocks_[j];
     Lanes own = Lanes::Zero();
     for (Index k = 0; k < joint.count; ++k) own += sigma[joint.first + k] * block.C_inverse.col(k);
-    if (joint.parent >= 0) own += times(block.F, y.col(joint.parent));
+    if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
   double before = 0, after = y.norm();
@@ -79,7 +83,7 @@ void JointTree::multipliers(const Motion& t, Vector& mu) const {
     const Blocks& block = blocks_[j];
     const Lanes own = rest_.col(joint.body);
     for (Index k = 0; k < joint.count; ++k) mu[joint.first + k] = block.C_inverse.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += times(block.F_rows, own);
+    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, own);
   }
 }
 

@@ -22,6 +22,17 @@ double dot(const double* x, const double* y, Index padded) {
   return sum.sum();
 }
 
+// y = A'x over `count` columns; x stays in registers.
+void multiply_transposed(const LeastDistance::Columns& A, Index count, const double* x, double* y, Index padded) {
+  using Wide = Vec<double, 4 * lanes>;
+  if (padded == Wide::SizeAtCompileTime) {
+    const Wide own = Eigen::Map<const Wide>(x);
+    for (Index j = 0; j < count; ++j) y[j] = own.dot(Eigen::Map<const Wide>(A.col(j).data()));
+  } else {
+    for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
+  }
+}
+
 // y += scale x.
 void add(double scale, const double* x, double* y, Index padded) {
   for (Index k = 0; k < padded; k += lanes) at(y, k) += scale * at(x, k);
@@ -62,6 +73,7 @@ void LeastDistance::reset(Index freedom, Index rows) {
     AQ_.resize(padded_rows_, padded_);
     for (Vector* part : {&b, &magnitude, &slack_, &along_}) part->resize(padded_rows_);
   }
+  if (freedom == 0) A_.setZero();  // a caller that fills nothing
   state_.assign(static_cast<std::size_t>(padded_rows_), State::resting);
   active_.clear();
   v_.setZero();
@@ -115,17 +127,19 @@ double LeastDistance::split(Index p) {
   const double* a = A_.col(p).data();
   double* rest = remainder_.data();
   for (Index k = 0; k < padded_; k += lanes) at(rest, k) = at(a, k);
-  for (Index j = 0; j < q; ++j) {
-    d_[j] = carried_ ? AQ_(p, j) : dot(Q_.col(j).data(), a, padded_);
-    rest_[j] = -d_[j];
-  }
+  if (carried_)
+    for (Index j = 0; j < q; ++j) d_[j] = AQ_(p, j);
+  else
+    multiply_transposed(Q_, q, a, d_.data(), padded_);
+  for (Index j = 0; j < q; ++j) rest_[j] = -d_[j];
   accumulate(Q_, q, rest_.data(), rest, padded_);
   length_ = std::sqrt(dot(rest, rest, padded_));
   // Kahan's criterion: one pass leaves eps / shortening of Q in the rest.
   if (length_ * length_ < 0.5 * dot(a, a, padded_)) {
+    multiply_transposed(Q_, q, rest, rest_.data(), padded_);
     for (Index j = 0; j < q; ++j) {
-      rest_[j] = -dot(Q_.col(j).data(), rest, padded_);
-      d_[j] -= rest_[j];
+      d_[j] += rest_[j];
+      rest_[j] = -rest_[j];
     }
     accumulate(Q_, q, rest_.data(), rest, padded_);
     length_ = std::sqrt(dot(rest, rest, padded_));
@@ -310,7 +324,7 @@ void LeastDistance::solve(Vector& x) const {
 }
 
 void LeastDistance::project(const Vector& w, Vector& x) const {
-  for (Index j = 0; j < size(); ++j) x[j] = dot(Q_.col(j).data(), w.data(), padded_);
+  multiply_transposed(Q_, size(), w.data(), x.data(), padded_);
 }
 
 void LeastDistance::combine(const Vector& x, Vector& w) const {

@@ -8,7 +8,9 @@ namespace {
 
 // Pivots and remainders between these could go either way by the rounding of N.
 constexpr double clear_accepted = 1e-6, clear_rejected = 4e-15;
-constexpr long double wide_epsilon = std::numeric_limits<long double>::epsilon(), rounding = 32 * wide_epsilon;
+// A slack that rounding in double leaves no doubt about.
+constexpr double clear_slack = 1e-12;
+constexpr double fine = 0x1p-63, rounding = 32 * fine;
 
 }  // namespace
 
@@ -27,6 +29,7 @@ void ReducedActiveSet::fill(Index j) {
 void ReducedActiveSet::complete() {
   if (complete_) return;
   complete_ = true;
+  form_.form_basis();
   for (Index j = 0; j < climb_.rows(); ++j) fill(j);
   climb_.complete();
 }
@@ -95,29 +98,28 @@ bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solu
       start_.push_back(column_[static_cast<std::size_t>(i)]);
   }
   solution.iterations = 0;
-  return finish(p, options, deadline, start_, solution);
+  return finish(options, deadline, start_, solution);
 }
 
-bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                              std::span<const Index> active, Solution& solution) {
+bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
+                              Solution& solution) {
   const double allowed = std::max(10 * options.tolerance, 1e-12);
-  if (!guess_holds(p, active, allowed)) {
+  if (!guess_holds(active, allowed)) {
     complete();
     constexpr int rounds = 8;
     for (int round = 0;; ++round) {
       const auto end = climb_.climb(solution.iterations, options.max_iterations, deadline);
       if (end != LeastDistance::End::optimal) return refuse("no clear optimum");
       if (!clearly_independent()) return refuse("nearly dependent active rows");
-      begin_from_climb(p);
-      if (!refine(p)) return refuse("the refinement does not contract");
+      begin_from_climb();
+      if (!refine()) return refuse("the refinement does not contract");
       if (climb_.accept(v_, mu_)) break;
       if (round == rounds) return refuse("decisions that rounding makes");
     }
-    if (!rest_holds(p, allowed)) return refuse("a row violated by less than rounding in double");
+    if (!rest_holds(allowed)) return refuse("a row violated by less than rounding in double");
   }
 
-  solution.z = z_.cast<double>();
-  solution.lambda = lambda_.cast<double>();
+  point_.write(form_.rows(), solution.z, solution.lambda);
   for (const Index i : form_.inequalities()) {
     double& own = solution.lambda[form_.rows().row[static_cast<std::size_t>(i)]];
     own = std::max(0.0, own);
@@ -135,14 +137,14 @@ bool ReducedActiveSet::finish(const Problem& p, const SolveOptions& options, con
 
 // Where the rows of a warm start are the active ones, the others need not be reduced: they are only held against the
 // answer.
-bool ReducedActiveSet::guess_holds(const Problem& p, std::span<const Index> active, double allowed) {
+bool ReducedActiveSet::guess_holds(std::span<const Index> active, double allowed) {
   if (active.empty()) return false;
   if (!complete_)
     for (const Index j : active) fill(j);
   climb_.start_from(active);
   if (!clearly_independent()) return false;
-  begin_from_climb(p);
-  return !any_violated() && refine(p) && climb_.accept(v_, mu_) && rest_holds(p, allowed);
+  begin_from_climb();
+  return !any_violated() && refine() && climb_.accept(v_, mu_) && rest_holds(allowed);
 }
 
 bool ReducedActiveSet::any_violated() const {
@@ -157,7 +159,7 @@ bool ReducedActiveSet::any_violated() const {
 }
 
 // (z, lambda) of the climb's point.
-void ReducedActiveSet::begin_from_climb(const Problem& p) {
+void ReducedActiveSet::begin_from_climb() {
   const BodyRows& rows = form_.rows();
   const auto q = static_cast<Index>(climb_.active().size());
   v_ = climb_.v();
@@ -168,48 +170,26 @@ void ReducedActiveSet::begin_from_climb(const Problem& p) {
   for (Index j = 0; j < q; ++j) rows.add(active_row(j), -mu_[j], rest_);
   form_.multipliers(rest_, mu_E_);
 
-  const Wide unit = std::ldexp(1.0L, rows.exponent);
-  lambda_.setZero(p.rows());
-  const auto set = [&](Index i, double value) {
-    lambda_[rows.row[static_cast<std::size_t>(i)]] = unit * (value / Wide(rows.row_norm[i]));
-  };
-  for (std::size_t k = 0; k < form_.equalities().size(); ++k) set(form_.equalities()[k], mu_E_[static_cast<Index>(k)]);
-  for (Index j = 0; j < q; ++j) set(active_row(j), mu_[j]);
-  z_.resize(p.size());
-  for (Index b = 0; b < rows.bodies(); ++b)
-    for (Index c = 0; c < 6; ++c)
-      z_[6 * b + c] = p.z_u[6 * b + c] + unit * Wide(rows.L_inverse[static_cast<std::size_t>(b)].col(c).dot(y_.col(b)));
+  point_.begin(rows, y_);
+  push(mu_E_, mu_);
 }
 
-// force = M (z_u - z) + J'lambda and c - J z over the rows that hold with equality, in long double, then whitened.
-void ReducedActiveSet::compute_residuals(const Problem& p) {
-  const BodyRows& rows = form_.rows();
-  const Wide unit = std::ldexp(1.0L, -rows.exponent);
-  force_.setZero(p.size());
-  for (Index j = 0; j < p.size(); ++j) {
-    const Wide displacement = Wide(p.z_u[j]) - z_[j];
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
-      force_[it.row()] += Wide(it.value()) * displacement;
-  }
-  const auto visit = [&](Index i) {
-    const Index row = rows.row[static_cast<std::size_t>(i)];
-    Wide rest = p.c[row];
-    const Wide own = lambda_[row];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
-      rest -= Wide(it.value()) * z_[it.col()];
-      force_[it.col()] += Wide(it.value()) * own;
-    }
-    return static_cast<double>(unit * rest / Wide(rows.row_norm[i]));
-  };
+void ReducedActiveSet::push(const Vector& mu_E, const Vector& mu_I) {
   for (std::size_t k = 0; k < form_.equalities().size(); ++k)
-    sigma_E_[static_cast<Index>(k)] = visit(form_.equalities()[k]);
-  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j) sigma_I_[j] = visit(active_row(j));
-  for (Index b = 0; b < rows.bodies(); ++b) {
-    BodyRows::Lanes own = BodyRows::Lanes::Zero();
-    for (Index c = 0; c < 6; ++c)
-      own += static_cast<double>(unit * force_[6 * b + c]) * rows.L_inverse[static_cast<std::size_t>(b)].col(c);
-    rho_.col(b) = own;
-  }
+    point_.push(form_.rows(), form_.equalities()[k], mu_E[static_cast<Index>(k)]);
+  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j)
+    point_.push(form_.rows(), active_row(j), mu_I[j]);
+}
+
+// M (z_u - z) + J'lambda, whitened, and c - J z over the rows that hold with equality.
+void ReducedActiveSet::compute_residuals() {
+  const BodyRows& rows = form_.rows();
+  point_.begin_force(rows);
+  point_.add_rows(rows, form_.equalities(), sigma_E_.data());
+  listed_.clear();
+  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j) listed_.push_back(active_row(j));
+  point_.add_rows(rows, listed_, sigma_I_.data());
+  point_.whiten_force(rows, rho_);
 }
 
 // Solves dy - G_A'dmu = rho, G_A dy = sigma, and adds the correction. Returns its length: |dy|, or |rho| where only the
@@ -237,22 +217,15 @@ double ReducedActiveSet::correct() {
   y_ += step_;
   v_ += dv_;
   mu_.head(q) += sigma_I_.head(q);
-  const Wide unit = std::ldexp(1.0L, rows.exponent);
-  const auto add = [&](Index i, double value) {
-    lambda_[rows.row[static_cast<std::size_t>(i)]] += unit * (value / Wide(rows.row_norm[i]));
-  };
-  for (std::size_t k = 0; k < form_.equalities().size(); ++k) add(form_.equalities()[k], mu_E_[static_cast<Index>(k)]);
-  for (Index j = 0; j < q; ++j) add(active_row(j), sigma_I_[j]);
-  for (Index b = 0; b < rows.bodies(); ++b)
-    for (Index c = 0; c < 6; ++c)
-      z_[6 * b + c] += unit * Wide(rows.L_inverse[static_cast<std::size_t>(b)].col(c).dot(step_.col(b)));
+  push(mu_E_, sigma_I_);
+  point_.move(rows, step_);
   return std::max(step_.norm(), rho_.norm());
 }
 
-bool ReducedActiveSet::refine(const Problem& p) {
+bool ReducedActiveSet::refine() {
   constexpr int passes = 4;
   for (int pass = 0; pass < passes; ++pass) {
-    compute_residuals(p);
+    compute_residuals();
     const double change = correct();
     const double size = y_.norm() + form_.rows().free_norm;
     // The next correction would be about change^2 / size.
@@ -261,20 +234,20 @@ bool ReducedActiveSet::refine(const Problem& p) {
   return false;
 }
 
-// The rows outside the active set, from the problem's own J and c: rounding in long double is all they may be short of,
-// and what that leaves open may not move z by more than `limit`, relative: the careful path's leaves_in_doubt().
-bool ReducedActiveSet::rest_holds(const Problem& p, double limit) {
+// The rows outside the active set, from the problem's own J and c: rounding in an answer of long double is all they may
+// be short of, and what that leaves open may not move z by more than `limit`, relative: the careful path's
+// leaves_in_doubt().
+bool ReducedActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
-  const Wide unit = std::ldexp(1.0L, -rows.exponent), length = y_.norm(), far = std::max(length, Wide(rows.free_norm));
+  const double length = y_.norm(), far = std::max(length, rows.free_norm);
   for (Index j = 0; j < climb_.rows(); ++j) {
     if (climb_.is_active(j)) continue;
-    const Index i = form_.inequalities()[static_cast<std::size_t>(j)], row = rows.row[static_cast<std::size_t>(i)];
-    Wide rest = p.c[row];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
-      rest -= Wide(it.value()) * z_[it.col()];
-    const Wide violation = unit * rest / Wide(rows.row_norm[i]), size = rows.magnitude[i] + length;
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    const double size = rows.magnitude[i] + length;
+    if (rows.dot(i, y_) - rows.h[i] > clear_slack * size) continue;
+    const double violation = point_.violation(rows, i);
     if (violation > rounding * size) return false;
-    const Wide most = violation + wide_epsilon * size;
+    const double most = violation + fine * size;
     if (!(most > 0)) continue;
     if (!complete_) fill(j);
     if (const double share = climb_.share(j); share > clear_rejected && most > limit * far * share) return false;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/body_point.h"
 #include "solvers/least_distance.h"
 #include "solvers/reduced_form.h"
 #include "solvers/warm_rows.h"
@@ -13,9 +14,9 @@ namespace zwang {
 // The dual active-set method on the reduced form: the fast path of dual_active_set for clear problems of jointed
 // bodies.
 //
-// The answer is refined as in active_set_refinement.h, with residuals of the problem's own M, J, c in long double, and
-// every row outside the active set is held against it to that precision. Anything less than clear is left to the
-// careful path, whatever it costs: solve() then returns false and `reason` says why.
+// The answer is refined as in active_set_refinement.h, with residuals of the problem's own M, J, c in twice the digits
+// (body_point.h), and every row outside the active set is held against it to that precision. Anything less than clear
+// is left to the careful path, whatever it costs: solve() then returns false and `reason` says why.
 class ReducedActiveSet {
  public:
   // True with solution solved; false where the careful path must decide.
@@ -27,12 +28,10 @@ class ReducedActiveSet {
   // iterations.
   bool prepare(const Problem& problem);
   void state(const Problem& problem, Problem& reduced);
-  bool finish(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
-              std::span<const Index> active, Solution& solution);
+  bool finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active, Solution& solution);
 
  private:
   using Motion = ReducedForm::Motion;
-  using Wide = long double;
 
   bool refuse(std::string_view why) {
     reason_ = why;
@@ -40,14 +39,15 @@ class ReducedActiveSet {
   }
   void fill(Index j);
   void complete();
-  bool guess_holds(const Problem& problem, std::span<const Index> active, double allowed);
-  bool refine(const Problem& problem);
-  void begin_from_climb(const Problem& problem);
+  bool guess_holds(std::span<const Index> active, double allowed);
+  bool refine();
+  void begin_from_climb();
   bool any_violated() const;
   bool clearly_independent() const;
-  void compute_residuals(const Problem& problem);
+  void push(const Vector& mu_E, const Vector& mu_I);
+  void compute_residuals();
   double correct();
-  bool rest_holds(const Problem& problem, double limit);
+  bool rest_holds(double limit);
   Index active_row(Index j) const {
     return form_.inequalities()[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(j)])];
   }
@@ -55,9 +55,9 @@ class ReducedActiveSet {
   ReducedForm form_;
   LeastDistance climb_;
   WarmRows warm_;
-  bool complete_ = false;              // all rows are in the climb
-  std::vector<Index> column_, start_;  // of a row in the climb; of the warm rows
-  VectorX<Wide> z_, lambda_, force_;   // n; m; n
+  bool complete_ = false;                       // all rows are in the climb
+  std::vector<Index> column_, start_, listed_;  // of a row in the climb; of the warm rows; of active rows in form_
+  BodyPoint point_;
   Motion y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;
   std::string_view reason_;

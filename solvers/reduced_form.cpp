@@ -39,9 +39,8 @@ bool ReducedForm::build(const Problem& problem) {
   y_E_.resize(lanes, rows_.bodies());
   freedom_ = tree_.freedom() - static_cast<Index>(tree_.cut().size());
   padded_ = (freedom_ + lanes - 1) / lanes * lanes;
-  if (tree_.cut().empty()) {
-    tree_.null_space(Nt_);
-  } else if (!close_loops()) {
+  has_basis_ = false;
+  if (!tree_.cut().empty() && !close_loops()) {
     reason_ = "loops whose joints are redundant";
     return false;
   }
@@ -85,14 +84,27 @@ bool ReducedForm::close_loops() {
       x -= (scale_[k] * v.dot(x)) * v;
     }
   }
+  form_basis();
+  return true;
+}
+
+void ReducedForm::form_basis() {
+  if (has_basis_) return;
+  has_basis_ = true;
+  if (tree_.cut().empty()) return tree_.null_space(Nt_);
   tree_.null_space(Nt_tree_);
   Nt_.setZero(padded_, Nt_tree_.cols());
-  Nt_.topRows(freedom_).noalias() = turn_.rightCols(freedom_).transpose() * Nt_tree_.topRows(f);
-  return true;
+  Nt_.topRows(freedom_).noalias() = turn_.rightCols(freedom_).transpose() * Nt_tree_.topRows(tree_.freedom());
 }
 
 void ReducedForm::reduce_row(Index i, double* padded_column) const {
   const auto at = rows_.body[static_cast<std::size_t>(i)];
+  if (!has_basis_) {
+    Eigen::Map<Vector>(padded_column, padded_).setZero();
+    tree_.add_reduced(at[0], rows_.part(i, 0), padded_column);
+    if (at[1] >= 0) tree_.add_reduced(at[1], rows_.part(i, 1), padded_column);
+    return;
+  }
   for (Index k = 0; k < padded_; k += lanes) {
     Vec<double, lanes> sum = Vec<double, lanes>::Zero();
     for (int side = 0; side < 2 && at[static_cast<std::size_t>(side)] >= 0; ++side) {

@@ -30,7 +30,8 @@ class ReducedForm {
   const Motion& y_E() const { return y_E_; }
   double smallest_pivot() const { return smallest_pivot_; }
 
-  // N'g_i into the first freedom() entries of a padded column, zeros behind.
+  // N'g_i into the first freedom() entries of a padded column, zeros behind: for many rows after form_basis().
+  void form_basis();
   void reduce_row(Index i, double* padded_column) const;
   // v = N'y, y = N v.
   void reduce(const Motion& y, Vector& v) const;
@@ -47,6 +48,7 @@ class ReducedForm {
   std::vector<Index> equalities_, inequalities_;
   Index freedom_ = 0, padded_ = 0;
   double smallest_pivot_ = 1;
+  bool has_basis_ = false;
   Motion y_E_;
   Matrix Nt_;                    // padded x 6 bodies
   Matrix cut_, turn_, Nt_tree_;  // N'g of the rows that close loops, as reflections and R; Q

@@ -27,7 +27,7 @@ bool ReducedProblem::recover(const Problem& problem, const SolveOptions& options
     if (part_.lambda[j] > 0) pushing_.push_back(j);
   solution.reset(problem.size(), problem.rows());
   solution.iterations = part_.iterations;
-  if (!answer_.finish(problem, options, deadline, pushing_, solution)) {
+  if (!answer_.finish(options, deadline, pushing_, solution)) {
     reason_ = answer_.reason();
     return false;
   }

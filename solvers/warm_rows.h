@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "solvers/whiten.h"
@@ -14,10 +15,10 @@ class WarmRows {
   template <class Rows>
   const std::vector<Index>& find(const Problem& problem, const Rows& rows, const WarmStart* warm) {
     found_.clear();
+    pushing_.clear();
     if (!warm) return found_;
     warm_ = warm;
     sorted_ = false;
-    force_.resize(static_cast<std::size_t>(rows.rows()));
     Index shift = 0;  // most rows stand where they stood, or as far from there as the row before
     for (Index i = 0; i < rows.rows(); ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -26,13 +27,10 @@ class WarmRows {
       if (place < 0) continue;
       shift = place - rows.row[at];
       if (!(warm->lambda[place] > 0)) continue;
-      force_[at] = warm->lambda[place] * rows.row_norm[i];
-      found_.push_back(i);
+      pushing_.emplace_back(-warm->lambda[place] * rows.row_norm[i], i);
     }
-    std::sort(found_.begin(), found_.end(), [&](Index a, Index b) {
-      const double x = force_[static_cast<std::size_t>(a)], y = force_[static_cast<std::size_t>(b)];
-      return x > y || (x == y && a < b);
-    });
+    std::sort(pushing_.begin(), pushing_.end());
+    for (const auto& [force, i] : pushing_) found_.push_back(i);
     return found_;
   }
 
@@ -42,7 +40,8 @@ class WarmRows {
     constexpr Index near = 3;
     const auto count = std::min(static_cast<Index>(warm_->key.size()), warm_->lambda.size());
     const auto is = [&](Index k) { return k >= 0 && k < count && warm_->key[static_cast<std::size_t>(k)] == key; };
-    for (Index d = 0; d <= near; ++d)
+    if (is(guess)) return guess;
+    for (Index d = 1; d <= near; ++d)
       for (const Index k : {guess + d, guess - d})
         if (is(k)) return k;
     if (!sorted_) {
@@ -62,7 +61,7 @@ class WarmRows {
   bool sorted_ = false;
   std::vector<std::size_t> order_;
   std::vector<Index> found_;
-  std::vector<double> force_;
+  std::vector<std::pair<double, Index>> pushing_;  // minus the force, row
 };
 
 }  // namespace zwang

@@ -61,6 +61,7 @@ class Profile {
       rows_.build(*problem_);
     } else if (up_to < 4) {
       form_.build(*problem_);
+      form_.form_basis();
       if (up_to >= 2) fill();
       int steps = 0;
       if (up_to == 3) climb_.climb(steps, SolveOptions{}.max_iterations, Deadline(1));

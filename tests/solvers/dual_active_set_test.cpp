@@ -209,7 +209,10 @@ TEST(DualActiveSet, WarmStartFollowsKeysNotPositions) {
 
 TEST(DualActiveSet, ObserverSeesEveryEnteringRowAndChangesNothing) {
   const Problem p = test::tower(12);
-  const Solution plain = solve(p);
+  Solution plain;
+  DualActiveSet careful;
+  careful.reduce = false;
+  careful.solve(p, {}, plain);
   int seen = 0;
   Vector last;
   SolveOptions options;
@@ -223,6 +226,7 @@ TEST(DualActiveSet, ObserverSeesEveryEnteringRowAndChangesNothing) {
   EXPECT_EQ(observed.iterations, plain.iterations);
   EXPECT_GE(seen, 12);
   EXPECT_EQ(last, plain.z);
+  EXPECT_LE(test::z_error(p, solve(p).z, plain.z), 1e-28);  // the path that is not observed
 }
 
 TEST(DualActiveSet, SecondSolveAllocatesNothingWarmOrCold) {
