@@ -56,10 +56,12 @@ void add_options(CLI::App& options, Asked& asked) {
   options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)")->group("What is run");
   options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder")
       ->group("What is run");
-  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->group("What is run");
+  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")
+      ->group("What is run")
+      ->check(from_to(0));
   options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
       ->group("How it is run")
-      ->check(CLI::PositiveNumber);
+      ->check(above(0));
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family")
       ->group("How it is run");
   options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")

@@ -44,7 +44,7 @@ int mesh_command(std::vector<std::string> words) {
   options.add_option("FILE", file, "STL, OBJ, PLY, glTF/GLB or DXF; also .gz")->required()->type_name("");
   options.add_option("--unit", unit, "of its coordinates: m (the default), cm, mm, um, in, ft");
   options.add_option("--weld", weld, "merge vertices nearer than this [m]; default: equal ones alone")
-      ->check(CLI::NonNegativeNumber);
+      ->check(from_to(0));
   if (!read(options, std::move(words))) return done;
   collision::MeshFileOptions how{.unit = collision::metres_per(unit), .weld = weld, .cache = collision::tree_cache()};
   Progress bar(true);

@@ -127,8 +127,8 @@ int hand_command(std::vector<std::string> words) {
   int contacts = 24, limits = 6;
   std::string out;
   options.add_flag("--matrix", matrix, "draw the sparsity of J, (70 + limits + contacts) x 96");
-  options.add_option("--contacts", contacts, "contact rows; default: 24")->check(CLI::Range(0, 60));
-  options.add_option("--limits", limits, "violated limits; default: 6")->check(CLI::Range(0, 20));
+  options.add_option("--contacts", contacts, "contact rows; default: 24")->check(from_to(0, 60));
+  options.add_option("--limits", limits, "violated limits; default: 6")->check(from_to(0, 20));
   options.add_option("--out", out, "as a figure, too")->type_name("FILE.svg");
   if (!read(options, std::move(words))) return done;
   if (!matrix) throw std::invalid_argument("what of the hand? --matrix draws its sparsity (./zwang hand --help)");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
@@ -28,6 +29,30 @@ CLI::Option* add_friction(CLI::App& app, Friction& friction) {
           },
           "how tangential directions of FCLIB files are read: none (normal rows only) or pyramid")
       ->type_name("WORD");
+}
+
+// CLI11's own checks let NaN pass, and print bounds with 300 digits.
+static Check number_that(std::function<bool(double)> holds, std::string expected) {
+  return [=](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    return whole && std::isfinite(value) && holds(value) ? std::string() : text + " should be a number " + expected;
+  };
+}
+
+Check from_to(double low, double high) {
+  std::ostringstream range;
+  range << "from " << low;
+  if (std::isfinite(high)) range << " to " << high;
+  return number_that([=](double value) { return value >= low && value <= high; },
+                     range.str() + (std::isfinite(high) ? "" : " on"));
+}
+
+Check above(double low) {
+  std::ostringstream range;
+  range << "above " << low;
+  return number_that([=](double value) { return value > low; }, range.str());
 }
 
 bool read(CLI::App& app, std::vector<std::string> words) {

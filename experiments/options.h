@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,11 @@ bool read(CLI::App& app, std::vector<std::string> words);
 
 // --friction none|pyramid
 CLI::Option* add_friction(CLI::App& app, Friction& friction);
+
+// For Option::check: "" when the text is a finite number from low to high, or above low; else what is expected.
+using Check = std::function<std::string(const std::string& text)>;
+Check from_to(double low, double high = std::numeric_limits<double>::infinity());
+Check above(double low);
 
 // "1e-2,1e-6" -> numbers. Throws std::invalid_argument.
 std::vector<double> numbers(const std::string& option, const std::string& text);

@@ -60,38 +60,34 @@ void add_options(CLI::App& options, Typed& typed) {
                   "a recording is placed so that its target is inside an object in this share of its frames; 0: as "
                   "recorded; default: 0.45")
       ->group("What is simulated")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(from_to(0.0, 1.0))
       ->type_name("SHARE");
-  options.add_option("--frames", a.frames, "stop after so many")
-      ->group("What is simulated")
-      ->check(CLI::PositiveNumber);
+  options.add_option("--frames", a.frames, "stop after so many")->group("What is simulated")->check(above(0));
   options.add_option("--seconds", typed.seconds, "stop after so much simulated time")
       ->group("What is simulated")
-      ->check(CLI::PositiveNumber);
+      ->check(above(0));
   options.add_option("--solver", o.solver, "NAME:key=value,...; default: dual_active_set (./zwang solvers)")
       ->group("How");
   options.add_option("--rate", typed.rate, "simulated steps a second; default: 1000")
       ->group("How")
-      ->check(CLI::Range(1.0, 1e5))
+      ->check(from_to(1.0, 1e5))
       ->type_name("HZ");
   options.add_option("--tolerance", o.tolerance, "that the solver is asked for; default: 1e-10")
       ->group("How")
-      ->check(CLI::PositiveNumber);
+      ->check(from_to(1e-16, 1));
   options.add_option("--k-f", o.force_stiffness, "stiffness of the coupling to the engine [1/s^2]; default: 1000")
       ->group("How")
-      ->check(CLI::NonNegativeNumber);
+      ->check(from_to(0));
   options.add_option("--cap", o.force_cap, "largest push on one object [N]; default: 60")
       ->group("How")
-      ->check(CLI::NonNegativeNumber);
-  options.add_option("--gap", o.gap, "that contact rows keep [m]; default: 2e-4")
-      ->group("How")
-      ->check(CLI::PositiveNumber);
+      ->check(from_to(0));
+  options.add_option("--gap", o.gap, "that contact rows keep [m]; default: 2e-4")->group("How")->check(above(0));
   options.add_option("--activation", o.activation, "distance from which contacts are rows [m]; default: 2e-3")
       ->group("How")
-      ->check(CLI::PositiveNumber);
+      ->check(above(0));
   options.add_option("--sub-steps", o.sub_steps, "of a frame, at most; default: 3")
       ->group("How")
-      ->check(CLI::Range(1, 100));
+      ->check(from_to(1, 100));
   options.add_flag("--audit", a.audit, "FCL looks at every committed frame at the end")->group("How");
   add_choice(options, "limits", "predictive", "violated", "rows of joint limits before they are met, or once violated",
              [&o](bool yes) { o.limits = yes ? Options::Limits::violated : Options::Limits::predictive; });
@@ -112,7 +108,7 @@ void add_options(CLI::App& options, Typed& typed) {
       .add_option("--verify", o.verify,
                   "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"
                   "which is not in the figures")
-      ->check(CLI::NonNegativeNumber);
+      ->check(from_to(0));
   options.add_option("--out", typed.out, "folder for the run; default: results/<date>-<time>")
       ->group("Where it goes")
       ->type_name("DIR");

@@ -40,7 +40,7 @@ class Reader {
     try {
       whole_ = Json::parse(with_null_for_nan(text));
     } catch (const Json::parse_error& e) {
-      refuse("not whole JSON: broken off or torn near byte " + std::to_string(e.byte) + " of " +
+      refuse("not whole JSON: broken off or torn near byte " + std::to_string(std::min(e.byte, text.size())) + " of " +
              std::to_string(text.size()));
     } catch (const Json::exception&) {
       refuse("not JSON that can be read: a number out of range");
