@@ -16,10 +16,12 @@ Index count_entries(const Sparse& A, const std::vector<Index>& outer) {
 }
 
 // `part` becomes the chosen rows (columns) of the compressed matrix A, its inner indices renumbered. Entries that leave
-// the island are stored zeros. An island of neighbouring unknowns, as assembly makes them, needs no look-up.
+// the island are stored zeros; there are none where it is closed. An island of neighbouring unknowns, as assembly makes
+// them, needs no look-up, and where it is closed, neighbouring rows are copied as one.
 template <class Sparse>
 void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& inner,
-             const std::vector<Index>& local, const std::vector<Index>& island, Index rows, Index cols, Sparse& part) {
+             const std::vector<Index>& local, const std::vector<Index>& island, bool closed, Index rows, Index cols,
+             Sparse& part) {
   if (part.rows() != rows || part.cols() != cols) part.resize(rows, cols);  // Eigen's would allocate for no rows
   part.resizeNonZeros(count_entries(A, outer));
   int* start = part.outerIndexPtr();
@@ -36,17 +38,31 @@ void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector
         value[at++] = A.valuePtr()[e];
       }
     }
-    *start = at;
   };
   const auto count = static_cast<Index>(inner.size());
   const Index first = count > 0 ? inner.front() : 0;
-  if (count == 0 || inner.back() - first + 1 == count)
+  const bool neighbours = count == 0 || inner.back() - first + 1 == count;
+  const auto copy_runs = [&] {
+    for (std::size_t k = 0, run = 0; k < outer.size(); k = run) {
+      const int begin = A.outerIndexPtr()[outer[k]];
+      for (run = k; run < outer.size() && outer[run] == outer[k] + static_cast<Index>(run - k); ++run)
+        *start++ = at + A.outerIndexPtr()[outer[run]] - begin;
+      const int size = A.outerIndexPtr()[outer[run - 1] + 1] - begin;
+      for (int e = 0; e < size; ++e) index[at + e] = A.innerIndexPtr()[begin + e] - static_cast<int>(first);
+      std::copy_n(A.valuePtr() + begin, size, value + at);
+      at += size;
+    }
+  };
+  if (neighbours && closed)
+    copy_runs();
+  else if (neighbours)
     copy([&](int k) { return k >= first && k < first + count ? k - first : -1; });
   else
     copy([&](int k) {
       const auto s = static_cast<std::size_t>(k);
       return island[s] == island[static_cast<std::size_t>(first)] ? local[s] : -1;
     });
+  *start = at;
   part.resizeNonZeros(at);
 }
 
@@ -93,7 +109,7 @@ Island& Islands::next_island() {
 
 void Islands::split(const Problem& problem, Index unit) {
   find(problem, unit);
-  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
 }
 
 void Islands::find(const Problem& p, Index unit) {
@@ -176,16 +192,53 @@ bool Islands::several_blocks(const Problem& p, Unit unit) {
   return count > 1;
 }
 
-void Islands::fill(const Problem& p, Island& island) {
-  Problem& part = island.problem;
+// Islands of the blocks that several() left joined.
+void Islands::list(const Problem& p, Index unit) {
+  const Index n = p.size();
+  island_.resize(static_cast<std::size_t>(n));
+  local_.resize(static_cast<std::size_t>(n));
+  count_ = 0;
+  for (Index b = 0; b < n / unit; ++b) {
+    const Index r = root(b);
+    const auto home = static_cast<std::size_t>(b * unit);
+    if (r == b) {
+      island_[home] = static_cast<Index>(count_);
+      next_island();
+    } else {
+      island_[home] = island_[static_cast<std::size_t>(r * unit)];
+    }
+    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[home])].columns;
+    for (Index k = b * unit; k < (b + 1) * unit; ++k) {
+      island_[static_cast<std::size_t>(k)] = island_[home];
+      local_[static_cast<std::size_t>(k)] = static_cast<Index>(columns.size());
+      columns.push_back(k);
+    }
+  }
+  for (Index i = 0; i < p.rows(); ++i) {
+    const int e = p.J.outerIndexPtr()[i];
+    const bool empty = e == p.J.outerIndexPtr()[i + 1];
+    const Index own = empty ? 0 : island_[static_cast<std::size_t>(p.J.innerIndexPtr()[e])];
+    islands_[static_cast<std::size_t>(own)].rows.push_back(i);
+  }
+}
+
+const Problem& Islands::cut(const Problem& p, const Island& island) {
+  const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
+  auto place = std::ranges::find_if(cut_, [&](const Problem& q) { return q.size() == n && q.rows() == m; });
+  if (place == cut_.end()) place = cut_.emplace(cut_.end());
+  fill(p, island, true, *place);
+  return *place;
+}
+
+void Islands::fill(const Problem& p, const Island& island, bool closed, Problem& part) const {
   const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
   part.name = p.name;
   part.z_u.resize(n);
   part.c.resize(m);
   part.kind.resize(island.rows.size());
   part.key.resize(island.rows.size());
-  extract(p.M, island.columns, island.columns, local_, island_, n, n, part.M);
-  extract(p.J, island.rows, island.columns, local_, island_, m, n, part.J);
+  extract(p.M, island.columns, island.columns, local_, island_, closed, n, n, part.M);
+  extract(p.J, island.rows, island.columns, local_, island_, closed, m, n, part.J);
   for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
   for (std::size_t i = 0; i < island.rows.size(); ++i) {
     const Index row = island.rows[i];
@@ -198,7 +251,7 @@ void Islands::fill(const Problem& p, Island& island) {
 void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
   find(problem, 1);
   if (count_ == 1) return solver.solve(problem, options, solution);
-  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k]);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
   solve_each([&](const Problem& p, const SolveOptions& o, Solution& part) { solver.solve(p, o, part); }, problem,
              options, solution);
 }

@@ -37,13 +37,16 @@ class Islands {
   // The same over islands that were split before, with solve(problem, options, solution) for each.
   template <class Solve>
   void solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
-  // Solves a problem of several islands island by island, one of a single island (or with an observer) as it is.
+  // Solves a problem of several islands island by island, each cut out right before it is solved and where the one
+  // before was; one of a single island (or with an observer) as it is. Stored zeros couple here too.
   template <class Solve>
   void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution) {
-    if (options.observe || problem.size() % unit != 0 || !several(problem, unit))
-      return solve(problem, options, solution);
-    split(problem, unit);
-    solve_each(solve, problem, options, solution);
+    const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
+                       !problem.J.isCompressed() || !several(problem, unit);
+    if (whole) return solve(problem, options, solution);
+    list(problem, unit);
+    solve_parts([&](std::size_t k) -> const Problem& { return cut(problem, islands_[k]); }, solve, problem, options,
+                solution);
   }
 
  private:
@@ -52,25 +55,36 @@ class Islands {
   template <class Unit>
   bool several_blocks(const Problem& problem, Unit unit);
   void find(const Problem& problem, Index unit);
+  void list(const Problem& problem, Index unit);
+  const Problem& cut(const Problem& problem, const Island& island);
+  template <class Part, class Solve>
+  void solve_parts(Part&& part, Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
   Island& next_island();
-  void fill(const Problem& problem, Island& island);
+  void fill(const Problem& problem, const Island& island, bool closed, Problem& part) const;
   void join(const Island& island, const Solution& part, Index rows, Solution& whole) const;
 
   std::vector<Island> islands_;
   std::size_t count_ = 0;
   std::vector<Index> parent_, island_, local_;
+  std::vector<Problem> cut_;  // one of each shape
   Solution part_;
 };
 
 template <class Solve>
 void Islands::solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution) {
+  solve_parts([&](std::size_t k) -> const Problem& { return islands_[k].problem; }, solve, problem, options, solution);
+}
+
+template <class Part, class Solve>
+void Islands::solve_parts(Part&& part, Solve&& solve, const Problem& problem, const SolveOptions& options,
+                          Solution& solution) {
   solution.reset(problem.size(), problem.rows());
   SolveOptions quiet = options;
   quiet.observe = nullptr;
   solution.status = Status::solved;
   solution.margins.rank = 0;
   for (std::size_t k = 0; k < count_; ++k) {
-    solve(std::as_const(islands_[k].problem), std::as_const(quiet), part_);
+    solve(part(k), std::as_const(quiet), part_);
     join(islands_[k], part_, problem.rows(), solution);
     if (part_.message.empty()) continue;
     if (!solution.message.empty()) solution.message += "; ";

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/registry.h"
 #include "bench/suite/allocations.h"
+#include "solvers/registry.h"
 
 namespace zwang {
 namespace {
@@ -69,6 +69,36 @@ TEST(Islands, StoredZerosCoupleNothing) {
   islands.split(p);
   EXPECT_EQ(islands.all().size(), 4u);
   EXPECT_EQ(islands.all()[1].problem.J.nonZeros(), 1);
+}
+
+// Islands 1 and 3 have one shape and share their storage; islands 0 and 2 lie among others.
+TEST(Islands, CutOutForSolvingAreThoseOfTheSplit) {
+  const Problem p = scattered();
+  Islands split, apart;
+  split.split(p);
+  std::size_t k = 0;
+  Solution whole;
+  const auto check = [&](const Problem& part, const SolveOptions&, Solution& s) {
+    ASSERT_LT(k, split.all().size());
+    const Problem& expected = split.all()[k++].problem;
+    EXPECT_EQ(Matrix(part.M), Matrix(expected.M));
+    EXPECT_EQ(Matrix(part.J), Matrix(expected.J));
+    EXPECT_EQ(part.z_u, expected.z_u);
+    EXPECT_EQ(part.c, expected.c);
+    EXPECT_EQ(part.kind, expected.kind);
+    EXPECT_EQ(part.key, expected.key);
+    s.reset(part.size(), part.rows());
+    s.status = Status::solved;
+    s.z = part.z_u;
+    s.lambda = part.c;
+  };
+  for (int again = 0; again < 2; ++again) {
+    k = 0;
+    apart.solve_apart(check, 1, p, {}, whole);
+    EXPECT_EQ(k, 4u);
+    EXPECT_EQ(whole.z, p.z_u);
+    EXPECT_EQ(whole.lambda, p.c);
+  }
 }
 
 TEST(Islands, SolvedApartGiveTheSolutionOfTheWhole) {
