@@ -75,20 +75,6 @@ void print(const std::vector<TracePoint>& points) {
                 report::scientific(p.metrics.stationarity).c_str(), report::scientific(p.metrics.gap).c_str());
 }
 
-nlohmann::ordered_json to_json(const std::vector<TracePoint>& points) {
-  using Json = nlohmann::ordered_json;
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  Json all = Json::array();
-  for (const TracePoint& p : points)
-    all.push_back({{"iteration", p.iteration},
-                   {"time_s", number(p.time_s)},
-                   {"z_error", number(p.metrics.z_error)},
-                   {"primal", number(p.metrics.primal)},
-                   {"stationarity", number(p.metrics.stationarity)},
-                   {"gap", number(p.metrics.gap)}});
-  return all;
-}
-
 }  // namespace
 
 int solve_command(std::vector<std::string> words) {
@@ -138,7 +124,8 @@ int solve_command(std::vector<std::string> words) {
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
   if (json) {
     auto object = nlohmann::ordered_json::parse(zwang::to_json(result, &timed.solution));
-    if (with_trace) object["trace"] = to_json(points);
+    if (with_trace) object["trace"] = nlohmann::ordered_json::array();
+    for (const TracePoint& point : points) object["trace"].push_back(nlohmann::ordered_json::parse(to_json(point)));
     std::puts(object.dump().c_str());
     return done;
   }

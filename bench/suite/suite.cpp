@@ -1,24 +1,18 @@
 #include "bench/suite/suite.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "bench/references/reference.h"
 #include "bench/suite/conditions.h"
 #include "bench/suite/progress.h"
 #include "bench/suite/record_file.h"
 #include "bench/suite/run_record.h"
+#include "bench/suite/schedule.h"
 #include "bench/suite/speed.h"
 #include "bench/suite/trace.h"
 
 namespace zwang {
 namespace {
-
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::string short_number(double x) {
   char text[32];
@@ -26,118 +20,34 @@ std::string short_number(double x) {
   return text;
 }
 
-// Shares a suite's time out to its batches. First solves cannot be dropped, so they are foreseen from those already
-// made (per unknown and row) and repetitions get what is left. When even first solves will not fit, the time limit of
-// a solve is halved until they do, down to 0.25 s: below that an interior-point method would be cut off on a hand. On
-// scenes and files that somebody chose, and in suites without a limit, a batch spends at most 20 ms a run on
-// repetitions.
-class Schedule {
- public:
-  Schedule(const Plan& plan) : plan_(plan), start_(wall_seconds()) {
-    for (const Instance& i : plan.instances) work_left_ += work(i);
-    work_all_ = work_left_;
-  }
-
-  BatchLimits next(const Instance& instance, std::size_t batches_left) {
-    BatchLimits limits;
-    limits.repetitions = plan_.options.repetitions;
-    limits.time_limit = plan_.time_limit;
-    limits.budget = std::max(0.5, 0.02 * static_cast<double>(plan_.runs.size()));
-    if (plan_.limit_s > 0) {
-      const double left = std::max(0.0, 0.9 * plan_.limit_s - elapsed());
-      const double firsts = work_done_ > 0 ? 1.5 * first_s_ / work_done_ * work_left_ : left / 2;
-      const double share = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
-      limits.budget = plan_.whole_suite ? share : std::min(limits.budget, share);
-      // Large problems, last, make first solves look dearer than they are; a time from a first solve alone would hold
-      // its allocations.
-      if (plan_.speed) limits.budget = std::max(limits.budget, 1.5);
-      const double allowance = left / static_cast<double>(batches_left);
-      const double solvers =
-          static_cast<double>(plan_.runs.size()) / static_cast<double>(plan_.options.tolerances.size());
-      while (limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
-    }
-    shortest_limit_ = std::min(shortest_limit_, limits.time_limit);
-    batch_work_ = work(instance);
-    return limits;
-  }
-  void finished(double first_s) {
-    first_s_ += first_s;
-    work_done_ += batch_work_;
-    skipped();
-  }
-  void skipped() { work_left_ -= std::exchange(batch_work_, 0); }
-  void skip(const Instance& instance) { batch_work_ = work(instance), skipped(); }
-
-  double elapsed() const { return wall_seconds() - start_; }
-  double fraction(double of_batch) const { return 1 - (work_left_ - of_batch * batch_work_) / work_all_; }
-  // Work that an earlier call did took no time of this one.
-  double left(double fraction) const {
-    const double done = work_done_ + (fraction - this->fraction(0)) * work_all_;
-    return done > 0 ? elapsed() * (1 - fraction) * work_all_ / done : -1;
-  }
-  double shortest_time_limit() const { return shortest_limit_; }
-
- private:
-  static double work(const Instance& i) { return 20 + static_cast<double>(i.problem.size() + i.problem.rows()); }
-
-  const Plan& plan_;
-  double start_, work_all_ = 0, work_left_ = 0, work_done_ = 0, batch_work_ = 0, first_s_ = 0;
-  double shortest_limit_ = plan_.time_limit;
-};
-
 std::string file_name(std::size_t batch) {
   char name[48];
   std::snprintf(name, sizeof name, "problems/%04zu.h5", batch);
   return name;
 }
 
-// The first problem of each family gets convergence rows (every problem with --trace), at the tightest tolerance.
-void write_traces(const Plan& plan, const SuiteSettings& settings, Desk& desk, double budget,
-                  const std::atomic<bool>& interrupted, std::vector<std::string>& notes) {
-  using Json = nlohmann::ordered_json;
-  const auto file = settings.directory / "traces.jsonl";
-  std::filesystem::remove(file);
-  std::vector<std::string> families;
-  std::vector<const Instance*> chosen;
-  for (const Instance& i : plan.instances) {
-    const bool first = std::find(families.begin(), families.end(), i.family) == families.end();
-    if (first) families.push_back(i.family);
-    if (first || plan.options.trace) chosen.push_back(&i);
+// run.json of a new run, or of the one that goes on.
+RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
+  const auto& directory = settings.directory;
+  const bool resumed = std::filesystem::exists(directory / "run.json");
+  RunRecord record;
+  if (resumed) {
+    require_same_problems(directory, plan);
+    record = read_run_record(directory);
+    record.notes.clear();
+  } else {
+    record.command = settings.command;
+    record.started = now_iso8601();
   }
-  const double tightest = plan.options.tolerances.back();
-  const double start = wall_seconds();
-  std::size_t left = chosen.size(), cut = 0;
-  ResultFile out(file);
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  for (const Instance* problem : chosen) {
-    Instance instance = *problem;
-    instance.reference = reference_for(instance, settings.cache, {plan.second_witness}).reference;
-    // What is left of the budget is shared by the problems left, and within a problem by the solvers.
-    const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
-    const double solvers = static_cast<double>(plan.runs.size()) / static_cast<double>(plan.options.tolerances.size());
-    std::vector<std::string> lines;
-    for (const Run& run : plan.runs) {
-      if (run.tolerance != tightest) continue;
-      const double each = share / solvers;
-      const auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
-                                   : std::vector<TracePoint>();
-      if (interrupted) return;
-      cut += points.empty();
-      for (const TracePoint& p : points)
-        lines.push_back(Json({{"problem", instance.problem.name},
-                              {"family", instance.family},
-                              {"solver", run.solver},
-                              {"iteration", p.iteration},
-                              {"time_s", number(p.time_s)},
-                              {"z_error", number(p.metrics.z_error)},
-                              {"primal", number(p.metrics.primal)},
-                              {"stationarity", number(p.metrics.stationarity)},
-                              {"gap", number(p.metrics.gap)}})
-                            .dump());
+  if (const Conditions c = conditions(); c.debug)
+    record.notes.push_back("DEBUG BUILD (" + c.build_type + "): the times mean nothing");
+  for (const Instance& i : plan.instances)
+    for (const std::string& note : i.notes) {
+      const std::string line = i.problem.name + ": " + note;
+      if (std::find(record.notes.begin(), record.notes.end(), line) == record.notes.end()) record.notes.push_back(line);
     }
-    out.append(lines);
-  }
-  if (cut > 0) notes.push_back(std::to_string(cut) + " convergence curves have no points: no answer within their time");
+  write_run_record(directory, plan, settings.solvers, record);
+  return record;
 }
 
 }  // namespace
@@ -172,25 +82,7 @@ std::filesystem::path reference_cache() {
 Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted) {
   const auto& directory = settings.directory;
   std::filesystem::create_directories(directory / "problems");
-  const bool resumed = std::filesystem::exists(directory / "run.json");
-  RunRecord record;
-  if (resumed) {
-    require_same_problems(directory, plan);
-    record = read_run_record(directory);
-    record.notes.clear();
-  } else {
-    record.command = settings.command;
-    record.started = now_iso8601();
-  }
-  if (const Conditions c = conditions(); c.debug)
-    record.notes.push_back("DEBUG BUILD (" + c.build_type + "): the times mean nothing");
-  for (const Instance& i : plan.instances)
-    for (const std::string& note : i.notes) {
-      const std::string line = i.problem.name + ": " + note;
-      if (std::find(record.notes.begin(), record.notes.end(), line) == record.notes.end()) record.notes.push_back(line);
-    }
-  write_run_record(directory, plan, settings.solvers, record);
-
+  RunRecord record = open_record(plan, settings);
   Stored stored = load_results(directory / "results.jsonl");
   Outcome outcome;
   outcome.planned = plan.size();
@@ -261,7 +153,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();
-    write_traces(plan, settings, desk, budget, interrupted, record.notes);
+    write_traces(plan, directory, settings.cache, desk, budget, interrupted, record.notes);
   }
   if (timed_once > 0)
     record.notes.push_back(grouped(timed_once) + " runs were timed by their first solve alone: too slow to repeat");

@@ -1,8 +1,17 @@
 #include "bench/suite/trace.h"
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bench/references/reference.h"
+#include "bench/suite/result.h"
+#include "bench/suite/schedule.h"
 
 namespace zwang {
+
+using Json = nlohmann::ordered_json;
 
 std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& desk, double time_limit, double budget,
                               const std::atomic<bool>& interrupted) {
@@ -35,6 +44,57 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& de
     points.push_back({k, capped.seconds, measure(problem, at, reference, run.tolerance)});
   }
   return points;
+}
+
+std::string to_json(const TracePoint& p) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  return Json({{"iteration", p.iteration},
+               {"time_s", number(p.time_s)},
+               {"z_error", number(p.metrics.z_error)},
+               {"primal", number(p.metrics.primal)},
+               {"stationarity", number(p.metrics.stationarity)},
+               {"gap", number(p.metrics.gap)}})
+      .dump();
+}
+
+void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
+                  Desk& desk, double budget, const std::atomic<bool>& interrupted, std::vector<std::string>& notes) {
+  const auto file = directory / "traces.jsonl";
+  std::filesystem::remove(file);
+  std::vector<std::string> families;
+  std::vector<const Instance*> chosen;
+  for (const Instance& i : plan.instances) {
+    const bool first = std::find(families.begin(), families.end(), i.family) == families.end();
+    if (first) families.push_back(i.family);
+    if (first || plan.options.trace) chosen.push_back(&i);
+  }
+  const double tightest = plan.options.tolerances.back();
+  const double start = wall_seconds();
+  std::size_t left = chosen.size(), cut = 0;
+  ResultFile out(file);
+  for (const Instance* problem : chosen) {
+    Instance instance = *problem;
+    instance.reference = reference_for(instance, cache, {plan.second_witness}).reference;
+    // What is left of the budget is shared by the problems left, and within a problem by the solvers.
+    const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
+    const double solvers = static_cast<double>(plan.runs.size()) / static_cast<double>(plan.options.tolerances.size());
+    std::vector<std::string> lines;
+    for (const Run& run : plan.runs) {
+      if (run.tolerance != tightest) continue;
+      const double each = share / solvers;
+      const auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
+                                   : std::vector<TracePoint>();
+      if (interrupted) return;
+      cut += points.empty();
+      for (const TracePoint& p : points) {
+        Json line = {{"problem", instance.problem.name}, {"family", instance.family}, {"solver", run.solver}};
+        line.update(Json::parse(to_json(p)));
+        lines.push_back(line.dump());
+      }
+    }
+    out.append(lines);
+  }
+  if (cut > 0) notes.push_back(std::to_string(cut) + " convergence curves have no points: no answer within their time");
 }
 
 }  // namespace zwang

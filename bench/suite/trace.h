@@ -1,8 +1,11 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "bench/suite/batch.h"
+#include "bench/suite/plan.h"
 #include "core/measure.h"
 
 namespace zwang {
@@ -19,5 +22,12 @@ struct TracePoint {
 // solver gave no answer within `time_limit` [s of CPU time]; cut short when all solves together exceed `budget` [s].
 std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& desk, double time_limit, double budget,
                               const std::atomic<bool>& interrupted);
+
+std::string to_json(const TracePoint& point);  // one object
+
+// DIR/traces.jsonl: convergence of every solver on the first problem of each family (on every one with --trace), at the
+// tightest tolerance, within `budget` [s]. A note says how many curves that left without points.
+void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
+                  Desk& desk, double budget, const std::atomic<bool>& interrupted, std::vector<std::string>& notes);
 
 }  // namespace zwang
