@@ -79,7 +79,7 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
   pace_ = std::min(1.2 * most, jump * options_.activation);
   allowed_ =
       std::max({1.5 * pace_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
-  done_ = held_ = false;
+  done_ = held_ = counted_ = false;
   sub_step_ = 0;
 }
 
@@ -266,10 +266,11 @@ double Cluster::propose(Frame& frame) {
     // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
     encounters_.look(std::max(options_.activation, 2.3 * allowed_), options_.reduce_contacts);
   }
-  if (frame.kept == 0 && sub_step_ == 0) {
+  if (!counted_) {
     frame.raw += static_cast<int>(encounters_.raw());
     frame.kept += static_cast<int>(rows().size());
   }
+  counted_ = true;
   solved_at_ = pose_;
   std::fill(way_.begin(), way_.end(), Vec<double, 6>::Zero());
   leg_ = free_ = false;

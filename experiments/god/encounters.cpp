@@ -14,6 +14,7 @@ constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
 constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
 constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
 constexpr double small_lift = 2e-8;     // m
+const Shape point = Shape::sphere(1);
 
 Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
   return {on * part.position, on.rotation * part.rotation};
@@ -139,13 +140,12 @@ void Encounters::meet_mesh(int a, std::size_t corner, int b, double activation) 
   }
 }
 
-// The corners of each against the other.
+// The corners of each against the other. (Of `point`, closest() looks at the core.)
 void Encounters::meet_shape(int a, int b, double activation) {
   const Shape &mine = *world_.shape(a), &theirs = *world_.shape(b);
   const Pose<double>&at_a = world_.pose(a), &at_b = world_.pose(b);
   const double apart = mine.radius() + theirs.radius();
   const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(a)];
-  const Shape point = Shape::sphere(mine.radius());
   for (std::size_t corner = 0; corner < corners.size(); ++corner) {
     if (corners[corner].said_by != a) continue;
     const Vec3 center = at_a * corners[corner].at;

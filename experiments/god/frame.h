@@ -48,6 +48,14 @@ struct Frame {
   Status claimed = Status::unsolved;
   std::optional<Verdict> verified = {};  // of the worst solve of the frame; none: the referee did not look
   StageTimes times = {};
+
+  // Back to the beginning, with the storage kept.
+  void reset() {
+    Frame fresh;
+    const auto keep = [](auto& from, auto& to) { from.clear(), to = std::move(from); };
+    keep(target, fresh.target), keep(god, fresh.god), keep(loose, fresh.loose), keep(contacts, fresh.contacts);
+    *this = std::move(fresh);
+  }
 };
 
 }  // namespace zwang::god

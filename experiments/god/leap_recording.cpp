@@ -111,6 +111,8 @@ class Reader {
     for (std::size_t k = 1; k < rows.size(); ++k)
       if (rows[k].time - rows[k - 1].time > 600)
         refuse("more than 10 minutes between two frames: time stamps in microseconds expected");
+    if (rows.back().time - rows.front().time > 2 * static_cast<double>(rows.size()))
+      refuse("less than a frame in two seconds: time stamps in microseconds expected");
     if (rows.back().time - rows.front().time < 1e-4 * static_cast<double>(rows.size()))
       refuse("more than 10,000 frames a second: time stamps in microseconds expected");
   }

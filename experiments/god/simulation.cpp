@@ -67,15 +67,15 @@ const Frame& Simulation::step(std::span<const Target> targets) {
   State& s = *state_;
   if (targets.size() != s.models.size())
     throw std::invalid_argument(counts(s.models.size(), " hands, ", targets.size(), " targets"));
-  std::vector<Pose<double>> poses = s.target;
+  s.wanted = s.target;
   bool tracked = true;
   for (std::size_t h = 0; h < targets.size(); ++h) {
     const hand::Poses at = hand::assemble(targets[h].palm, targets[h].angles, s.models[h]);
     const bool usable = targets[h].tracked && std::all_of(at.begin(), at.end(), finite);
     tracked = tracked && usable;
-    if (usable) std::copy(at.begin(), at.end(), poses.begin() + static_cast<long>(h * at.size()));
+    if (usable) std::copy(at.begin(), at.end(), s.wanted.begin() + static_cast<long>(h * at.size()));
   }
-  step(poses);
+  step(s.wanted);
   s.frame.tracked = tracked;
   return s.frame;
 }
@@ -84,7 +84,7 @@ const Frame& Simulation::step(std::span<const Pose<double>> targets) {
   State& s = *state_;
   if (targets.size() != s.target.size())
     throw std::invalid_argument(counts(s.target.size(), " god objects, ", targets.size(), " targets"));
-  s.frame = {};
+  s.frame.reset();
   s.frame.tracked = std::all_of(targets.begin(), targets.end(), finite);
   if (s.frame.tracked) std::copy(targets.begin(), targets.end(), s.target.begin());
   s.frame.number = s.number++;

@@ -92,19 +92,19 @@ void Simulation::State::step() {
 
 // The engine first, with the forces of the last god-object step; then what it moved into god objects is moved out.
 void Simulation::State::step_physics() {
-  std::vector<Vec<double, 6>> velocity(object.size(), Vec<double, 6>::Zero());
+  velocity_.assign(object.size(), Vec<double, 6>::Zero());
   const auto loose = [&](std::size_t o) { return surroundings.objects[o].loose(); };
   god.clear();
   for (const Cluster& c : clusters) god.insert(god.end(), c.poses().begin(), c.poses().end());
   for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) velocity[o] = physics->velocity(o);
+    if (loose(o)) velocity_[o] = physics->velocity(o);
   object_before = object;
   {
     const Lap lap(frame.times.physics);
     physics->step(options.dt, coupling->wrenches());
   }
   for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) frame.work += options.dt * coupling->wrenches()[o].dot(velocity[o] + physics->velocity(o)) / 2;
+    if (loose(o)) frame.work += options.dt * coupling->wrenches()[o].dot(velocity_[o] + physics->velocity(o)) / 2;
   {
     const Lap lap(frame.times.resolution);
     frame.returned = resolution->resolve(*physics, object_before, god).returned;
@@ -124,21 +124,21 @@ void Simulation::State::step_god_objects() {
   frame.claimed = Status::solved;
   if (options.verify > 0 && frame.number % options.verify == 0) frame.verified = Verdict::solved;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    const std::vector<Pose<double>> last(clusters[c].targets().begin(), clusters[c].targets().end());
+    last_.assign(clusters[c].targets().begin(), clusters[c].targets().end());
     const Lap lap(frame.times.other);
     clusters[c].aim(of(c, target));
-    coupling->aim(c, last, clusters[c].targets());
+    coupling->aim(c, last_, clusters[c].targets());
   }
   const auto done = [](const Cluster& c) { return c.done(); };
-  std::vector<double> toc(clusters.size());
+  toc_.resize(clusters.size());
   while (!std::all_of(clusters.begin(), clusters.end(), done)) {
     double least = 1;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
-      toc[c] = done(clusters[c]) ? 1 : clusters[c].propose(frame);
-      least = std::min(least, toc[c]);
+      toc_[c] = done(clusters[c]) ? 1 : clusters[c].propose(frame);
+      least = std::min(least, toc_[c]);
     }
     for (std::size_t c = 0; c < clusters.size(); ++c)
-      if (!done(clusters[c])) clusters[c].commit(options.toc_of_all ? least : toc[c], frame);
+      if (!done(clusters[c])) clusters[c].commit(options.toc_of_all ? least : toc_[c], frame);
   }
 }
 

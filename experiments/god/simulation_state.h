@@ -29,6 +29,7 @@ struct Simulation::State {
   std::optional<Coupling> coupling;
   std::optional<Measures> measures;
   std::vector<Pose<double>> object, object_before, god;
+  std::vector<Pose<double>> wanted;  // of all god objects, where the hands are tracked now
   Frame frame = {};
   long number = 0;
 
@@ -41,6 +42,10 @@ struct Simulation::State {
   void start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy);
   void step_physics();
   void step_god_objects();
+
+  std::vector<Vec<double, 6>> velocity_;  // by object, before the engine's step
+  std::vector<Pose<double>> last_;        // of a cluster, its targets of the frame before
+  std::vector<double> toc_;               // by cluster
 };
 
 }  // namespace zwang::god

@@ -155,6 +155,7 @@ TEST(Leap, RefusesInOneLine) {
       {each([](Json& row) { row[2] = Json::array(); }), "no hand in its 20 frames"},
       {each([](Json& row) { row[1] = "now"; }), "frame 1: its time stamp is no number"},
       {each([](Json& row) { row[1] = row[1].get<double>() * 1e-6; }), "microseconds expected"},
+      {each([](Json& row) { row[1] = row[1].get<double>() * 1e3; }), "microseconds expected"},
       {each([](Json& row) { row[3][1][5] = row[3][1][4]; }), "mm long"},
   };
   for (const auto& [text, expected] : cases) {
