@@ -118,7 +118,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
       continue;
     }
     Call& call = calls[i];
-    call.time_limit = limits.time_limit;
+    call.time_limit = std::max(limits.time_limit, runs[i].least_time_limit);
     call.fresh = true;
     Answer first = desk.run(problem, runs[i], call, &interrupted);
     call.fresh = false;

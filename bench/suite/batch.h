@@ -17,6 +17,7 @@ struct Run {
   std::string solver = {};
   bool foreign = false;
   double tolerance = 1e-10;
+  double least_time_limit = 0;  // s: BatchLimits may not give it less
 };
 
 // Where runs take place: native solvers here, foreign ones in the child.

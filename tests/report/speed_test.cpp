@@ -55,6 +55,17 @@ TEST(SpeedTables, TimesStandAgainstTheKernelAndAgainstOurs) {
   EXPECT_EQ(peer.cells[9].text, "") << "the floor is that of our method";
 }
 
+TEST(SpeedTables, AStoppedSolverGivesALowerBoundAgainstNewtonWhereOursIsNotRun) {
+  report::Run run;
+  run.results = {timed("wall", 1000, "newton", 1e-2), timed("wall", 1000, "ipopt", 20)};
+  run.results[1].claimed = "time limit";
+  run.results[1].verified = "timeout";
+  const Row peer = row_of(speed_table(run), "ipopt", "1000 contacts");
+  EXPECT_EQ(peer.cells[3].text.substr(0, 2), "> ");
+  EXPECT_EQ(peer.cells[5].text.substr(0, 2), "> ");
+  EXPECT_NEAR(peer.cells[5].value, 2000, 1e-9);
+}
+
 TEST(SpeedTables, ExponentsAreFittedToAllSizes) {
   const Table table = speed_exponent_table(speed_run());
   ASSERT_EQ(table.rows.size(), 2u) << "one family sweeps its size here";
