@@ -13,34 +13,35 @@ namespace zwang {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-Json fixed_conditions() {
+std::string fixed_conditions() {
   const Conditions c = conditions();
-  return {{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
-          {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}};
+  return Json{{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
+              {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}}
+      .dump();
 }
 
-Json load_record(const fs::path& directory, const std::string& kind) {
+std::string load_record(const fs::path& directory, const std::string& kind) {
   const fs::path file = directory / "run.json";
   std::ifstream in(file);
   if (!in) throw BadFile(directory.string() + " holds no " + kind + ": run.json is missing");
   const Json record = Json::parse(in, nullptr, false);
   if (!record.is_object()) throw BadFile(file.string() + ": not a JSON object");
-  return record;
+  return record.dump(2);
 }
 
-void replace_record(const fs::path& directory, const Json& record) {
+void replace_record(const fs::path& directory, const std::string& record) {
   const fs::path file = directory / "run.json", draft = directory / "run.json.new";
   std::ofstream out(draft);
-  out << record.dump(2) << '\n';
+  out << record << '\n';
   out.close();
   if (!out) throw BadFile("cannot write " + file.string());
   fs::rename(draft, file);
 }
 
-void require_same_conditions(const fs::path& directory, const Json& record, const std::string& therefore) {
-  const Json here = fixed_conditions();
+void require_same_conditions(const fs::path& directory, const std::string& record, const std::string& therefore) {
+  const Json here = Json::parse(fixed_conditions()), stored = Json::parse(record);
   for (const auto& [name, value] : here.items())
-    if (const Json was = record.value(name, Json()); was != value)
+    if (const Json was = stored.value(name, Json()); was != value)
       throw std::invalid_argument(directory.string() + " cannot go on, " + therefore + ": its " + name + " is " +
                                   was.dump() + ", now it is " + value.dump());
 }

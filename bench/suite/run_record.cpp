@@ -43,7 +43,9 @@ SuiteOptions options_from(const Json& j) {
 }
 
 Json load(const std::filesystem::path& directory) {
-  Json j = load_record(directory, "run");
+  Json j = Json::parse(load_record(directory, "run"));
+  if (j.value("kind", "") == "simulation")
+    throw BadFile((directory / "run.json").string() + ": the record of a simulated run, not of a suite");
   for (const char* key : {"command", "started", "finished", "notes", "options", "problem_sha256"})
     if (!j.contains(key))
       throw BadFile((directory / "run.json").string() + ": written by another version of zwang (no \"" + key + "\")");
@@ -68,7 +70,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
             {"started", record.started},
             {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
             {"seed", plan.options.seed}};
-  j.update(fixed_conditions());
+  j.update(Json::parse(fixed_conditions()));
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   j["tolerances"] = plan.options.tolerances;
@@ -78,7 +80,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["options"] = to_json(plan.options);
   j["problem_sha256"] = hashes;
   j["notes"] = record.notes;
-  replace_record(directory, j);
+  replace_record(directory, j.dump(2));
 }
 
 RunRecord read_run_record(const std::filesystem::path& directory) {
@@ -94,7 +96,7 @@ RunRecord read_run_record(const std::filesystem::path& directory) {
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
                                const std::vector<std::string>& given) {
   const Json j = load(directory);
-  require_same_conditions(directory, j, "its times would not compare");
+  require_same_conditions(directory, j.dump(), "its times would not compare");
   const Json options = j.at("options"), asked = to_json(typed);
   for (const std::string& name : given)
     if (const Json stored = options.value(name, Json()); stored != asked.at(name))

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/problem_file.h"
@@ -10,57 +9,16 @@
 namespace zwang::god {
 namespace {
 
-using Json = nlohmann::json;
-
-// NaN and Infinity are no JSON, but recorders write them: they become null, which is no number either.
-std::string with_null_for_nan(const std::string& text) {
-  std::string out;
-  out.reserve(text.size());
-  bool quoted = false;
-  for (std::size_t k = 0; k < text.size();) {
-    std::size_t word = 0;
-    if (!quoted)
-      for (const std::string_view bare : {"NaN", "Infinity", "-Infinity"})
-        if (text.compare(k, bare.size(), bare) == 0) word = bare.size();
-    if (word > 0) {
-      out += "null";
-      k += word;
-      continue;
-    }
-    if (quoted && text[k] == '\\' && k + 1 < text.size()) out += text[k++];
-    if (text[k] == '"') quoted = !quoted;
-    out += text[k++];
-  }
-  return out;
-}
-
 class Reader {
  public:
-  Reader(const std::filesystem::path& file, const std::string& text) : file_(file) {
-    try {
-      whole_ = Json::parse(with_null_for_nan(text));
-    } catch (const Json::parse_error& e) {
-      refuse("not whole JSON: broken off or torn near byte " + std::to_string(std::min(e.byte, text.size())) + " of " +
-             std::to_string(text.size()));
-    } catch (const Json::exception&) {
-      refuse("not JSON that can be read: a number out of range");
-    }
-    if (!whole_.is_object() || !whole_.contains("frames") || !whole_["frames"].is_array())
-      refuse("no Leap recording: {\"metadata\": ..., \"frames\": [header, row, ...]} expected");
-    if (whole_["frames"].size() < 2) refuse("no frames after the header");
-  }
+  explicit Reader(const std::filesystem::path& file) : file_(file) {}
 
-  Recording read() {
-    using Row = LeapRows::Row;
-    std::vector<Row> rows;
-    const Json& frames = whole_["frames"];
-    LeapRows reader = under(frames[0]);
-    for (std::size_t k = 1; k < frames.size(); ++k)
-      if (Row row; reader.read(frames[k], k, row)) rows.push_back(std::move(row));
-    const std::size_t torn = frames.size() - 1 - rows.size();
-    if (2 * torn >= frames.size() - 1) refuse(reader.fault);
+  Recording read(const std::string& text) {
+    LeapRows read = rows_of(text);
+    std::vector<LeapRow>& rows = read.rows;
+    if (read.torn >= rows.size()) refuse(read.fault);
     const std::size_t repeated = put_in_order(rows);
-    if (torn > 0) note(torn, "torn: " + reader.fault);
+    if (read.torn > 0) note(read.torn, "torn: " + read.fault);
     if (repeated > 0) note(repeated, "with the time stamp of another");
     check_times(rows);
 
@@ -68,17 +26,16 @@ class Reader {
     for (std::size_t s = 0; s < 2; ++s) {
       track[s].left = s == 1;
       std::size_t seen = 0, sound = 0;
-      for (const Row& row : rows) {
+      for (const LeapRow& row : rows) {
         track[s].frames.push_back({row.time - rows.front().time, row.hand[s]});
         seen += row.seen[s];
         sound += row.hand[s].has_value();
       }
-      if (2 * sound < seen) refuse(reader.hand_fault[s]);
+      if (2 * sound < seen) refuse(read.hand_fault[s]);
       if (sound == 0) continue;
       const std::size_t odd = drop_odd(track[s]);
       if (2 * odd > sound) refuse("the bones of the " + std::string(side_name[s]) + " hand change their lengths");
-      if (seen > sound)
-        note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + reader.hand_fault[s]);
+      if (seen > sound) note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + read.hand_fault[s]);
       if (odd > 0) note(odd, "of the " + std::string(side_name[s]) + " hand with a bone of another length");
       kept_[s] = sound - odd;
     }
@@ -97,16 +54,15 @@ class Reader {
     throw BadFile(file_.string() + ": " + why);
   }
   void note(std::size_t count, const std::string& what) { out_.notes.push_back(god::frames(count, what)); }
-  LeapRows under(const Json& header) const {
+  LeapRows rows_of(const std::string& text) const {
     try {
-      return LeapRows(header);
+      return read_leap_rows(text);
     } catch (const std::invalid_argument& wrong) {
       refuse(wrong.what());
     }
   }
 
-  template <class Rows>
-  void check_times(const Rows& rows) const {
+  void check_times(const std::vector<LeapRow>& rows) const {
     if (rows.size() < 2) refuse("a single frame is no motion");
     for (std::size_t k = 1; k < rows.size(); ++k)
       if (rows[k].time - rows[k - 1].time > 600)
@@ -139,13 +95,12 @@ class Reader {
   }
 
   const std::filesystem::path& file_;
-  Json whole_;
   std::array<std::size_t, 2> kept_ = {};
   Recording out_;
 };
 
 }  // namespace
 
-Recording parse_leap(const std::filesystem::path& file, const std::string& text) { return Reader(file, text).read(); }
+Recording parse_leap(const std::filesystem::path& file, const std::string& text) { return Reader(file).read(text); }
 
 }  // namespace zwang::god

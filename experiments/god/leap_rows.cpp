@@ -49,9 +49,31 @@ bool vector(const Json& value, Vec3& out) {
 Vec3 turned(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
 Vec3 placed(const Vec3& v) { return 1e-3 * turned(v); }
 
-}  // namespace
+// How rows are read that stand under `header`; what is wrong with them goes to `faults`.
+class Reader {
+ public:
+  Reader(const Json& header, LeapRows& faults);
 
-LeapRows::LeapRows(const Json& header) {
+  // False: the row is torn. `frame` is its number, for the faults.
+  bool read(const Json& row, std::size_t frame, LeapRow& out);
+
+ private:
+  std::optional<RecordedHand> read_hand(const Json& h, const Json& fingers, std::string& why) const;
+
+  // Where the columns stand.
+  struct Columns {
+    std::size_t time, hands, fingers;                // of a row
+    std::size_t id, side, direction, normal, place;  // of a hand
+    std::size_t hand, bases, type, tool;             // of a finger; of the last three, none: not there
+    std::array<std::size_t, 4> joint;
+  };
+  Columns at_ = {};
+  std::size_t hand_width_ = 0, finger_width_ = 0;
+  std::array<std::string, 2> followed_ = {};  // the id of the hand of each side that was read last
+  LeapRows& faults_;
+};
+
+Reader::Reader(const Json& header, LeapRows& faults) : faults_(faults) {
   if (!header.is_array()) throw std::invalid_argument("frames[0] is no header: a list of column names expected");
   const auto nested = [&](std::size_t at, const char* name) {
     const Json* list = header[at].is_object() ? &header[at].begin().value() : nullptr;
@@ -79,11 +101,11 @@ LeapRows::LeapRows(const Json& header) {
   finger_width_ = fingers.size();
 }
 
-bool LeapRows::read(const Json& row, std::size_t frame, Row& out) {
+bool Reader::read(const Json& row, std::size_t frame, LeapRow& out) {
   const std::string here = "frame " + std::to_string(frame) + ": ";
   out = {};
   const auto torn = [&](const std::string& why) {
-    if (fault.empty()) fault = here + why;
+    if (faults_.fault.empty()) faults_.fault = here + why;
     return false;
   };
   if (!row.is_array() || row.size() <= std::max({at_.time, at_.hands, at_.fingers}))
@@ -103,13 +125,13 @@ bool LeapRows::read(const Json& row, std::size_t frame, Row& out) {
     out.hand[s] = read_hand(h, row[at_.fingers], why);
     if (out.hand[s])
       followed_[s] = h[at_.id].dump();
-    else if (hand_fault[s].empty())
-      hand_fault[s] = here + "the " + side_name[s] + " hand's " + why;
+    else if (faults_.hand_fault[s].empty())
+      faults_.hand_fault[s] = here + "the " + side_name[s] + " hand's " + why;
   }
   return true;
 }
 
-std::optional<RecordedHand> LeapRows::read_hand(const Json& h, const Json& fingers, std::string& why) const {
+std::optional<RecordedHand> Reader::read_hand(const Json& h, const Json& fingers, std::string& why) const {
   RecordedHand out;
   Vec3 ahead, normal, place;
   const auto bad = [&](const std::string& what) {
@@ -144,6 +166,53 @@ std::optional<RecordedHand> LeapRows::read_hand(const Json& h, const Json& finge
       return bad(std::string(finger_name[which]) + ": bases are not those of 4 bones");
   }
   if (count != 5) return bad("fingers in pointables are " + std::to_string(count) + ", 5 expected");
+  return out;
+}
+
+// NaN and Infinity are no JSON, but recorders write them: they become null, which is no number either.
+std::string with_null_for_nan(const std::string& text) {
+  std::string out;
+  out.reserve(text.size());
+  bool quoted = false;
+  for (std::size_t k = 0; k < text.size();) {
+    std::size_t word = 0;
+    if (!quoted)
+      for (const std::string_view bare : {"NaN", "Infinity", "-Infinity"})
+        if (text.compare(k, bare.size(), bare) == 0) word = bare.size();
+    if (word > 0) {
+      out += "null";
+      k += word;
+      continue;
+    }
+    if (quoted && text[k] == '\\' && k + 1 < text.size()) out += text[k++];
+    if (text[k] == '"') quoted = !quoted;
+    out += text[k++];
+  }
+  return out;
+}
+
+}  // namespace
+
+LeapRows read_leap_rows(const std::string& text) {
+  Json whole;
+  try {
+    whole = Json::parse(with_null_for_nan(text));
+  } catch (const Json::parse_error& e) {
+    throw std::invalid_argument("not whole JSON: broken off or torn near byte " +
+                                std::to_string(std::min(e.byte, text.size())) + " of " + std::to_string(text.size()));
+  } catch (const Json::exception&) {
+    throw std::invalid_argument("not JSON that can be read: a number out of range");
+  }
+  if (!whole.is_object() || !whole.contains("frames") || !whole["frames"].is_array())
+    throw std::invalid_argument(R"(no Leap recording: {"metadata": ..., "frames": [header, row, ...]} expected)");
+  const Json& frames = whole["frames"];
+  if (frames.size() < 2) throw std::invalid_argument("no frames after the header");
+
+  LeapRows out;
+  Reader reader(frames[0], out);
+  for (std::size_t k = 1; k < frames.size(); ++k)
+    if (LeapRow row; reader.read(frames[k], k, row)) out.rows.push_back(std::move(row));
+  out.torn = frames.size() - 1 - out.rows.size();
   return out;
 }
 

@@ -56,7 +56,7 @@ struct Read {
 };
 
 Json load(const std::filesystem::path& directory) {
-  Json j = load_record(directory, "simulated run");
+  Json j = Json::parse(load_record(directory, "simulated run"));
   if (j.value("kind", "") != "simulation")
     throw BadFile((directory / "run.json").string() + ": not the record of a simulated run");
   return j;
@@ -97,7 +97,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
             {"command", r.command},
             {"started", r.started},
             {"finished", r.finished.empty() ? Json(nullptr) : Json(r.finished)}};
-  j.update(fixed_conditions());
+  j.update(Json::parse(fixed_conditions()));
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   j["scene"] = r.asked.scene;
@@ -117,7 +117,7 @@ void write_record(const std::filesystem::path& directory, const Record& r) {
   j["misfit_most"] = r.misfit_most;
   j["placement"] = {{"inside", r.placement.inside}, {"depth", r.placement.depth}};
   j["fingerprints"] = {{"motion", hex(r.motion)}, {"surroundings", hex(r.surroundings)}};
-  replace_record(directory, j);
+  replace_record(directory, j.dump(2));
 }
 
 Record read_record(const std::filesystem::path& directory) {
@@ -152,7 +152,7 @@ Record read_record(const std::filesystem::path& directory) {
 }
 
 void require_same_program(const std::filesystem::path& directory) {
-  require_same_conditions(directory, load(directory), "its numbers would not be the same");
+  require_same_conditions(directory, load(directory).dump(), "its numbers would not be the same");
 }
 
 std::uint64_t fingerprint(const Motion& motion) {
