@@ -14,6 +14,7 @@ namespace {
 constexpr double leg = 0.25;      // rad
 constexpr double catch_up = 0.8;  // m/s
 constexpr double jump = 8;        // activation distances that targets may go in a frame before it is one
+constexpr double fastest = 8;     // m/s, of a hand: targets that go faster are not kept pace with
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
@@ -76,7 +77,7 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
     target_[b] = end_[b];
   }
   if (most > jump * options_.activation) blocked_ = false;
-  pace_ = std::min(1.2 * most, jump * options_.activation);
+  pace_ = most > fastest * options_.dt ? 0 : std::min(1.2 * most, jump * options_.activation);
   allowed_ =
       std::max({1.5 * pace_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
   done_ = held_ = counted_ = false;

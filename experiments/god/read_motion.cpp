@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "collision/mesh_file.h"
 #include "experiments/god/joint_table.h"
 #include "experiments/god/motions.h"
@@ -12,6 +14,16 @@ std::string lower(std::string text) {
   for (char& ch : text)
     if (ch >= 'A' && ch <= 'Z') ch = static_cast<char>(ch - 'A' + 'a');
   return text;
+}
+
+// Between the keys of a recording, the median [s].
+double usual_pause(const Track& track) {
+  std::vector<double> pauses;
+  for (std::size_t k = 1; k < track.keys.size(); ++k) pauses.push_back(track.keys[k].time - track.keys[k - 1].time);
+  if (pauses.empty()) return 0;
+  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
+  std::nth_element(pauses.begin(), middle, pauses.end());
+  return *middle;
 }
 
 }  // namespace
@@ -46,6 +58,7 @@ Motion read_motion(const fs::path& file) {
     motion.hands.push_back(retarget(track, fit_model(track)));
     motion.duration = std::max(motion.duration, track.frames.back().time);
   }
+  for (Track& track : motion.hands) track.patience = std::max(track.patience, 2.5 * usual_pause(track));
   for (const Track& track : motion.hands)
     if (track.held_over > 0)
       motion.notes.push_back(frames(

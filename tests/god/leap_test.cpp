@@ -67,6 +67,16 @@ TEST(Leap, ReadsColumnsByNameInAnyOrder) {
   expect_sound(read(document));
 }
 
+TEST(Leap, OfFewFramesASecondIsTrackedBetweenThem) {
+  Json document = leap_document(20, true, false);
+  for (std::size_t k = 1; k < document["frames"].size(); ++k) document["frames"][k][1] = 200000 * k;
+  const Motion motion = read(document);
+  EXPECT_TRUE(motion.hands[0].at(1.1).tracked);
+  document["frames"].erase(6);  // a real pause: two frames
+  document["frames"].erase(6);
+  EXPECT_FALSE(read(document).hands[0].at(1.1).tracked);
+}
+
 TEST(Leap, SortsTimesAndDropsRepeatedOnes) {
   Json document = leap_document(20, true, false);
   std::swap(document["frames"][5], document["frames"][9]);

@@ -26,5 +26,16 @@ TEST(Release, AFistThatOpensOnATableIsNeverStuck) {
   }
 }
 
+// Tracking comes back 40 mm on while the hand presses: rows for what is within a stride of that length would be
+// hundreds.
+TEST(Release, AJumpIsNotAPaceToKeep) {
+  Surroundings s{.name = "floor"};
+  s.objects.push_back(fixed(meshes::plate({1, 1, 0.1}, 200000), {{0, 0, -0.05}, Mat3::Identity()}));
+  Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.05), 0.2));
+  for (int k = 0; k < 200; ++k) go(simulation, hand_at(at(0, 0, 0.05 - 3e-4 * k), 0.2));
+  const int still = go(simulation, hand_at(at(0, 0, -0.01), 0.2)).raw;
+  EXPECT_LT(go(simulation, hand_at(at(0.04, 0, -0.01), 0.2)).raw, 2 * still);
+}
+
 }  // namespace
 }  // namespace zwang::god
