@@ -91,7 +91,7 @@ std::span<const Suite> suites() {
        "PIVOT(n=2,4,6,8,10,12,14,16,reversed=1),"
        "CYCLE(n=5,6,7,8),"
        "FLIP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,frame=17),"
-       "HAND(seed=1..20),"
+       "HAND(seed=1..100),"
        "HAND(hands=2,4)",
        {1e-12},
        840,

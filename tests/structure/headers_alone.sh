@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # Each header compiles by itself. Usage: headers_alone.sh SOURCE_DIR COMPILER EIGEN_INCLUDE
+# Of a header that its own .cpp includes first, the build has shown it.
 set -euo pipefail
 cd "$1"
 check() {
+  source=${3%.h}.cpp
+  [ -f "$source" ] && [ "$(grep -m1 '^#include' "$source")" = "#include \"$3\"" ] && return
   echo "#include \"$3\"" | "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I. -isystem "$2" -x c++ - ||
     { echo "$3 does not compile alone"; exit 1; }
 }

@@ -7,9 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/scenes/catalog.h"
-#include "bench/suite/progress.h"
 #include "bench/suite/run_record.h"
-#include "bench/suite/trace.h"
 #include "tests/suite/test_solvers.h"
 
 namespace zwang {
@@ -17,9 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-const std::vector<SolverEntry> solvers_here = {tests::entry<tests::AllActive>(false), tests::entry<tests::Lies>(false),
-                                               tests::entry<tests::Aborts>(true), tests::entry<tests::Hangs>(true)};
 
 struct Folder {
   fs::path path;
@@ -37,7 +32,7 @@ Plan plan(const std::string& solvers, std::vector<double> tolerances = {1e-4, 1e
   p.options.tolerances = std::move(tolerances);
   p.time_limit = 0.05;
   for (const std::string& text : split_solvers(solvers))
-    for (const double t : p.options.tolerances) p.runs.push_back({text, find_solver(text, solvers_here)->foreign, t});
+    for (const double t : p.options.tolerances) p.runs.push_back({text, find_solver(text, tests::all)->foreign, t});
   for (const Index n : {3, 5, 8}) p.instances.push_back(tests::chain(n));
   return p;
 }
@@ -46,7 +41,7 @@ SuiteSettings in(const fs::path& directory) {
   SuiteSettings s;
   s.directory = directory;
   s.command = "test";
-  s.solvers = solvers_here;
+  s.solvers = tests::all;
   return s;
 }
 
@@ -57,77 +52,9 @@ std::vector<Json> lines_of(const fs::path& file) {
   return all;
 }
 
-const std::atomic<bool> never = false;
-
-TEST(Plan, SplitsSolversAndKeepsSettingsWithTheirSolver) {
-  EXPECT_EQ(split_solvers("a,b:key=1,other=2,c"), (std::vector<std::string>{"a", "b:key=1,other=2", "c"}));
-}
-
-TEST(Plan, RunsToleranceFromLooseToTightOnce) {
-  SuiteOptions options;
-  options.scenes = scenes()[0].name;
-  options.tolerances = {1e-10, 1e-2, 1e-10};
-  const Plan p = make_plan(options, solvers_here);
-  ASSERT_EQ(p.runs.size(), 2 * solvers_here.size());
-  EXPECT_EQ(p.runs[0].tolerance, 1e-2);
-  EXPECT_EQ(p.runs[1].tolerance, 1e-10);
-  EXPECT_EQ(p.size(), p.runs.size());
-}
-
-TEST(Plan, NamesTheNearestWord) {
-  SuiteOptions options;
-  options.suite = "quik";
-  try {
-    make_plan(options, solvers_here);
-    FAIL() << "an unknown suite was accepted";
-  } catch (const std::invalid_argument& wrong) {
-    EXPECT_NE(std::string(wrong.what()).find("did you mean 'quick'?"), std::string::npos) << wrong.what();
-  }
-}
-
-TEST(Plan, EverySuiteNamesScenesThatExist) {
-  for (const Suite& suite : suites()) EXPECT_NO_THROW(make_scenes(suite.scenes)) << suite.name;
-}
-
-TEST(Budget, IsSharedSoThatAllFit) {
-  const std::vector<double> seconds = {1e-3, 0.1, 2};
-  const std::vector<int> counts = share_budget(seconds, 1, 25);
-  EXPECT_EQ(counts[0], 25);
-  EXPECT_GE(counts[1], 5);
-  EXPECT_EQ(counts[2], 0);
-  double sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) sum += counts[i] * seconds[i];
-  EXPECT_LE(sum, 1);
-  for (const int count : share_budget(seconds, 0, 25)) EXPECT_EQ(count, 0);
-}
-
-TEST(Budget, QuartilesAreLinearBetweenSamples) {
-  const Quartiles q = quartiles({4, 1, 3, 2, 5});
-  EXPECT_EQ(q.q1, 2);
-  EXPECT_EQ(q.median, 3);
-  EXPECT_EQ(q.q3, 4);
-  EXPECT_EQ(quartiles({7}).q1, 7);
-  EXPECT_EQ(quartiles({1, 2}).median, 1.5);
-}
-
-TEST(Batch, RepeatsInterleavedAndGivesUpAfterATimeout) {
-  const Instance instance = tests::chain(4);
-  const std::vector<zwang::Run> runs = {{"all_active", false, 1e-4}, {"hangs", true, 1e-4}, {"hangs", true, 1e-10}};
-  Desk desk([](std::string_view text) { return make_solver(text, solvers_here); });
-  const auto timed = time_batch(instance.problem, runs, {.time_limit = 0.05, .budget = 0.1, .repetitions = 7}, desk,
-                                never, [](double, std::size_t) {});
-  ASSERT_EQ(timed.size(), 3u);
-  EXPECT_EQ(timed[0].samples.size(), 7u);
-  EXPECT_GT(*std::min_element(timed[0].samples.begin(), timed[0].samples.end()), 0);
-  EXPECT_EQ(timed[1].solution.status, Status::time_limit);
-  EXPECT_TRUE(timed[1].samples.empty());
-  EXPECT_EQ(timed[2].solution.message, "not run: met the time limit at tolerance 1e-04");
-  EXPECT_EQ(timed[2].first_s, 0);
-}
-
 TEST(Suite, WritesEveryKeyOfTheContract) {
   const Folder folder("keys");
-  const Outcome outcome = run_suite(plan("all_active,lies,aborts"), in(folder.path), never);
+  const Outcome outcome = run_suite(plan("all_active,lies,aborts"), in(folder.path), tests::never);
   EXPECT_EQ(outcome.tally.runs, 18u);
   EXPECT_EQ(outcome.tally.solved, 6u);
   EXPECT_EQ(outcome.tally.near, 3u);  // z_u is 0.2 off, within 1000 times 10 times 1e-4
@@ -213,8 +140,8 @@ TEST(Suite, WritesEveryKeyOfTheContract) {
 
 TEST(Suite, GivesTheSameResultsTwiceButForTimes) {
   const Folder a("same-a"), b("same-b");
-  run_suite(plan("all_active,lies"), in(a.path), never);
-  run_suite(plan("all_active,lies"), in(b.path), never);
+  run_suite(plan("all_active,lies"), in(a.path), tests::never);
+  run_suite(plan("all_active,lies"), in(b.path), tests::never);
   auto first = lines_of(a.path / "results.jsonl"), second = lines_of(b.path / "results.jsonl");
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -228,7 +155,7 @@ TEST(Suite, GivesTheSameResultsTwiceButForTimes) {
 
 TEST(Suite, TracesOneProblemOfAFamily) {
   const Folder folder("trace");
-  run_suite(plan("all_active"), in(folder.path), never);
+  run_suite(plan("all_active"), in(folder.path), tests::never);
   const auto points = lines_of(folder.path / "traces.jsonl");
   ASSERT_EQ(points.size(), 5u);
   for (const Json& p : points) EXPECT_EQ(p["problem"], "chain(n=3)");
@@ -240,7 +167,7 @@ TEST(Suite, TracesOneProblemOfAFamily) {
 TEST(Resume, DropsATornLineAndMakesOnlyWhatIsMissing) {
   const Folder folder("resume");
   const Plan p = plan("all_active,lies");
-  run_suite(p, in(folder.path), never);
+  run_suite(p, in(folder.path), tests::never);
   const auto file = folder.path / "results.jsonl";
   const auto before = lines_of(file);
 
@@ -250,7 +177,7 @@ TEST(Resume, DropsATornLineAndMakesOnlyWhatIsMissing) {
     for (std::size_t i = 0; i < 7; ++i) out << before[i].dump() << '\n';
     out << before[7].dump().substr(0, 90);
   }
-  const Outcome outcome = run_suite(p, in(folder.path), never);
+  const Outcome outcome = run_suite(p, in(folder.path), tests::never);
   EXPECT_EQ(outcome.tally.runs, 12u);
   const auto after = lines_of(file);
   ASSERT_EQ(after.size(), 12u);
@@ -262,10 +189,10 @@ TEST(Resume, DropsATornLineAndMakesOnlyWhatIsMissing) {
 
 TEST(Resume, RefusesAnotherProblemAndOtherOptions) {
   const Folder folder("refuse");
-  run_suite(plan("all_active"), in(folder.path), never);
+  run_suite(plan("all_active"), in(folder.path), tests::never);
   Plan other = plan("all_active");
   other.instances[1].problem.c[0] = 1;
-  EXPECT_THROW(run_suite(other, in(folder.path), never), std::invalid_argument);
+  EXPECT_THROW(run_suite(other, in(folder.path), tests::never), std::invalid_argument);
 
   SuiteOptions typed;
   typed.suite = "full";
@@ -276,7 +203,7 @@ TEST(Resume, RefusesAnotherProblemAndOtherOptions) {
 
 TEST(Resume, RefusesAnotherCommit) {
   const Folder folder("commit");
-  run_suite(plan("all_active"), in(folder.path), never);
+  run_suite(plan("all_active"), in(folder.path), tests::never);
   std::ifstream file(folder.path / "run.json");
   Json run = Json::parse(file);
   run["commit"] = "another";
@@ -297,7 +224,7 @@ TEST(Suite, LosesNothingWhenInterrupted) {
   EXPECT_EQ(stopped.tally.runs, 0u);
   EXPECT_EQ(stopped.planned, 6u);
   EXPECT_TRUE(read_run_record(folder.path).finished.empty());
-  EXPECT_EQ(run_suite(plan("all_active"), in(folder.path), never).tally.runs, 6u);
+  EXPECT_EQ(run_suite(plan("all_active"), in(folder.path), tests::never).tally.runs, 6u);
   EXPECT_FALSE(read_run_record(folder.path).finished.empty());
 }
 
@@ -316,23 +243,6 @@ TEST(Result, RefusesALineThatIsNone) {
   fs::create_directories(folder.path);
   std::ofstream(folder.path / "results.jsonl") << "{\"solver\":\"a\"}\n";
   EXPECT_THROW(load_results(folder.path / "results.jsonl"), BadFile);
-}
-
-TEST(Progress, WritesTimesAndCountsForPeople) {
-  EXPECT_EQ(duration(0.18), "180 ms");
-  EXPECT_EQ(duration(59.7), "1 min 0 s");
-  EXPECT_EQ(duration(560), "9 min 20 s");
-  EXPECT_EQ(duration(7300), "2 h 1 min");
-  EXPECT_EQ(grouped(3402), "3,402");
-  EXPECT_EQ(grouped(12), "12");
-  EXPECT_EQ(grouped(1234567), "1,234,567");
-}
-
-TEST(Trace, TakesIterationsOnALadder) {
-  std::vector<int> rungs;
-  for (int k = 0; k <= 100; ++k)
-    if (is_rung(k)) rungs.push_back(k);
-  EXPECT_EQ(rungs, (std::vector<int>{0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96}));
 }
 
 }  // namespace

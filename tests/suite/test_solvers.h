@@ -1,9 +1,10 @@
 #pragma once
 
 #include <unistd.h>
-#include <Eigen/Dense>
-#include <csignal>
 
+#include <Eigen/Dense>
+#include <atomic>
+#include <csignal>
 #include <vector>
 
 #include "core/instance.h"
@@ -107,5 +108,9 @@ inline Instance chain(Index n) {
   instance.reference = Reference{.z = Vector::Constant(n, 1.5), .bound = 1e-15, .method = "closed form"};
   return instance;
 }
+
+inline const std::vector<SolverEntry> all = {entry<AllActive>(false), entry<Lies>(false), entry<Aborts>(true),
+                                             entry<Hangs>(true)};
+inline const std::atomic<bool> never = false;  // interrupted
 
 }  // namespace zwang::tests
