@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/collision/hand_shapes.h"
 #include "bench/scenes/physical.h"
 #include "collision/closest.h"
-#include "experiments/god/hand_shapes.h"
 
 namespace zwang::god {
 namespace {
@@ -199,7 +199,7 @@ Depth::Deepest Depth::of(const hand::Poses& hand, std::span<const Ball> balls, d
 
 std::vector<Ball> balls(const hand::Model& model) {
   std::vector<Ball> out;
-  const std::vector<Shape> shapes = hand_shapes(model);
+  const std::vector<Shape> shapes = hand::shapes(model);
   for (int body = 0; body < hand::bodies; ++body) {
     const Shape& shape = shapes[static_cast<std::size_t>(body)];
     // The balls' centres lie where one of the greatest radius fits.

@@ -7,11 +7,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "bench/collision/hand_shapes.h"
 #include "bench/suite/conditions.h"
 #include "core/problem_file.h"
 #include "experiments/god/display_mesh.h"
 #include "experiments/god/frame_store.h"
-#include "experiments/god/hand_shapes.h"
 #include "experiments/report/replay_page.h"
 
 namespace zwang::god {
@@ -206,7 +206,7 @@ std::filesystem::path write_replay(const std::filesystem::path& directory, const
   Json hands = Json::array(), bodies = Json::array();
   for (const hand::Model& model : models) {
     Json shapes = Json::array();
-    for (const collision::Shape& shape : hand_shapes(model)) shapes.push_back(to_json(shape));
+    for (const collision::Shape& shape : hand::shapes(model)) shapes.push_back(to_json(shape));
     hands.push_back({{"left", model.left}, {"shapes", shapes}});
   }
   for (int body = 0; body < hand::bodies; ++body) bodies.push_back(hand::body_name(body));

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <fstream>
 
+#include "bench/collision/hand_shapes.h"
 #include "bench/suite/progress.h"
 #include "core/problem_file.h"
 #include "experiments/god/audit.h"
 #include "experiments/god/frame_store.h"
-#include "experiments/god/hand_shapes.h"
 #include "experiments/god/replay.h"
 #include "experiments/god/scenes.h"
 #include "solvers/registry.h"
@@ -94,7 +94,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
                 const ShowProgress& progress) {
   const std::vector<hand::Model> models = models_of(stage.motion);
   std::vector<std::vector<collision::Shape>> shapes;
-  for (const hand::Model& model : models) shapes.push_back(hand_shapes(model));
+  for (const hand::Model& model : models) shapes.push_back(hand::shapes(model));
   Audit audit(stage.surroundings, shapes);
   Finished out{.summary = Summary(record.asked.options.dt), .lines = {}, .replay = {}};
   const auto planned = static_cast<double>(record.asked.frames);

@@ -1,4 +1,5 @@
 #include "experiments/god/run.h"
+#include "bench/collision/hand_shapes.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,7 +10,6 @@
 #include "core/problem_file.h"
 #include "experiments/god/audit.h"
 #include "experiments/god/frame_store.h"
-#include "experiments/god/hand_shapes.h"
 
 namespace zwang::god {
 namespace {
@@ -183,7 +183,7 @@ TEST(Audit, FindsAHandInsideEachKindOfObject) {
        {Shape::hull(wedge, 0.002), Shape::rounded_box({0.4, 0.4, 0.06}, 0.003), Shape::sphere(0.03)}) {
     Surroundings surroundings;
     surroundings.objects = {{.name = "met", .pieces = {{shape}}, .mass = 1}};
-    const std::array hands = {hand_shapes(hand::standard())};
+    const std::array hands = {hand::shapes(hand::standard())};
     for (const auto& [height, inside] : {std::pair(0.04, true), {0.06, false}}) {
       Audit audit(surroundings, hands);
       const hand::Poses poses = hand::assemble({{0, 0, height}, Mat3::Identity()}, {});

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "bench/scenes/hand.h"
+#include "collision/shape.h"
+
+namespace zwang::hand {
+
+// What a hand is made of where it meets objects, in the order and the axes of Poses: the palm a box rounded by 6 mm (by
+// half its smallest width where that is less), the phalanxes capsules whose caps are centred on their joints.
+std::vector<collision::Shape> shapes(const Model& model);
+
+// Its bodies that do not meet each other: those of one finger, and those that touch while the hand is straight (that
+// share a joint, the roots of neighbouring fingers).
+std::vector<std::pair<int, int>> passing(const Model& model);
+
+}  // namespace zwang::hand
