@@ -71,11 +71,15 @@ Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, do
   return c;
 }
 
-bool keeps_off(const Shape& a, const Relative& motion, const Closest& now, double room, double limit) {
-  if (motion.along_path()) return false;
-  const double slowest =
-      now.normal.dot(motion.start().drift) - now.normal.cross(motion.start().turn).norm() * a.reach();
-  return room >= 0 && room + limit * slowest - limit * limit * motion.bend() / 2 >= 0;
+double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room) {
+  // n . v of a corner q is rate + turn . q.
+  const double rate = n.dot(now.drift);
+  const Vec3 turn = now.place.rotation.transpose() * n.cross(now.turn), local = now.place.rotation.transpose() * n;
+  double lowest = std::numeric_limits<double>::infinity(), h = lowest;
+  for (const Vec3& q : a.corners()) lowest = std::min(lowest, local.dot(q));
+  for (const Vec3& q : a.corners())
+    h = std::min(h, reached(room + (local.dot(q) - lowest), rate + turn.dot(q), motion.bend()));
+  return h;
 }
 
 double safe_time(const Shape& a, const Relative& motion, const Part& part, Closest now, Strip strip, double limit) {
@@ -88,16 +92,10 @@ double safe_time(const Shape& a, const Relative& motion, const Part& part, Close
     if (motion.along_path()) {
       if (motion.travel() > 0) h = (gap - aim) / motion.travel();
     } else {
-      // n . v of a corner q is rate + turn . q.
-      const double rate = now.normal.dot(instant.drift), left = limit - s;
-      const Vec3 across = now.normal.cross(instant.turn);
-      if (gap - aim + left * (rate - across.norm() * a.reach()) - left * left * motion.bend() / 2 >= 0) return limit;
-      const Vec3 turn = instant.place.rotation.transpose() * across,
-                 n = instant.place.rotation.transpose() * now.normal;
-      double lowest = std::numeric_limits<double>::infinity();
-      for (const Vec3& q : a.corners()) lowest = std::min(lowest, n.dot(q));
-      for (const Vec3& q : a.corners())
-        h = std::min(h, reached(gap - aim + (n.dot(q) - lowest), rate + turn.dot(q), motion.bend()));
+      const double left = limit - s,
+                   slowest = now.normal.dot(instant.drift) - now.normal.cross(instant.turn).norm() * a.reach();
+      if (gap - aim + left * slowest - left * left * motion.bend() / 2 >= 0) return limit;
+      h = free_way(a, motion, instant, now.normal, gap - aim);
     }
     if (s + h >= limit) return limit;
     if (s + h <= s) return s;

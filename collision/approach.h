@@ -72,9 +72,9 @@ inline Strip landing(double gap, double stop) {
   return {gap - room, gap - room - std::min(room, stop) / 2};
 }
 
-// May all of [0, limit] be gone without coming `room` [m] nearer to the plane through now.on_b across now.normal? What
-// lies beyond that plane is then met by nobody. Twists only; sufficient, not necessary.
-bool keeps_off(const Shape& a, const Relative& motion, const Closest& now, double room, double limit);
+// How far from `now` on the core's corners keep `room` [m] over a plane that the lowest of them is `room` above, across
+// n (B's axes). What lies beyond that plane is met by nobody until then. Twists only.
+double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room);
 
 // How far along [0, limit] the shape may go before the gap to the part (from `start`) falls to
 // strip.land. Directional conservative advancement, after Mirtich (1996) and Zhang, Lee & Kim (2006): over a step h

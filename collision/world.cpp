@@ -85,6 +85,21 @@ bool stand_in(const Shape& shape, const Region& region, const Region::Seen& seen
   return gap > stop / 2 && (local - shape.nearest(local)).norm() - out.distance <= (stop + gap) / 10;
 }
 
+// The plane across the direction from `near`, a point of the triangles, to the core, moved out to the highest of their
+// corners: a lower bound of the distance. B's axes.
+Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Triangle> triangles,
+                      const Vec3& near) {
+  const Vec3 local = place.rotation.transpose() * (near - place.position);
+  const Vec3 n = (shape.nearest(local) - local).normalized();
+  Closest out{.normal = place.rotation * n};
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Triangle& t : triangles)
+    for (const Vec3& p : t.corner)
+      if (const double here = out.normal.dot(p); here > highest) highest = here, out.on_b = p;
+  out.distance = -n.cwiseAbs().dot(shape.half()) - (highest - out.normal.dot(place.position));
+  return out;
+}
+
 constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
 
 }  // namespace
@@ -251,7 +266,9 @@ std::span<const Touch> World::touches(double activation) {
   return touches_;
 }
 
-// A patch is first taken for all that lies beyond its plane; only a motion that may cross the plane asks its triangles.
+// A patch is first taken for all that lies beyond a plane that turns with the motion; only where that comes too near,
+// its triangles are asked. These end the motion an eighth of the strip before a plane would: what lies in one plane,
+// and a palm that is pressed on a fine flat mesh has thousands of patches there, then keeps off as a whole.
 double World::safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
                         double limit) const {
   const Shape& a = *shape(pair.a);
@@ -260,7 +277,22 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
   if (candidate.end - candidate.first == 1)
     return collision::safe_time(a, motion, {.triangle = &tree->triangles()[candidate.triangle]}, candidate.closest,
                                 strip, limit);
-  if (keeps_off(a, motion, candidate.closest, candidate.closest.distance - a.radius() - strip.aim, limit)) return limit;
+  const std::span<const Triangle> patch = tree->triangles().subspan(candidate.first, candidate.end - candidate.first);
+  if (!motion.along_path()) {
+    constexpr int planes = 6;
+    Relative::Instant now = motion.start();
+    Closest plane = candidate.closest;
+    double s = 0;
+    for (int k = 0; k < planes; ++k) {
+      const double room = plane.distance - a.radius() - strip.aim;
+      if (!(room > 0)) break;
+      s += free_way(a, motion, now, plane.normal, room);
+      if (s >= limit) return limit;
+      now = motion.at(s);
+      plane = plane_between(a, now.place, patch, plane.on_b);
+    }
+  }
+  strip.aim += (strip.land - strip.aim) / 8;
   for (std::uint32_t t = candidate.first; t < candidate.end; ++t) {
     const Part part{.triangle = &tree->triangles()[t]};
     const Closest start = closest(a, motion.start().place, part, a.radius() + motion.travel() + strip.land);
