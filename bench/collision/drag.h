@@ -24,7 +24,7 @@ struct DragOptions {
   double dt = 1e-3;     // s
   double speed = 0.5;   // m/s, of the target on its way over the parts
   double spin = 0;      // rad per frame, of the target about its own vertical, to and fro
-  double depth = 0.03;  // m, of the target's palm below the surfaces
+  double depth = 0.03;  // m, of the target's palm below where the palm rests
   // The share of their range to which fingers close, about a bar along x on which the hand is dragged to and fro; 0:
   // over a surface, curling and stretching.
   double grip = 0;
@@ -66,7 +66,12 @@ class HandDrag {
   std::function<void(std::span<const collision::Move> moves, double time)> watch = {};
 
  private:
+  struct Stage {
+    Vec3 middle, reach;  // m
+  };
+  Stage stage(double way) const;
   void aim();
+  double rest(const Vec3& at, const Mat3& axes);
   double limited_coupling();
   bool solve();
   void write_rows(bool push);
@@ -76,6 +81,7 @@ class HandDrag {
   std::vector<Part> parts_;
   std::vector<collision::Shape> shapes_;
   collision::World world_;
+  collision::World ground_;  // the parts and, last, a palm that is let down on them
   collision::Manifold manifold_;
   Scene scene_;
   Assembler assembler_;
@@ -90,6 +96,7 @@ class HandDrag {
   std::span<const collision::Touch> touches_;
   Vec3 low_, high_;  // m, of the parts
   long frame_ = 0;
+  double phase_ = 0;  // rad, of the target on its curve
   double toc_ = 1;
 };
 
