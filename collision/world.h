@@ -12,6 +12,8 @@
 
 namespace zwang::collision {
 
+struct Region;
+
 // Two colliders are looked at when each one's mask has a bit of the other's group.
 struct Filter {
   std::uint64_t group = 1, mask = ~std::uint64_t{0};
@@ -105,6 +107,7 @@ class World {
   double travel(int collider) const;
   void collect(double activation, Found& found);
   void gather(int a, int b, double activation, Found& found) const;
+  void walk(const Tree& tree, const Region& region, double reach, std::vector<Candidate>& candidates) const;
   double safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
                    double limit) const;
 
