@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/deadline.h"
 #include "core/solver.h"
 
 namespace zwang {
@@ -83,7 +84,9 @@ void Islands::solve_parts(Part&& part, Solve&& solve, const Problem& problem, co
   quiet.observe = nullptr;
   solution.status = Status::solved;
   solution.margins.rank = 0;
+  const Deadline deadline(options.time_limit);
   for (std::size_t k = 0; k < count_; ++k) {
+    quiet.time_limit = deadline.left();
     solve(part(k), std::as_const(quiet), part_);
     join(islands_[k], part_, problem.rows(), solution);
     if (part_.message.empty()) continue;

@@ -37,7 +37,8 @@ using Problem = BasicProblem<double>;
 void require_matching_sizes(const Problem& problem);
 
 // "" or one line saying which entry is not a finite number (c = -Inf on an inequality row is allowed), where M is
-// not symmetric, or which mass is below 2^-960. Positive definiteness is found by factorizing: see is_positive_definite.
+// not symmetric, or which mass is below 2^-960. Positive definiteness is found by factorizing: see
+// is_positive_definite.
 std::string bad_input(const Problem& problem);
 bool is_positive_definite(const Eigen::SparseMatrix<double>& M);
 

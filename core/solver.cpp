@@ -1,5 +1,7 @@
 #include "core/solver.h"
 
+#include <new>
+
 namespace zwang {
 
 std::string_view to_string(Status status) {
@@ -30,15 +32,19 @@ std::string_view to_string(Status status) {
 
 void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   require_matching_sizes(problem);
-  solution.message = bad_input(problem);
-  if (!solution.message.empty()) {
-    const std::string reason = solution.message;
+  const auto give_up = [&](Status status, const std::string& reason) {
     solution.reset(0, 0);
-    solution.status = Status::bad_input;
+    solution.status = status;
     solution.message = reason;
-    return;
+  };
+  if (const std::string reason = bad_input(problem); !reason.empty()) return give_up(Status::bad_input, reason);
+  try {
+    solve_(problem, options, solution);
+  } catch (const Stopped& stopped) {
+    return give_up(stopped.status, stopped.message);
+  } catch (const std::bad_alloc&) {
+    return give_up(Status::numerical_failure, "out of memory");
   }
-  solve_(problem, options, solution);
   const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   if (claims_z && !solution.z.allFinite()) {
     solution.status = Status::numerical_failure;

@@ -71,15 +71,23 @@ using Observer = std::function<void(int iteration, const Vector& z, const Vector
 struct SolveOptions {
   double tolerance = 1e-10;      // relative, in the M-norm on unit rows
   int max_iterations = 1000000;  // a hard stop in the method's own unit; the last iterate is returned
-  double time_limit = std::numeric_limits<double>::infinity();  // seconds
+  double time_limit = std::numeric_limits<double>::infinity();    // seconds
+  double memory_limit = std::numeric_limits<double>::infinity();  // bytes of dense parts, where the machine has more
   const WarmStart* warm_start = nullptr;
   Observer observe = nullptr;
 };
 
+// Thrown by a solver that met a limit before there was an iterate to show. AnySolver makes a status of it.
+struct Stopped {
+  Status status;
+  std::string message;
+};
+
 // A solver is the struct of its settings and its workspace. solve() writes into the caller's solution; a second solve
 // of the same shape allocates nothing (native solvers) and gives the same bits. Numerical trouble is a status, never
-// an exception. Optional members: `std::string supports(const Problem&) const` ("" or the reason why not) and
-// `static std::vector<Setting<S>> settings()` for the command line.
+// an exception; Stopped and std::bad_alloc are for what does not fit into the time or the memory there is. Optional
+// members: `std::string supports(const Problem&) const` ("" or the reason why not) and `static std::vector<Setting<S>>
+// settings()` for the command line.
 template <class S>
 concept Solver = std::copyable<S> && requires(S s, const Problem& p, const SolveOptions& o, Solution& out) {
   { S::name } -> std::convertible_to<std::string_view>;
@@ -87,7 +95,8 @@ concept Solver = std::copyable<S> && requires(S s, const Problem& p, const Solve
 };
 
 // Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
-// a backend sees it. What a backend throws (std::bad_alloc) is passed on; its half-made workspace is thrown away.
+// a backend sees it. Stopped and std::bad_alloc become a status with one line; what else a backend throws is passed on.
+// The half-made workspace is thrown away each time.
 class AnySolver {
  public:
   template <class S>

@@ -42,7 +42,9 @@ void print(const Result& r) {
   line("claimed", std::string(to_string(r.claimed)));
   std::string against =
       std::isnan(k.z_error) ? "no reference" : "z_error " + report::scientific(k.z_error) + " against " + r.reference;
-  if (!std::isnan(k.z_bound))
+  if (std::isinf(k.z_bound))
+    against += "; no distance from the solution could be proved without one";
+  else if (!std::isnan(k.z_bound))
     against += "; without it at most " + report::scientific(k.z_bound) + " (" + k.bound_method + ")";
   line("verified", std::string(to_string(k.verdict)) + "   " + against);
   line("residuals", "primal " + report::scientific(k.primal) + "   dual " + report::scientific(k.dual) +

@@ -22,7 +22,8 @@ class ActiveRows {
   // A rejected row may be independent all the same: this factorization cannot tell.
   bool undecided(double share) const { return !accepts(share) && share > certain_; }
 
-  virtual void reset(const Whitened& w) = 0;  // empty; `w` is kept until the next reset
+  // Empty. `w` and `deadline` are kept until the next reset; the calls below throw Stopped where the latter has passed.
+  virtual void reset(const Whitened& w, const Deadline& deadline) = 0;
   // From scratch, in the same order. False: the factors cannot be made better than they are.
   virtual bool refactor() = 0;
   virtual bool healthy() const { return true; }
@@ -63,6 +64,7 @@ class ActiveRows {
   void forget(Index position) { rows_.erase(rows_.begin() + position); }
 
   const Whitened* w_ = nullptr;
+  const Deadline* deadline_ = nullptr;
   std::vector<Index> rows_;
   double threshold_, certain_;
 };
@@ -72,8 +74,9 @@ class QrRows : public ActiveRows {
  public:
   QrRows() : ActiveRows(rounding, rounding) {}
 
-  void reset(const Whitened& w) override {
+  void reset(const Whitened& w, const Deadline& deadline) override {
     w_ = &w;
+    deadline_ = &deadline;
     threshold_ = certain_ = rounding;
     qr_.reset(w.size(), w.rows());
     rows_.clear();
@@ -84,6 +87,7 @@ class QrRows : public ActiveRows {
   const ThinQr& qr() const { return qr_; }
 
   double append(Index row) override {
+    deadline_->keep();
     const double share = qr_.append(w_->Gt.col(row), threshold_);
     if (accepts(share)) rows_.push_back(row);
     return share;
@@ -112,6 +116,7 @@ class QrRows : public ActiveRows {
     return smallest;
   }
   void combine(Vector& v, Part t) override {
+    deadline_->keep();
     auto again = part_.head(size());
     t.noalias() = qr_.Q().transpose() * v;
     v.noalias() -= qr_.Q() * t;
@@ -122,6 +127,7 @@ class QrRows : public ActiveRows {
   }
   // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
   void correct(Vector& r1, Part r2) override {
+    deadline_->keep();
     auto t = part_.head(size());
     qr_.solve_Rt(r2);
     t.noalias() = qr_.Q().transpose() * r1;

@@ -5,6 +5,7 @@
 #include <span>
 #include <type_traits>
 
+#include "core/deadline.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/orthogonal_updates.h"
 #include "solvers/whiten.h"
@@ -39,7 +40,8 @@ class ActiveSetRefinement {
   };
 
   // False when the corrections do not contract: the factors are too ill-conditioned for the scalar.
-  bool solve(const BasicProblem<Scalar>& problem, const Factors& f);
+  // Past the deadline it ends after two passes.
+  bool solve(const BasicProblem<Scalar>& problem, const Factors& f, const Deadline& deadline);
 
   VectorX<Wide> z, lambda;  // n; m, zero outside the active set
   VectorX<Scalar> y;        // padded n: Q (z - z_u) 2^-exponent
@@ -143,7 +145,7 @@ Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
 }
 
 template <class Scalar>
-bool ActiveSetRefinement<Scalar>::solve(const BasicProblem<Scalar>& p, const Factors& f) {
+bool ActiveSetRefinement<Scalar>::solve(const BasicProblem<Scalar>& p, const Factors& f, const Deadline& deadline) {
   const Index n = p.size(), r = f.equality.rank();
   z = p.z_u.template cast<Wide>();
   lambda.setZero(p.rows());
@@ -163,7 +165,7 @@ bool ActiveSetRefinement<Scalar>::solve(const BasicProblem<Scalar>& p, const Fac
     remaining = pass > 0 && change < last ? Scalar(change * (change / last)) : change;
     // The next correction would be about change^2 / size.
     if (pass > 0 && change * change <= epsilon / Scalar(32) * size * size) return true;
-    if (pass > 1 && change > last / Scalar(2)) return false;
+    if (pass > 1 && (change > last / Scalar(2) || deadline.passed())) return false;
     last = change;
   }
   return false;

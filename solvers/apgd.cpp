@@ -34,7 +34,7 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
 void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   auto& [program, lambda, y, ahead, y_ahead, next, y_next, gradient, marked, drift, motion] = work;
-  if (!program.build(problem, solution)) return;
+  if (!program.build(problem, options, solution)) return;
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
   ahead = lambda;

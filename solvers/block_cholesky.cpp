@@ -10,6 +10,7 @@ namespace zwang {
 namespace {
 
 constexpr int group_size = 6;
+constexpr int long_front = 500;  // rows: to fill it takes milliseconds, far more than a look at the clock
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -49,13 +50,14 @@ struct Elimination {
   int parent(int k) const { return below[at(k)].empty() ? -1 : below[at(k)].front(); }
 };
 
-Elimination eliminate(const Lists& near) {
+Elimination eliminate(const Lists& near, const Deadline& deadline) {
   const int n = static_cast<int>(near.size());
   Elimination e{.order = minimum_degree(near), .below = Lists(near.size())};
   std::vector<int> rank(near.size());
   for (int k = 0; k < n; ++k) rank[at(e.order[at(k)])] = k;
   Lists children(near.size() + 1);
   for (int k = 0; k < n; ++k) {
+    deadline.keep();
     auto& below = e.below[at(k)];
     for (const int i : near[at(e.order[at(k)])])
       if (rank[at(i)] > k) below.push_back(rank[at(i)]);
@@ -106,11 +108,13 @@ bool BlockCholesky::same_pattern(const SparseMatrix& M, const SparseRows& rows) 
   return true;
 }
 
-void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows) {
+void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
+                            const Deadline& deadline) {
   valid_ = false;
   if (same_pattern(M, rows)) return;
+  row_begin_.clear();  // no pattern is known until all of it is
   group_columns(M, rows);
-  build_fronts(M, rows);
+  build_fronts(M, rows, options, deadline);
   row_begin_ = rows.begin;
   row_column_ = rows.column;
   // A matrix with gaps between its columns is analyzed at every call.
@@ -149,8 +153,15 @@ void BlockCholesky::group_columns(const SparseMatrix& M, const SparseRows& rows)
   }
 }
 
-void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) {
+void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
+                                 const Deadline& deadline) {
   const int groups = static_cast<int>(group_begin_.size()) - 1;
+  double pairs = 0;
+  for (int i = 0; i < rows.rows(); ++i) {
+    const double entries = std::min(rows.begin[at(i) + 1] - rows.begin[at(i)], groups);
+    pairs += entries * entries;
+  }
+  storage_.require(pairs * sizeof(int) / sizeof(double), options);
   Lists near(at(groups));
   std::vector<int> met;
   const auto tie = [&] {
@@ -171,7 +182,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
       tie();
     }
   for (auto& list : near) sort_unique(list);
-  const Elimination e = eliminate(near);
+  const Elimination e = eliminate(near, deadline);
 
   // Positions: group after group.
   std::vector<int> width(at(groups)), first(at(groups) + 1, 0), rank(at(groups));
@@ -193,7 +204,8 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
 
   // Fronts: a group joins the front of its last child where that costs few zeros.
   struct Range {
-    int begin, end, zeros;
+    int begin, end;
+    double zeros;
   };
   std::vector<Range> ranges;
   const auto rest_of = [&](int k) {
@@ -208,7 +220,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
       if (e.parent(a.end - 1) != b.begin || b.end != k + 1) break;
       const int own_a = first[at(a.end)] - first[at(a.begin)], own_b = first[at(b.end)] - first[at(b.begin)];
       const int own = own_a + own_b, rest = rest_of(k);
-      const int zeros = a.zeros + b.zeros + own_a * (own_b + rest - rest_of(a.end - 1));
+      const double zeros = a.zeros + b.zeros + static_cast<double>(own_a) * (own_b + rest - rest_of(a.end - 1));
       const double share = zeros / (own * (0.5 * (own + 1) + rest));
       if (own > 12 && share > (own <= 24 ? 0.3 : own <= 48 ? 0.1 : 0.05)) break;
       const Range merged{a.begin, b.end, zeros};
@@ -231,7 +243,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
       for (int p = first[at(k)]; p < first[at(k) + 1]; ++p) index_.push_back(p);
     const int rest = static_cast<int>(index_.size() - front.index);
     front.size = front.own + rest;
-    front.stride = (front.size + DenseFront::lanes - 1) / DenseFront::lanes * DenseFront::lanes;
+    front.stride = (Index(front.size) + DenseFront::lanes - 1) / DenseFront::lanes * DenseFront::lanes;
     front.panel = panels;
     front.rest = rests;
     panels += at(front.stride) * at(front.own);
@@ -241,6 +253,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
     for (int p = front.first; p < front.first + front.own; ++p) front_of_[at(p)] = static_cast<int>(f);
   }
   front_.back().index = index_.size();
+  storage_.require(static_cast<double>(panels) + static_cast<double>(rests) + static_cast<double>(largest), options);
   panel_.assign(panels, 0);
   rest_.assign(rests, 0);
   work_.assign(largest, 0);
@@ -303,7 +316,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows) 
 }
 
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,
-                              std::span<const double> weight) {
+                              std::span<const double> weight, const Deadline& deadline) {
   const Front &front = front_[f], &after = front_[f + 1];
   double* const work = work_.data();
   std::fill_n(work, at(front.stride) * at(front.size), 0.0);
@@ -330,7 +343,7 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
       for (int r = c; r < rest; ++r) column[into[r]] += from[r];
     }
   }
-  if (!DenseFront::factorize(work, front.size, front.own, front.stride)) return false;
+  if (!DenseFront::factorize(work, front.size, front.own, front.stride, deadline)) return false;
   std::copy_n(work, at(front.stride) * at(front.own), panel_.data() + front.panel);
   const int rest = front.size - front.own;
   for (int c = 0; c < rest; ++c)
@@ -338,7 +351,8 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
   return true;
 }
 
-bool BlockCholesky::factorize(const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight) {
+bool BlockCholesky::factorize(const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
+                              const Deadline& deadline) {
   if (valid_) {
     std::fill(dirty_.begin(), dirty_.end(), char(0));
     for (std::size_t i = 0; i < weight.size(); ++i)
@@ -349,7 +363,8 @@ bool BlockCholesky::factorize(const SparseMatrix& M, const SparseRows& rows, std
   valid_ = false;
   for (std::size_t f = 0; f + 1 < front_.size(); ++f) {
     if (!dirty_[f]) continue;
-    if (!factorize(f, M, rows, weight)) return false;
+    if (front_[f].size > long_front && deadline.passed()) return false;
+    if (!factorize(f, M, rows, weight, deadline)) return false;
     if (front_[f].parent >= 0) dirty_[at(front_[f].parent)] = 1;
   }
   std::copy(weight.begin(), weight.end(), weight_.begin());

@@ -3,7 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "core/types.h"
+#include "core/deadline.h"
+#include "solvers/dense_storage.h"
 
 namespace zwang {
 
@@ -27,8 +28,10 @@ class BlockCholesky {
  public:
   using SparseMatrix = Eigen::SparseMatrix<double>;
 
-  // The symbolic part, unless it is there already. Columns are those of M.
-  void analyze(const SparseMatrix& M, const SparseRows& rows);
+  // The symbolic part, unless it is there already. Columns are those of M. Throws Stopped where the fronts, or the
+  // pairs of columns that the rows couple, do not fit, or the time is over.
+  void analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options = {},
+               const Deadline& deadline = Deadline());
 
   int size() const { return static_cast<int>(column_.size()); }     // columns that are not loose
   int column(int position) const { return column_[at(position)]; }  // elimination order -> column of M
@@ -41,14 +44,16 @@ class BlockCholesky {
 
   // Forgets the factor: values of M or of the rows have changed.
   void invalidate() { valid_ = false; }
-  // weight: of each row, 0 for a row that is out. False on a pivot that is not positive.
-  bool factorize(const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight);
+  // weight: of each row, 0 for a row that is out. False on a pivot that is not positive, and past the deadline.
+  bool factorize(const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
+                 const Deadline& deadline = Deadline());
   // x := H^-1 x, by position.
   void solve(Vector& x) const;
 
  private:
   struct Front {
-    int first = 0, own = 0, size = 0, stride = 0;  // own columns first .. first + own - 1, then size - own rows
+    int first = 0, own = 0, size = 0;  // own columns first .. first + own - 1, then size - own rows
+    Index stride = 0;
     int parent = -1;
     std::size_t index = 0;                     // into index_ and into_parent_: the rows that it does not own
     std::size_t panel = 0, rest = 0;           // into panel_ (stride x own) and rest_ (its Schur complement)
@@ -61,9 +66,12 @@ class BlockCholesky {
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   bool same_pattern(const SparseMatrix& M, const SparseRows& rows) const;
   void group_columns(const SparseMatrix& M, const SparseRows& rows);
-  void build_fronts(const SparseMatrix& M, const SparseRows& rows);
-  bool factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight);
+  void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
+                    const Deadline& deadline);
+  bool factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
+                 const Deadline& deadline);
 
+  DenseStorage storage_;
   std::vector<int> M_begin_, M_index_;  // patterns at the last analyze()
   std::vector<int> row_begin_, row_column_;
 

@@ -48,8 +48,8 @@ std::vector<Setting<BulletDantzig>> BulletDantzig::settings() {
 std::string BulletDantzig::supports(const Problem& problem) const { return too_many_rows(problem, most_rows); }
 
 // Bullet permutes A, b and the limits in place, so each gets its own copy.
-void BulletDantzig::solve(const Problem& problem, const SolveOptions&, Solution& solution) {
-  if (!program.build(problem, solution)) return;
+void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  if (!program.build(problem, options, solution)) return;
   solution.iterations = 1;
   const Index k = program.rows();
   Vector lambda = Vector::Zero(k);
@@ -79,7 +79,7 @@ std::string BulletPgs::supports(const Problem& problem) const { return too_many_
 
 void BulletPgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  if (!program.build(problem, solution)) return;
+  if (!program.build(problem, options, solution)) return;
   const Index k = program.rows();
   const int size = static_cast<int>(k);
   Vector lambda;

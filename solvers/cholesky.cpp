@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/begin.h"
+
 namespace zwang {
 namespace {
 
@@ -44,8 +46,8 @@ void Cholesky::drop(ActiveRows& active, Index position) {
 
 // The equality rows, then `guess`: those of them that keep a positive multiplier make a point the method may start
 // from.
-void Cholesky::start(ActiveRows& active, std::span<const Index> guess) {
-  active.reset(w_);
+void Cholesky::start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline) {
+  active.reset(w_, deadline);
   set_aside_.assign(at(w_.rows()), 0);
   y_.setZero(w_.size());
   l_.setZero(w_.rows());
@@ -139,7 +141,7 @@ Cholesky::Step Cholesky::descend(const Problem& p, ActiveRows& active, const Sol
 // False: the factors were too coarse for this problem.
 bool Cholesky::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
                        const Deadline& deadline, Solution& s) {
-  start(active, guess);
+  start(active, guess, deadline);
   const Step end = descend(p, active, options, deadline, s);
   if (end == Step::limit) {
     w_.primal(p, y_, s.z);
@@ -158,25 +160,18 @@ void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s)
 }
 
 void Cholesky::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
-  s.reset(p.size(), p.rows());
-  if (!w_.build(p)) {
-    s.status = Status::bad_input;
-    s.message = "M is not positive definite";
-    return;
-  }
-  if (w_.conflict >= 0) {
-    s.status = Status::infeasible;
-    s.certificate = zero_row_certificate(p, w_.conflict);
-    return;
-  }
+  const Deadline deadline(options.time_limit);
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
+  storage_.require(n * m, options);
+  if (!begin(w_, p, deadline, s)) return;
   direction_.resize(p.size());
   rate_.resize(w_.rows());
   r2_.resize(w_.rows());
-  const Deadline deadline(options.time_limit);
   if (attempt(p, sparse_, warm_rows_.find(p, w_, options.warm_start), options, deadline, s)) return;
   s.message.clear();
   s.redundant.clear();
   s.margins = {};
+  storage_.require(n * m + n * most + most * most, options);
   attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
   s.fallback = true;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/cholesky_rows.h"
+#include "solvers/dense_storage.h"
 #include "solvers/polish.h"
 #include "solvers/reduced_problem.h"
 #include "solvers/registry.h"
@@ -48,7 +49,7 @@ struct Cholesky {
   enum class Step { optimal, limit, stuck };
   bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
                const Deadline& deadline, Solution& solution);
-  void start(ActiveRows& active, std::span<const Index> guess);
+  void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
   Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
                Solution& solution);
   bool correct(ActiveRows& active);
@@ -56,6 +57,7 @@ struct Cholesky {
   void drop(ActiveRows& active, Index position);
 
   ReducedProblem reduced_;
+  DenseStorage storage_;
   Whitened w_;
   WarmRows warm_rows_;
   CholeskyRows sparse_;

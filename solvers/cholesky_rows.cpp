@@ -5,8 +5,9 @@
 
 namespace zwang {
 
-void CholeskyRows::reset(const Whitened& w) {
+void CholeskyRows::reset(const Whitened& w, const Deadline& deadline) {
   w_ = &w;
+  deadline_ = &deadline;
   const auto k = static_cast<std::size_t>(w.rows());
   rows_.clear();
   rows_.reserve(k);
@@ -28,6 +29,7 @@ bool CholeskyRows::refactor() {
 
 // Column `row` of S over the rows that are in.
 bool CholeskyRows::factor_row(Index row) {
+  deadline_->keep();
   inside_[static_cast<std::size_t>(row)] = 1;
   index_.clear();
   value_.clear();
@@ -46,6 +48,7 @@ bool CholeskyRows::factor_row(Index row) {
 }
 
 double CholeskyRows::share(Index row) {
+  deadline_->keep();
   auto t = part_.head(size());
   x_.setZero();
   rest_.setZero();
@@ -83,6 +86,7 @@ void CholeskyRows::drop(Index position) {
 }
 
 void CholeskyRows::combine(Vector& v, Part t) {
+  deadline_->keep();
   t.setZero();
   for (int pass = 0; pass < 2 && size() > 0; ++pass) {
     x_.setZero();
@@ -97,6 +101,7 @@ void CholeskyRows::combine(Vector& v, Part t) {
 
 // S_A dl = r2 - G_A r1,  dy = r1 + G_A' dl.
 void CholeskyRows::correct(Vector& r1, Part r2) {
+  deadline_->keep();
   x_.setZero();
   for (Index i = 0; i < size(); ++i) x_[(*this)[i]] = r2[i] - dot((*this)[i], r1);
   if (size() > 0) factor_.solve(x_);

@@ -15,7 +15,7 @@ class CholeskyRows : public ActiveRows {
  public:
   CholeskyRows() : ActiveRows(1e-6, 1e-12) {}
 
-  void reset(const Whitened& w) override;
+  void reset(const Whitened& w, const Deadline& deadline) override;
   bool refactor() override;
   bool healthy() const override { return healthy_; }
   double append(Index row) override;

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/deadline.h"
+
 namespace zwang {
 
 // The first `own` steps of Cholesky's factorization of a dense symmetric matrix, in place: columns 0 .. own - 1 of the
 // lower triangle become L, the rest becomes the Schur complement. Column-major, `stride` a multiple of 8 at least
-// `size`; the strict upper triangle and the padding are scratch. False on a pivot that is not positive.
+// `size`; the strict upper triangle and the padding are scratch. False on a pivot that is not positive, and past the
+// deadline.
 //
 // Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers, which is
 // what decides at the sizes met here (6 to 200). A right-looking update by panels read and wrote the whole front once a
@@ -17,10 +20,11 @@ class DenseFront {
  public:
   static constexpr int lanes = 8;
 
-  static bool factorize(double* front, int size, int own, int stride) {
+  static bool factorize(double* front, int size, int own, Index stride, const Deadline& deadline) {
     for (int j = 0; j < size;) {
       const int width = std::min(4, (j < own ? own : size) - j);
       const int behind = std::min(j, own);
+      if (static_cast<double>(behind) * size > long_tile && deadline.passed()) return false;
       switch (width) {
         case 4:
           subtract<4>(front, size, stride, j, behind);
@@ -41,6 +45,7 @@ class DenseFront {
   }
 
  private:
+  static constexpr double long_tile = 1e6;  // products a column: a millisecond, far more than a look at the clock
   using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
   static void load(Pack& p, const double* x) { std::memcpy(&p, x, sizeof p); }
@@ -48,7 +53,7 @@ class DenseFront {
 
   // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the `behind` columns before.
   template <int width>
-  static void subtract(double* front, int size, int stride, int j, int behind) {
+  static void subtract(double* front, int size, Index stride, int j, int behind) {
     if (behind == 0) return;
     int i = j / lanes * lanes;
     for (; i + lanes < size; i += 2 * lanes) tile<width, 2>(front, stride, i, j, behind);
@@ -56,7 +61,7 @@ class DenseFront {
   }
 
   template <int width, int packs>
-  static void tile(double* front, int stride, int i, int j, int behind) {
+  static void tile(double* front, Index stride, int i, int j, int behind) {
     Pack sum[packs][width];
     for (int c = 0; c < width; ++c)
       for (int r = 0; r < packs; ++r) load(sum[r][c], front + (j + c) * stride + i + r * lanes);
@@ -72,7 +77,7 @@ class DenseFront {
   }
 
   // The tile's own triangle, and the rows below it.
-  static bool finish(double* front, int size, int stride, int j, int width) {
+  static bool finish(double* front, int size, Index stride, int j, int width) {
     for (int c = j; c < j + width; ++c) {
       double* column = front + c * stride;
       if (!(column[c] > 0)) return false;

@@ -22,8 +22,9 @@ void DualActiveSet::write(const Problem& problem, Solution& solution) const {
 
 // Polish decides over the rows that the method dropped or found contradicted. Where it cannot either, a point of the
 // method stands, flagged; a contradiction without proof does not.
-void DualActiveSet::judge_again(const Problem& problem, double tolerance, Solution& solution) {
-  active_.reset(method_.whitened());
+void DualActiveSet::judge_again(const Problem& problem, double tolerance, const Deadline& deadline,
+                                Solution& solution) {
+  active_.reset(method_.whitened(), deadline);
   for (const Index i : method_.accepted_equalities()) active_.append(i);
   for (const Index i : method_.active_inequalities()) active_.append(i);
   const bool has_point = solution.status != Status::infeasible;
@@ -44,11 +45,16 @@ void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, S
 }
 
 void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
-  if (!reduced_.solve(problem, options, solution)) solve_carefully(problem, options, solution);
+  if (reduced_.solve(problem, options, solution)) return;
+  SolveOptions rest = options;
+  rest.time_limit = deadline.left();
+  solve_carefully(problem, rest, solution);
 }
 
 void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;
@@ -60,7 +66,7 @@ void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& 
   }
   if (solution.status == Status::infeasible) {
     if (method_.proof_in_doubt)
-      judge_again(problem, options.tolerance, solution);
+      judge_again(problem, options.tolerance, deadline, solution);
     else
       solution.certificate = method_.certificate;
   } else {
@@ -74,7 +80,7 @@ void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& 
     const double limit = std::max(10 * options.tolerance, 1e-12);
     if (!method_.contracted || method_.largest_rejected > doubtful_rejected || method_.error(problem) > limit ||
         method_.leaves_in_doubt(problem, limit))
-      judge_again(problem, options.tolerance, solution);
+      judge_again(problem, options.tolerance, deadline, solution);
   }
   if (solution.status == Status::infeasible) {
     solution.z.resize(0);

@@ -31,7 +31,7 @@ struct DualActiveSet {
   void solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution);
   void solve_island(const Problem& problem, const SolveOptions& options, Solution& solution);
   void write(const Problem& problem, Solution& solution) const;
-  void judge_again(const Problem& problem, double tolerance, Solution& solution);
+  void judge_again(const Problem& problem, double tolerance, const Deadline& deadline, Solution& solution);
 
   Islands islands_;
   ReducedActiveSet reduced_;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/types.h"
+#include "core/deadline.h"
 
 namespace zwang {
 
@@ -23,7 +23,8 @@ template <class Scalar>
 class EqualityElimination {
  public:
   // Row i is column rows[i] of Gt, of length 1. A row whose remaining part is at most `tolerance` is rejected.
-  void factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows, const Scalar& tolerance);
+  void factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows, const Scalar& tolerance,
+                 const Deadline& deadline = Deadline());
 
   Index rank() const { return static_cast<Index>(order_.size()); }
   Index padded_size() const { return V_.rows(); }
@@ -104,7 +105,7 @@ class EqualityElimination {
   }
   Index choose(const Scalar& tolerance);
   void eliminate(Index column);
-  void form_null_space();
+  void form_null_space(const Deadline& deadline);
 
   Index n_ = 0, words_ = 0;
   MatrixX<Scalar> V_;  // padded n x rows: what remains of a row; after its turn, its reflection
@@ -175,7 +176,7 @@ void EqualityElimination<Scalar>::eliminate(Index column) {
 }
 
 template <class Scalar>
-void EqualityElimination<Scalar>::form_null_space() {
+void EqualityElimination<Scalar>::form_null_space(const Deadline& deadline) {
   free_entry_.clear();
   for (Index i = 0; i < n_; ++i)
     if (!taken_[i]) free_entry_.push_back(i);
@@ -183,6 +184,7 @@ void EqualityElimination<Scalar>::form_null_space() {
   N_.setZero(V_.rows(), freedom());
   free_mask_.assign(static_cast<std::size_t>(words_ * freedom()), 0);
   for (Index l = 0; l < freedom(); ++l) {
+    deadline.keep();
     std::uint64_t* own = free_mask_.data() + l * words_;
     const Index b = free_entry_[l] / block;
     own[b / 64] |= std::uint64_t{1} << (b % 64);
@@ -197,7 +199,7 @@ void EqualityElimination<Scalar>::form_null_space() {
 
 template <class Scalar>
 void EqualityElimination<Scalar>::factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows,
-                                            const Scalar& tolerance) {
+                                            const Scalar& tolerance, const Deadline& deadline) {
   n_ = Gt.rows();
   const auto m = static_cast<Index>(rows.size());
   const Index blocks = (n_ + block - 1) / block;
@@ -225,8 +227,11 @@ void EqualityElimination<Scalar>::factorize(const MatrixX<Scalar>& Gt, const std
       }
     measure_remaining(j);
   }
-  for (Index j = choose(tolerance); j >= 0; j = choose(tolerance)) eliminate(j);
-  form_null_space();
+  for (Index j = choose(tolerance); j >= 0; j = choose(tolerance)) {
+    deadline.keep();
+    eliminate(j);
+  }
+  form_null_space(deadline);
 }
 
 }  // namespace zwang

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "core/deadline.h"
 #include "solvers/active_set_refinement.h"
+#include "solvers/dense_storage.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/orthogonal_updates.h"
 #include "solvers/whiten.h"
@@ -63,7 +65,6 @@ class GoldfarbIdnani {
   const std::vector<Index>& active_inequalities() const { return active_rows_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
   enum State : char { resting, active, retired };
 
   static Scalar epsilon() { return std::numeric_limits<Scalar>::epsilon(); }
@@ -72,6 +73,7 @@ class GoldfarbIdnani {
   // With 64, contradictions of 2^-42 (families GAP, INC) pass as feasible; with 8 those of 2^-45 and less still do.
   static Scalar violation_tolerance() { return Scalar(8) * epsilon(); }
 
+  void require_storage(const BasicProblem<Scalar>& problem, const SolveOptions& options);
   bool eliminate_equalities(const BasicProblem<Scalar>& problem);
   void reduce_inequalities();
   void warm_start(const BasicProblem<Scalar>& problem, const WarmStart& warm);
@@ -106,19 +108,21 @@ class GoldfarbIdnani {
   VectorX<Scalar> v_, u_, r_;                       // (v, u); R^-1 Q'a of the entering row a
   VectorX<Scalar> y_E_, x_, w_;                     // padded n; padded n; rank
   Scalar y_E_norm_{0};
-  Clock::time_point start_;
+  Deadline deadline_;
+  DenseStorage storage_;
 };
 
 template <class Scalar>
 Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveOptions& options) {
-  start_ = Clock::now();
+  deadline_ = Deadline(options.time_limit);
+  require_storage(p, options);
   iterations = 0;
   redundant.clear();
   smallest_accepted = Scalar(1);
   largest_rejected = Scalar(0);
   rank = -1;
   proof_in_doubt = false;
-  if (!whitened_.build(p)) return Status::bad_input;
+  if (!whitened_.build(p, deadline_)) return Status::bad_input;
   if (whitened_.conflict >= 0) {
     certificate = zero_row_certificate(p, whitened_.conflict);
     return Status::infeasible;
@@ -140,13 +144,23 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
   return Status::solved;
 }
 
+// Whitened rows; reflections, R and N twice; reduced rows; Q and R of the active ones.
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::require_storage(const BasicProblem<Scalar>& p, const SolveOptions& options) {
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows());
+  const auto e = static_cast<double>(std::count(p.kind.begin(), p.kind.end(), RowKind::equality));
+  const double f = std::max(n - e, 0.0);
+  const double numbers = n * m + n * e + std::min(n, e) * e + 2 * n * f + f * (m - e) + 2 * f * f;
+  storage_.require(numbers * sizeof(Scalar) / sizeof(double), options);
+}
+
 // Equality rows that depend on others are dropped when they hold, and prove the problem infeasible when they do not.
 template <class Scalar>
 bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p) {
   equalities_.clear();
   inequalities_.clear();
   for (Index i = 0; i < whitened_.rows(); ++i) (whitened_.equality[i] ? equalities_ : inequalities_).push_back(i);
-  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance());
+  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance(), deadline_);
   largest_rejected = elimination_.largest_rejected();
   equality_rows_.clear();
   for (const Index k : elimination_.order()) equality_rows_.push_back(equalities_[k]);
@@ -190,6 +204,7 @@ void GoldfarbIdnani<Scalar>::reduce_inequalities() {
   slack_.resize(m);
   state_.assign(inequalities_.size(), resting);
   for (Index j = 0; j < m; ++j) {
+    if (j % 64 == 63) deadline_.keep();
     const Index i = inequalities_[j];
     const auto g = whitened_.Gt.col(i);
     Scalar held(0);

@@ -60,7 +60,7 @@ void GoldfarbIdnani<Scalar>::list_active_rows() {
 template <class Scalar>
 bool GoldfarbIdnani<Scalar>::solve_active_set(const BasicProblem<Scalar>& p) {
   list_active_rows();
-  return refinement_.solve(p, {whitened_, elimination_, updates_, equality_rows_, active_rows_});
+  return refinement_.solve(p, {whitened_, elimination_, updates_, equality_rows_, active_rows_}, deadline_);
 }
 
 template <class Scalar>
@@ -120,6 +120,7 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
     if (violated(rest.violation, inequalities_[j])) return true;
     const Scalar most = static_cast<Scalar>(Wide(rest.violation + epsilon * rest.terms));
     if (!(most > far * rank_tolerance())) continue;
+    deadline_.keep();
     const Scalar rho = updates_.split(A_.col(static_cast<Index>(j)));
     if (most <= far * rho) continue;
     auto r = r_.head(updates_.size());

@@ -52,7 +52,7 @@ Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& proble
   Scalar multiplier(0);
   while (true) {
     if (iterations >= options.max_iterations) return Status::iteration_limit;
-    if (std::chrono::duration<double>(Clock::now() - start_).count() > options.time_limit) return Status::time_limit;
+    if (deadline_.passed()) return Status::time_limit;
     ++iterations;
     const Index q = updates_.size();
     const Scalar length = updates_.split(A_.col(p));

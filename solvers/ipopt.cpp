@@ -233,7 +233,7 @@ bool certificate(const UnitProgram& program, const Vector& y, const Vector& lamb
 void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   auto& [program, equalities, opened] = work;
-  if (!program.build(problem, solution)) return;
+  if (!program.build(problem, options, solution)) return;
   if (program.rows() == 0) {
     solution.z = problem.z_u;
     solution.status = Status::solved;

@@ -74,13 +74,20 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
   state_.assign(static_cast<std::size_t>(k), State::zero);
   for (Index j = 0; j < k; ++j) length_[j] = E.col(j).norm();
 
-  for (Index j = 0; j < k; ++j)
-    if (free[static_cast<std::size_t>(j)] && !enter(E, j)) {
-      dependent_.push_back(j);
-      state_[static_cast<std::size_t>(j)] = State::barred;
-    }
-  for (const Index j : warm)
+  const auto keep_time = [&] {
+    if (limits.deadline) limits.deadline->keep();
+  };
+  for (Index j = 0; j < k; ++j) {
+    if (!free[static_cast<std::size_t>(j)]) continue;
+    keep_time();
+    if (enter(E, j)) continue;
+    dependent_.push_back(j);
+    state_[static_cast<std::size_t>(j)] = State::barred;
+  }
+  for (const Index j : warm) {
+    keep_time();
     if (state_[static_cast<std::size_t>(j)] == State::zero) enter(E, j);
+  }
   settle(free);
 
   // A gradient below `noise` is what rounding leaves of zero.

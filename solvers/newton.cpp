@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/begin.h"
+
 namespace zwang {
 namespace {
 
@@ -26,6 +28,10 @@ void Newton::add_row(Index i, double factor, Vector& x) const {
     x[place_[at(p)]] += factor * rows_.g.value[at(p)];
 }
 
+bool Newton::factorize(const Problem& p, const Deadline& deadline) {
+  return factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())}, deadline);
+}
+
 void Newton::multiply_mass(const Problem& p, const Vector& x, Vector& y) const {
   y.setZero();
   for (const MassEntry& e : mass_) y[e.row] += p.M.valuePtr()[e.from] * x[e.column];
@@ -36,8 +42,8 @@ double Newton::mass_norm(const Problem& p, const Vector& x) {
   return std::sqrt(std::max(0.0, work_.dot(x)));
 }
 
-void Newton::prepare(const Problem& p, const WarmStart* from) {
-  factor_.analyze(p.M, rows_.g);
+void Newton::prepare(const Problem& p, const SolveOptions& options, const Deadline& deadline) {
+  factor_.analyze(p.M, rows_.g, options, deadline);
   const Index n = factor_.size(), k = rows_.rows();
   place_.resize(rows_.g.column.size());
   for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows_.g.column[e]);
@@ -58,7 +64,7 @@ void Newton::prepare(const Problem& p, const WarmStart* from) {
   far_force_.setZero(n);
   far_l_.setZero(k);
   violation_.setZero(k);
-  if (from) warm(p, *from);
+  if (options.warm_start) warm(p, *options.warm_start);
 }
 
 // Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
@@ -97,10 +103,10 @@ void Newton::weigh(double s) {
 
 // All rows near z_u held as if they were equality rows: in a wall almost all of them push in the end, and from d = 0
 // the method takes ten steps and more to find that out. Kept when holding them pulls at few; else d = 0, l = 0.
-bool Newton::start(const Problem& p) {
+bool Newton::start(const Problem& p, const Deadline& deadline) {
   constexpr double strong = 1e6;
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
-  if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+  if (!factorize(p, deadline)) return false;
   double last = infinity, length = infinity;
   for (int pass = 0; pass < 3; ++pass) {
     last = length;
@@ -193,12 +199,13 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
       force_ = -product_;
       for (Index i = 0; i < rows_.rows(); ++i)
         if (weight_[i] != 0) add_row(i, term_[i], force_);
+      const bool may_go_on = s.iterations < most_steps && s.iterations < options.max_iterations;
+      const bool factorized = may_go_on && factorize(p, deadline);
       if (deadline.passed() || s.iterations >= options.max_iterations) {
         s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
         return End::limit;
       }
-      if (s.iterations >= most_steps || !factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())}))
-        return End::stuck;
+      if (!factorized) return End::stuck;
       ++s.iterations;
       step_ = force_;
       factor_.solve(step_);
@@ -233,7 +240,8 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
     step_ = d_ - start_;
     const double move = mass_norm(p, step_);
     if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
-    if (move <= close * scale_) return gain >= 1e8 * reach_ * move && certify(p, s) ? End::infeasible : End::settled;
+    if (move <= close * scale_)
+      return gain >= 1e8 * reach_ * move && certify(p, deadline, s) ? End::infeasible : End::settled;
     if (move > 0.1 * last_move) s_ = std::min(10 * s_, largest_penalty);
     last_move = move;
   }
@@ -251,19 +259,9 @@ void Newton::write(const Problem& p, Solution& s) const {
 }
 
 void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  s.reset(p.size(), p.rows());
-  if (!rows_.build(p)) {
-    s.status = Status::bad_input;
-    s.message = "M is not positive definite";
-    return;
-  }
-  if (rows_.conflict >= 0) {
-    s.status = Status::infeasible;
-    s.certificate = zero_row_certificate(p, rows_.conflict);
-    return;
-  }
   const Deadline deadline(options.time_limit);
-  prepare(p, options.warm_start);
+  if (!begin(rows_, p, deadline, s)) return;
+  prepare(p, options, deadline);
   if (rests()) {
     write(p, s);
     s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
@@ -273,7 +271,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   s_ = penalty;
   rate_ = 1;
   reach_ = std::max(rows_.free_length, 1.0);
-  if (!options.warm_start && hold_all) start(p);
+  if (!options.warm_start && hold_all) start(p, deadline);
   for (const double close : {1e-5, 1e-9}) {
     const End end = descend(p, close, options, deadline, s);
     if (end == End::limit) {
@@ -283,10 +281,10 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     }
     if (end == End::limit || end == End::infeasible) return;
     if (end == End::stuck) break;
-    if (polish(p, options, s)) return;
+    if (polish(p, options, deadline, s)) return;
   }
 
-  if (p.size() * rows_.rows() <= largest_dense) {
+  if (!deadline.passed() && p.size() * rows_.rows() <= largest_dense) {
     SolveOptions rest = options;
     rest.max_iterations -= s.iterations;
     rest.time_limit = deadline.left();
@@ -299,6 +297,10 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   write(p, s);
+  if (deadline.passed()) {
+    s.status = Status::time_limit;
+    return;
+  }
   s.status = Status::numerical_failure;
   s.message = "the rows are too close to dependent for this method, and too many for a dense one";
 }

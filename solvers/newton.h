@@ -55,23 +55,24 @@ struct Newton {
     bool done = false;
   };
 
-  void prepare(const Problem& p, const WarmStart* warm);
+  void prepare(const Problem& p, const SolveOptions& options, const Deadline& deadline);
   void warm(const Problem& p, const WarmStart& warm);
   void multiply_mass(const Problem& p, const Vector& x, Vector& y) const;
   double mass_norm(const Problem& p, const Vector& x);
+  bool factorize(const Problem& p, const Deadline& deadline);
   double row_dot(Index i, const Vector& x) const;
   void add_row(Index i, double factor, Vector& x) const;
   bool is_equality(Index i) const { return rows_.equality[static_cast<std::size_t>(i)] != 0; }
 
   bool rests() const;
   void weigh(double s);
-  bool start(const Problem& p);
+  bool start(const Problem& p, const Deadline& deadline);
   End descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline, Solution& s);
   bool line_search(double s);
 
-  bool polish(const Problem& p, const SolveOptions& options, Solution& solution);
+  bool polish(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
   void extended_force(const Problem& p);
-  bool certify(const Problem& p, Solution& solution);
+  bool certify(const Problem& p, const Deadline& deadline, Solution& solution);
   void write(const Problem& p, Solution& solution) const;
 
   UnitRows rows_;

@@ -29,13 +29,14 @@ void Newton::extended_force(const Problem& p) {
   }
 }
 
-bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) {
+bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
   double last = std::numeric_limits<double>::infinity(), length = last, worst = 0;
   bool changed = true;
   for (int pass = 0; pass < 40; ++pass) {
+    if (deadline.passed()) return false;
     extended_force(p);
     // Rows leave and enter.
     bool now_changed = false;
@@ -70,7 +71,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) 
     }
     changed = now_changed;
     if (changed || pass == 0) {
-      if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+      if (!factorize(p, deadline)) return false;
       if (changed) ++s.iterations;
     }
     step_ = far_force_.cast<double>();
@@ -91,7 +92,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, Solution& s) 
 // Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
 // vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction as in
 // the polish, and the vector is judged as the referee will see it: rounded to double.
-bool Newton::certify(const Problem& p, Solution& s) {
+bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   far_d_.setZero();
   for (Index i = 0; i < rows_.rows(); ++i)
     far_l_[i] = is_equality(i) ? h_[i] - row_dot(i, d_) : weight_[i] != 0 ? std::max(0.0, h_[i] - row_dot(i, d_)) : 0;
@@ -100,7 +101,7 @@ bool Newton::certify(const Problem& p, Solution& s) {
     if (std::abs(far_l_[i]) <= least) far_l_[i] = 0;
     weight_[i] = far_l_[i] != 0 ? s_ : 0;
   }
-  if (!factor_.factorize(p.M, rows_.g, {weight_.data(), at(weight_.size())})) return false;
+  if (!factorize(p, deadline)) return false;
   for (int pass = 0; pass < 12; ++pass) {
     extended_force(p);
     step_ = far_force_.cast<double>();

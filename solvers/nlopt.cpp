@@ -157,7 +157,7 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
   auto& [program, equalities] = work;
   DenseProgram dense{
       .origin = {}, .basis = {}, .equalities = {}, .inequalities = {}, .deadline = Deadline(options.time_limit)};
-  if (!program.build(problem, solution)) return;
+  if (!program.build(problem, options, solution)) return;
   solution.lambda.resize(0);
 
   dense.origin.setZero(program.size());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/begin.h"
+
 namespace zwang {
 namespace {
 
@@ -12,9 +14,9 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // The equality rows' own solution y_E, and what is left of the other rows in the null space of G_E:
 // g~ = (I - QQ') g, h~ = h - g . y_E. A row that lies in the span of the equality rows is left to the polish.
-void Nnls::eliminate(const Problem& p) {
+void Nnls::eliminate(const Problem& p, const Deadline& deadline) {
   const Index n = p.size(), k = rows_.rows();
-  active_.reset(rows_);
+  active_.reset(rows_, deadline);
   column_.clear();
   column_.reserve(at(k));
   free_.clear();
@@ -34,6 +36,7 @@ void Nnls::eliminate(const Problem& p) {
   length_.resize(k);
   for (Index i = 0; i < k; ++i) {
     if (project && rows_.equality[at(i)]) continue;
+    deadline.keep();
     const Index j = static_cast<Index>(column_.size());
     auto g = E_.col(j).head(n);
     g = rows_.Gt.col(i);
@@ -71,7 +74,7 @@ void Nnls::write_iterate(const Problem& p, Solution& s) {
 }
 
 // Finds the active set. False when the solution is already complete: a limit was met, or the rows are infeasible.
-bool Nnls::least_distance(const Problem& p, const SolveOptions& options, Solution& s) {
+bool Nnls::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const Index n = p.size(), columns = static_cast<Index>(column_.size());
   f_.setZero(n + 1);
@@ -80,7 +83,6 @@ bool Nnls::least_distance(const Problem& p, const SolveOptions& options, Solutio
   for (Index j = 0; j < columns; ++j) sigma_ = std::max(sigma_, free_[at(j)] ? std::abs(h_[j]) : h_[j]);
   if (sigma_ == 0) return true;  // the equality rows' solution violates nothing
 
-  const Deadline deadline(options.time_limit);
   std::function<void()> observe;
   if (options.observe)
     observe = [&] {
@@ -129,31 +131,25 @@ void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 }
 
 void Nnls::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
-  s.reset(p.size(), p.rows());
-  if (!rows_.build(p)) {
-    s.status = Status::bad_input;
-    s.message = "M is not positive definite";
-    return;
-  }
-  if (rows_.conflict >= 0) {
-    s.status = Status::infeasible;
-    s.certificate = zero_row_certificate(p, rows_.conflict);
-    return;
-  }
-  eliminate(p);
+  const Deadline deadline(options.time_limit);
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n + 1, m);
+  storage_.require(2 * (n + 1) * m + 2 * (n + 1 + most) * most, options);
+  if (!begin(rows_, p, deadline, s)) return;
+  eliminate(p, deadline);
   warm_.clear();
   warm_.reserve(at(rows_.rows()));
   for (const Index i : warm_rows_.find(p, rows_, options.warm_start)) {
     const auto place = std::lower_bound(column_.begin(), column_.end(), i);
     if (place != column_.end() && *place == i) warm_.push_back(place - column_.begin());
   }
-  if (!least_distance(p, options, s)) return;
+  if (!least_distance(p, options, deadline, s)) return;
   for (const Index i : warm_) active_.append(i);
   polish_.run(p, rows_, active_, options.tolerance, s);
   // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).
   if (s.status == Status::numerical_failure && options.warm_start) {
     SolveOptions cold = options;
     cold.warm_start = nullptr;
+    cold.time_limit = deadline.left();
     solve_plainly(p, cold, s);
     s.fallback = true;
   }

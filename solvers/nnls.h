@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "solvers/dense_storage.h"
 #include "solvers/lawson_hanson.h"
 #include "solvers/polish.h"
 #include "solvers/reduced_problem.h"
@@ -40,11 +41,13 @@ struct Nnls {
 
  private:
   void solve_plainly(const Problem& problem, const SolveOptions& options, Solution& solution);
-  void eliminate(const Problem& problem);
-  bool least_distance(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void eliminate(const Problem& problem, const Deadline& deadline);
+  bool least_distance(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                      Solution& solution);
   void write_iterate(const Problem& problem, Solution& solution);
 
   ReducedProblem reduced_;
+  DenseStorage storage_;
   Whitened rows_;
   WarmRows warm_rows_;
   LawsonHanson least_squares_;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "solvers/begin.h"
+
 namespace zwang {
 namespace {
 
@@ -14,7 +16,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 // maps to zero changes neither lambda nor z, so a basic solution will do, if it stays small: the columns of J_Q are
 // taken largest remaining part first. Tried before: the columns of J in their order; contact arms of 1e-15 then became
 // pivots, k of 1e12 drowned the gradient of Eq. 10 in rounding, and problems with c = 0 came out wrong.
-double NnlsPaper::find_s(const Problem& p, Solution& solution) {
+double NnlsPaper::find_s(const Problem& p, const Deadline& deadline, Solution& solution) {
   const Index n = p.size(), k = rows_.rows();
   J_Q_.noalias() = rows_.row_norm.asDiagonal() * rows_.Gt.transpose();
   b_ = rows_.row_norm.cwiseProduct(rows_.h);
@@ -26,6 +28,7 @@ double NnlsPaper::find_s(const Problem& p, Solution& solution) {
   column_.reserve(at(n));
   solution.margins = {.rank = 0, .smallest_accepted = 1};
   for (Index j = 0; n > 0 && remaining_.maxCoeff(&j) > enough;) {
+    deadline.keep();
     const double rest = length_[j] * columns_.append(J_Q_.col(j), enough / length_[j]);
     remaining_[j] = 0;
     if (!(rest > enough)) {
@@ -57,18 +60,11 @@ double NnlsPaper::find_s(const Problem& p, Solution& solution) {
 }
 
 void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  s.reset(p.size(), p.rows());
-  if (!rows_.build(p)) {
-    s.status = Status::bad_input;
-    s.message = "M is not positive definite";
-    return;
-  }
-  if (rows_.conflict >= 0) {
-    s.status = Status::infeasible;
-    s.certificate = zero_row_certificate(p, rows_.conflict);
-    return;
-  }
-  const double gap = find_s(p, s);
+  const Deadline deadline(options.time_limit);
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
+  storage_.require(2 * n * m + (n + m + 2 * most) * most, options);
+  if (!begin(rows_, p, deadline, s)) return;
+  const double gap = find_s(p, deadline, s);
   char text[32];
   std::snprintf(text, sizeof text, "range gap %.1e", gap);
   s.message = text;
@@ -78,7 +74,6 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
     rows_.primal(p, y_, s.z);
     rows_.multipliers(p, least_squares_.x(), s.lambda);
   };
-  const Deadline deadline(options.time_limit);
   std::function<void()> observe;
   if (options.observe)
     observe = [&] {

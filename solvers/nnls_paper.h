@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "solvers/dense_storage.h"
 #include "solvers/lawson_hanson.h"
 #include "solvers/registry.h"
 #include "solvers/warm_rows.h"
@@ -33,8 +34,9 @@ struct NnlsPaper {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  double find_s(const Problem& problem, Solution& solution);
+  double find_s(const Problem& problem, const Deadline& deadline, Solution& solution);
 
+  DenseStorage storage_;
   Whitened rows_;
   WarmRows warm_rows_;
   LawsonHanson least_squares_;

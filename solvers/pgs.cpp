@@ -14,7 +14,7 @@ std::vector<Setting<Pgs>> Pgs::settings() {
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   auto& [program, lambda, y, before, marked, drift, motion] = work;
-  if (!program.build(problem, solution)) return;
+  if (!program.build(problem, options, solution)) return;
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
   marked.setZero(program.rows());

@@ -12,7 +12,7 @@ struct ProjectedGradient {
   Vector lambda = {}, slack = {}, y = {}, before = {};
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-    if (!program.build(problem, solution)) return;
+    if (!program.build(problem, options, solution)) return;
     program.warm_multipliers(problem, options.warm_start, lambda);
     program.motion(lambda, y);
     const Deadline deadline(options.time_limit);

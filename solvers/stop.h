@@ -1,25 +1,12 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "core/deadline.h"
+
 namespace zwang {
-
-// Seconds of wall clock left before a solve must end.
-class Deadline {
- public:
-  explicit Deadline(double seconds) : seconds_(seconds) {}
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  double left() const { return seconds_ - elapsed(); }
-  bool passed() const { return std::isfinite(seconds_) && left() <= 0; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-  double seconds_;
-};
 
 // How far a linearly converging iteration still is from its limit, from the lengths of its steps: a step d that shrinks
 // by rho per iteration leaves d rho / (1 - rho). A short step alone says little where rho is 0.999.

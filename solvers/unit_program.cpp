@@ -2,22 +2,14 @@
 
 #include <algorithm>
 
+#include "solvers/begin.h"
+
 namespace zwang {
 
-bool UnitProgram::build(const Problem& problem, Solution& solution) {
-  if (!whitened_.build(problem)) {
-    solution.reset(0, 0);
-    solution.status = Status::bad_input;
-    solution.message = "M is not positive definite";
-    return false;
-  }
-  if (whitened_.conflict >= 0) {
-    solution.reset(0, 0);
-    solution.status = Status::infeasible;
-    solution.certificate = zero_row_certificate(problem, whitened_.conflict);
-    solution.message = "row " + std::to_string(whitened_.conflict) + " is zero and cannot hold";
-    return false;
-  }
+bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  storage_.require(static_cast<double>(problem.size()) * static_cast<double>(problem.rows()), options);
+  if (!begin(whitened_, problem, deadline, solution)) return false;
   const Index n = whitened_.size(), k = whitened_.rows();
   free_ = whitened_.free;
 
@@ -41,7 +33,6 @@ bool UnitProgram::build(const Problem& problem, Solution& solution) {
       if (const double g = whitened_.Gt(j, i); g != 0) G_.insertBack(i, j) = g;
   }
   G_.finalize();
-  solution.reset(problem.size(), problem.rows());
   return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "solvers/dense_storage.h"
 #include "solvers/whiten.h"
 
 namespace zwang {
@@ -17,7 +18,7 @@ class UnitProgram {
 
   // Resets the solution. False when the answer is already known, and then written: M not positive definite, or a zero
   // row that cannot hold.
-  bool build(const Problem& problem, Solution& solution);
+  bool build(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   Index size() const { return whitened_.size(); }
   Index rows() const { return h_.size(); }
@@ -43,6 +44,7 @@ class UnitProgram {
   void write_certificate(const Problem& problem, const Vector& u, Solution& solution) const;
 
  private:
+  DenseStorage storage_;
   Whitened whitened_;
   Rows G_;
   Vector h_;

@@ -35,7 +35,7 @@ double UnitRows::length(std::size_t begin) {
   return std::sqrt(square);
 }
 
-bool UnitRows::build(const Problem& p) {
+bool UnitRows::build(const Problem& p, const Deadline& deadline) {
   const Index n = p.size();
   if (n > 0 && !factor.factorize(p.M)) return false;
   conflict = -1;
@@ -61,7 +61,9 @@ bool UnitRows::build(const Problem& p) {
   const Real free = std::sqrt(std::max(square, Real(0)));
 
   Real worst = 0;
+  constexpr Index seldom = 1024;  // rows between two looks at the clock
   for (Index i = 0; i < p.rows(); ++i) {
+    if (i % seldom == seldom - 1) deadline.keep();
     if (!std::isfinite(p.c[i])) continue;
     double top = 0;
     Real violation = p.c[i];

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem.h"
+#include "core/deadline.h"
 #include "solvers/block_cholesky.h"
 #include "solvers/sparse_cholesky.h"
 
@@ -30,7 +30,7 @@ struct UnitRows {
   SparseCholesky<double> factor;  // of M
 
   Index rows() const { return static_cast<Index>(row.size()); }
-  bool build(const Problem& problem);  // false when M is not positive definite
+  bool build(const Problem& problem, const Deadline& deadline = Deadline());  // false when M is not positive definite
 
   // Multipliers of the problem's rows from those of the unit rows, and back.
   double multiplier(Index i, Real unit) const;

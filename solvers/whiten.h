@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/solver.h"
+#include "core/deadline.h"
 #include "solvers/sparse_cholesky.h"
 
 namespace zwang {
@@ -40,7 +40,7 @@ struct BasicWhitened {
   Index rows() const { return h.size(); }
 
   // False when M is not positive definite.
-  bool build(const BasicProblem<Scalar>& problem);
+  bool build(const BasicProblem<Scalar>& problem, const Deadline& deadline = Deadline());
 
   // z = z_u + Q^-1 y.
   void primal(const BasicProblem<Scalar>& problem, const VectorX<Scalar>& y, VectorX<Scalar>& z) const {
@@ -121,7 +121,7 @@ void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
 }
 
 template <class Scalar>
-bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p) {
+bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline& deadline) {
   using std::abs, std::ldexp;
   const Index n = p.size();
   if (n > 0 && !factor.factorize(p.M)) return false;
@@ -141,7 +141,9 @@ bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p) {
   for (Index i = 0; i < n; ++i) free[i] = ldexp(p.z_u[i], -z_exponent);
 
   exponent = std::numeric_limits<int>::min();
+  constexpr Index seldom = 64;  // rows between two looks at the clock
   for (Index i = 0; i < k; ++i) {
+    if (i % seldom == seldom - 1) deadline.keep();
     const Index r = row[i];
     const int row_exponent = exponent_of(largest(p, r));
     const int unit = p.c[r] == Scalar(0) ? z_exponent : std::max(exponent_of(p.c[r]) - row_exponent, z_exponent);

@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "bench/suite/allocations.h"
+#include "core/memory.h"
 
 namespace zwang {
 
@@ -37,6 +38,7 @@ Answer Workbench::run(const Problem& problem, const Call& call) {
     options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {
       if (is_rung(iteration)) answer.iterates.push_back({iteration, z, lambda});
     };
+  const MemoryCap cap;
   try {
     AnySolver& chosen = solver(call);
     if (std::string reason = chosen.supports(problem); !reason.empty()) {

@@ -115,7 +115,7 @@ TEST(KktCheck, SeesWhatAProductOfMultiplierAndSlackHides) {
   const Problem p = test::make_problem(test::vec({1}), test::vec({1}), {{RowKind::inequality, test::vec({1}), 1}});
   UnitProgram program;
   Solution solution;
-  ASSERT_TRUE(program.build(p, solution));
+  ASSERT_TRUE(program.build(p, {}, solution));
   const Vector small = test::vec({1e-5});
   const KktCheck check = kkt_check(program, small, small);  // lambda slack = 1e-10, yet both are 1e-5
   EXPECT_LE(check.stationarity, 1e-15);

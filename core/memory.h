@@ -1,0 +1,23 @@
+#pragma once
+
+namespace zwang {
+
+// Bytes that this process may still ask for, by the kernel's count of what is free, its control group and its own limit
+// (RLIMIT_AS); infinity where none of them can be read.
+double free_memory();
+
+// As long as it lives, this process cannot grow beyond what was free at its beginning: an allocation then fails with
+// std::bad_alloc, where the kernel would kill some process instead.
+class MemoryCap {
+ public:
+  MemoryCap();
+  ~MemoryCap();
+  MemoryCap(const MemoryCap&) = delete;
+  MemoryCap& operator=(const MemoryCap&) = delete;
+
+ private:
+  unsigned long before_ = 0;
+  bool set_ = false;
+};
+
+}  // namespace zwang

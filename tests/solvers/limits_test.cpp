@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <ctime>
+#include <new>
+
+#include "bench/scenes/catalog.h"
+#include "bench/suite/child.h"
+#include "core/memory.h"
+#include "solvers/registry.h"
+
+namespace zwang {
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+Problem random_problem(const char* scene) { return make_scenes(scene).at(0).problem; }
+
+class Limits : public testing::TestWithParam<const char*> {};
+
+TEST_P(Limits, DensePartsThatDoNotFitAreRefusedWithTheirSize) {
+  const Problem problem = random_problem("random(n=120,m=160)");
+  AnySolver solver = make_solver(GetParam());
+  SolveOptions options;
+  options.memory_limit = 8000;
+  options.max_iterations = 2000;
+  const Solution refused = solver.solve(problem, options);
+  EXPECT_EQ(refused.status, Status::numerical_failure);
+  EXPECT_NE(refused.message.find("dense parts take"), std::string::npos) << refused.message;
+  EXPECT_EQ(refused.z.size(), 0);
+
+  // The same object, with room, does as a new one does.
+  options.memory_limit = SolveOptions().memory_limit;
+  const Solution again = solver.solve(problem, options), fresh = make_solver(GetParam()).solve(problem, options);
+  EXPECT_EQ(again.status, fresh.status);
+  EXPECT_EQ(again.z, fresh.z);
+}
+
+// A solve of this size takes the slowest of them minutes; what is left after the deadline is one step of a loop.
+TEST_P(Limits, PreparationsEndAtTheDeadline) {
+  const Problem problem = random_problem("random(n=1200,m=1800)");
+  SolveOptions options;
+  for (const double limit : {0.0, 0.02, 0.1}) {
+    options.time_limit = limit;
+    AnySolver solver = make_solver(GetParam());
+    const double start = cpu_seconds();
+    const Solution stopped = solver.solve(problem, options);
+    EXPECT_EQ(stopped.status, Status::time_limit) << limit << " s: " << stopped.message;
+    EXPECT_LE(cpu_seconds() - start, limit + 0.3) << limit;
+    EXPECT_TRUE(stopped.z.size() == problem.size() || !stopped.message.empty());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, Limits,
+                         testing::Values("dual_active_set", "nnls", "nnls_paper", "cholesky", "newton", "pgs", "apgd",
+                                         "projected_gradient"),
+                         [](const auto& info) { return std::string(info.param); });
+
+struct Hungry {
+  static constexpr std::string_view name = "hungry";
+  void solve(const Problem&, const SolveOptions&, Solution&) { throw std::bad_alloc(); }
+};
+
+TEST(Memory, RefusedAllocationsAreOneLineHereAndInAChild) {
+  const Problem problem = random_problem("random(n=6,m=8)");
+  const MakeSolver make = [](std::string_view) { return AnySolver(Hungry()); };
+  Call call;
+  call.solver = "hungry";
+  Child child(make);
+  child.load(problem);
+  for (const Answer& answer : {Workbench(make).run(problem, call), child.run(call)}) {
+    EXPECT_EQ(answer.solution.status, Status::numerical_failure);
+    EXPECT_EQ(answer.solution.message, "out of memory");
+  }
+}
+
+TEST(Memory, CapHoldsAsLongAsItLives) {
+  rlimit before{}, within{}, after{};
+  getrlimit(RLIMIT_AS, &before);
+  const double free = free_memory();
+  EXPECT_GT(free, 1e7);
+  {
+    const MemoryCap cap;
+    getrlimit(RLIMIT_AS, &within);
+    EXPECT_LE(free_memory(), 1.2 * free);
+  }
+  getrlimit(RLIMIT_AS, &after);
+  EXPECT_LT(within.rlim_cur, RLIM_INFINITY);
+  EXPECT_EQ(after.rlim_cur, before.rlim_cur);
+}
+
+}  // namespace
+}  // namespace zwang
