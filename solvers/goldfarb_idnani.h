@@ -69,9 +69,15 @@ class GoldfarbIdnani {
 
   static Scalar epsilon() { return std::numeric_limits<Scalar>::epsilon(); }
   // Unit rows come out of whitening with an error of a few epsilon; so do remainders that should be zero.
-  static Scalar rank_tolerance() { return Scalar(64) * epsilon(); }
+  static Scalar rank_tolerance() { return rounding(64); }
   // With 64, contradictions of 2^-42 (families GAP, INC) pass as feasible; with 8 those of 2^-45 and less still do.
-  static Scalar violation_tolerance() { return Scalar(8) * epsilon(); }
+  static Scalar violation_tolerance() { return rounding(8); }
+  // A hundred digits are more than doubles can ask for: no row of theirs is meant to differ by 1e-70, while masses of
+  // a condition of 1e10 take ten digits, and rows that nearly repeat each other one after the other 13 each.
+  static Scalar rounding(int epsilons) {
+    if constexpr (std::numeric_limits<Scalar>::digits10 > 80) return Scalar(1e-70);
+    return Scalar(epsilons) * epsilon();
+  }
 
   void require_storage(const BasicProblem<Scalar>& problem, const SolveOptions& options);
   bool eliminate_equalities(const BasicProblem<Scalar>& problem);

@@ -76,6 +76,32 @@ TEST(Reference, DoubleAgreesWithHundredDigitsAndWithRationalsOnDegenerateProblem
   EXPECT_GT(degenerate, 50);
 }
 
+// Joints that repeat each other, on coupled masses of 2^-20 to 2^20: what the mass's condition leaves of a hundred
+// digits was once taken for a contradiction of 1e-95.
+TEST(Reference, RepeatedJointsOfUnlikeMassesDoNotContradict) {
+  const Problem rows = make_problem(Vector::Ones(4), vec({8, -7, 2, 0}),
+                                    {{RowKind::equality, vec({0, 0, 0, 3}), -3},
+                                     {RowKind::equality, vec({0, 2, -2, 0}), -2},
+                                     {RowKind::equality, vec({0, 0, -1, 3}), -5},
+                                     {RowKind::equality, vec({0, 0, -3, 0}), -6}});
+  std::mt19937 random(4471);
+  const auto pick = [&](int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+  };
+  for (int k = 0; k < 200; ++k) {
+    Matrix A(4, 4);
+    Vector d(4);
+    for (double& a : A.reshaped()) a = pick(-2, 2);
+    for (double& a : d) a = std::ldexp(1.0, pick(-10, 10));
+    Problem p = rows;
+    p.M = Matrix(d.asDiagonal() * (A * A.transpose() + Matrix::Identity(4, 4)) * d.asDiagonal()).sparseView();
+    const auto digits = multiprecision_reference(p), rational = rational_reference(p);
+    ASSERT_TRUE(digits && rational) << k;
+    ASSERT_TRUE(digits->feasible && rational->feasible) << k;
+    EXPECT_LE(relative_distance(p, rational->z, digits->z), 1e-14) << k;
+  }
+}
+
 TEST(Reference, KeepsWhatTheInstanceBrings) {
   Instance instance{.problem = test::tied_pair()};
   instance.reference = Reference{.z = vec({7, 7}), .method = "closed form"};
