@@ -282,5 +282,21 @@ TEST(SparseCholesky, SolvesWithAConnectedMassMatrixOfAnyPattern) {
   }
 }
 
+// Rows 1 and 2 add up to 2^-44 z_7 >= 0, and row 0 says z_7 = -3. Taken in as independent, row 1 was met by a
+// multiplier of 1e18 whose digits no longer balance the others.
+TEST(DualActiveSet, ARowThatOnlyAHugeMultiplierCouldMeetIsNotSolved) {
+  constexpr RowKind E = RowKind::equality, I = RowKind::inequality;
+  const Problem p = make_problem(Vector::Ones(9), Vector::Zero(9),
+                                 {{E, vec({0, 0, 0, 0, 0, 0, 0, 2, 0}), -6},
+                                  {I, vec({-3, 0, 0, 0, 3, 0, 0, 0, -2}), 19},
+                                  {E, vec({3, 0, 0, 0, -3, 0, 0, 0x1p-44, 2}), -19},
+                                  {E, vec({0, 0, 0, 0, 0.46875, -0.5625, 0, 0, 0}), -3},
+                                  {E, vec({-1, 0, 0, 0, -2, 0, 0, 0, 2}), -5},
+                                  {I, vec({-16384, 0, 0, 0, -32768, -0x1p-29, 0, 0, 32768}), -81920}});
+  const Solution s = solve(p);
+  EXPECT_EQ(s.status, Status::infeasible);
+  EXPECT_EQ(measure(p, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
+}
+
 }  // namespace
 }  // namespace zwang
