@@ -60,8 +60,15 @@ struct Newton {
   void multiply_mass(const Problem& p, const Vector& x, Vector& y) const;
   double mass_norm(const Problem& p, const Vector& x);
   bool factorize(const Problem& p, const Deadline& deadline);
-  double row_dot(Index i, const Vector& x) const;
-  void add_row(Index i, double factor, Vector& x) const;
+  double row_dot(Index i, const Vector& x) const {
+    double sum = 0;
+    for (auto p = entries(i); p < entries(i + 1); ++p) sum += rows_.g.value[p] * x[place_[p]];
+    return sum;
+  }
+  void add_row(Index i, double factor, Vector& x) const {
+    for (auto p = entries(i); p < entries(i + 1); ++p) x[place_[p]] += factor * rows_.g.value[p];
+  }
+  std::size_t entries(Index i) const { return static_cast<std::size_t>(rows_.g.begin[static_cast<std::size_t>(i)]); }
   bool is_equality(Index i) const { return rows_.equality[static_cast<std::size_t>(i)] != 0; }
 
   bool rests() const;
