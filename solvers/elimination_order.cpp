@@ -2,6 +2,7 @@
 
 #include <Eigen/OrderingMethods>
 #include <algorithm>
+#include <utility>
 
 namespace zwang {
 namespace {
@@ -52,8 +53,8 @@ Elimination eliminate(const Lists& near, const Deadline& deadline) {
 
   // Postorder, the child with most below it last: it is the one that may be merged.
   for (auto& list : children)
-    std::stable_sort(list.begin(), list.end(),
-                     [&](int a, int b) { return e.below[at(a)].size() < e.below[at(b)].size(); });
+    std::sort(list.begin(), list.end(),
+              [&](int a, int b) { return std::pair(e.below[at(a)].size(), a) < std::pair(e.below[at(b)].size(), b); });
   std::vector<int> place(near.size()), stack;
   std::vector<std::size_t> next(near.size() + 1, 0);
   int count = 0;
