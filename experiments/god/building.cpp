@@ -18,8 +18,6 @@ using std::numbers::pi;
 
 constexpr double rounding = 0.002;  // m, of boxes and cylinders
 
-Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b.position, a.rotation * b.rotation}; }
-
 Mat3 cyclic(int shift) {
   Mat3 R = Mat3::Zero();
   for (int k = 0; k < 3; ++k) R((k + shift) % 3, k) = 1;
@@ -165,7 +163,7 @@ void lift_clear(Surroundings& surroundings) {
     if (object.loose()) bit *= 2;
     const collision::Filter filter = object.loose() ? collision::Filter{bit, ~bit} : collision::Filter{};
     for (const Object::Piece& piece : object.pieces) {
-      world.add(piece.shape, times(object.pose, piece.at), filter, !object.loose());
+      world.add(piece.shape, placed(object.pose, piece.at), filter, !object.loose());
       owner.push_back(k), local.push_back(piece.at);
     }
   }
@@ -188,7 +186,7 @@ void lift_clear(Surroundings& surroundings) {
                                "' and is not clear of it 5 mm higher either");
     surroundings.objects[k].pose.position.z() += lift;
     for (std::size_t c = 0; c < owner.size(); ++c)
-      if (owner[c] == k) world.place(static_cast<int>(c), times(surroundings.objects[k].pose, local[c]));
+      if (owner[c] == k) world.place(static_cast<int>(c), placed(surroundings.objects[k].pose, local[c]));
   }
 }
 

@@ -16,10 +16,6 @@ constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
 constexpr double small_lift = 2e-8;     // m
 const Shape point = Shape::sphere(1);
 
-Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
-  return {on * part.position, on.rotation * part.rotation};
-}
-
 std::uint64_t mixed(std::uint64_t h) {
   h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
   return h ^ (h >> 29);

@@ -11,10 +11,6 @@ constexpr double touching = 3e-4;  // m: at this gap a contact counts for slidin
 constexpr double reached = 5e-4;   // m: so near to its target a god object is there
 constexpr double speck = 1e-6;     // m
 
-Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
-  return {on * part.position, on.rotation * part.rotation};
-}
-
 }  // namespace
 
 Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> clusters,

@@ -19,7 +19,7 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
   for (const Object& o : surroundings.objects) {
     if (o.mesh) include(o.pose, (o.mesh->low() + o.mesh->high()) / 2, (o.mesh->high() - o.mesh->low()) / 2);
     for (const Object::Piece& piece : o.pieces)
-      include(o.pose, piece.at.position, Vec3::Constant(piece.shape.reach() + piece.shape.radius()));
+      include(o.pose, piece.at.position, Vec3::Constant(reach_of(piece.shape)));
   }
   return top;
 }

@@ -36,4 +36,12 @@ struct Surroundings {
   Vec3 focus = Vec3::Zero();         // m: the point that motions are placed about, on a surface
 };
 
+// A part's pose, given in the axes of what it is `on`, in the world.
+inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
+  return {on * part.position, on.rotation * part.rotation};
+}
+
+// m, from the origin of a shape to its farthest point.
+inline double reach_of(const collision::Shape& shape) { return shape.reach() + shape.radius(); }
+
 }  // namespace zwang::god

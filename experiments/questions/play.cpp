@@ -18,32 +18,74 @@ god::Motion motion_for(const std::string& name, const god::Surroundings& about, 
   return motion;
 }
 
+namespace {
+
+// What a motion asks of simulations: hands, their start, and targets by frame.
+struct Course {
+  Course(const god::Motion& motion_, const Asking& asking, double dt_) : motion(motion_), dt(dt_) {
+    for (const god::Track& hand : motion.hands) {
+      models.push_back(hand.model);
+      targets.push_back(hand.at(0));
+    }
+    const double seconds = asking.seconds > 0 ? std::min(asking.seconds, motion.duration) : motion.duration;
+    frames = std::lround(seconds / dt);
+  }
+
+  void aim(long frame) {
+    for (std::size_t h = 0; h < targets.size(); ++h) targets[h] = motion.hands[h].at(static_cast<double>(frame) * dt);
+  }
+
+  const god::Motion& motion;
+  double dt;
+  long frames;
+  std::vector<hand::Model> models;
+  std::vector<god::Target> targets;
+};
+
+double farthest(const god::Frame& a, const god::Frame& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.god.size(); ++i) most = std::max(most, (a.god[i].position - b.god[i].position).norm());
+  return most;
+}
+
+}  // namespace
+
 std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::Motion& motion,
                              const god::Options& options, const Asking& asking, const std::string& what,
                              double contact) {
-  std::vector<hand::Model> models;
-  std::vector<god::Target> targets;
-  for (const god::Track& hand : motion.hands) {
-    models.push_back(hand.model);
-    targets.push_back(hand.at(0));
-  }
-  const double seconds = asking.seconds > 0 ? std::min(asking.seconds, motion.duration) : motion.duration;
-  const long count = std::lround(seconds / options.dt);
-  god::Simulation simulation(surroundings, models, targets, options);
+  Course course(motion, asking, options.dt);
+  god::Simulation simulation(surroundings, course.models, course.targets, options);
   std::vector<god::Frame> frames;
-  frames.reserve(static_cast<std::size_t>(count));
+  frames.reserve(static_cast<std::size_t>(course.frames));
   double last = std::numeric_limits<double>::infinity();
   Progress bar(asking.terminal);
-  for (long k = 1; k <= count; ++k) {
-    for (std::size_t h = 0; h < targets.size(); ++h)
-      targets[h] = motion.hands[h].at(static_cast<double>(k) * options.dt);
-    frames.push_back(simulation.step(targets));
+  for (long k = 1; k <= course.frames; ++k) {
+    course.aim(k);
+    frames.push_back(simulation.step(course.targets));
     if (frames.back().kept > 0) last = std::min(last, frames.back().time + contact);
     if (frames.back().time > last) break;
-    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(count), what, -1);
+    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(course.frames), what, -1);
     if (asking.interrupted != nullptr && *asking.interrupted) throw Interrupted{};
   }
   return frames;
+}
+
+std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::Motion& motion,
+                                        const god::Options& options, const god::Options& other, const Asking& asking,
+                                        const std::string& what) {
+  Course course(motion, asking, options.dt);
+  god::Simulation one(surroundings, course.models, course.targets, options),
+      two(surroundings, course.models, course.targets, other);
+  std::vector<double> apart;
+  Progress bar(asking.terminal);
+  for (long k = 1; k <= course.frames; ++k) {
+    two.restore(one.checkpoint());
+    course.aim(k);
+    apart.push_back(farthest(one.step(course.targets), two.step(course.targets)));
+    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(course.frames), what, -1);
+    if (asking.interrupted != nullptr && *asking.interrupted) throw Interrupted{};
+  }
+  return apart;
 }
 
 Rates rates(const std::vector<god::Frame>& frames) {
@@ -79,9 +121,7 @@ void add_series(Chart& chart, const std::string& name, const std::vector<god::Fr
 
 double farthest(const std::vector<god::Frame>& a, const std::vector<god::Frame>& b) {
   double most = 0;
-  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
-    for (std::size_t i = 0; i < a[k].god.size(); ++i)
-      most = std::max(most, (a[k].god[i].position - b[k].god[i].position).norm());
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) most = std::max(most, farthest(a[k], b[k]));
   return most;
 }
 

@@ -39,6 +39,12 @@ void add_series(Chart& chart, const std::string& name, const std::vector<god::Fr
 // The farthest that a god object of one run is from the same in the other, in any frame that both have [m].
 double farthest(const std::vector<god::Frame>& a, const std::vector<god::Frame>& b);
 
+// In every frame of a run under `options`, its state is also taken one frame on under `other`: the farthest that a god
+// object then is from the same one of the run [m], by frame. Both need the same clusters. Throws Interrupted.
+std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::Motion& motion,
+                                        const god::Options& options, const god::Options& other, const Asking& asking,
+                                        const std::string& what);
+
 std::string number(double value, int digits = 3);  // "1,234", "0.0123", "1.2e-09"
 
 }  // namespace zwang::questions

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "bench/collision/meshes.h"
 #include "bench/scenes/physical.h"
 #include "experiments/god/simulation.h"
@@ -32,6 +34,26 @@ inline const Frame& go(Simulation& simulation, const Target& target) { return si
 
 inline Object fixed(collision::Mesh mesh, const Pose<double>& pose = {}) {
   return {.name = "part", .mesh = std::make_shared<const collision::Tree>(std::move(mesh)), .pose = pose};
+}
+
+// A floor whose top is at z = 0, of some thousand triangles.
+inline Surroundings floor_of(std::size_t triangles = 5000) {
+  Surroundings s{.name = "floor"};
+  s.objects.push_back(fixed(meshes::plate({1, 1, 0.1}, triangles), {{0, 0, -0.05}, Mat3::Identity()}));
+  return s;
+}
+
+inline Surroundings sheet() {
+  Surroundings s{.name = "sheet"};
+  s.objects.push_back(fixed(meshes::sheet(1, 1, 800)));
+  return s;
+}
+
+inline void expect_sound(const Frame& f) {
+  ASSERT_GT(f.gap, 0) << "frame " << f.number;
+  ASSERT_LE(f.separation, 1e-12) << "frame " << f.number;
+  ASSERT_LE(f.limit, 1e-12) << "frame " << f.number;
+  ASSERT_TRUE(f.claimed == Status::solved || f.claimed == Status::solved_ill_conditioned) << to_string(f.claimed);
 }
 
 }  // namespace zwang::god
