@@ -97,8 +97,8 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
     const auto s = static_cast<std::size_t>(b);
     const hand::Phalanx p = hand::phalanx(b);
     const Vec3 across = Vec3::UnitY().cross(face[s]);
-    const Vec3 local = draw.uniform(-0.5, 0.5) * p.length * Vec3::UnitY() +
-                       draw.uniform(-0.5, 0.5) * p.radius * across - p.radius * face[s];
+    const double sideways = draw.uniform(-0.5, 0.5), along = draw.uniform(-0.5, 0.5);
+    const Vec3 local = along * p.length * Vec3::UnitY() + sideways * p.radius * across - p.radius * face[s];
     const Vec3 lever = out.god[s].turn(local), normal = out.god[s].turn(face[s]);
     double gap = draw.uniform(-0x1p-10, 0x1p-10);
     if (feasible) {

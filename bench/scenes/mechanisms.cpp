@@ -153,7 +153,8 @@ Instance leash(const Knobs& knobs) {
   Scene scene;
   const BodyId owner = add_fixed(scene);
   for (int i = 0; i < knobs.at("dogs"); ++i) {
-    Body dog = box_body({0.75, 0.25, 0.5}, 16, draw.uniform(1.75, 2, 3) * draw.direction());
+    const Vec3 way = draw.direction();
+    Body dog = box_body({0.75, 0.25, 0.5}, 16, draw.uniform(1.75, 2, 3) * way);
     dog.velocity = random_velocity(4, 0, draw);
     const BodyId body = scene.add(dog);
     scene.add(Leash{.bodies = {body, owner}, .length = 2}, "dog " + std::to_string(i + 1) + " to owner");
