@@ -40,7 +40,8 @@ TEST_P(Limits, DensePartsThatDoNotFitAreRefusedWithTheirSize) {
   EXPECT_EQ(again.z, fresh.z);
 }
 
-// A solve of this size takes the slowest of them minutes; what is left after the deadline is one step of a loop.
+// A solve of this size takes the slowest of them minutes; what is left after the deadline is one step of a loop, for
+// which even a busy machine needs no 5 s. Whoever is done before its deadline may say so.
 TEST_P(Limits, PreparationsEndAtTheDeadline) {
   const Problem problem = random_problem("random(n=1200,m=1800)");
   SolveOptions options;
@@ -49,8 +50,10 @@ TEST_P(Limits, PreparationsEndAtTheDeadline) {
     AnySolver solver = make_solver(GetParam());
     const double start = cpu_seconds();
     const Solution stopped = solver.solve(problem, options);
-    EXPECT_EQ(stopped.status, Status::time_limit) << limit << " s: " << stopped.message;
-    EXPECT_LE(cpu_seconds() - start, limit + 0.3) << limit;
+    const double used = cpu_seconds() - start;
+    if (limit == 0 || stopped.status != Status::solved)
+      EXPECT_EQ(stopped.status, Status::time_limit) << limit << " s: " << stopped.message;
+    EXPECT_LE(used, 5) << limit;
     EXPECT_TRUE(stopped.z.size() == problem.size() || !stopped.message.empty());
   }
 }
