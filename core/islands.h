@@ -32,8 +32,9 @@ class Islands {
 
   // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
   // its certificate padded with zeros being one of the whole. Iterations are added up, margins are the closest ones,
-  // messages name their island. The limits of `options` hold per island; the observer is not called (iterates of
-  // problems solved apart are no iterates of the whole). A problem that is one island goes to the solver as it is.
+  // messages name their island. The time limit is one for all, others hold per island; the observer is not called
+  // (iterates of problems solved apart are no iterates of the whole). A problem that is one island goes to the solver
+  // as it is.
   void solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution);
   // The same over islands that were split before, with solve(problem, options, solution) for each.
   template <class Solve>

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <filesystem>
+
 namespace zwang {
 
 // Bytes that this process may still ask for, by the kernel's count of what is free, its control group and its own limit
-// (RLIMIT_AS); infinity where none of them can be read.
-double free_memory();
+// (RLIMIT_AS); infinity where none of them can be read. `groups`: where the kernel shows control groups.
+double free_memory(const std::filesystem::path& groups = "/sys/fs/cgroup");
 
 // As long as it lives, this process cannot grow beyond what was free at its beginning: an allocation then fails with
 // std::bad_alloc, where the kernel would kill some process instead.

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <new>
 
 #include "bench/scenes/catalog.h"
@@ -79,6 +82,26 @@ TEST(Memory, RefusedAllocationsAreOneLineHereAndInAChild) {
     EXPECT_EQ(answer.solution.status, Status::numerical_failure);
     EXPECT_EQ(answer.solution.message, "out of memory");
   }
+}
+
+// In a container whose files fill the memory it may use, what they fill is free: the kernel gives it up when asked.
+TEST(Memory, FilesKeptByAControlGroupAreFree) {
+  const auto folder = std::filesystem::temp_directory_path() / ("zwang-group-" + std::to_string(getpid()));
+  const auto put = [&](const char* file, const char* text) {
+    std::filesystem::create_directories((folder / file).parent_path());
+    std::ofstream(folder / file) << text;
+  };
+  put("memory.max", "1000000\n");
+  put("memory.current", "990000\n");
+  put("memory.stat", "anon 90000\nactive_file 300000\ninactive_file 600000\n");
+  EXPECT_DOUBLE_EQ(free_memory(folder), 0.95 * 910000);
+  put("memory.max", "max\n");
+  EXPECT_GT(free_memory(folder), 1e6);
+  put("memory/memory.limit_in_bytes", "500000\n");
+  put("memory/memory.usage_in_bytes", "400000\n");
+  put("memory/memory.stat", "active_file 1\ntotal_active_file 100000\ntotal_inactive_file 0\n");
+  EXPECT_DOUBLE_EQ(free_memory(folder), 0.95 * 200000);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Memory, CapHoldsAsLongAsItLives) {
