@@ -69,7 +69,10 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
     target_[b] = end_[b];
   }
   const double most = longest(way_);
-  if (most > jump * options_.activation) blocked_ = false;
+  if (most > std::min(jump * options_.activation, fastest * options_.dt)) {
+    blocked_ = false;
+    caution_ = 1;
+  }
   pace_ = most > fastest * options_.dt ? 0 : std::min(1.2 * most, jump * options_.activation);
   allowed_ =
       std::max({1.5 * pace_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});

@@ -78,6 +78,7 @@ class Cluster {
   double longest(std::span<const Vec<double, 6>> ways) const;  // m, that a point of a god object goes at most
   double constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const;
   void damp(Frame& frame);
+  void slow_down();
   void bound();
   bool go_freely();
   void candidate(double part, Frame& frame);

@@ -9,7 +9,8 @@
 namespace zwang::god {
 namespace {
 
-constexpr double leg = 0.25;  // rad
+constexpr double leg = 0.25;    // rad
+constexpr double still = 1e-7;  // m: what moves by less rests
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
@@ -24,15 +25,21 @@ double Cluster::longest(std::span<const Vec<double, 6>> ways) const {
   return most;
 }
 
+void Cluster::slow_down() { caution_ = std::max(caution_ / 2, still / allowed_); }
+
 // The motion of a cluster that presses: half as far again as its targets went in this frame, at least at a metre a
 // second to catch up with, at most what contacts are looked for over. Where it turns back on itself, as between two
 // contacts that the linear rows put too far apart, it is bounded to half as much each time, but never below its
-// targets' pace.
+// targets' pace. A cluster at rest trembles by nanometres, to and fro: bounded to half of that again and again, it
+// would follow no target that comes back elsewhere.
 void Cluster::bound() {
   const double most = longest(way_);
   double along = 0;
   for (std::size_t b = 0; b < size(); ++b) along += way_[b].head<3>().dot(last_way_[b].head<3>());
-  caution_ = along < 0 && most > pace_ ? caution_ / 2 : std::min(1.0, 1.5 * caution_);
+  if (along < 0 && most > std::max(pace_, still))
+    slow_down();
+  else
+    caution_ = std::min(1.0, 1.5 * caution_);
   const double allowed = std::max(caution_ * allowed_, pace_);
   if (most <= allowed) return;
   for (std::size_t b = 0; b < size(); ++b) way_[b] *= allowed / most;
@@ -182,7 +189,7 @@ void Cluster::commit(double toc, Frame& frame) {
   }
   if (!clear) {
     held_ = true;
-    caution_ /= 2;
+    slow_down();
     pace_ /= 2;
     return;
   }

@@ -26,6 +26,23 @@ TEST(Release, AFistThatOpensOnATableIsNeverStuck) {
   }
 }
 
+// A hand at rest on a table still trembles by nanometres, to and fro. That must not have taught it to take steps of
+// nanometres: where tracking comes back 20 mm aside, it slides there.
+TEST(Release, RestTeachesNoCaution) {
+  Draw draw(1);
+  const Surroundings s = floor_of();
+  for (int round = 0; round < 8; ++round) {
+    const double curl = draw.uniform(0, 1);
+    const Vec3 turn = draw.cube(0.3);
+    Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.08, turn), curl));
+    for (int k = 0; k < 100; ++k) go(simulation, hand_at(at(0, 0, 0.08 - 5e-4 * k, turn), curl));
+    double rest = 0, aside = 0;
+    for (int k = 0; k < 200; ++k) rest = go(simulation, hand_at(at(0, 0, 0.03, turn), curl)).distance;
+    for (int k = 0; k < 60; ++k) aside = go(simulation, hand_at(at(0.02, 0, 0.03, turn), curl)).distance;
+    EXPECT_NEAR(aside, rest, 1e-6) << "round " << round;
+  }
+}
+
 // Tracking comes back 40 mm on while the hand presses: rows for what is within a stride of that length would be
 // hundreds.
 TEST(Release, AJumpIsNotAPaceToKeep) {
