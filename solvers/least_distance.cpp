@@ -63,14 +63,15 @@ void LeastDistance::reset(Index freedom, Index rows) {
   padded_ = std::max(lanes, round_up(freedom));
   padded_rows_ = std::max(lanes, round_up(rows));
   if (A_.rows() != padded_ || A_.cols() < padded_rows_) A_.resize(padded_, padded_rows_);
-  if (Q_.rows() != padded_) {
-    Q_.resize(padded_, padded_);
-    T_.resize(padded_, padded_);
+  const Index most = std::min(padded_, padded_rows_);  // active rows
+  if (Q_.rows() != padded_ || Q_.cols() < most) {
+    Q_.resize(padded_, most);
+    T_.resize(most, most);
     for (Vector* part : {&v_, &u_, &r_, &d_, &remainder_, &rest_}) part->resize(padded_);
   }
   if (At_.rows() < padded_rows_ || At_.cols() < padded_) {
     At_.resize(padded_rows_, padded_);
-    AQ_.resize(padded_rows_, padded_);
+    AQ_.resize(padded_rows_, most);
     for (Vector* part : {&b, &magnitude, &slack_, &along_}) part->resize(padded_rows_);
   }
   if (freedom == 0) A_.setZero();  // a caller that fills nothing

@@ -29,7 +29,7 @@ void ReducedActiveSet::fill(Index j) {
 void ReducedActiveSet::complete() {
   if (complete_) return;
   complete_ = true;
-  form_.form_basis();
+  if (climb_.rows() > 0) form_.form_basis();
   for (Index j = 0; j < climb_.rows(); ++j) fill(j);
   climb_.complete();
 }

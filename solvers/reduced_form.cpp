@@ -27,7 +27,8 @@ bool ReducedForm::build(const Problem& problem) {
   equalities_.assign(tree_.tree_rows().begin(), tree_.tree_rows().end());
   equalities_.insert(equalities_.end(), tree_.cut().begin(), tree_.cut().end());
   smallest_pivot_ = tree_.smallest_pivot();
-  if (tree_.freedom() > most_freedom) {
+  const bool needs_N = !inequalities_.empty() || !tree_.cut().empty();
+  if (needs_N && tree_.freedom() > most_freedom) {
     reason_ = "too many freedoms for a dense reduced form";
     return false;
   }

@@ -127,7 +127,7 @@ bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline&
   if (n > 0 && !factor.factorize(p.M)) return false;
   select_rows(p);
   const auto k = static_cast<Index>(row.size());
-  Gt.setZero(n, k);
+  Gt.resize(n, k);
   h.resize(k);
   row_norm.resize(k);
   magnitude.resize(k);
@@ -150,6 +150,7 @@ bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline&
     Scalar violation = ldexp(p.c[r], -row_exponent - unit);
     magnitude[i] = abs(violation);
     entries_.clear();
+    Gt.col(i).setZero();
     for (RowIterator it(p.J, r); it; ++it) {
       const Scalar a = ldexp(it.value(), -row_exponent);
       const Index position = factor.position(it.col());

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Atlas, Family,
                          [](const auto& info) { return info.param; });
 
 TEST(Families, SizesHaveExactAnswersToo) {
-  for (const Instance& in : make_scenes("MANYF(contacts=4,6,300,1000),CHAIN(links=1,2,64,512),STK(boxes=1,64,1024),"
+  for (const Instance& in : make_scenes("MANYF(contacts=4,6,300,1000),CHAIN(links=1,2,64,4096),STK(boxes=1,64,4096),"
                                         "PIVOT(n=1..16),PIVOT(n=1..16,reversed=1),ROW(zero=2)")) {
     expect_true_answer(in);
     EXPECT_EQ(in.reference->bound, 0) << in.problem.name;

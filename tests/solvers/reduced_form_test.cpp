@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/scenes/catalog.h"
 #include "bench/suite/allocations.h"
 #include "core/measure.h"
 #include "solvers/dual_active_set.h"
@@ -102,6 +103,15 @@ TEST(ReducedForm, AllocatesNothingInASecondSolveOfTheSameShape) {
     ASSERT_TRUE(solver.solve(p, {}, s));
     EXPECT_EQ(allocations() - before, 0);
   }
+}
+
+// Without contacts nothing dense is left: 4096 links, which would take 4 GB, take the storage of one more body each.
+TEST(ReducedForm, AChainOfAnyLengthTakesNoDenseStorage) {
+  const Instance chain = make_scenes("CHAIN(links=4096)").at(0);
+  const Solution s = make_solver("dual_active_set").solve(chain.problem, {.memory_limit = 1e6});
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_EQ(s.z, chain.reference->z);
+  EXPECT_EQ(s.margins.rank, 3 * 4096);
 }
 
 // Two mechanisms side by side are solved apart, and as each alone.
