@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/deadline.h"
+#include "core/places.h"
 #include "core/solver.h"
 
 namespace zwang {
@@ -26,8 +27,6 @@ class Islands {
  public:
   // Unknowns [unit k, unit k + unit) stay together: with unit = 6, bodies are never cut.
   void split(const Problem& problem, Index unit = 1);
-  // Whether split() would find more than one, without splitting; stored zeros couple here.
-  bool several(const Problem& problem, Index unit);
   std::span<const Island> all() const { return {islands_.data(), count_}; }
 
   // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
@@ -46,7 +45,6 @@ class Islands {
     const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
                        !problem.J.isCompressed() || !several(problem, unit);
     if (whole) return solve(problem, options, solution);
-    list(problem, unit);
     solve_parts([&](std::size_t k) -> const Problem& { return cut(problem, islands_[k]); }, solve, problem, options,
                 solution);
   }
@@ -54,6 +52,8 @@ class Islands {
  private:
   Index root(Index unknown);
   Index couple(Index a, Index b);
+  // Whether there is more than one island of whole units; they are then listed, and kept while no entry moves.
+  bool several(const Problem& problem, Index unit);
   template <class Unit>
   bool several_blocks(const Problem& problem, Unit unit);
   void find(const Problem& problem, Index unit);
@@ -68,6 +68,8 @@ class Islands {
   std::vector<Island> islands_;
   std::size_t count_ = 0;
   std::vector<Index> parent_, island_, local_;
+  Index unit_ = 0;  // what several() listed the islands for, or 0
+  Places M_places_, J_places_;
   std::vector<Problem> cut_;  // one of each shape
   Solution part_;
 };

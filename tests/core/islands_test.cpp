@@ -101,6 +101,41 @@ TEST(Islands, CutOutForSolvingAreThoseOfTheSplit) {
   }
 }
 
+// The islands are kept from solve to solve: one entry that moves to another column must be seen.
+TEST(Islands, CutOutForSolvingFollowAnEntryThatMoves) {
+  Problem p = scattered();
+  Islands apart;
+  std::vector<Index> sizes;
+  Solution whole;
+  const auto note = [&](const Problem& part, const SolveOptions&, Solution& s) {
+    sizes.push_back(part.size());
+    s.reset(part.size(), part.rows());
+    s.status = Status::solved;
+  };
+  apart.solve_apart(note, 1, p, {}, whole);
+  EXPECT_EQ(sizes, (std::vector<Index>{2, 1, 2, 1}));
+
+  Matrix J = p.J;
+  std::swap(J(0, 3), J(0, 4));  // row 0 couples {0, 4}
+  p.J = J.sparseView();
+  sizes.clear();
+  apart.solve_apart(note, 1, p, {}, whole);
+  EXPECT_EQ(sizes, (std::vector<Index>{2, 1, 2, 1}));
+  EXPECT_EQ(apart.all()[0].columns, (std::vector<Index>{0, 4}));
+
+  Matrix M = p.M;
+  std::swap(M(2, 5), M(2, 3));
+  std::swap(M(5, 2), M(3, 2));
+  p.M = M.sparseView();
+  sizes.clear();
+  apart.solve_apart(note, 1, p, {}, whole);
+  EXPECT_EQ(apart.all()[2].columns, (std::vector<Index>{2, 3}));
+
+  apart.split(p, 3);  // another use in between
+  apart.solve_apart(note, 1, p, {}, whole);
+  EXPECT_EQ(apart.all().size(), 4u);
+}
+
 TEST(Islands, SolvedApartGiveTheSolutionOfTheWhole) {
   const Problem p = scattered();
   AnySolver solver = make_solver("pgs");
