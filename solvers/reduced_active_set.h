@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "solvers/body_point.h"
@@ -37,26 +38,32 @@ class ReducedActiveSet {
     reason_ = why;
     return false;
   }
-  void fill(Index j);
-  void complete();
-  bool guess_holds(std::span<const Index> active, double allowed);
-  bool refine();
+  void take(Index j);
+  bool take_violated();
+  bool settle(const SolveOptions& options, const Deadline& deadline, int& iterations);
+  void locate();
   void begin_from_climb();
-  bool any_violated() const;
+  bool refine();
   bool clearly_independent() const;
   void push(const Vector& mu_E, const Vector& mu_I);
   void compute_residuals();
   double correct();
   bool rest_holds(double limit);
-  Index active_row(Index j) const {
-    return form_.inequalities()[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(j)])];
+  bool is_active(Index j) const {
+    const Index place = place_[static_cast<std::size_t>(j)];
+    return place >= 0 && climb_.is_active(place);
+  }
+  Index active_row(Index k) const {
+    return taken_[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(k)])];
   }
 
   ReducedForm form_;
   LeastDistance climb_;
   WarmRows warm_;
-  bool complete_ = false;                       // all rows are in the climb
-  std::vector<Index> column_, start_, listed_;  // of a row in the climb; of the warm rows; of active rows in form_
+  std::vector<Index> place_;                        // of an inequality row in the climb, or -1
+  std::vector<Index> taken_;                        // rows of form_, in the climb's order
+  std::vector<std::pair<double, Index>> violated_;  // slack, inequality row
+  std::vector<Index> column_, start_, listed_;      // of a row of form_ among its inequalities; warm rows; active rows
   BodyPoint point_;
   Motion y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;

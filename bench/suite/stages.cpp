@@ -47,13 +47,10 @@ class Profile {
     const auto& inequalities = form_.inequalities();
     climb_.reset(form_.freedom(), static_cast<Index>(inequalities.size()));
     climb_.fixed_length = form_.y_E().norm();
-    for (Index j = 0; j < climb_.rows(); ++j) {
-      const Index i = inequalities[static_cast<std::size_t>(j)];
-      form_.reduce_row(i, climb_.row(j).data());
-      climb_.b[j] = form_.rows().h[i] - form_.rows().dot(i, form_.y_E());
-      climb_.magnitude[j] = form_.rows().magnitude[i];
+    for (const Index i : inequalities) {
+      const BodyRows& rows = form_.rows();
+      form_.reduce_row(i, climb_.admit(rows.h[i] - rows.dot(i, form_.y_E()), rows.magnitude[i]));
     }
-    climb_.complete();
   }
 
   void run(int up_to) {
