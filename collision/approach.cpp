@@ -27,7 +27,7 @@ double spin(const Course& c) { return c.path ? c.path->spin : c.twist.tail<3>().
 
 Pose<double> Course::at(double s) const {
   if (path) return path->pose(s);
-  return s == 0 ? start : retract(start, Vec<double, 6>(s * twist));
+  return s == 0 || still() ? start : retract(start, Vec<double, 6>(s * twist));
 }
 
 // B's axes turn: d^2/ds^2 [R_B' (a - x_B)] = R_B' (a'' - 2 w_B x (a - x_B)' + w_B x (w_B x (a - x_B))), with

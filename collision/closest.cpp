@@ -59,21 +59,37 @@ void segment_segment(Pair& best, const Vec3& p, const Vec3& q, const Vec3& a, co
   best.offer(p + s * u, a + t * v);
 }
 
-// The end that lies lower over the triangle's plane decides when it lies over its inside; else ends and edges do.
+bool over_inside(const Triangle& t, const Vec3& n, const Vec3& x) {
+  const auto& [a, b, c] = t.corner;
+  return (b - a).cross(x - a).dot(n) >= 0 && (c - b).cross(x - b).dot(n) >= 0 && (a - c).cross(x - c).dot(n) >= 0;
+}
+
+// Where the end that lies lower over the triangle's plane is right over its inside, it decides; else ends and edges do.
 Pair segment_triangle(const Vec3& p, const Vec3& q, const Triangle& t) {
   const auto& [a, b, c] = t.corner;
-  const Vec3 n = (b - a).cross(c - a);
+  const Vec3 ab = b - a, ac = c - a, n = ab.cross(ac);
   const double over_p = n.dot(p - a), over_q = n.dot(q - a);
+  const bool crosses = (over_p > 0) != (over_q > 0), p_first = std::abs(over_p) <= std::abs(over_q);
   Pair best;
-  if ((over_p > 0) != (over_q > 0)) {  // does it pass through?
+  if (crosses) {  // within the triangle?
     const Vec3 x = p + over_p / (over_p - over_q) * (q - p);
-    if ((b - a).cross(x - a).dot(n) >= 0 && (c - b).cross(x - b).dot(n) >= 0 && (a - c).cross(x - c).dot(n) >= 0) {
+    if (over_inside(t, n, x)) {
       best.offer(x, x);
       return best;
     }
   }
-  best.offer(p, nearest_point(t, p));
-  best.offer(q, nearest_point(t, q));
+  // Is the foot of an end inside? By its barycentric coordinates, times |n|^2.
+  const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), all = bb * cc - bc * bc;
+  const Vec3 upright = n / n.squaredNorm();
+  const auto offer_foot = [&](const Vec3& end, double over) {
+    const double to_b = ab.dot(end - a), to_c = ac.dot(end - a);
+    const double of_b = cc * to_b - bc * to_c, of_c = bb * to_c - bc * to_b;
+    if (!(all > 0 && of_b >= 0 && of_c >= 0 && of_b + of_c <= all)) return false;
+    best.offer(end, end - over * upright);
+    return true;
+  };
+  if (offer_foot(p_first ? p : q, p_first ? over_p : over_q) && !crosses) return best;
+  offer_foot(p_first ? q : p, p_first ? over_q : over_p);
   segment_segment(best, p, q, a, b);
   segment_segment(best, p, q, b, c);
   segment_segment(best, p, q, c, a);
@@ -115,10 +131,7 @@ bool by_face(const Shape& box, const Triangle& t, double reach, Closest& out) {
   const double over = n.dot(corner - a);
   if (over <= 0) return false;
   const Vec3 x = corner - over * n;
-  const Vec3 m = (b - a).cross(c - a);
-  const bool inside =
-      (b - a).cross(x - a).dot(m) >= 0 && (c - b).cross(x - b).dot(m) >= 0 && (a - c).cross(x - c).dot(m) >= 0;
-  if (!inside && over < reach) return false;
+  if (!over_inside(t, (b - a).cross(c - a), x) && over < reach) return false;
   out = {separation(box.corners(), t, n), n, x};
   return out.distance > 0;
 }

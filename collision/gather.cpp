@@ -51,7 +51,6 @@ void World::walk(const Tree& tree, const Region& region, double reach, std::vect
   const Shape& shape = region.shape;
   const Pose<double>& place = region.a_in_b;
   const std::span<const TreeNode> nodes = tree.nodes();
-  const std::span<const Triangle> triangles = tree.triangles();
   Region::Seen seen;
   for (std::size_t i = 0; i < nodes.size();) {
     const TreeNode& node = nodes[i];
@@ -62,20 +61,24 @@ void World::walk(const Tree& tree, const Region& region, double reach, std::vect
     const auto [begin, end] = tree.range(i);
     if (shape.core() != Core::hull && end - begin <= patch_size) {
       Closest c;
-      std::uint32_t nearest;
-      if (stand_in(region, seen, triangles.subspan(begin, end - begin), begin, margins_.stop, c, nearest)) {
-        if (c.distance - shape.radius() <= reach) candidates.push_back({nearest, begin, end, c});
+      std::size_t nearest;
+      if (stand_in(region, seen, tree.points(begin, end), margins_.stop, c, nearest)) {
+        if (c.distance - shape.radius() <= reach) candidates.push_back({tree.owner(begin, nearest), begin, end, c});
         i = node.skip;
         continue;
       }
     }
-    ++i;
-    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
-      Triangle local;
-      for (std::size_t k = 0; k < 3; ++k)
-        local.corner[k] = place.rotation.transpose() * (triangles[t].corner[k] - place.position);
-      if (region.misses(local)) continue;
-      Closest c = closest(shape, local, shape.radius() + reach);
+    if (!tree.leaf(i++)) continue;
+    const std::span<const Vec3> points = tree.points(begin, end);
+    std::array<Vec3, 3 * Tree::leaf_size> local;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      local[k] = place.rotation.transpose() * (points[k] - place.position);
+    const std::uint32_t base = tree.corners()[begin][0];
+    for (std::uint32_t t = begin; t < end; ++t) {
+      const auto& corner = tree.corners()[t];
+      const Triangle triangle{local[corner[0] - base], local[corner[1] - base], local[corner[2] - base]};
+      if (region.misses(triangle)) continue;
+      Closest c = closest(shape, triangle, shape.radius() + reach);
       if (c.distance - shape.radius() > reach) continue;
       c.normal = place.rotation * c.normal;
       c.on_b = place * c.on_b;

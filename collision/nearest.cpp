@@ -40,9 +40,9 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
       i = node.skip;
       continue;
     }
-    ++i;
-    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
-      const Vec3 q = nearest_point(tree.triangles()[t], p);
+    if (!tree.leaf(i++)) continue;
+    for (auto [t, end] = tree.range(i - 1); t < end; ++t) {
+      const Vec3 q = nearest_point(tree.triangle(t), p);
       const double square = (q - p).squaredNorm();
       if (!(square < least) || hidden_by_any([&](const Plane& plane) { return plane.hides(q); })) continue;
       least = square;

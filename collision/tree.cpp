@@ -2,6 +2,7 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -12,8 +13,6 @@ namespace zwang::collision {
 namespace {
 
 using Model = fcl::BVHModel<fcl::AABB<double>>;
-
-constexpr int leaf_size = 4;  // triangles; below that a box costs as much as the triangles it might spare
 
 float down(double x) {
   const auto f = static_cast<float>(x);
@@ -31,7 +30,7 @@ void build(const Mesh& mesh, Model& model) {
   if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
 }
 
-constexpr std::uint64_t magic = 0x3165657274677a0au;  // "\nzgtree1" where bytes run from low to high
+constexpr std::uint64_t magic = 0x3265657274677a0au;  // "\nzgtree2" where bytes run from low to high
 
 // FNV-1a over 64-bit words, then the rest.
 std::uint64_t checksum(std::string_view bytes) {
@@ -47,7 +46,7 @@ std::uint64_t checksum(std::string_view bytes) {
 }
 
 struct Header {
-  std::uint64_t magic, nodes, triangles;
+  std::uint64_t magic, nodes, triangles, points;
   double low[3], high[3];
   std::uint64_t checksum;  // of what stands before it and of what follows it
 };
@@ -65,11 +64,20 @@ Tree::Tree(const Mesh& mesh) {
   Model model;
   build(mesh, model);
 
-  triangles_.reserve(mesh.triangles.size());
+  corners_.reserve(mesh.triangles.size());
   origin_.reserve(mesh.triangles.size());
+  std::vector<std::uint32_t> of_leaf;  // vertices of the mesh whose points are in the leaf at hand
   const auto take = [&](int id) {
-    const auto& t = mesh.triangles[static_cast<std::size_t>(id)];
-    triangles_.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}});
+    const auto first = static_cast<std::uint32_t>(points_.size() - of_leaf.size());
+    auto& mine = corners_.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = mesh.triangles[static_cast<std::size_t>(id)][k];
+      const auto at = std::find(of_leaf.begin(), of_leaf.end(), vertex);
+      mine[k] = first + static_cast<std::uint32_t>(at - of_leaf.begin());
+      if (at != of_leaf.end()) continue;
+      of_leaf.push_back(vertex);
+      points_.push_back(mesh.vertices[vertex]);
+    }
     origin_.push_back(static_cast<std::uint32_t>(id));
   };
   // An explicit stack: the tree of a mesh whose triangles share their centres is as deep as it has triangles.
@@ -88,6 +96,7 @@ Tree::Tree(const Mesh& mesh) {
     }
   };
 
+  nodes_.clear();
   std::vector<std::pair<int, std::size_t>> open{{0, 0}};  // node of FCL's, or -1 and the flat node whose subtree ends
   while (!open.empty()) {
     const auto [id, flat] = open.back();
@@ -97,15 +106,14 @@ Tree::Tree(const Mesh& mesh) {
       continue;
     }
     const auto& node = model.getBV(id);
-    TreeNode mine{};
+    TreeNode mine{{}, {}, 0, size()};
     for (int k = 0; k < 3; ++k) {
       mine.low[static_cast<std::size_t>(k)] = down(node.bv.min_[k]);
       mine.high[static_cast<std::size_t>(k)] = up(node.bv.max_[k]);
     }
     if (node.num_primitives <= leaf_size || node.isLeaf()) {
-      const std::size_t first = triangles_.size();
+      of_leaf.clear();
       take_all(id);
-      mine.leaf = static_cast<std::uint32_t>(8 * first + (triangles_.size() - first));
       mine.skip = static_cast<std::uint32_t>(nodes_.size() + 1);
       nodes_.push_back(mine);
     } else {
@@ -115,30 +123,33 @@ Tree::Tree(const Mesh& mesh) {
       nodes_.push_back(mine);
     }
   }
+  nodes_.push_back({{}, {}, 0, size()});
   nodes_.shrink_to_fit();
+  points_.shrink_to_fit();
 
-  low_ = high_ = mesh.vertices[mesh.triangles[0][0]];
-  for (const Triangle& t : triangles_)
-    for (const Vec3& p : t.corner) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
+  low_ = high_ = points_.front();
+  for (const Vec3& p : points_) {
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+  }
 }
 
 double Tree::bytes_per_triangle() const {
-  const std::size_t bytes =
-      nodes_.size() * sizeof(TreeNode) + triangles_.size() * (sizeof(Triangle) + sizeof(std::uint32_t));
-  return static_cast<double>(bytes) / static_cast<double>(triangles_.size());
+  const std::size_t bytes = nodes_.size() * sizeof(TreeNode) + points_.size() * sizeof(Vec3) +
+                            corners_.size() * (sizeof(corners_[0]) + sizeof(origin_[0]));
+  return static_cast<double>(bytes) / size();
 }
 
 std::string Tree::to_bytes() const {
   std::string body;
-  const auto put = [&body](const void* data, std::size_t size) { body.append(static_cast<const char*>(data), size); };
-  body.reserve(nodes_.size() * sizeof(TreeNode) + triangles_.size() * (sizeof(Triangle) + 4));
-  put(nodes_.data(), nodes_.size() * sizeof(TreeNode));
-  put(triangles_.data(), triangles_.size() * sizeof(Triangle));
-  put(origin_.data(), origin_.size() * sizeof(std::uint32_t));
-  Header header{magic, nodes_.size(), triangles_.size(), {}, {}, 0};
+  const auto put = [&body](const auto& list) {
+    body.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof(list[0]));
+  };
+  put(nodes_);
+  put(points_);
+  put(corners_);
+  put(origin_);
+  Header header{magic, nodes_.size(), corners_.size(), points_.size(), {}, {}, 0};
   for (int k = 0; k < 3; ++k) header.low[k] = low_[k], header.high[k] = high_[k];
   header.checksum = checksum(header, body);
   std::string bytes(sizeof header, '\0');
@@ -152,9 +163,10 @@ Tree Tree::from_bytes(std::string_view bytes) {
   if (bytes.size() < sizeof header) throw torn();
   std::memcpy(&header, bytes.data(), sizeof header);
   bytes.remove_prefix(sizeof header);
-  constexpr std::size_t each = sizeof(Triangle) + sizeof(std::uint32_t);
-  if (header.magic != magic || header.nodes > (1u << 30) || header.triangles > (1u << 28) ||
-      bytes.size() != header.nodes * sizeof(TreeNode) + header.triangles * each ||
+  constexpr std::size_t each = 4 * sizeof(std::uint32_t);
+  if (header.magic != magic || header.nodes == 0 || header.nodes > (1u << 30) || header.triangles > (1u << 28) ||
+      header.points > 3 * header.triangles ||
+      bytes.size() != header.nodes * sizeof(TreeNode) + header.points * sizeof(Vec3) + header.triangles * each ||
       checksum(header, bytes) != header.checksum)
     throw torn();
   Tree tree;
@@ -164,7 +176,8 @@ Tree Tree::from_bytes(std::string_view bytes) {
     bytes.remove_prefix(count * sizeof(list[0]));
   };
   get(tree.nodes_, header.nodes);
-  get(tree.triangles_, header.triangles);
+  get(tree.points_, header.points);
+  get(tree.corners_, header.triangles);
   get(tree.origin_, header.triangles);
   for (int k = 0; k < 3; ++k) tree.low_[k] = header.low[k], tree.high_[k] = header.high[k];
   return tree;

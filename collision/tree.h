@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <ranges>
 #include <span>
 #include <string>
 
@@ -13,32 +15,54 @@ struct Triangle {
 };
 
 // An axis-aligned box in single precision, rounded outward, and where the walk goes on. Nodes lie in the order of a
-// depth-first walk: an inner node's first child is the next node, `skip` the next one outside its subtree. A walk needs
-// no stack.
+// depth-first walk: an inner node's first child is the next node, `skip` the next one outside its subtree, a leaf's
+// own next node. A walk needs no stack.
 struct TreeNode {
   std::array<float, 3> low, high;
   std::uint32_t skip;
-  std::uint32_t leaf;  // first triangle * 8 + number of triangles; 0: inner node
+  std::uint32_t first;  // triangle of its subtree
 };
 static_assert(sizeof(TreeNode) == 32);
 
 // The triangles of a mesh in the order of the leaves of a tree of boxes. Built by fcl::BVHModel<AABB> and flattened;
-// small subtrees become one leaf. 72 + 4 bytes a triangle and about 20 of nodes.
+// small subtrees become one leaf. Corners are kept once a leaf, in the order of the leaves: the points of a subtree lie
+// side by side. A query reads memory more than it computes, and three corners for each triangle are twice as many.
 class Tree {
  public:
+  static constexpr int leaf_size = 4;  // triangles; below that a box costs as much as the triangles it might spare
+
   Tree() = default;
   // Throws std::invalid_argument for a mesh without triangles or with more than 2^28.
   explicit Tree(const Mesh& mesh);
 
-  std::span<const TreeNode> nodes() const { return nodes_; }
-  std::span<const Triangle> triangles() const { return triangles_; }
+  std::span<const TreeNode> nodes() const { return std::span(nodes_).first(nodes_.size() - 1); }
+  bool leaf(std::size_t node) const { return nodes_[node].skip == node + 1; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(corners_.size()); }
+  Triangle triangle(std::size_t t) const {
+    const auto& [a, b, c] = corners_[t];
+    return {points_[a], points_[b], points_[c]};
+  }
+  // A range of all of them, or of those from `first` on to `end`.
+  auto triangles(std::uint32_t first, std::uint32_t end) const {
+    return std::views::iota(first, end) | std::views::transform([this](std::uint32_t t) { return triangle(t); });
+  }
+  auto triangles() const { return triangles(0, size()); }
+  auto triangles(std::pair<std::uint32_t, std::uint32_t> range) const { return triangles(range.first, range.second); }
   // The triangles of a node's subtree, first and end: they lie together.
   std::pair<std::uint32_t, std::uint32_t> range(std::size_t node) const {
-    const auto first = [this](std::size_t n) {
-      while (n < nodes_.size() && nodes_[n].leaf == 0) ++n;
-      return n < nodes_.size() ? nodes_[n].leaf / 8 : static_cast<std::uint32_t>(triangles_.size());
-    };
-    return {first(node), first(nodes_[node].skip)};
+    return {nodes_[node].first, nodes_[nodes_[node].skip].first};
+  }
+  // The corners of such a subtree; `corners` counts from the first of them on.
+  std::span<const Vec3> points(std::uint32_t first, std::uint32_t end) const {
+    const std::size_t begin = corners_[first][0], stop = end < size() ? corners_[end][0] : points_.size();
+    return {points_.data() + begin, stop - begin};
+  }
+  std::span<const std::array<std::uint32_t, 3>> corners() const { return corners_; }
+  // The first triangle of a subtree that has the k-th of its points as a corner.
+  std::uint32_t owner(std::uint32_t first, std::size_t k) const {
+    const std::size_t point = corners_[first][0] + k;
+    while (std::ranges::find(corners_[first], point) == corners_[first].end()) ++first;
+    return first;
   }
   // Where triangle t of this tree stood in the mesh.
   std::uint32_t origin(std::size_t t) const { return origin_[t]; }
@@ -52,8 +76,9 @@ class Tree {
   static Tree from_bytes(std::string_view bytes);
 
  private:
-  std::vector<TreeNode> nodes_ = {};
-  std::vector<Triangle> triangles_ = {};
+  std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one behind the last, whose first triangle is size()
+  std::vector<Vec3> points_ = {};
+  std::vector<std::array<std::uint32_t, 3>> corners_ = {};  // of each triangle, in points_
   std::vector<std::uint32_t> origin_ = {};
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
 };

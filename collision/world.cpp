@@ -14,7 +14,7 @@ constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
 }  // namespace
 
 int World::add(std::shared_ptr<const Tree> mesh, const Pose<double>& pose, Filter filter) {
-  if (!mesh || mesh->triangles().empty()) throw std::invalid_argument("a mesh without triangles");
+  if (!mesh || mesh->size() == 0) throw std::invalid_argument("a mesh without triangles");
   const Vec3 middle = (mesh->low() + mesh->high()) / 2, half = (mesh->high() - mesh->low()) / 2;
   const double arm = (middle.cwiseAbs() + half).norm();
   return add({std::move(mesh), pose, filter, true, middle, half, arm});
@@ -86,10 +86,11 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
   const Shape& a = *shape(pair.a);
   const Tree* tree = mesh(pair.b);
   if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, strip, limit);
-  if (candidate.end - candidate.first == 1)
-    return collision::safe_time(a, motion, {.triangle = &tree->triangles()[candidate.triangle]}, candidate.closest,
-                                strip, limit);
-  const std::span<const Triangle> patch = tree->triangles().subspan(candidate.first, candidate.end - candidate.first);
+  if (candidate.end - candidate.first == 1) {
+    const Triangle triangle = tree->triangle(candidate.triangle);
+    return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, strip, limit);
+  }
+  const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
   if (!motion.along_path()) {
     constexpr int planes = 6;
     Relative::Instant now = motion.start();
@@ -105,8 +106,8 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
     }
   }
   strip.aim += (strip.land - strip.aim) / 8;
-  for (std::uint32_t t = candidate.first; t < candidate.end; ++t) {
-    const Part part{.triangle = &tree->triangles()[t]};
+  for (const Triangle& triangle : tree->triangles(candidate.first, candidate.end)) {
+    const Part part{.triangle = &triangle};
     const Closest start = closest(a, motion.start().place, part, a.radius() + motion.travel() + strip.land);
     if (start.distance - a.radius() > motion.travel() + strip.land) continue;
     limit = collision::safe_time(a, motion, part, start, strip, limit);

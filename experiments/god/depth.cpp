@@ -68,9 +68,8 @@ double distance2(const TreeNode& node, const Vec3& p) {
 // The nearest triangle, nearer child first.
 void nearest(const Tree& tree, std::size_t at, const Vec3& p, double& best) {
   static const Shape point = Shape::sphere(1);
-  const TreeNode& node = tree.nodes()[at];
-  if (node.leaf != 0) {
-    for (const collision::Triangle& t : tree.triangles().subspan(node.leaf / 8, node.leaf % 8))
+  if (tree.leaf(at)) {
+    for (const collision::Triangle& t : tree.triangles(tree.range(at)))
       best = std::min(best, closest(point, {{t.corner[0] - p, t.corner[1] - p, t.corner[2] - p}}, best).distance);
     return;
   }
@@ -103,9 +102,8 @@ int winding(const Tree& tree, const Vec3& p, const Vec3& along) {
       n = node.skip;
       continue;
     }
-    ++n;
-    if (node.leaf == 0) continue;
-    for (const collision::Triangle& t : tree.triangles().subspan(node.leaf / 8, node.leaf % 8)) {
+    if (!tree.leaf(n++)) continue;
+    for (const collision::Triangle& t : tree.triangles(tree.range(n - 1))) {
       const Vec3 a = t.corner[0] - p, b = t.corner[1] - p, c = t.corner[2] - p;
       // Signed volumes over the edges: equal signs where the line passes through.
       const double u = along.dot(b.cross(c)), v = along.dot(c.cross(a)), w = along.dot(a.cross(b));

@@ -21,7 +21,7 @@ struct Indexed {
 
 Indexed indexed(const collision::Tree& tree, const Vec3& centre) {
   std::vector<Float3> corners;
-  corners.reserve(3 * tree.triangles().size());
+  corners.reserve(3 * tree.size());
   for (const collision::Triangle& triangle : tree.triangles())
     for (const Vec3& corner : triangle.corner) {
       const Eigen::Vector3f p = (corner - centre).cast<float>();
@@ -96,7 +96,7 @@ static_assert(sizeof(Vertex) == 12);
 
 DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
   DisplayMesh out;
-  out.full = tree.triangles().size();
+  out.full = tree.size();
   out.low = tree.low();
   out.size = std::max((tree.high() - tree.low()).maxCoeff(), 1e-9);
   const Vec3 centre = (tree.low() + tree.high()) / 2;

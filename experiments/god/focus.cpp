@@ -30,9 +30,9 @@ double first_hit(const collision::Tree& tree, const Vec3& p, const Vec3& d) {
       i = node.skip;
       continue;
     }
-    ++i;
-    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
-      const auto& [a, b, c] = tree.triangles()[t].corner;
+    if (!tree.leaf(i++)) continue;
+    for (const collision::Triangle& t : tree.triangles(tree.range(i - 1))) {
+      const auto& [a, b, c] = t.corner;
       const Vec3 e = b - a, f = c - a, h = d.cross(f), s = p - a, q = s.cross(e);
       const double det = e.dot(h), u = s.dot(h) / det, v = d.dot(q) / det, at = f.dot(q) / det;
       if (det != 0 && u >= 0 && v >= 0 && u + v <= 1 && at >= 0) nearest = std::min(nearest, at);

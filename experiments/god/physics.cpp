@@ -40,7 +40,6 @@ class TreeShape : public btConcaveShape {
 
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override {
     const auto nodes = tree_->nodes();
-    const auto triangles = tree_->triangles();
     for (std::size_t i = 0; i < nodes.size();) {
       const collision::TreeNode& node = nodes[i];
       bool apart = false;
@@ -50,9 +49,9 @@ class TreeShape : public btConcaveShape {
         i = node.skip;
         continue;
       }
-      ++i;
-      for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
-        const auto& [a, b, c] = triangles[t].corner;
+      if (!tree_->leaf(i++)) continue;
+      for (auto [t, end] = tree_->range(i - 1); t < end; ++t) {
+        const auto [a, b, c] = tree_->triangle(t).corner;
         btVector3 corners[3] = {vector(a), vector(b), vector(c)};
         callback->processTriangle(corners, 0, static_cast<int>(t));
       }

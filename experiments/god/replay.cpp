@@ -82,7 +82,7 @@ std::vector<Frame> shown_frames(const std::filesystem::path& directory, long tot
 Json scene_json(const Surroundings& surroundings) {
   double all = 0;
   for (const Object& object : surroundings.objects)
-    if (object.mesh) all += static_cast<double>(object.mesh->triangles().size());
+    if (object.mesh) all += static_cast<double>(object.mesh->size());
   const double share = all > 0 ? std::min(1.0, static_cast<double>(most_triangles_shown) / all) : 1;
   std::map<const collision::Tree*, std::size_t> known;
   Json meshes = Json::array(), objects = Json::array();
@@ -91,7 +91,7 @@ Json scene_json(const Surroundings& surroundings) {
     if (object.mesh) {
       const auto [at, fresh] = known.try_emplace(object.mesh.get(), meshes.size());
       if (fresh) {
-        const auto triangles = static_cast<double>(object.mesh->triangles().size());
+        const auto triangles = static_cast<double>(object.mesh->size());
         const DisplayMesh m = display_mesh(*object.mesh, static_cast<std::size_t>(std::max(share * triangles, 12.0)));
         meshes.push_back({{"vertices", m.vertices},
                           {"indices", m.indices},

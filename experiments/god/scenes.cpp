@@ -133,7 +133,7 @@ SceneSize size_of(const Surroundings& surroundings) {
   for (const Object& object : surroundings.objects) {
     ++(object.loose() ? size.loose : size.fixed);
     if (object.loose() || !object.mesh) continue;
-    const std::size_t n = object.mesh->triangles().size();
+    const std::size_t n = object.mesh->size();
     size.triangles += n;
     size.largest = std::max(size.largest, n);
   }

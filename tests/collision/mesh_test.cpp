@@ -133,7 +133,7 @@ TEST(ProceduralMeshes, AreClosedAndOfTheSizeAskedFor) {
 TEST(Tree, HoldsEveryTriangleInBoxesRoundedOutward) {
   const Mesh mesh = meshes::bumpy_sphere(0.05, 0.004, 7, 20000);
   const Tree tree(mesh);
-  ASSERT_EQ(tree.triangles().size(), mesh.triangles.size());
+  ASSERT_EQ(tree.size(), mesh.triangles.size());
   std::vector<int> seen(mesh.triangles.size());
   const auto inside = [](const TreeNode& node, const Vec3& p) {
     for (int k = 0; k < 3; ++k) {
@@ -146,11 +146,10 @@ TEST(Tree, HoldsEveryTriangleInBoxesRoundedOutward) {
   for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
     while (!above.empty() && tree.nodes()[above.back()].skip <= i) above.pop_back();
     above.push_back(i);
-    const TreeNode& node = tree.nodes()[i];
-    for (std::uint32_t t = node.leaf / 8; t < node.leaf / 8 + node.leaf % 8; ++t) {
+    for (auto [t, end] = tree.range(i); tree.leaf(i) && t < end; ++t) {
       ++seen[tree.origin(t)];
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3& p = tree.triangles()[t].corner[k];
+        const Vec3 p = tree.triangle(t).corner[k];
         EXPECT_EQ(p, mesh.vertices[mesh.triangles[tree.origin(t)][k]]);
         for (const std::uint32_t n : above) EXPECT_TRUE(inside(tree.nodes()[n], p));
       }
@@ -193,7 +192,7 @@ TEST_F(MeshFiles, AMillionTrianglesAreReadyInSeconds) {
   const auto start = std::chrono::steady_clock::now();
   const LoadedTree loaded = load_tree(file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_GT(loaded.tree.triangles().size(), 990000u);
+  EXPECT_GT(loaded.tree.size(), 990000u);
   EXPECT_LT(seconds, 20) << "a few seconds on a quiet machine";
   RecordProperty("seconds", std::to_string(seconds));
 }
@@ -215,7 +214,7 @@ TEST(RealMeshes, LoadWithTheirKnownSizes) {
     const LoadedTree loaded = load_tree(data() / k.file, {.unit = k.unit});
     const MeshReport& r = loaded.report;
     EXPECT_TRUE(k.triangles == 0 || r.triangles_read == k.triangles) << k.file << ": " << r.triangles_read;
-    EXPECT_EQ(loaded.tree.triangles().size() + r.degenerate + r.repeated, r.triangles_read) << k.file;
+    EXPECT_EQ(loaded.tree.size() + r.degenerate + r.repeated, r.triangles_read) << k.file;
     EXPECT_LE(loaded.tree.bytes_per_triangle(), 150) << k.file;
     std::printf("%s: %s\n", k.file, to_string(r).c_str());
   }
