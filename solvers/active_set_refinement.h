@@ -83,12 +83,14 @@ void ActiveSetRefinement<Scalar>::compute_residuals(const BasicProblem<Scalar>& 
   if (p.size() > 0) f.whitened.factor.solve_lower(rho_);
 }
 
-// Solves dy - G_A' dmu = rho, G_A dy = sigma, and adds the correction to z, lambda, y and mu. Returns |dy|.
+// Solves dy - G_A' dmu = rho, G_A dy = sigma, and adds the correction to z, lambda, y and mu. Returns its length: |dy|,
+// or |rho| where only the multipliers were off, as they are longest where active rows are near-parallel.
 template <class Scalar>
 Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
   using std::ldexp;
   const EqualityElimination<Scalar>& E = f.equality;
   const Index n = rho_.size(), q = f.inequality.size();
+  const Scalar unbalanced = rho_.norm();
 
   // Range part of dy from the equality rows.
   E.solve_transposed(sigma_E_);
@@ -137,7 +139,7 @@ Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
   };
   for (std::size_t k = 0; k < f.equality_rows.size(); ++k) add(f.equality_rows[k], mu_E_[k]);
   for (Index j = 0; j < q; ++j) add(f.active_rows[j], mu[j]);
-  const Scalar length = step_.norm();
+  const Scalar length = std::max(Scalar(step_.norm()), unbalanced);
   rho_ = step_.head(n);
   if (n > 0) f.whitened.factor.solve_upper(rho_);
   for (Index i = 0; i < n; ++i) z[i] += ldexp(Wide(rho_[i]), f.whitened.exponent);

@@ -133,6 +133,13 @@ double BodyPoint::violation(const BodyRows& rows, Index i) const {
   return left_of(rows, i, z_, z_rest_) / (unit_ * rows.row_norm[i]);
 }
 
+double BodyPoint::terms(const BodyRows& rows, Index i) const {
+  const auto [first, second] = rows.body[static_cast<std::size_t>(i)];
+  double sum = std::abs(rows.c[i]) + rows.J.col(2 * i).cwiseAbs().dot(z_.col(first).cwiseAbs());
+  if (second >= 0) sum += rows.J.col(2 * i + 1).cwiseAbs().dot(z_.col(second).cwiseAbs());
+  return sum / (unit_ * rows.row_norm[i]);
+}
+
 void BodyPoint::write(const BodyRows& rows, Vector& z, Vector& lambda) const {
   z = (z_ + z_rest_).topRows<6>().reshaped();
   for (Index i = 0; i < rows.rows(); ++i) lambda[rows.row[static_cast<std::size_t>(i)]] = lambda_[i] + lambda_rest_[i];

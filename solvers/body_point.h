@@ -30,6 +30,8 @@ class BodyPoint {
   void whiten_force(const BodyRows& rows, Motion& rho) const;
   // (c_i - J_i z) / |J_i|_(M^-1), likewise.
   double violation(const BodyRows& rows, Index i) const;
+  // (|c_i| + |J_i| |z|) / |J_i|_(M^-1), likewise: what a violation is made of.
+  double terms(const BodyRows& rows, Index i) const;
 
   // As doubles, by the problem's unknowns and rows.
   void write(const BodyRows& rows, Vector& z, Vector& lambda) const;

@@ -239,7 +239,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
     const double limit = std::max(10 * tolerance, 1e-12) * scale_;
     if (entering < 0) {
       doubt_active(p, w, active);
-      entering = doubt_others(p, w, active, limit);
+      entering = doubt_others(p, w, active);
     }
     if (entering < 0) {
       for (Index i = 0; i < w.rows(); ++i)

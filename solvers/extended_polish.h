@@ -55,8 +55,9 @@ class ExtendedPolish {
   bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
   bool exchange(const Whitened& w, ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position);
+  double inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const;
   void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
-  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
+  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active);
   Real give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
   void name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const;

@@ -40,27 +40,46 @@ template <class Real>
 void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
   double square = 0;
   for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
-  error_ += std::sqrt(square) / active.smallest_pivot();
+  constexpr int margin = 4;  // the smallest pivot may be larger than the smallest singular value
+  error_ += margin * std::sqrt(square) / active.smallest_pivot();
+}
+
+// What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
+template <class Real>
+double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const {
+  using std::abs;
+  double sum = 0;
+  for (Index i = 0; i < active.size(); ++i)
+    sum += std::abs(static_cast<double>(mu_[i])) *
+           (std::abs(static_cast<double>(violation(p, w, active[i]))) + hidden(p, w, active[i]));
+  return sum;
 }
 
 // A row outside that is violated by v, or by what rounding hides, and has a share rho outside the active ones would
 // move z by v / rho if it were obeyed, unless an active row gives way to it first: nothing when it is an exact
-// combination or a neighbour's twin, much when it was only taken for one. Returns a row that moves z by more than
-// `limit`, is violated for certain and can enter; -1 where there is none.
+// combination or a neighbour's twin, much when it was only taken for one. One that is violated by more than rounding
+// and its parts in the combination explain, however little, has to be obeyed: it is returned, and where it could not
+// enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
 template <class Real>
-Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
+Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active) {
+  constexpr double clear_share = 1e-12;  // as double factors see it
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
-    if (!(most > 0) || static_cast<double>(most) <= 1e-13 * scale_ * active.share(i)) continue;
+    if (!(most > 0)) continue;
+    const double share = active.share(i), needless = 1e-13 * scale_;
+    if (share > clear_share && static_cast<double>(most) <= needless * share) continue;
     const double rho = express(p, w, active, i);
-    if (!(rho > 64 * real_eps)) continue;
-    Index leaving;
-    const Real step = std::min(most / (Real(rho) * rho), give_way(w, active, sign, leaving));
-    const double far = std::min(scale_, static_cast<double>(rho * step));
-    if (far > limit && sign * v > 2 * rounding && active.accepts(rho)) return i;
-    error_ = std::max(error_, far);
+    const double weight = 1 + mu_.head(active.size()).template cast<double>().template lpNorm<1>();
+    const bool combination = !(rho > 64 * real_eps * weight);
+    const double over = static_cast<double>(sign * v) - 8 * rounding;
+    const bool violated = over > 0 && (combination || over > needless * rho) && over > 8 * inherited(p, w, active);
+    if (violated && state_[at(i)] == State::outside) return i;
+    if (combination && !violated) continue;
+    double far = static_cast<double>(most) / rho;
+    if (Index leaving; !violated) far = std::min(far, rho * static_cast<double>(give_way(w, active, sign, leaving)));
+    error_ = std::max(error_, std::min(scale_, far));
   }
   return -1;
 }

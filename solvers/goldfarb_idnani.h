@@ -91,11 +91,14 @@ class GoldfarbIdnani {
   void refresh();
   bool restore_dual_feasibility();
   bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
+  void add_to_rest(const BasicProblem<Scalar>& problem, Index row, const Wide& factor);
+  Scalar length_of_rest();
   void list_active_rows();
   struct Rest {
     Wide violation, terms;  // of the unit row, in units of 2^exponent
   };
   Rest rest_of(const BasicProblem<Scalar>& problem, Index i) const;
+  bool dropped_in_doubt(const BasicProblem<Scalar>& problem, Index i, const Scalar& far);
   bool solve_active_set(const BasicProblem<Scalar>& problem);
   void refine(const BasicProblem<Scalar>& problem);
   void observe(const BasicProblem<Scalar>& problem, const Observer& observer);
@@ -113,6 +116,8 @@ class GoldfarbIdnani {
   VectorX<Scalar> b_, magnitude_, slack_;           // of the inequality rows
   VectorX<Scalar> v_, u_, r_;                       // (v, u); R^-1 Q'a of the entering row a
   VectorX<Scalar> y_E_, x_, w_;                     // padded n; padded n; rank
+  VectorX<Wide> mu_, rest_;                         // rank; n: a combination of rows, and what it leaves
+  VectorX<Scalar> left_;                            // n: the same, whitened
   Scalar y_E_norm_{0};
   Deadline deadline_;
   DenseStorage storage_;

@@ -36,8 +36,6 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   Scalar weight(1);
   for (Index k = 0; k < elimination_.rank(); ++k) weight += abs(w_[k]);
   for (Index j = 0; j < q; ++j) weight += abs(r_[j]);
-  proof_in_doubt =
-      proof < Scalar(2e8) * reach * (length + violation_tolerance()) || length > Scalar(8) * epsilon() * weight;
   list_active_rows();
 
   certificate.setZero(p.rows());
@@ -48,7 +46,26 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   write(row, sign);
   for (Index k = 0; k < elimination_.rank(); ++k) write(equality_rows_[k], -sign * w_[k]);
   for (Index j = 0; j < q; ++j) write(inequalities_[active_[j]], std::max(Scalar(0), Scalar(-r_[j])));
+  // Between near-parallel rows multipliers are long, and their rounding leaves a rest of its own.
+  rest_.setZero(n);
+  for (Index i = 0; i < p.rows(); ++i)
+    if (certificate[i] != Scalar(0)) add_to_rest(p, i, Wide(certificate[i]) / Wide(shortest));
+  const Scalar rest = std::max(length, length_of_rest()) + violation_tolerance();
+  proof_in_doubt = proof < Scalar(2e8) * reach * rest || length > Scalar(8) * epsilon() * weight;
   return true;
+}
+
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::add_to_rest(const BasicProblem<Scalar>& p, Index row, const Wide& factor) {
+  for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
+    rest_[it.col()] += Wide(it.value()) * factor;
+}
+
+template <class Scalar>
+Scalar GoldfarbIdnani<Scalar>::length_of_rest() {
+  left_ = rest_.template cast<Scalar>();
+  whitened_.factor.solve_lower(left_);
+  return left_.norm();
 }
 
 template <class Scalar>
@@ -99,11 +116,51 @@ Scalar GoldfarbIdnani<Scalar>::error(const BasicProblem<Scalar>& p) const {
   for (Index j = 0; j < updates_.size(); ++j) negative = std::max(negative, Scalar(-refinement_.mu[j]));
   const Scalar size = std::max(Scalar(refinement_.y.norm()), Scalar(whitened_.free.norm()));
   if (!(size > Scalar(0))) return Scalar(0);
-  return Scalar((refinement_.remaining + sqrt(square) / smallest_accepted + negative) / size);
+  constexpr int margin = 4;  // the smallest pivot may be larger than the smallest singular value
+  return Scalar((refinement_.remaining + Scalar(margin) * sqrt(square) / smallest_accepted + negative) / size);
+}
+
+// An equality row that was dropped as a combination of the accepted ones, expressed by them in the wider scalar: joints
+// 2^-50 apart are none, though double cannot tell them from repeated ones. What is left of it, rho, would take z by
+// v / rho to where it holds; where nothing is left, it holds as well as those it is made of.
+template <class Scalar>
+bool GoldfarbIdnani<Scalar>::dropped_in_doubt(const BasicProblem<Scalar>& p, Index i, const Scalar& far) {
+  using std::abs;
+  const Wide epsilon = std::numeric_limits<Wide>::epsilon();
+  const Index n = p.size(), r = elimination_.rank();
+  const auto add = [&](Index k, const Wide& unit) {
+    add_to_rest(p, whitened_.row[k], unit / Wide(whitened_.row_norm[k]));
+  };
+  mu_.setZero(r);
+  Scalar rho = std::numeric_limits<Scalar>::infinity(), before;
+  do {
+    rest_.setZero(n);
+    add(i, Wide(1));
+    for (Index k = 0; k < r; ++k) add(equality_rows_[k], -mu_[k]);
+    before = rho;
+    rho = length_of_rest();
+    x_.setZero();
+    x_.head(n) = left_;
+    elimination_.rotate(x_);
+    elimination_.range(x_, w_);
+    elimination_.solve(w_);
+    mu_ += w_.template cast<Wide>();
+  } while (rho < before / Scalar(2));
+
+  const Rest own = rest_of(p, i);
+  Wide hidden = epsilon * own.terms;
+  if (rho > Scalar(64 * epsilon * (1 + mu_.template lpNorm<1>())))
+    return Scalar(abs(own.violation) + hidden) > far * rho;
+  for (Index k = 0; k < r; ++k) {
+    const Rest part = rest_of(p, equality_rows_[k]);
+    hidden += abs(mu_[k]) * (abs(part.violation) + epsilon * part.terms);
+  }
+  return abs(own.violation) > Wide(8) * hidden;
 }
 
 // A row that is violated by v, or by what rounding hides, and has a share rho outside the active ones would move z by
-// v / rho if it were obeyed, unless an active row gives way to it before: after a step of its multiplier by t.
+// v / rho if it were obeyed, unless an active row gives way to it before: after a step of its multiplier by t. That it
+// gives way decides nothing where the row is violated by more than its own terms explain.
 template <class Scalar>
 bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, const Scalar& limit) {
   using std::abs;
@@ -111,9 +168,10 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
   const auto violated = [&](const Wide& violation, Index i) {
     return violation > Wide(32) * epsilon * (Wide(whitened_.magnitude[i]) + length);
   };
-  for (const Index k : elimination_.rejected())
-    if (violated(abs(rest_of(p, equalities_[k]).violation), equalities_[k])) return true;
   const Scalar far = limit * std::max(Scalar(length), Scalar(whitened_.free.norm()));
+  for (const Index k : elimination_.rejected())
+    if (violated(abs(rest_of(p, equalities_[k]).violation), equalities_[k]) || dropped_in_doubt(p, equalities_[k], far))
+      return true;
   for (std::size_t j = 0; j < state_.size(); ++j) {
     if (state_[j] == active) continue;
     const Rest rest = rest_of(p, inequalities_[j]);
@@ -123,6 +181,7 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
     deadline_.keep();
     const Scalar rho = updates_.split(A_.col(static_cast<Index>(j)));
     if (most <= far * rho) continue;
+    if (rest.violation > Wide(32) * epsilon * rest.terms) return true;
     auto r = r_.head(updates_.size());
     r = updates_.components();
     updates_.solve(r);

@@ -52,10 +52,16 @@ class LeastDistance {
   const std::vector<Index>& active() const { return active_; }
   bool is_active(Index j) const { return state_[static_cast<std::size_t>(j)] == State::active; }
   bool is_retired(Index j) const { return state_[static_cast<std::size_t>(j)] == State::retired; }
-  const Vector& v() const { return v_; }                             // padded
-  const Vector& u() const { return u_; }                             // first active().size()
-  double share(Index j) { return factor_.split(A_.col(j).data()); }  // of row j: its length outside the active ones
-  const InverseFactor& factor() const { return factor_; }            // of the active rows, for the refinement
+  const Vector& v() const { return v_; }                   // padded
+  const Vector& u() const { return u_; }                   // first active().size()
+  const InverseFactor& factor() const { return factor_; }  // of the active rows, for the refinement
+  // The length of row j outside the active ones; then how far its multiplier can grow until an active row gives way to
+  // it (infinity: none does).
+  double share(Index j) { return factor_.split(A_.col(j).data()); }
+  double room() {
+    const Block block = blocking();
+    return block.row < 0 ? std::numeric_limits<double>::infinity() : block.step;
+  }
   double smallest_accepted = 1, largest_rejected = 0;
 
  private:

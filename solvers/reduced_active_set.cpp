@@ -9,6 +9,8 @@ namespace {
 
 // Pivots and remainders between these could go either way by the rounding of N.
 constexpr double clear_accepted = 1e-6, clear_rejected = 4e-15;
+// What rounding mostly leaves of a row that the others determine exactly. More goes to the careful path.
+constexpr double exact_share = 1e-16;
 // A slack that rounding in double leaves no doubt about.
 constexpr double clear_slack = 1e-12;
 constexpr double fine = 0x1p-63, rounding = 32 * fine;
@@ -251,8 +253,8 @@ bool ReducedActiveSet::refine() {
 }
 
 // The rows outside the active set, from the problem's own J and c: rounding in an answer of long double is all they may
-// be short of, and what that leaves open may not move z by more than `limit`, relative: the careful path's
-// leaves_in_doubt().
+// be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
+// the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself.
 bool ReducedActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm);
@@ -266,8 +268,9 @@ bool ReducedActiveSet::rest_holds(double limit) {
     const double most = violation + fine * size;
     if (!(most > 0)) continue;
     take(j);
-    const double share = climb_.share(place_[static_cast<std::size_t>(j)]);
-    if (share > clear_rejected && most > limit * far * share) return false;
+    const double share = climb_.share(place_[static_cast<std::size_t>(j)]), allowed = limit * far;
+    if (most <= allowed * share || share * climb_.room() <= allowed) continue;
+    if (share > exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }
   return true;
 }

@@ -66,7 +66,9 @@ TEST(ReducedForm, GivesTheMotionOfTheCarefulPathOnRandomMechanisms) {
       fast.solve(p, {}, a);
       careful.solve(p, {}, b);
       ASSERT_EQ(a.status, b.status) << p.name;
-      if (b.status != Status::solved || b.margins.smallest_accepted < 1e-6) continue;
+      // Where joints alone determine a row, rounding in c contradicts them (100 digits agree): that is flagged.
+      if (b.status != Status::solved && b.status != Status::solved_ill_conditioned) continue;
+      if (b.margins.smallest_accepted < 1e-6) continue;
       ++compared;
       EXPECT_LE(distance(p, a.z, b.z), 1e-12) << p.name;
       const Metrics metrics = measure(p, a, nullptr, 1e-10);
