@@ -12,7 +12,6 @@
 #include "experiments/report/results.h"
 
 namespace zwang {
-namespace {}  // namespace
 
 int fuzz_command(std::vector<std::string> words) {
   CLI::App options(
@@ -30,6 +29,7 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_option("--count", fuzz.count, "number of problems; default: 20000")->check(above(0));
   options.add_option("--seed", fuzz.seed, "of all draws; default: 1")->check(from_to(0));
   options.add_option("--first", fuzz.first, "number of the first problem; default: 0")->check(from_to(0));
+  options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
   options.add_option("--jobs", jobs, "processes; default: one a core")->check(from_to(1, 64));
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");

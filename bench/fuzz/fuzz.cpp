@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bench/fuzz/exact_answer.h"
+#include "bench/fuzz/near_problem.h"
 #include "bench/fuzz/small_problem.h"
 #include "bench/references/witnesses.h"
 #include "bench/scenes/dyadic.h"
@@ -56,6 +57,14 @@ std::string shown(const char* what, double value) {
 
 }  // namespace
 
+Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number) {
+  return options.near ? near_problem(options.seed, number) : small_problem(options.seed, number);
+}
+
+std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem) {
+  return options.near ? multiprecision_reference(problem) : exact_answer(problem);
+}
+
 // nnls_paper is wrong by design where c lies outside range(J), and blind to infeasibility: only on request.
 std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among) {
   std::vector<std::string> names;
@@ -69,7 +78,7 @@ std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<con
 
 Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
                std::function<void(std::size_t)> at, std::function<void(Fault)> report)
-    : seed_(options.seed), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
+    : options_(options), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
   for (const std::string& name : fuzzed_solvers(options.solvers, among)) {
     AnySolver solver = make_solver(name, among);
     candidates_.push_back({name, find_solver(name.substr(0, name.find(':')), among)->exact, std::move(solver)});
@@ -82,7 +91,7 @@ void Fuzzer::fault(std::size_t i, std::uint64_t number, std::string what, Proble
   Fault out{.number = number, .solver = candidates_[i].name, .what = std::move(what)};
   out.instance.problem = std::move(problem);
   out.instance.family = "fuzz";
-  out.instance.seed = seed_;
+  out.instance.seed = options_.seed;
   if (truth) out.instance.reference = *truth;
   report_(std::move(out));
 }
@@ -163,7 +172,7 @@ void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& proble
 }
 
 void Fuzzer::with_spoilt_entry(std::uint64_t number, const Problem& problem) {
-  const Spoilt spoilt = spoil(problem, seed_ + number);
+  const Spoilt spoilt = spoil(problem, options_.seed + number);
   const bool bad = spoilt.bad || !is_positive_definite(spoilt.problem.M);
   const std::optional<Reference> truth = bad ? std::nullopt : decided_by_both(spoilt.problem);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -180,12 +189,13 @@ void Fuzzer::with_spoilt_entry(std::uint64_t number, const Problem& problem) {
 
 void Fuzzer::film(std::uint64_t number) {
   const std::uint64_t reel = number / film_every;
-  Knobs knobs = {{"k", static_cast<double>(3 + reel % 46)}, {"frame", 0}, {"seed", static_cast<double>(seed_ + reel)}};
+  Knobs knobs = {
+      {"k", static_cast<double>(3 + reel % 46)}, {"frame", 0}, {"seed", static_cast<double>(options_.seed + reel)}};
   std::vector<WarmStart> before(candidates_.size());
   for (int frame = 0; frame < frames; ++frame) {
     knobs["frame"] = frame;
     Problem p = flipping_stack(knobs).problem;
-    p.name = "FLIP(k=" + std::to_string(3 + reel % 46) + ",seed=" + std::to_string(seed_ + reel) +
+    p.name = "FLIP(k=" + std::to_string(3 + reel % 46) + ",seed=" + std::to_string(options_.seed + reel) +
              ",frame=" + std::to_string(frame) + ")";
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       if (!candidates_[i].exact) continue;
@@ -203,11 +213,12 @@ void Fuzzer::film(std::uint64_t number) {
 }
 
 void Fuzzer::look(std::uint64_t number) {
-  const Problem problem = small_problem(seed_, number);
-  // Numbers of this size always fit; if one did not, the problem would be no test.
-  const std::optional<Reference> truth = exact_answer(problem);
+  const Problem problem = fuzzed_problem(options_, number);
+  // Numbers of this size always fit, and 100 digits decide; if they did not, the problem would be no test.
+  const std::optional<Reference> truth = fuzzed_truth(options_, problem);
   if (!truth) throw std::logic_error(problem.name + " has no exact answer");
   against_truth(number, problem, *truth);
+  if (options_.near) return;
   if (number % warm_every == 0) from_random_multipliers(number, problem);
   if (number % spoil_every == 0) with_spoilt_entry(number, problem);
   if (number % film_every == 0) film(number);

@@ -13,6 +13,7 @@ namespace zwang {
 struct FuzzOptions {
   std::uint64_t seed = 1, first = 0, count = 1000;  // problems first .. first + count - 1
   std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
+  bool near = false;                                // near-dependent rows (near_problem.h) in place of small integers
 };
 
 // What one solver made of all problems so far. Plain numbers: they live in memory that two processes share.
@@ -38,6 +39,10 @@ struct Fault {
   Instance instance = {};  // with its exact answer, where there is one
 };
 
+// The problem with that number of a run, and its truth: in integers, or of near-dependent rows in 100 digits.
+Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number);
+std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem);
+
 std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among);
 
 // Looks at one problem after the other:
@@ -45,10 +50,11 @@ std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<con
 //   every problem       all solvers against the exact answer; a claim of infeasibility needs a proven certificate
 //   every fourth        active-set methods again from random multipliers: z as before, to 1e-12
 //   every eighth        one entry NaN or Inf: refused; or denormal or 1e300: no claim that both witnesses of references
-//   contradict every 2000th        a film of 256 frames of the FLIP family, each warm-started from the frame before
+//                       contradict
+//   every 2000th        a film of 256 frames of the FLIP family, each warm-started from the frame before
 //
-// Active-set methods have to be right to 1e-9, the others to 1000 times what "solved" allows at T = 1e-10, within 500
-// iterations.
+// Of problems with near-dependent rows only the first is asked. Active-set methods have to be right to 1e-9, the others
+// to 1000 times what "solved" allows at T = 1e-10, within 500 iterations.
 class Fuzzer {
  public:
   // `tally` has one entry a solver. `at` is told which solver runs next: if it crashes, that is known.
@@ -70,7 +76,7 @@ class Fuzzer {
   void solve(std::size_t i, const Problem& problem, const WarmStart* warm);
   void fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth = nullptr);
 
-  std::uint64_t seed_;
+  FuzzOptions options_;
   std::vector<Candidate> candidates_;
   std::span<FuzzTally> tally_;
   std::function<void(std::size_t)> at_;

@@ -7,9 +7,7 @@
 #include "bench/scenes/dyadic.h"
 
 namespace zwang {
-namespace {
 
-// A seed for each problem: neighbours share nothing (splitmix64, Steele et al. 2014).
 std::uint64_t mixed(std::uint64_t seed, std::uint64_t number) {
   std::uint64_t x = seed * 0x9e3779b97f4a7c15u + number;
   for (const std::uint64_t factor : {0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu}) {
@@ -19,6 +17,8 @@ std::uint64_t mixed(std::uint64_t seed, std::uint64_t number) {
   }
   return x;
 }
+
+namespace {
 
 // L D L' with powers of two in D and a few units below the diagonal of L.
 Matrix mass(Index n, SmallNumbers& draw) {

@@ -6,6 +6,9 @@
 
 namespace zwang {
 
+// A seed for each problem: neighbours share nothing (splitmix64, Steele et al. 2014).
+std::uint64_t mixed(std::uint64_t seed, std::uint64_t number);
+
 // Problem number `number` of a fuzzing run: up to six unknowns and ten rows with entries -1, 0, 1, where ties,
 // degenerate vertices, rows without entries, repeated, opposed, doubled and summed rows, and contradictions are the
 // rule. The same on every machine.

@@ -14,8 +14,6 @@
 #include <sstream>
 #include <system_error>
 
-#include "bench/fuzz/exact_answer.h"
-#include "bench/fuzz/small_problem.h"
 #include "core/problem_file.h"
 
 namespace zwang {
@@ -136,8 +134,8 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     const std::string solver = outcome.solvers[shared.solver];
     ++shared.tally[shared.solver].faults;
     Fault fault{.number = shared.next, .solver = solver, .what = how};
-    fault.instance.problem = small_problem(options.seed, shared.next);
-    fault.instance.reference = exact_answer(fault.instance.problem);
+    fault.instance.problem = fuzzed_problem(options, shared.next);
+    fault.instance.reference = fuzzed_truth(options, fault.instance.problem);
     outcome.findings.push_back({fault.number, solver, how, write(directory, fault)});
     shared.next += step;
     ++shared.done;

@@ -1,0 +1,85 @@
+#include "bench/fuzz/near_problem.h"
+
+#include <cmath>
+
+#include "bench/fuzz/small_problem.h"
+#include "bench/scenes/dyadic.h"
+
+namespace zwang {
+namespace {
+
+constexpr int nearest = 50, farthest = 22;  // -log2 of what a copy is off by
+
+Matrix mass(Index n, SmallNumbers& draw) {
+  const int spread = 10 * draw.integer(0, 2);
+  Matrix L = Matrix::Identity(n, n);
+  Vector D(n);
+  for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
+  if (draw.integer(0, 1) == 0) return D.asDiagonal();
+  for (Index k = 0; k < n; ++k) {
+    const Index i = draw.index(n), j = draw.index(n);
+    if (i > j) L(i, j) = draw.integer(-2, 2);
+  }
+  return L * D.asDiagonal() * L.transpose();
+}
+
+struct Row {
+  Vector J;
+  double c;
+};
+
+Row fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
+  Row row{draw.integers(n, 3), 0};
+  row.c = met ? row.J.dot(*met) : draw.integer(-3, 3);
+  if (met && !equality && draw.integer(0, 1) == 1) row.c -= draw.integer(0, 2);
+  return row;
+}
+
+// Of one row, or of the sum of two. c goes with J where a motion is to be met.
+Row copy(const std::vector<Row>& before, const Vector* met, Index n, SmallNumbers& draw) {
+  const auto any = [&]() -> const Row& {
+    return before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))];
+  };
+  Row row = any();
+  if (draw.integer(0, 2) == 0) {
+    const Row& other = any();
+    row = {row.J + other.J, row.c + other.c};
+  }
+  const double off = std::exp2(-draw.integer(farthest, nearest));
+  const Vector direction = draw.integers(n, 2);
+  if (draw.integer(0, 3) > 0) {
+    row.J += off * direction;
+    if (met) row.c += off * direction.dot(*met);
+  }
+  const int kind = draw.integer(0, 5);
+  const double factor = kind == 0 ? -1 : kind <= 2 ? std::exp2(draw.integer(-3, 3)) : 1;
+  row = {factor * row.J, factor * row.c};
+  if (draw.integer(0, 3) == 0) row.c += factor * std::exp2(-draw.integer(20, 40)) * draw.integer(-1, 1);
+  return row;
+}
+
+}  // namespace
+
+Problem near_problem(std::uint64_t seed, std::uint64_t number) {
+  SmallNumbers draw(static_cast<double>(mixed(seed, number) >> 11));
+  const Index n = 2 + draw.index(13), m = 1 + draw.index(2 * n), equalities = draw.index(std::min(m, n / 2) + 1);
+  Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
+  p.z_u = draw.integers(n, 4);
+  const Vector motion = draw.integers(n, 2);
+  const Vector* const met = draw.integer(0, 2) > 0 ? &motion : nullptr;
+  Matrix J(m, n);
+  p.c.resize(m);
+  std::vector<Row> rows;
+  for (Index i = 0; i < m; ++i) {
+    const bool equality = i < equalities, own = rows.empty() || draw.integer(0, 4) < 2;
+    rows.push_back(own ? fresh(met, equality, n, draw) : copy(rows, met, n, draw));
+    J.row(i) = rows.back().J;
+    p.c[i] = rows.back().c;
+    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+  }
+  p.J = J.sparseView();
+  return p;
+}
+
+}  // namespace zwang
