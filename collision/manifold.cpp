@@ -83,7 +83,7 @@ void Manifold::keep_corners(std::span<const Touch> touches, std::uint32_t closes
 }
 
 int Manifold::complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist,
-                       double target, double tolerance) {
+                       double target, double tolerance, bool push) {
   const auto moved = [&](int collider, const Vec3& point) {
     const Vec<double, 6>& v = twist[static_cast<std::size_t>(collider)];
     return Vec3(v.head<3>() + v.tail<3>().cross(point - world.pose(collider).position));
@@ -96,7 +96,8 @@ int Manifold::complete(std::span<const Touch> touches, const World& world, std::
     for (; end < touches.size() && touches[end].a == touches[first].a && touches[end].b == touches[first].b; ++end) {
       const Touch& t = touches[end];
       if (is_kept_[end]) continue;
-      const double over = t.gap - target + t.normal.dot(moved(t.a, t.point_a) - moved(t.b, t.point_a));
+      const double over = t.gap - (push ? target : std::min(target, t.gap)) +
+                          t.normal.dot(moved(t.a, t.point_a) - moved(t.b, t.point_a));
       if (over < worst) worst = over, winner = end, any = true;
     }
     if (!any) continue;

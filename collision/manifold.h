@@ -27,11 +27,12 @@ class Manifold {
   std::span<const std::uint32_t> kept() const { return kept_; }
 
   // Lazy completion, after a solve that used the kept ones: every raw touch was promised a gap of at least `target`
-  // after the motion, to first order. Adds, of each pair of colliders, the one that is violated most, where by more
-  // than `tolerance` [m]. Returns how many were added to kept(); 0: the reduction changed nothing to this tolerance.
+  // after the motion, to first order; without `push`, its own gap where that is less. Adds, of each pair of colliders,
+  // the one that is violated most, where by more than `tolerance` [m]. Returns how many were added to kept(); 0: the
+  // reduction changed nothing to this tolerance.
   // twist: what each collider does [m; rad, world axes], by its number; poses: where it stands.
   int complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist, double target,
-               double tolerance);
+               double tolerance, bool push = true);
 
  private:
   void reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end);

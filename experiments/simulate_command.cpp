@@ -100,7 +100,8 @@ void add_options(CLI::App& options, Typed& typed) {
   add_choice(options, "clusters", "off", "on", "each hand solved apart", [&o](bool yes) { o.clusters = yes; });
   add_choice(options, "thinning", "off", "on", "contacts reduced to those that carry",
              [&o](bool yes) { o.reduce_contacts = yes; });
-  add_choice(options, "lazy", "off", "on", "contacts that thinning took are given back where the solve needs them",
+  add_choice(options, "lazy", "off", "on",
+             "what thinning took is given back where the solve needs it; off: all of it, at once",
              [&o](bool yes) { o.lazy_contacts = yes; });
   add_choice(options, "model", "reduced", "maximal", "26 unknowns a hand, or 96 with 70 joint rows",
              [&o](bool yes) { o.maximal = yes; });

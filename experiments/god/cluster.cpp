@@ -98,6 +98,7 @@ void Cluster::write_rows(bool push) {
 bool Cluster::solve(Frame& frame) {
   solved_ = false;
   for (const bool push : {true, false}) {
+    pushed_ = push;
     {
       const Lap lap(frame.times.assembly);
       write_rows(push);
@@ -128,11 +129,11 @@ void Cluster::take_solution() {
 
 bool Cluster::solve_lazily(Frame& frame) {
   bool solved = solve(frame);
-  for (int round = 0; round < 8 && solved && options_.lazy_contacts; ++round) {
+  while (solved) {
     int added = 0;
     {
       const Lap lap(frame.times.collision);
-      added = encounters_.complete(way_, 0.75 * options_.gap, 0.1 * options_.gap);
+      added = encounters_.complete(way_, options_.gap, pushed_);
     }
     if (added == 0) break;
     frame.completed += added;

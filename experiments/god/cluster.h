@@ -102,7 +102,8 @@ class Cluster {
   double allowed_ = 0;                    // m, the most that a pressing cluster moves in a sub-step
   double pace_ = 0;                       // m, that it always may
   double caution_ = 1;                    // part of it that it may after it turned back or was held
-  bool done_ = false, held_ = false, solved_ = false, leg_ = false, free_ = false, blocked_ = false, bent_ = false;
+  bool done_ = false, held_ = false, solved_ = false, pushed_ = false, leg_ = false, free_ = false, blocked_ = false,
+       bent_ = false;
   bool counted_ = false;  // contacts of this frame, at its first look
   int sub_step_ = 0;
 };

@@ -123,8 +123,10 @@ double Cluster::propose(Frame& frame) {
   }
   {
     const Lap lap(frame.times.collision);
+    using Choice = Encounters::Choice;
+    const Choice choice = !options_.reduce_contacts ? Choice::raw : options_.lazy_contacts ? Choice::few : Choice::all;
     // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
-    encounters_.look(std::max(options_.activation, 2.3 * allowed_), options_.reduce_contacts);
+    encounters_.look(std::max(options_.activation, 2.3 * allowed_), choice);
   }
   if (!counted_) {
     frame.raw += static_cast<int>(encounters_.raw());

@@ -1,6 +1,7 @@
 #include "experiments/god/encounters.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace zwang::god {
 namespace {
@@ -14,6 +15,7 @@ constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
 constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
 constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
 constexpr double small_lift = 2e-8;     // m
+constexpr double rounding = 1e-12;      // m
 const Shape point = Shape::sphere(1);
 
 std::uint64_t mixed(std::uint64_t h) {
@@ -88,19 +90,21 @@ void Encounters::place_object(std::size_t object, const Pose<double>& pose) {
   for (const Part& part : parts_[object]) world_.place(part.collider, placed(pose, part.at));
 }
 
-void Encounters::look(double activation, bool reduce) {
+void Encounters::look(double activation, Choice choice) {
   const Touches touches = world_.touches(activation);
   raw_ = touches.size();
   rows_.clear();
   left_.clear();
   for (std::size_t first = 0, end = 0; first < touches.size(); first = end) {
     while (end < touches.size() && touches[end].a == touches[first].a && touches[end].b == touches[first].b) ++end;
-    if (reduce)
-      meet(touches.subspan(first, end - first), activation);
-    else
+    if (choice == Choice::raw)
       left_.insert(left_.end(), touches.begin() + static_cast<long>(first), touches.begin() + static_cast<long>(end));
+    else
+      meet(touches.subspan(first, end - first), activation);
   }
-  manifold_.reduce(left_, !reduce);
+  as_row_ = left_;
+  made_.assign(left_.size(), 0);
+  manifold_.reduce(left_, choice != Choice::few);
   add_kept(0);
 }
 
@@ -185,30 +189,43 @@ void Encounters::find_planes(int a, int b, std::size_t first_row, double activat
   }
 }
 
-// What the manifold has kept from number `from` on, each as the sphere of its core point. Of a touch that stands for a
-// patch of triangles that is the one nearest to its vertex: straight up from there one comes out beside the shape, by
-// up to 0.8 mm, and a sphere there meets what the shape does not.
+// A touch as the sphere of its core point. Of one that stands for a patch of triangles that is the one nearest to its
+// vertex: straight up from there one comes out beside the shape, by up to 0.8 mm, and a sphere there meets what the
+// shape does not.
+void Encounters::make_row(std::size_t left) {
+  Touch& t = as_row_[left];
+  const collision::Tree* tree = world_.mesh(t.b);
+  if (std::exchange(made_[left], 1) || tree == nullptr) return;
+  const Shape& shape = *world_.shape(t.a);
+  const Pose<double>&at_a = world_.pose(t.a), &mesh = world_.pose(t.b);
+  const Vec3 center = shape.core() == Core::hull ? Vec3(t.point_a + shape.radius() * t.normal)
+                                                 : Vec3(at_a * shape.nearest(into(at_a, t.point_b)));
+  if (const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + clearance);
+      found && found->distance > 0)
+    t = touch_of(t.a, t.b, center, shape.radius(), mesh * found->point);
+}
+
+// What the manifold has kept from number `from` on.
 void Encounters::add_kept(std::size_t from) {
-  const std::span<const std::uint32_t> kept = manifold_.kept().subspan(from);
-  for (const std::uint32_t i : kept) {
-    Touch t = left_[i];
-    if (const collision::Tree* tree = world_.mesh(t.b)) {
-      const Shape& shape = *world_.shape(t.a);
-      const Pose<double>&at_a = world_.pose(t.a), &mesh = world_.pose(t.b);
-      const Vec3 center = shape.core() == Core::hull ? Vec3(t.point_a + shape.radius() * t.normal)
-                                                     : Vec3(at_a * shape.nearest(into(at_a, t.point_b)));
-      if (const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + clearance);
-          found && found->distance > 0)
-        t = touch_of(t.a, t.b, center, shape.radius(), mesh * found->point);
-    }
-    rows_.push_back({t, key_of(t, 1 << 10, left_[i].feature), 0});
+  for (const std::uint32_t i : manifold_.kept().subspan(from)) {
+    make_row(i);
+    rows_.push_back({as_row_[i], key_of(as_row_[i], 1 << 10, left_[i].feature), 0});
   }
 }
 
-int Encounters::complete(std::span<const Vec<double, 6>> motion, double room, double tolerance) {
+// Only touches that the motion crosses are looked at as rows. A row is about the nearest triangle, which may not be its
+// touch's own, so that some rows are crossed of which the touches are not: to look at them all, too, made the motion
+// that of all rows to 9e-9 m (else 0.2 mm in a few frames of a grasp), and slow frames take twice as long.
+int Encounters::complete(std::span<const Vec<double, 6>> motion, double gap, bool push) {
   std::copy(motion.begin(), motion.end(), motion_.begin());
+  for (std::size_t i = 0; i < left_.size(); ++i) {
+    const Touch& t = left_[i];
+    const Vec<double, 6>& way = motion_[static_cast<std::size_t>(t.a)];
+    const Vec3 path = way.head<3>() + way.tail<3>().cross(t.point_a - world_.pose(t.a).position);
+    if (t.gap + t.normal.dot(path) < gap) make_row(i);
+  }
   const std::size_t before = manifold_.kept().size();
-  const int added = manifold_.complete(left_, world_, motion_, room, tolerance);
+  const int added = manifold_.complete(as_row_, world_, motion_, gap, rounding, push);
   add_kept(before);
   return added;
 }

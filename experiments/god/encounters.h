@@ -38,12 +38,15 @@ class Encounters {
     std::uint64_t key;  // names the touch over frames, never 0
     double lift;        // m: that much more than the others keeps it from being a combination of them
   };
-  // Looks for everything within a distance [m], and chooses what becomes rows; without `reduce`, every touch.
-  void look(double activation, bool reduce);
+  // Looks for everything within a distance [m]. What becomes rows: a few, that complete() adds to; all that it could
+  // add, too; or every touch as it comes, corners or not.
+  enum class Choice { few, all, raw };
+  void look(double activation, Choice choice);
   std::span<const Row> rows() const { return rows_; }
   std::size_t raw() const { return raw_; }
-  // Gives back left out touches that a motion (m, rad; by god object) brings nearer than `room` [m]: how many.
-  int complete(std::span<const Vec<double, 6>> motion, double room, double tolerance);
+  // Of each pair, gives back the left out row that a motion (m, rad; by god object) violates most: how many. Rows keep
+  // `gap` [m]; without `push`, what they have of it.
+  int complete(std::span<const Vec<double, 6>> motion, double gap, bool push);
 
   int object_of(int collider) const { return object_[static_cast<std::size_t>(collider)]; }  // -1: a god object
 
@@ -67,6 +70,7 @@ class Encounters {
   void meet_mesh(int a, std::size_t corner, int b, double activation);
   void meet_shape(int a, int b, double activation);
   void find_planes(int a, int b, std::size_t first_row, double activation);
+  void make_row(std::size_t left);
   void add_kept(std::size_t from);
 
   collision::World world_;
@@ -75,6 +79,8 @@ class Encounters {
   std::vector<std::vector<Part>> parts_;      // by object
   std::vector<int> object_;                   // by collider
   std::vector<collision::Touch> left_;        // that corners do not imply
+  std::vector<collision::Touch> as_row_;      // the same, as they are or would be rows, where made_
+  std::vector<char> made_;
   std::vector<Row> rows_;
   std::vector<collision::Plane> planes_;  // m, world; of the pair at hand
   std::size_t raw_ = 0;

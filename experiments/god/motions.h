@@ -19,7 +19,7 @@ Motion synthetic_motion(const std::string& name, const Surroundings& about);
 std::vector<std::pair<std::string, std::string>> synthetic_motions();  // name, one line
 
 // Moves a recording to where it works: turned and shifted so that it goes on about the focus, and lowered until the
-// hand would be inside an object in `share` of its frames and at some time `depth` [m] deep.
+// hand would be inside an object that stays where it is in `share` of its frames and at some time `depth` [m] deep.
 struct Placement {
   double inside = 0;  // share of the frames in which the target is inside or touches
   double depth = 0;   // m, the deepest

@@ -13,6 +13,13 @@ namespace {
 constexpr double approach = 0.5;    // s
 constexpr double clearance = 0.01;  // m, at the start
 
+// What stays where it is: a loose part makes way, and a hand that was to go into it does not. Where all are loose, all.
+Surroundings staying(Surroundings about) {
+  const auto loose = [](const Object& o) { return o.loose(); };
+  if (!std::all_of(about.objects.begin(), about.objects.end(), loose)) std::erase_if(about.objects, loose);
+  return about;
+}
+
 // The poses of all hands at some times.
 struct Moment {
   std::vector<hand::Poses> hands;
@@ -145,8 +152,8 @@ void clear_start(Motion& motion, const Depth& depth) {
 }  // namespace
 
 Placement place(Motion& motion, const Surroundings& about, double share, double depth) {
-  const Depth solid(about);
-  const Finder finder(motion, about, solid);
+  const Depth solid(about), firm(staying(about));
+  const Finder finder(motion, about, firm);
   const double needed = std::min(0.95, share * (motion.duration + approach) / motion.duration);
   std::optional<Pose<double>> by;
   for (const double part : {1.0, 0.3})
@@ -159,7 +166,7 @@ Placement place(Motion& motion, const Surroundings& about, double share, double 
       palm = {by->rotation * palm.position + by->position, by->rotation * palm.rotation};
     }
   clear_start(motion, solid);
-  return Finder(motion, about, solid).look({});
+  return Finder(motion, about, firm).look({});
 }
 
 }  // namespace zwang::god

@@ -118,25 +118,23 @@ Findings thinning(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   return side_by_side(
       "contacts",
-      {{"thinned, completed after each solve", {.solver = asking.solver, .verify = 0}},
-       {"thinned, not completed", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}},
-       {"all of them", {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}}},
+      {{"few, completed after each solve", {.solver = asking.solver, .verify = 0}},
+       {"all that they may be completed by", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}},
+       {"a row for each triangle touched", {.solver = asking.solver, .reduce_contacts = false, .verify = 0}}},
       scene, motion_for("grasp", scene, asking), asking);
 }
 
 Findings no_more_than_needed(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  return side_by_side(
-      "model",
-      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .verify = 0}},
-       {"the same with all contacts",
-        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}},
-       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .maximal = true, .verify = 0}},
-       {"96 unknowns, 70 joint rows, all contacts",
-        {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .maximal = true, .verify = 0}},
-       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .verify = 0}},
-       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .verify = 0}}},
-      scene, motion_for("grasp", scene, asking), asking);
+  return side_by_side("model",
+                      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .verify = 0}},
+                       {"the same with all contacts", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}},
+                       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .maximal = true, .verify = 0}},
+                       {"96 unknowns, 70 joint rows, all contacts",
+                        {.solver = asking.solver, .lazy_contacts = false, .maximal = true, .verify = 0}},
+                       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .verify = 0}},
+                       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .verify = 0}}},
+                      scene, motion_for("grasp", scene, asking), asking);
 }
 
 }  // namespace zwang::questions

@@ -170,6 +170,7 @@ TEST(Manifold, CompletesWithTheMostViolatedAndThenHasNothingToAdd) {
   ASSERT_EQ(manifold.kept().size(), 1u);
   std::vector<Vec<double, 6>> twist(2, Vec<double, 6>::Zero());
   EXPECT_EQ(manifold.complete(touches, world, twist, 1e-4, 1e-6), 0) << "nobody moves";
+  EXPECT_EQ(manifold.complete(touches, world, twist, 0.1, 1e-6, false), 0) << "less than that was there before";
   twist[1] << 0, 0, 0, 0.02, 0, 0;  // one side dips by 0.9 mm
   ASSERT_EQ(manifold.complete(touches, world, twist, 1e-4, 1e-6), 1);
   const Touch& added = touches[manifold.kept().back()];

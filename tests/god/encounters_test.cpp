@@ -35,7 +35,8 @@ TEST(Rows, SayTheGapOfTheirPointsAndNeverLessThanTheShape) {
       for (int draws = 0; draws < 4000 && near < 3; ++draws) {
         const Pose<double> pose{draw.uniform(0.01, 0.08) * draw.direction(), rotation(draw.cube(2))};
         encounters.place(0, pose);
-        encounters.look(2e-3, draws % 2 == 0);
+        using Choice = Encounters::Choice;
+        encounters.look(2e-3, std::array{Choice::few, Choice::all, Choice::raw}[draws % 3]);
         if (encounters.rows().empty() || encounters.gap(1e-3) < 1e-5) continue;
         const double truth = gap_of(shape, pose, tree);
         ++near;
@@ -51,6 +52,36 @@ TEST(Rows, SayTheGapOfTheirPointsAndNeverLessThanTheShape) {
       EXPECT_EQ(near, 3);
     }
   }
+}
+
+// What a motion into a fine surface would cross is given back; all of it are rows that there are where nothing is left
+// out, too.
+TEST(Rows, AreGivenBackAmongAll) {
+  Draw draw(5);
+  Surroundings s{.name = "part"};
+  s.objects.push_back(fixed(meshes::bumpy_sphere(0.05, 0.003, 9, 20000)));
+  GodObjects objects;
+  objects.add(box_body({0.02, 0.02, 0.02}, 0.1, Vec3::Zero()), Shape::capsule(0.05, 0.008));
+  Encounters encounters(objects, s);
+  std::size_t given_back = 0;
+  for (int draws = 0; draws < 200; ++draws) {
+    const Vec3 out = draw.direction();
+    encounters.place(0, {draw.uniform(0.058, 0.062) * out, rotation(draw.cube(2))});
+    Vec<double, 6> motion;
+    motion << -0.004 * out, draw.cube(0.05);
+    encounters.look(2e-3, Encounters::Choice::few);
+    const std::size_t few = encounters.rows().size();
+    if (few == 0) continue;
+    while (encounters.complete(std::span(&motion, 1), 2e-4, true) > 0) continue;
+    given_back += encounters.rows().size() - few;
+    const std::vector<Encounters::Row> completed(encounters.rows().begin(), encounters.rows().end());
+    encounters.look(2e-3, Encounters::Choice::all);
+    for (const Encounters::Row& row : completed)
+      EXPECT_TRUE(std::any_of(encounters.rows().begin(), encounters.rows().end(), [&](const Encounters::Row& other) {
+        return other.key == row.key && other.touch.gap == row.touch.gap;
+      }));
+  }
+  EXPECT_GT(given_back, 0u);
 }
 
 }  // namespace

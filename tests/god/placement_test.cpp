@@ -58,6 +58,22 @@ TEST(Placement, OnAThinSheetAndOnASmallBlock) {
   expect_placed("block", motion, slab({0.08, 0.08, 0.08}));
 }
 
+// A loose block on the slab makes way: the hand must go into the slab.
+TEST(Placement, LoosePartsDoNotCount) {
+  const Motion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
+  const Surroundings firm = slab({0.5, 0.5, 0.05});
+  Surroundings about = firm;
+  about.objects.push_back({.name = "block",
+                           .pieces = {{collision::Shape::rounded_box({0.3, 0.3, 0.06}, 0.005)}},
+                           .pose = {Vec3(0.3, 0.1, 0.531), Mat3::Identity()},
+                           .mass = 1});
+  Motion beside = motion, alone = motion;
+  place(beside, about);
+  place(alone, firm);
+  const auto end = [](const Motion& m) { return m.hands[0].keys.back().target.palm.position; };
+  EXPECT_EQ(end(beside), end(alone));
+}
+
 TEST(Placement, ALateHandDelaysNobodyAndStartsClear) {
   nlohmann::json document = leap_document(80, true, true);
   for (int n = 1; n <= 45; ++n) document["frames"][static_cast<std::size_t>(n)][2].erase(1);
