@@ -35,31 +35,33 @@ std::string non_finite(const Sparse& A, const char* letter) {
   return {};
 }
 
-// Whether M(i, k) = x has its mirror image, where `diagonal` entries of column k stand above M(k, k). Columns of one
-// body hold the same rows, so that M(k, i) stands in the same place of column i; elsewhere it is searched for.
-class Mirror {
- public:
-  explicit Mirror(const Eigen::SparseMatrix<double>& M)
-      : M_(M),
-        outer_(M.isCompressed() ? M.outerIndexPtr() : nullptr),
-        inner_(M.innerIndexPtr()),
-        value_(M.valuePtr()) {}
-  bool shows(Index i, Index k, int diagonal, double x) const {
-    if (outer_) {
-      const int at = outer_[i] + diagonal;
-      if (at < outer_[i + 1] && inner_[at] == k) return value_[at] == x;
-    }
-    return M_.coeff(k, i) == x;
-  }
-
- private:
-  const Eigen::SparseMatrix<double>& M_;
-  const int *outer_, *inner_;
-  const double* value_;
-};
-
 // Squares of 1 / sqrt(M) have to fit a double, sums of them too. A fuzzed mass of 1e-319 made every solver wrong.
 constexpr double least_mass = 0x1p-960;
+
+std::string name_of(Index i, Index k) { return "M(" + std::to_string(i) + ", " + std::to_string(k) + ")"; }
+
+// Columns of one body hold the same rows, so that the mirror image of an entry in column k stands as far down in its
+// column as M(k, k) in its own; elsewhere it is searched for.
+std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
+  const int *const outer = M.outerIndexPtr(), *const counts = M.innerNonZeroPtr(), *const inner = M.innerIndexPtr();
+  const double* const value = M.valuePtr();
+  for (Index k = 0; k < M.outerSize(); ++k) {
+    const int begin = outer[k], end = counts ? begin + counts[k] : outer[k + 1];
+    int diagonal = begin;
+    while (diagonal < end && inner[diagonal] < k) ++diagonal;
+    if (diagonal < end && inner[diagonal] == k && value[diagonal] > 0 && value[diagonal] < least_mass)
+      return name_of(k, k) + " is below 2^-960: its inverse would overflow";
+    for (int e = begin; e < end; ++e) {
+      const int i = inner[e];
+      if (i == k) continue;
+      const int mirror = outer[i] + (diagonal - begin);
+      const bool there = mirror < (counts ? outer[i] + counts[i] : outer[i + 1]) && inner[mirror] == k;
+      if ((there ? value[mirror] : M.coeff(k, i)) != value[e])
+        return "M is not symmetric at " + name_of(i, k).substr(1);
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -73,18 +75,7 @@ std::string bad_input(const Problem& p) {
     const bool inactive = !p.is_equality(i) && p.c[i] == -std::numeric_limits<double>::infinity();
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
-  const Mirror mirror(p.M);
-  for (Index k = 0; k < p.M.outerSize(); ++k) {
-    int diagonal = 0;
-    Eigen::SparseMatrix<double>::InnerIterator it(p.M, k);
-    for (; it && it.row() < k; ++it) ++diagonal;
-    if (it && it.row() == k && it.value() > 0 && it.value() < least_mass)
-      return "M(" + std::to_string(k) + ", " + std::to_string(k) + ") is below 2^-960: its inverse would overflow";
-    for (it = {p.M, k}; it; ++it)
-      if (it.row() != k && !mirror.shows(it.row(), k, diagonal, it.value()))
-        return "M is not symmetric at (" + std::to_string(it.row()) + ", " + std::to_string(k) + ")";
-  }
-  return {};
+  return bad_mass(p.M);
 }
 
 bool is_positive_definite(const Eigen::SparseMatrix<double>& M) {

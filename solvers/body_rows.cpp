@@ -148,8 +148,13 @@ bool BodyRows::make_unit_rows() {
        size = magnitude.head(rows()).array();
   norm = norm.sqrt();
   size = c.head(rows()).array().abs();
-  if (!(norm > smallest && norm < largest).all() || !(size == 0 || (size > smallest && size < largest)).all())
-    return false;
+  Index odd = 0;
+  for (Index k = 0; k < rows(); ++k) {
+    const double x = row_norm[k], y = magnitude[k];
+    const bool fits = (x > smallest) & (x < largest), none = y == 0;
+    odd += !(fits & (none | ((y > smallest) & (y < largest))));
+  }
+  if (odd > 0) return false;
   reciprocal = 1 / norm;
   size *= reciprocal;
   h.head(rows()).array() *= reciprocal;
@@ -168,8 +173,8 @@ bool BodyRows::build(const Problem& p) {
 
   // The unit of length: the worst violation of z_u.
   double worst = 0;
-  for (Index i = 0; i < rows(); ++i)
-    worst = std::max(worst, equality[static_cast<std::size_t>(i)] ? std::abs(h[i]) : h[i]);
+  for (Index i = 0; i < rows(); ++i) reciprocal_[i] = equality[static_cast<std::size_t>(i)] ? std::abs(h[i]) : h[i];
+  if (rows() > 0) worst = std::max(worst, reciprocal_.head(rows()).maxCoeff());
   free_norm = free.norm();
   if (!ordinary_or_zero(worst) || !ordinary_or_zero(free_norm)) return false;
   exponent = 0;

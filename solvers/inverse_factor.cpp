@@ -15,7 +15,7 @@ void InverseFactor::reset(Index padded, Index most) {
   Q_.resize(padded, most);
   T_.resize(most, most);
   remainder_.resize(padded);
-  for (Vector* part : {&d_, &r_, &minus_, &cosine_, &sine_, &x_}) part->setZero(most + width);
+  for (Vector* part : {&d_, &r_, &again_, &cosine_, &sine_, &x_}) part->setZero(most + width);
 }
 
 double InverseFactor::split(const double* a) {
@@ -31,17 +31,13 @@ double InverseFactor::split_known(const double* a, const double* d, Index stride
 double InverseFactor::split_off(const double* a) {
   double* const rest = remainder_.data();
   for (Index k = 0; k < padded_; k += width) at(rest, k) = at(a, k);
-  for (Index j = 0; j < size_; ++j) minus_[j] = -d_[j];
-  lanes::accumulate(Q_, size_, minus_.data(), rest, 0, padded_);
+  lanes::subtract(Q_, size_, d_.data(), rest, 0, padded_);
   length_ = std::sqrt(lanes::dot(rest, rest, padded_));
   // Kahan's criterion: one pass leaves eps / shortening of Q in the rest.
   if (length_ * length_ < 0.5 * lanes::dot(a, a, padded_)) {
-    lanes::multiply_transposed(Q_, size_, rest, minus_.data(), padded_);
-    for (Index j = 0; j < size_; ++j) {
-      d_[j] += minus_[j];
-      minus_[j] = -minus_[j];
-    }
-    lanes::accumulate(Q_, size_, minus_.data(), rest, 0, padded_);
+    lanes::multiply_transposed(Q_, size_, rest, again_.data(), padded_);
+    lanes::subtract(Q_, size_, again_.data(), rest, 0, padded_);
+    for (Index j = 0; j < size_; ++j) d_[j] += again_[j];
     length_ = std::sqrt(lanes::dot(rest, rest, padded_));
   }
   const Index used = round_up(size_);

@@ -42,7 +42,7 @@ class InverseFactor {
   Index padded_ = 0, size_ = 0;
   double length_ = 0;
   lanes::Columns Q_, T_;
-  Vector d_, r_, minus_, remainder_;
+  Vector d_, r_, again_, remainder_;
   Vector cosine_, sine_;  // of the last drop(), from column dropped_ on
   Index dropped_ = 0;
   mutable Vector x_;

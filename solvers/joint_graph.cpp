@@ -5,13 +5,15 @@
 
 namespace zwang {
 
-bool JointGraph::is_known(const BodyRows& rows) {
-  sorted_.clear();
-  for (Index i = 0; i < rows.rows(); ++i)
-    if (rows.equality[static_cast<std::size_t>(i)]) sorted_.push_back(i);
-  if (known_bodies_ != rows.bodies() || known_rows_ != sorted_) return false;
-  for (std::size_t k = 0; k < sorted_.size(); ++k)
-    if (known_[k] != rows.body[static_cast<std::size_t>(sorted_[k])]) return false;
+bool JointGraph::is_known(const BodyRows& rows) const {
+  if (known_bodies_ != rows.bodies()) return false;
+  if (std::ranges::count(rows.equality, 1) != static_cast<Index>(known_rows_.size())) return false;
+  for (std::size_t k = 0; k < known_rows_.size(); ++k) {
+    const Index i = known_rows_[k];
+    if (i >= rows.rows() || !rows.equality[static_cast<std::size_t>(i)] ||
+        known_[k] != rows.body[static_cast<std::size_t>(i)])
+      return false;
+  }
   return true;
 }
 
@@ -105,6 +107,9 @@ void JointGraph::group_joints() {
 void JointGraph::build(const BodyRows& rows) {
   if (is_known(rows)) return;
   known_bodies_ = rows.bodies();
+  sorted_.clear();
+  for (Index i = 0; i < rows.rows(); ++i)
+    if (rows.equality[static_cast<std::size_t>(i)]) sorted_.push_back(i);
   known_rows_ = sorted_;
   known_.clear();
   for (const Index i : sorted_) known_.push_back(rows.body[static_cast<std::size_t>(i)]);

@@ -42,7 +42,7 @@ class JointGraph {
     Index first = 0, count = 0;  // of sorted_
   };
 
-  bool is_known(const BodyRows& rows);
+  bool is_known(const BodyRows& rows) const;
   void find_edges(const BodyRows& rows);
   void span(int world);
   void group_joints();

@@ -54,9 +54,8 @@ void JointTree::expand(const Vector& v, Motion& y) const {
   }
 }
 
-// Any motion that meets the rows, less its part in the null space, taken again where little was
-// left. F serves where X would: they differ by free motions.
-void JointTree::shift(const Vector& sigma, Motion& y) const {
+// F serves where X would: they differ by free motions.
+void JointTree::meet(const Vector& sigma, Motion& y) const {
   for (std::size_t j = 0; j < blocks_.size(); ++j) {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
@@ -65,6 +64,11 @@ void JointTree::shift(const Vector& sigma, Motion& y) const {
     if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
+}
+
+// Less its part in the null space, taken again where little was left.
+void JointTree::shift(const Vector& sigma, Motion& y) const {
+  meet(sigma, y);
   double before = 0, after = y.norm();
   do {
     before = after;

@@ -53,7 +53,8 @@ class JointTree {
   // v = N'y and y = N v; v of length freedom().
   void reduce(const Motion& y, Vector& v) const;
   void expand(const Vector& v, Motion& y) const;
-  // The least-length y with G_E y = sigma over the tree rows.
+  // A y with G_E y = sigma over the tree rows, and the least-length one.
+  void meet(const Vector& sigma, Motion& y) const;
   void shift(const Vector& sigma, Motion& y) const;
   // mu with G_E' mu = t, for t in the range of G_E'.
   void multipliers(const Motion& t, Vector& mu) const;

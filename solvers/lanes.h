@@ -49,18 +49,21 @@ inline void multiply_transposed(const Columns& A, Index count, const double* x, 
   }
 }
 
-// y += A x over `count` columns, rows from `begin` to `end`.
-template <int vectors>
+// y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise.
+template <int sign, int vectors>
 void accumulate_part(const Columns& A, Index count, const double* x, double* y, Index k) {
   using Part = Vec<double, vectors * width>;
   Eigen::Map<Part> target(y + k);
   Part sum = target;
   const double* column = A.data() + k;
-  for (Index j = 0; j < count; ++j, column += A.rows()) sum += x[j] * Eigen::Map<const Part>(column);
+  for (Index j = 0; j < count; ++j, column += A.rows()) sum += sign * x[j] * Eigen::Map<const Part>(column);
   target = sum;
 }
 inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
-  in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<vectors>(A, count, x, y, k); });
+  in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<1, vectors>(A, count, x, y, k); });
+}
+inline void subtract(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+  in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<-1, vectors>(A, count, x, y, k); });
 }
 
 // Rotates neighbouring columns from `first` on, one pair after the other: (l, r) becomes (c l - s r, s l + c r), and r

@@ -173,10 +173,10 @@ void LeastDistance::start_from(std::span<const Index> rows) {
 }
 
 bool LeastDistance::accept(const Vector& v, const Vector& u) {
-  v_ = v;
+  if (has_climbed()) v_ = v;
   u_.head(size()) = u.head(size());
   const bool clean = restore_dual_feasibility();
-  if (scanned_ < rows_) return clean;
+  if (!has_climbed()) return clean;
   scan();
   return clean && most_violated() < 0;
 }

@@ -41,7 +41,8 @@ class LeastDistance {
   // Up to the optimum of the rows admitted, from the present active set.
   End climb(int& iterations, int most_iterations, const Deadline& deadline);
   // Where the refined v and multipliers of the same active set change a decision: false, and the next climb goes on.
-  // Before the first climb only multipliers decide.
+  // As long as rows have been admitted that met no climb, v is not looked at, and multipliers alone decide.
+  bool has_climbed() const { return scanned_ == rows_; }
   bool accept(const Vector& v, const Vector& u);
 
   Index freedom() const { return freedom_; }

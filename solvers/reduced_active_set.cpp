@@ -138,11 +138,13 @@ bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadl
     if (!settle(options, deadline, solution.iterations)) return false;
     begin_from_climb();
     if (!refine()) return refuse("the refinement does not contract");
-    if (climb_.accept(v_, mu_) && !take_violated()) break;
+    if (climb_.has_climbed()) form_.reduce(y_, v_);
+    if (climb_.accept(v_, mu_)) {
+      if (rest_holds(std::max(10 * options.tolerance, 1e-12))) break;
+      if (!take_violated()) return refuse("a row violated by less than rounding in double");
+    }
     if (round == rounds) return refuse("decisions that rounding makes");
   }
-  if (!rest_holds(std::max(10 * options.tolerance, 1e-12)))
-    return refuse("a row violated by less than rounding in double");
 
   point_.write(form_.rows(), solution.z, solution.lambda);
   for (const Index i : form_.inequalities()) {
@@ -182,7 +184,6 @@ void ReducedActiveSet::locate() {
 // (z, lambda) of the climb's point.
 void ReducedActiveSet::begin_from_climb() {
   const BodyRows& rows = form_.rows();
-  v_ = climb_.v();
   mu_ = climb_.u();
   rest_ = y_;
   for (Index k = 0; k < static_cast<Index>(climb_.active().size()); ++k) rows.add(active_row(k), -mu_[k], rest_);
@@ -214,8 +215,9 @@ void ReducedActiveSet::compute_residuals() {
 double ReducedActiveSet::correct() {
   const BodyRows& rows = form_.rows();
   const auto q = static_cast<Index>(climb_.active().size());
-  form_.shift(sigma_E_, step_);
-  form_.reduce(rho_, s_v_);
+  form_.meet(sigma_E_, step_);
+  rest_ = rho_ - step_;
+  form_.reduce(rest_, s_v_);
   for (Index j = 0; j < q; ++j) sigma_I_[j] -= rows.dot(active_row(j), step_);
   const InverseFactor& factor = climb_.factor();
   factor.solve_transposed(sigma_I_);
@@ -233,7 +235,6 @@ double ReducedActiveSet::correct() {
   form_.multipliers(rest_, mu_E_);
 
   y_ += step_;
-  v_ += dv_;
   mu_.head(q) += sigma_I_.head(q);
   push(mu_E_, sigma_I_);
   point_.move(rows, step_);

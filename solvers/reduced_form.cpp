@@ -21,9 +21,13 @@ bool ReducedForm::build(const Problem& problem) {
     reason_ = tree_.reason();
     return false;
   }
-  inequalities_.clear();
-  for (Index i = 0; i < rows_.rows(); ++i)
-    if (!rows_.equality[static_cast<std::size_t>(i)]) inequalities_.push_back(i);
+  inequalities_.resize(rows_.row.size());
+  std::size_t count = 0;
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    inequalities_[count] = i;
+    count += !rows_.equality[static_cast<std::size_t>(i)];
+  }
+  inequalities_.resize(count);
   equalities_.assign(tree_.tree_rows().begin(), tree_.tree_rows().end());
   equalities_.insert(equalities_.end(), tree_.cut().begin(), tree_.cut().end());
   smallest_pivot_ = tree_.smallest_pivot();
@@ -46,7 +50,8 @@ bool ReducedForm::build(const Problem& problem) {
     return false;
   }
   for (std::size_t k = 0; k < equalities_.size(); ++k) sigma_[static_cast<Index>(k)] = rows_.h[equalities_[k]];
-  shift(sigma_, y_E_);
+  tree_.shift(sigma_, y_E_);
+  meet_cut(sigma_, y_E_);
   return true;
 }
 
@@ -128,11 +133,15 @@ void ReducedForm::expand(const Vector& v, Motion& y) const {
   tree_.expand(all_, y);
 }
 
-void ReducedForm::shift(const Vector& sigma, Motion& y) const {
-  tree_.shift(sigma, y);
+void ReducedForm::meet(const Vector& sigma, Motion& y) const {
+  tree_.meet(sigma, y);
+  meet_cut(sigma, y);
+}
+
+// R'w = what the tree's answer leaves of the rows that close loops; y += N Q w.
+void ReducedForm::meet_cut(const Vector& sigma, Motion& y) const {
   const Index tree_rows = tree_mu_.size(), r = cut_.cols();
   if (tree_.cut().empty()) return;
-  // R'w = what the tree's answer leaves of the rows that close loops; y += N Q w.
   for (Index k = 0; k < r; ++k) {
     double rest = sigma[tree_rows + k] - rows_.dot(equalities_[static_cast<std::size_t>(tree_rows + k)], y);
     for (Index l = 0; l < k; ++l) rest -= cut_(l, k) * cut_mu_[l];

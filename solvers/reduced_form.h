@@ -36,12 +36,13 @@ class ReducedForm {
   // v = N'y, y = N v.
   void reduce(const Motion& y, Vector& v) const;
   void expand(const Vector& v, Motion& y) const;
-  // The least-length y with G_E y = sigma, and mu with G_E'mu = t for t in the range of G_E'.
-  void shift(const Vector& sigma, Motion& y) const;
+  // A y with G_E y = sigma, and mu with G_E'mu = t for t in the range of G_E'.
+  void meet(const Vector& sigma, Motion& y) const;
   void multipliers(const Motion& t, Vector& mu) const;
 
  private:
   bool close_loops();
+  void meet_cut(const Vector& sigma, Motion& y) const;
 
   BodyRows rows_;
   JointTree tree_;

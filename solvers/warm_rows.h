@@ -17,17 +17,22 @@ class WarmRows {
     found_.clear();
     pushing_.clear();
     if (!warm) return found_;
-    warm_ = warm;
-    sorted_ = false;
+    key_ = &problem.key;
+    searches_ = 0;
+    Index last = -1;
     Index shift = 0;  // most rows stand where they stood, or as far from there as the row before
-    for (Index i = 0; i < rows.rows(); ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (rows.equality[at]) continue;
-      const Index place = find(problem.key[static_cast<std::size_t>(rows.row[at])], rows.row[at] + shift);
+    const auto count = std::min(static_cast<Index>(warm->key.size()), warm->lambda.size());
+    for (Index k = 0; k < count; ++k) {
+      if (!(warm->lambda[k] > 0)) continue;
+      const Index place = find(warm->key[static_cast<std::size_t>(k)], k + shift);
       if (place < 0) continue;
-      shift = place - rows.row[at];
-      if (!(warm->lambda[place] > 0)) continue;
-      pushing_.emplace_back(-warm->lambda[place] * rows.row_norm[i], i);
+      shift = place - k;
+      const Index i = row_of(place, rows.row);
+      if (i < 0 || rows.equality[static_cast<std::size_t>(i)]) continue;
+      // Keys that occur twice.
+      if (place <= last && std::ranges::find(pushing_, i, &Pushing::second) != pushing_.end()) continue;
+      last = std::max(last, place);
+      pushing_.emplace_back(-warm->lambda[k] * rows.row_norm[i], i);
     }
     std::sort(pushing_.begin(), pushing_.end());
     for (const auto& [force, i] : pushing_) found_.push_back(i);
@@ -35,33 +40,44 @@ class WarmRows {
   }
 
  private:
-  // Where the key is among the earlier frame's, first near `guess`, or -1; far from it only pushing rows are found.
-  Index find(const RowKey& key, Index guess) {
-    constexpr Index near = 3;
-    const auto count = std::min(static_cast<Index>(warm_->key.size()), warm_->lambda.size());
-    const auto is = [&](Index k) { return k >= 0 && k < count && warm_->key[static_cast<std::size_t>(k)] == key; };
-    if (is(guess)) return guess;
-    for (Index d = 1; d <= near; ++d)
-      for (const Index k : {guess + d, guess - d})
-        if (is(k)) return k;
-    if (!sorted_) {
-      order_.clear();
-      for (Index k = 0; k < count; ++k)
-        if (warm_->lambda[k] > 0) order_.push_back(static_cast<std::size_t>(k));
-      std::sort(order_.begin(), order_.end(),
-                [&](std::size_t a, std::size_t b) { return warm_->key[a] < warm_->key[b]; });
-      sorted_ = true;
-    }
-    const auto place = std::lower_bound(order_.begin(), order_.end(), key,
-                                        [&](std::size_t a, const RowKey& k) { return warm_->key[a] < k; });
-    return place != order_.end() && warm_->key[*place] == key ? static_cast<Index>(*place) : -1;
+  using Pushing = std::pair<double, Index>;  // minus the force, row
+
+  // Which of `row`, ascending, is the problem's row `place`, or -1.
+  static Index row_of(Index place, const std::vector<Index>& row) {
+    const auto at = static_cast<std::size_t>(place);
+    if (at < row.size() && row[at] == place) return place;
+    const auto found = std::ranges::lower_bound(row, place);
+    return found != row.end() && *found == place ? found - row.begin() : -1;
   }
 
-  const WarmStart* warm_ = nullptr;
-  bool sorted_ = false;
-  std::vector<std::size_t> order_;
-  std::vector<Index> found_;
-  std::vector<std::pair<double, Index>> pushing_;  // minus the force, row
+  // Where the key is among the problem's, first near `guess`, or -1. A few are looked for row by row, more in order.
+  Index find(const RowKey& key, Index guess) {
+    constexpr Index near = 3;
+    constexpr int few = 16;
+    const auto count = static_cast<Index>(key_->size());
+    const auto is = [&](Index i) { return i >= 0 && i < count && (*key_)[static_cast<std::size_t>(i)] == key; };
+    if (is(guess)) return guess;
+    for (Index d = 1; d <= near; ++d)
+      for (const Index i : {guess + d, guess - d})
+        if (is(i)) return i;
+    if (++searches_ <= few) {
+      const auto place = std::ranges::find(*key_, key);
+      return place != key_->end() ? place - key_->begin() : -1;
+    }
+    const auto key_of = [&](Index i) { return (*key_)[static_cast<std::size_t>(i)]; };
+    if (searches_ == few + 1) {
+      order_.resize(key_->size());
+      for (Index i = 0; i < count; ++i) order_[static_cast<std::size_t>(i)] = i;
+      std::ranges::sort(order_, {}, key_of);
+    }
+    const auto place = std::ranges::lower_bound(order_, key, {}, key_of);
+    return place != order_.end() && key_of(*place) == key ? *place : -1;
+  }
+
+  const std::vector<RowKey>* key_ = nullptr;
+  int searches_ = 0;  // keys that were not near their guess
+  std::vector<Index> order_, found_;
+  std::vector<Pushing> pushing_;
 };
 
 }  // namespace zwang
