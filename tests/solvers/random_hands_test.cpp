@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "bench/scenes/physical.h"
 #include "core/measure.h"
@@ -69,6 +70,49 @@ TEST(RandomHands, AreSolvedAlikeByTheFastPathTheCarefulOneAndNnls) {
   EXPECT_GE(compared, hands_tried - infeasible - 20);
   EXPECT_GE(nnls_alike, compared - 20);
   EXPECT_GE(taken, (hands_tried - infeasible) * 9 / 10);
+}
+
+// More rows violated without contact forces than enter the climb at once: a motion that meets all rows, most of them
+// nearly touched, and a hand thrown off it against a quarter of them.
+TEST(RandomHands, OfHundredsOfViolatedRowsThoseThatEnterLateAreObeyed) {
+  DualActiveSet careful;
+  careful.reduce = false;
+  ReducedActiveSet reduced;
+  Solution free, fast, right;
+  int taken = 0;
+  for (int seed = 1; seed <= 10; ++seed) {
+    Problem p = hands({{"hands", 1},
+                       {"contacts", 300},
+                       {"limits", 5},
+                       {"drift", 0x1p-13},
+                       {"feasible", 1},
+                       {"locked", 0},
+                       {"seed", seed}})
+                    .problem;
+    careful.solve(p, {}, right);
+    ASSERT_EQ(right.status, Status::solved) << seed;
+    Draw draw(seed);
+    Vector force = Vector::Zero(p.rows());
+    Problem joints = p;
+    for (Index i = 0; i < p.rows(); ++i) {
+      if (p.is_equality(i)) continue;
+      p.c[i] = p.J.row(i).dot(right.z) - 1e-3 * draw.uniform(0, 1);
+      force[i] = draw.below(4) ? 0 : draw.uniform(1, 10);
+      joints.c[i] = -std::numeric_limits<double>::infinity();
+    }
+    p.z_u = joints.z_u = right.z - Matrix(p.M).llt().solve(p.J.transpose() * force);
+    careful.solve(joints, {}, free);
+    const Vector slack = p.J * free.z - p.c;
+    EXPECT_GT((slack.array() < 0).count(), 100) << seed;
+
+    careful.solve(p, {}, right);
+    ASSERT_EQ(right.status, Status::solved) << seed;
+    fast.reset(p.size(), p.rows());
+    if (!reduced.solve(p, {}, fast)) continue;
+    ++taken;
+    EXPECT_LE(test::distance(p, fast.z, right.z), 1e-12) << seed;
+  }
+  EXPECT_GE(taken, 8);
 }
 
 }  // namespace
