@@ -71,11 +71,14 @@ Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, do
   return c;
 }
 
-double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room) {
+double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room,
+                double most) {
   // n . v of a corner q is rate + turn . q.
   const double rate = n.dot(now.drift);
   const Vec3 turn = now.place.rotation.transpose() * n.cross(now.turn), local = now.place.rotation.transpose() * n;
   double lowest = std::numeric_limits<double>::infinity(), h = lowest;
+  const double slowest = rate - turn.norm() * a.reach();
+  if (room + most * slowest - most * most * motion.bend() / 2 >= 0) return h;
   for (const Vec3& q : a.corners()) lowest = std::min(lowest, local.dot(q));
   for (const Vec3& q : a.corners())
     h = std::min(h, reached(room + (local.dot(q) - lowest), rate + turn.dot(q), motion.bend()));
@@ -92,10 +95,7 @@ double safe_time(const Shape& a, const Relative& motion, const Part& part, Close
     if (motion.along_path()) {
       if (motion.travel() > 0) h = (gap - aim) / motion.travel();
     } else {
-      const double left = limit - s,
-                   slowest = now.normal.dot(instant.drift) - now.normal.cross(instant.turn).norm() * a.reach();
-      if (gap - aim + left * slowest - left * left * motion.bend() / 2 >= 0) return limit;
-      h = free_way(a, motion, instant, now.normal, gap - aim);
+      h = free_way(a, motion, instant, now.normal, gap - aim, limit - s);
     }
     if (s + h >= limit) return limit;
     if (s + h <= s) return s;

@@ -73,8 +73,10 @@ inline Strip landing(double gap, double stop) {
 }
 
 // How far from `now` on the core's corners keep `room` [m] over a plane that the lowest of them is `room` above, across
-// n (B's axes). What lies beyond that plane is met by nobody until then. Twists only.
-double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room);
+// n (B's axes); infinite where none comes down to it within `most`. What lies beyond that plane is met by nobody until
+// then. Twists only.
+double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room,
+                double most);
 
 // How far along [0, limit] the shape may go before the gap to the part (from `start`) falls to
 // strip.land. Directional conservative advancement, after Mirtich (1996) and Zhang, Lee & Kim (2006): over a step h

@@ -40,7 +40,7 @@ void World::gather(int a, int b, double activation, Found& found) const {
   } else {
     const Shape& other = *this->shape(b);
     const Closest c = closest(shape, motion.start().place, {.shape = &other}, 0);
-    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 0, 1, c});
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, c});
   }
   if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
 }
@@ -61,9 +61,8 @@ void World::walk(const Tree& tree, const Region& region, double reach, std::vect
     const auto [begin, end] = tree.range(i);
     if (shape.core() != Core::hull && end - begin <= patch_size) {
       Closest c;
-      std::size_t nearest;
-      if (stand_in(region, seen, tree.points(begin, end), margins_.stop, c, nearest)) {
-        if (c.distance - shape.radius() <= reach) candidates.push_back({tree.owner(begin, nearest), begin, end, c});
+      if (stand_in(region, seen, tree.points(begin, end), margins_.stop, c)) {
+        if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, c});
         i = node.skip;
         continue;
       }
@@ -82,7 +81,7 @@ void World::walk(const Tree& tree, const Region& region, double reach, std::vect
       if (c.distance - shape.radius() > reach) continue;
       c.normal = place.rotation * c.normal;
       c.on_b = place * c.on_b;
-      candidates.push_back({t, t, t + 1, c});
+      candidates.push_back({t, t + 1, c});
     }
   }
 }
@@ -102,7 +101,7 @@ std::span<const Touch> World::touches(double activation) {
       touches_.push_back({pair.a, pair.b, feature, gap, n, on_b + gap * n, on_b});
     };
     for (std::size_t i = pair.first; i < pair.end; ++i)
-      add(near_.candidates[i].closest, tree ? tree->origin(near_.candidates[i].triangle) : 0);
+      add(near_.candidates[i].closest, tree ? tree->origin(near_.candidates[i].first) : 0);
     if (tree) continue;
     const Relative now(course(pair.a), course(pair.b), 0);
     facing(*shape(pair.a), now.start().place, *shape(pair.b), near_.candidates[pair.first].closest, activation,

@@ -19,8 +19,7 @@ struct Highest {
 
 }  // namespace
 
-bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Vec3> points, double stop, Closest& out,
-              std::size_t& winner) {
+bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Vec3> points, double stop, Closest& out) {
   const Shape& shape = region.shape;
   const Vec3 core = shape.nearest(seen.at), apart = core - seen.at;
   // Off to the side by e, a vertex is e^2 / (2 length) farther than its plane; not under a flat side. (First a bound of
@@ -33,8 +32,7 @@ bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Ve
   const Vec3 n = apart / length, up = region.a_in_b.rotation * n;
   if (beside && seen.half.squaredNorm() > 8 * length * slack) return false;
   const Highest highest(up, points);
-  winner = highest.at;
-  out.on_b = points[winner];
+  out.on_b = points[highest.at];
   out.normal = up;
   out.distance = -n.cwiseAbs().dot(shape.half()) - (highest.height - up.dot(region.a_in_b.position));
   const Vec3 local = region.a_in_b.rotation.transpose() * (out.on_b - region.a_in_b.position);

@@ -13,9 +13,8 @@ constexpr std::uint32_t patch_size = 64;  // triangles
 // along n, the direction from the subtree's middle to the core. The plane through it keeps all of them from the core:
 // `distance` is a lower bound for each, and the true distance of the vertex hardly more (a tenth of the stop distance
 // and of the gap), or there is no answer. A palm or a finger on a fine mesh has tens of thousands of triangles within
-// reach, which say the same thing. points: the subtree's corners, `winner` the one.
-bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Vec3> points, double stop, Closest& out,
-              std::size_t& winner);
+// reach, which say the same thing. points: the subtree's corners.
+bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Vec3> points, double stop, Closest& out);
 
 // The plane across the direction from `near`, a point of a patch, to the core, moved out to the highest of its corners:
 // a lower bound of the distance. B's axes.

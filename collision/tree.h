@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <ranges>
 #include <span>
@@ -58,12 +57,6 @@ class Tree {
     return {points_.data() + begin, stop - begin};
   }
   std::span<const std::array<std::uint32_t, 3>> corners() const { return corners_; }
-  // The first triangle of a subtree that has the k-th of its points as a corner.
-  std::uint32_t owner(std::uint32_t first, std::size_t k) const {
-    const std::size_t point = corners_[first][0] + k;
-    while (std::ranges::find(corners_[first], point) == corners_[first].end()) ++first;
-    return first;
-  }
   // Where triangle t of this tree stood in the mesh.
   std::uint32_t origin(std::size_t t) const { return origin_[t]; }
   const Vec3& low() const { return low_; }

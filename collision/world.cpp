@@ -87,7 +87,7 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
   const Tree* tree = mesh(pair.b);
   if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, strip, limit);
   if (candidate.end - candidate.first == 1) {
-    const Triangle triangle = tree->triangle(candidate.triangle);
+    const Triangle triangle = tree->triangle(candidate.first);
     return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, strip, limit);
   }
   const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
@@ -99,7 +99,7 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
     for (int k = 0; k < planes; ++k) {
       const double room = plane.distance - a.radius() - strip.aim;
       if (!(room > 0)) break;
-      s += free_way(a, motion, now, plane.normal, room);
+      s += free_way(a, motion, now, plane.normal, room, limit - s);
       if (s >= limit) return limit;
       now = motion.at(s);
       plane = plane_between(a, now.place, patch, plane.on_b);

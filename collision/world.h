@@ -21,9 +21,10 @@ struct Filter {
 
 // A shape near something: its nearest point, the other's nearest point, and how far they are apart.
 struct Touch {
-  int a = 0, b = 0;           // colliders; a is a shape, b a mesh or a shape with a higher number
-  std::uint32_t feature = 0;  // the triangle of b's mesh, as the mesh numbers it; against a shape 0, further pairs 1..6
-  double gap = 0;             // m; negative where they overlap
+  int a = 0, b = 0;  // colliders; a is a shape, b a mesh or a shape with a higher number
+  std::uint32_t feature =
+      0;           // the triangle of b's mesh, or first of several, as the mesh numbers it; against a shape 0 to 6
+  double gap = 0;  // m; negative where they overlap
   Vec3 normal = Vec3::Zero();   // unit, from b to a, world axes
   Vec3 point_a = Vec3::Zero();  // m, world, on a's surface
   Vec3 point_b = Vec3::Zero();  // m, world, on b's surface
@@ -86,8 +87,7 @@ class World {
     double arm;         // m, from its origin to its farthest point
   };
   struct Candidate {
-    std::uint32_t triangle;    // in the tree's order
-    std::uint32_t first, end;  // the triangles it stands for
+    std::uint32_t first, end;  // the triangles it stands for, in the tree's order
     Closest closest;           // b's axes; the core of a against the triangle, or against the core of b
   };
   struct Pair {
