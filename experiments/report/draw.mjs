@@ -27,6 +27,7 @@ function spec(chart) {
     field: 'series',
     type: 'nominal',
     title: null,
+    legend: {symbolOpacity: 1},
     scale: {domain: series, range: series.map((_, i) => palette.light[i % palette.light.length])}
   };
   const marks = {
