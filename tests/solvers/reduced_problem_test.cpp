@@ -27,15 +27,16 @@ TEST_P(ReducedMethod, GivesTheMotionOfThePlainPathOnRandomMechanisms) {
       const Solution a = reduced.solve(p), b = plain.solve(p);
       ASSERT_EQ(a.status, b.status) << p.name << ": " << a.message;
       in_reduced_form += a.message.empty();
-      if (b.status != Status::solved || b.margins.smallest_accepted < 1e-6) continue;
+      // Where joints alone determine a row, rounding in c contradicts them (100 digits agree): that is flagged.
+      if (b.status != Status::solved && b.status != Status::solved_ill_conditioned) continue;
+      if (b.margins.smallest_accepted < 1e-6) continue;
       ++compared;
       EXPECT_LE(distance(p, a.z, b.z), 1e-12) << p.name << ": " << a.message;
       const Metrics own = measure(p, a, nullptr, 1e-10), other = measure(p, b, nullptr, 1e-10);
       EXPECT_LE(own.stationarity, 1e-13 + 10 * other.stationarity) << p.name;
       EXPECT_LE(own.primal, 1e-13 + 10 * other.primal) << p.name;
     }
-    // Rows on bodies that cannot move contradict each other by the rounding of c in up to 14 of them: flagged.
-    EXPECT_GE(compared, 80) << static_cast<int>(graph);
+    EXPECT_GE(compared, 90) << static_cast<int>(graph);
     EXPECT_GE(in_reduced_form, graph == Graph::redundant_joints ? 0 : 80) << static_cast<int>(graph);
   }
 }
