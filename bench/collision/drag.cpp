@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 
 #include "bench/collision/hand_shapes.h"
 #include "bench/scenes/physical.h"
+#include "bench/suite/cpu_clock.h"
 #include "constraints/contact.h"
 #include "solvers/registry.h"
 
@@ -20,12 +20,6 @@ using std::numbers::pi;
 
 constexpr int hand_bodies = hand::bodies;
 const double palm_half = hand::standard().palm_widths.z() / 2;  // m
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 constexpr std::uint64_t parts_bit = std::uint64_t{1} << 63;
 
@@ -199,12 +193,12 @@ void HandDrag::sub_step(double share, DragFrame& frame) {
   const double asked = limited_coupling();
   z_u_ *= share;
 
-  double start = cpu_seconds();
+  double start = thread_cpu_seconds();
   touches_ = world_.touches(std::max(options_.activation, 2 * asked * share));
-  frame.touches += cpu_seconds() - start;
-  start = cpu_seconds();
+  frame.touches += thread_cpu_seconds() - start;
+  start = thread_cpu_seconds();
   manifold_.reduce(touches_, !options_.reduce);
-  frame.manifold += cpu_seconds() - start;
+  frame.manifold += thread_cpu_seconds() - start;
   if (frame.raw == 0) {
     frame.raw = static_cast<int>(touches_.size());
     frame.kept = static_cast<int>(manifold_.kept().size());
@@ -214,9 +208,9 @@ void HandDrag::sub_step(double share, DragFrame& frame) {
   std::array<Vec<double, 6>, hand_bodies> first;
   std::copy_n(twist_.begin(), hand_bodies, first.begin());
   for (int round = 0; round < 8 && solved && options_.lazy; ++round) {
-    start = cpu_seconds();
+    start = thread_cpu_seconds();
     const int added = manifold_.complete(touches_, world_, twist_, 0.5 * options_.gap, 0.1 * options_.gap);
-    frame.manifold += cpu_seconds() - start;
+    frame.manifold += thread_cpu_seconds() - start;
     if (added == 0) break;
     frame.completed += added;
     solved = solve();
@@ -230,20 +224,20 @@ void HandDrag::sub_step(double share, DragFrame& frame) {
   moves_.clear();
   for (int c = 0; c < world_.size(); ++c)
     if (const auto& t = twist_[static_cast<std::size_t>(c)]; !t.isZero(0)) moves_.push_back({c, t});
-  start = cpu_seconds();
+  start = thread_cpu_seconds();
   const collision::TimeOfContact toc = world_.time_of_contact(moves_);
-  frame.toc += cpu_seconds() - start;
+  frame.toc += thread_cpu_seconds() - start;
   frame.overlap = frame.overlap || toc.overlap;
   frame.truncations += toc.time < 1;
   toc_ = toc.time;
   if (watch) watch(moves_, toc.time);
-  start = cpu_seconds();
+  start = thread_cpu_seconds();
   for (const collision::Move& move : moves_) {
     const Pose<double> to = retract(world_.pose(move.collider), Vec<double, 6>(toc.time * move.twist));
     world_.place(move.collider, to);
     scene_.bodies[static_cast<std::size_t>(move.collider)].pose = to;
   }
-  frame.toc += cpu_seconds() - start;
+  frame.toc += thread_cpu_seconds() - start;
 }
 
 DragFrame HandDrag::step() {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "bench/collision/bullet_sweep.h"
 #include "bench/collision/meshes.h"
 #include "bench/scenes/physical.h"
+#include "bench/suite/cpu_clock.h"
 
 namespace zwang {
 namespace {
@@ -17,18 +17,12 @@ using collision::Shape;
 using collision::Tree;
 using collision::World;
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 // What reading the clock costs [s]: a system call, half a microsecond, a sixth of a query on a small mesh.
 double clock_cost() {
   double least = 1;
   for (int k = 0; k < 1000; ++k) {
-    const double start = cpu_seconds();
-    least = std::min(least, cpu_seconds() - start);
+    const double start = thread_cpu_seconds();
+    least = std::min(least, thread_cpu_seconds() - start);
   }
   return least;
 }
@@ -37,9 +31,9 @@ double clock_cost() {
 template <class Query>
 double timed(std::vector<double>& times, const Query& query) {
   static const double clock = clock_cost();
-  const double start = cpu_seconds();
+  const double start = thread_cpu_seconds();
   const double answer = query();
-  times.push_back(std::max(0.0, cpu_seconds() - start - clock));
+  times.push_back(std::max(0.0, thread_cpu_seconds() - start - clock));
   return answer;
 }
 

@@ -1,17 +1,9 @@
 #include "bench/suite/workbench.h"
 
-#include <ctime>
-
 #include "bench/suite/allocations.h"
 #include "core/memory.h"
 
 namespace zwang {
-
-double thread_cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 bool is_rung(int iteration) {
   // 2^k and 3 * 2^k.

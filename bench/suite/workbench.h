@@ -5,12 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/suite/cpu_clock.h"
 #include "core/solver.h"
 
 namespace zwang {
-
-// CPU seconds of the calling thread (CLOCK_THREAD_CPUTIME_ID): what other processes do does not count.
-double thread_cpu_seconds();
 
 // "nnls" or "nnls:key=value" -> solver; throws std::invalid_argument.
 using MakeSolver = std::function<AnySolver(std::string_view text)>;

@@ -1,23 +1,18 @@
 #pragma once
 
-#include <ctime>
+#include "bench/suite/cpu_clock.h"
 
 namespace zwang::god {
 
 // Adds the thread CPU time of its life [s] to a sum.
 class Lap {
  public:
-  explicit Lap(double& sum) : sum_(sum), start_(now()) {}
-  ~Lap() { sum_ += now() - start_; }
+  explicit Lap(double& sum) : sum_(sum), start_(thread_cpu_seconds()) {}
+  ~Lap() { sum_ += thread_cpu_seconds() - start_; }
   Lap(const Lap&) = delete;
   Lap& operator=(const Lap&) = delete;
 
  private:
-  static double now() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  }
   double& sum_;
   double start_;
 };

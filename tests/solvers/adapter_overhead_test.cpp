@@ -9,25 +9,21 @@
 #include <IpTNLP.hpp>
 
 #include <algorithm>
-#include <ctime>
 
 #include "bench/scenes/catalog.h"
+#include "bench/suite/cpu_clock.h"
 #include "solvers/registry.h"
 
 namespace {
 
-double now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+using zwang::thread_cpu_seconds;
 
 double in_library = 0, in_callbacks = 0;
 
 // Adds the time of a scope.
 struct Timed {
-  explicit Timed(double& sum) : sum(sum), start(now()) {}
-  ~Timed() { sum += now() - start; }
+  explicit Timed(double& sum) : sum(sum), start(thread_cpu_seconds()) {}
+  ~Timed() { sum += thread_cpu_seconds() - start; }
   double& sum;
   double start;
 };
@@ -168,9 +164,9 @@ double own_share(const char* name, const Problem& problem) {
   std::vector<double> shares;
   for (int i = 0; i < 25; ++i) {
     in_library = in_callbacks = 0;
-    const double start = now();
+    const double start = thread_cpu_seconds();
     solver.solve(problem, {}, solution);
-    const double whole = now() - start;
+    const double whole = thread_cpu_seconds() - start;
     EXPECT_GT(in_library, 0) << name << ": the library was not called through this program's entry point";
     EXPECT_GT(in_callbacks, 0) << name << ": the library called nothing back";
     EXPECT_GE(whole, in_library);

@@ -2,24 +2,18 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <new>
 
 #include "bench/scenes/catalog.h"
 #include "bench/suite/child.h"
+#include "bench/suite/cpu_clock.h"
 #include "core/memory.h"
 #include "solvers/registry.h"
 
 namespace zwang {
 namespace {
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 Problem random_problem(const char* scene) { return make_scenes(scene).at(0).problem; }
 
@@ -51,9 +45,9 @@ TEST_P(Limits, PreparationsEndAtTheDeadline) {
   for (const double limit : {0.0, 0.02, 0.1}) {
     options.time_limit = limit;
     AnySolver solver = make_solver(GetParam());
-    const double start = cpu_seconds();
+    const double start = thread_cpu_seconds();
     const Solution stopped = solver.solve(problem, options);
-    const double used = cpu_seconds() - start;
+    const double used = thread_cpu_seconds() - start;
     const bool done_before = limit > 0 && stopped.status == Status::solved;
     EXPECT_TRUE(done_before || stopped.status == Status::time_limit) << limit << " s: " << stopped.message;
     EXPECT_LE(used, 5) << limit;
