@@ -12,15 +12,9 @@ constexpr int nearest = 50, farthest = 22;  // -log2 of what a copy is off by
 
 Matrix mass(Index n, SmallNumbers& draw) {
   const int spread = 10 * draw.integer(0, 2);
-  Matrix L = Matrix::Identity(n, n);
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
-  if (draw.integer(0, 1) == 0) return D.asDiagonal();
-  for (Index k = 0; k < n; ++k) {
-    const Index i = draw.index(n), j = draw.index(n);
-    if (i > j) L(i, j) = draw.integer(-2, 2);
-  }
-  return L * D.asDiagonal() * L.transpose();
+  return draw.integer(0, 1) == 0 ? Matrix(D.asDiagonal()) : coupled_mass(D, 2, draw);
 }
 
 struct Row {

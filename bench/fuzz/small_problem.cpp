@@ -18,19 +18,22 @@ std::uint64_t mixed(std::uint64_t seed, std::uint64_t number) {
   return x;
 }
 
+Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw) {
+  const Index n = D.size();
+  Matrix L = Matrix::Identity(n, n);
+  for (Index k = 0; k < n; ++k) {
+    const Index i = draw.index(n), j = draw.index(n);
+    if (i > j) L(i, j) = draw.integer(-most, most);
+  }
+  return L * D.asDiagonal() * L.transpose();
+}
+
 namespace {
 
-// L D L' with powers of two in D and a few units below the diagonal of L.
 Matrix mass(Index n, SmallNumbers& draw) {
-  Matrix L = Matrix::Identity(n, n);
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-1, 1));
-  if (draw.integer(0, 2) == 0)
-    for (Index k = 0; k < n; ++k) {
-      const Index i = draw.index(n), j = draw.index(n);
-      if (i > j) L(i, j) = draw.integer(-1, 1);
-    }
-  return L * D.asDiagonal() * L.transpose();
+  return draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal());
 }
 
 struct Row {

@@ -2,12 +2,16 @@
 
 #include <string>
 
+#include "bench/scenes/dyadic.h"
 #include "core/problem.h"
 
 namespace zwang {
 
 // A seed for each problem: neighbours share nothing (splitmix64, Steele et al. 2014).
 std::uint64_t mixed(std::uint64_t seed, std::uint64_t number);
+
+// L D L' with up to `most` units in a few places below the diagonal of L. D: the masses of D.size() unknowns.
+Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw);
 
 // Problem number `number` of a fuzzing run: up to six unknowns and ten rows with entries -1, 0, 1, where ties,
 // degenerate vertices, rows without entries, repeated, opposed, doubled and summed rows, and contradictions are the
