@@ -21,10 +21,9 @@ struct Filter {
 
 // A shape near something: its nearest point, the other's nearest point, and how far they are apart.
 struct Touch {
-  int a = 0, b = 0;  // colliders; a is a shape, b a mesh or a shape with a higher number
-  std::uint32_t feature =
-      0;           // the triangle of b's mesh, or first of several, as the mesh numbers it; against a shape 0 to 6
-  double gap = 0;  // m; negative where they overlap
+  int a = 0, b = 0;             // colliders; a is a shape, b a mesh or a shape with a higher number
+  std::uint32_t feature = 0;    // the (first) triangle of b's mesh, by the mesh's numbers; against a shape 0 to 6
+  double gap = 0;               // m; negative where they overlap
   Vec3 normal = Vec3::Zero();   // unit, from b to a, world axes
   Vec3 point_a = Vec3::Zero();  // m, world, on a's surface
   Vec3 point_b = Vec3::Zero();  // m, world, on b's surface
