@@ -1,6 +1,5 @@
 #include "solvers/apgd.h"
 
-#include "solvers/farkas.h"
 #include "solvers/kkt_check.h"
 #include "solvers/stop.h"
 
@@ -32,37 +31,16 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
 }  // namespace
 
 void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  const Deadline deadline(options.time_limit);
-  auto& [program, lambda, y, ahead, y_ahead, next, y_next, gradient, marked, drift, motion] = work;
-  if (!program.build(problem, options, solution)) return;
-  program.warm_multipliers(problem, options.warm_start, lambda);
-  program.motion(lambda, y);
+  auto& [dual, ahead, y_ahead, next, y_next, gradient] = work;
+  DualIteration iteration(dual, problem, options, solution);
+  if (!iteration.begin()) return;
+  UnitProgram& program = dual.program;
+  Vector &lambda = dual.lambda, &y = dual.y;
   ahead = lambda;
   y_ahead = y;
-  marked.setZero(program.rows());
   double curvature = largest_eigenvalue(program, power_iterations, next, y_next), momentum = 1;
   int cycle = 0, longest = 1;  // steps since the last restart, and the most between two
-  const int limit = std::min(max_steps, options.max_iterations);
-  solution.status = Status::iteration_limit;
-
-  for (int step = 0;; ++step) {
-    const bool power_of_two = step >= 16 && (step & (step - 1)) == 0;
-    if (power_of_two) {
-      drift = lambda - marked;
-      if (proves_infeasible(program, drift, motion)) {
-        solution.status = Status::infeasible;
-        sharpen(program, drift);
-        program.write_certificate(problem, drift, solution);
-        break;
-      }
-      marked = lambda;
-    }
-    if (step == limit) break;
-    if (deadline.passed()) {
-      solution.status = Status::time_limit;
-      break;
-    }
-
+  while (iteration.goes_on(max_steps)) {
     program.slack(y_ahead, gradient);
     double length = 0;  // of the step in lambda
     for (;;) {
@@ -86,11 +64,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
     y_ahead = y_next + carry * (y_next - y);
     lambda.swap(next);
     y.swap(y_next);
-    solution.iterations = step + 1;
-    if (options.observe) {
-      program.write(problem, y, lambda, solution);
-      options.observe(solution.iterations, solution.z, solution.lambda);
-    }
+    iteration.step_done();
 
     const double to_go = std::sqrt(curvature) * longest * length;
     if (to_go <= options.tolerance * program.scale(y) && natural_residual(program, y, lambda) <= options.tolerance) {

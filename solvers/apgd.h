@@ -1,7 +1,7 @@
 #pragma once
 
+#include "solvers/dual_iteration.h"
 #include "solvers/registry.h"
-#include "solvers/unit_program.h"
 
 namespace zwang {
 
@@ -26,11 +26,10 @@ struct Apgd {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {
-    UnitProgram program;
-    Vector lambda, y;       // the iterate and G' lambda
+    DualIteration::Workspace dual;
     Vector ahead, y_ahead;  // the extrapolated point and G' of it
     Vector next, y_next;    // the candidate
-    Vector gradient, marked, drift, motion;
+    Vector gradient;
   };
   Workspace work = {};
 };

@@ -1,6 +1,5 @@
 #include "solvers/pgs.h"
 
-#include "solvers/farkas.h"
 #include "solvers/kkt_check.h"
 #include "solvers/stop.h"
 
@@ -12,35 +11,13 @@ std::vector<Setting<Pgs>> Pgs::settings() {
 }
 
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  const Deadline deadline(options.time_limit);
-  auto& [program, lambda, y, before, marked, drift, motion] = work;
-  if (!program.build(problem, options, solution)) return;
-  program.warm_multipliers(problem, options.warm_start, lambda);
-  program.motion(lambda, y);
-  marked.setZero(program.rows());
+  auto& [dual, before] = work;
+  DualIteration iteration(dual, problem, options, solution);
+  if (!iteration.begin()) return;
+  UnitProgram& program = dual.program;
+  Vector &lambda = dual.lambda, &y = dual.y;
   Contraction contraction;
-  const int limit = std::min(max_sweeps, options.max_iterations);
-  solution.status = Status::iteration_limit;
-
-  for (int sweep = 0;; ++sweep) {
-    // On a problem without a solution lambda runs off along a Farkas vector, while y settles.
-    const bool power_of_two = sweep >= 16 && (sweep & (sweep - 1)) == 0;
-    if (power_of_two) {
-      drift = lambda - marked;
-      if (proves_infeasible(program, drift, motion)) {
-        solution.status = Status::infeasible;
-        sharpen(program, drift);
-        program.write_certificate(problem, drift, solution);
-        break;
-      }
-      marked = lambda;
-    }
-    if (sweep == limit) break;
-    if (deadline.passed()) {
-      solution.status = Status::time_limit;
-      break;
-    }
-
+  while (iteration.goes_on(max_sweeps)) {
     before = y;
     double largest = 0;
     for (Index i = 0; i < program.rows(); ++i) {
@@ -51,12 +28,8 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
       lambda[i] = updated;
       if (step != 0) program.add(i, step, y);
     }
-    solution.iterations = sweep + 1;
     contraction.record((y - before).norm());
-    if (options.observe) {
-      program.write(problem, y, lambda, solution);
-      options.observe(solution.iterations, solution.z, solution.lambda);
-    }
+    iteration.step_done();
 
     const double scale = program.scale(y), tolerance = options.tolerance * scale;
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "solvers/dual_iteration.h"
 #include "solvers/registry.h"
-#include "solvers/unit_program.h"
 
 namespace zwang {
 
@@ -24,8 +24,8 @@ struct Pgs {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {
-    UnitProgram program;
-    Vector lambda, y, before, marked, drift, motion;
+    DualIteration::Workspace dual;
+    Vector before;
   };
   Workspace work = {};
 };
