@@ -3,20 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/extended_polish_dependence.h"
 #include "solvers/extended_polish_doubt.h"
 
 namespace zwang {
-namespace {
-
-// Where the refinement does not converge, a contact this near to a combination of the others gives way: its neighbours
-// do what it did, and where they do not, it is found violated again and judged as dependent.
-constexpr double coarse = 1e-10;
-// |G'u| beyond this share of sum |u_i| is not the rounding of the rows, but a way to meet them, however far away. A
-// wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46
-// times as long, and the referee's 1e8 alone would call it contradicting.
-constexpr double row_rounding = 8 * std::numeric_limits<double>::epsilon();
-
-}  // namespace
 
 template <class Real>
 void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const {
@@ -103,77 +93,6 @@ bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& act
   return true;
 }
 
-// g_row = G_A' mu + rest; returns the length of the rest.
-template <class Real>
-double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
-  const Index a = active.size();
-  auto t = t_.head(a);
-  mu_.head(a).setZero();
-  double last = std::numeric_limits<double>::infinity();
-  for (int step = 0;; ++step) {
-    force_.setZero();
-    add_row(p, w, row, Real(1), force_);
-    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i], force_);
-    r1_ = force_.template cast<double>();
-    w.factor.solve_lower(r1_);
-    active.combine(r1_, t);
-    mu_.head(a) += t.template cast<Real>();
-    const double change = t.norm();
-    if (step > 2 && !(change < last / 2)) return r1_.norm();
-    last = change;
-  }
-}
-
-// Joints that a weld repeats agree to the rounding of their poses only; the contacts then take a share of 1e-17 in the
-// combination, of either sign. What has the wrong sign and cannot give way in exchange() is cut off: the proof is
-// judged without it. u = +-(e_row - mu) proves infeasibility when u_I >= 0 and h'u / |G'u| is beyond any motion of this
-// problem: the referee's bound. It is judged after rounding to double, so of three normalizations the one that rounds
-// best is kept (rows in small integers then give integers).
-template <class Real>
-bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
-  using std::abs;
-  const Real sign = violation(p, w, row) < 0 ? -1 : 1;
-  const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
-  Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
-  for (Index i = 0; i < active.size(); ++i) {
-    Real& mu = mu_[i];
-    const bool wrong = !w.equality[at(active[i])] && sign * mu > 0;
-    if (wrong && abs(mu) >= giving) return false;
-    if (wrong || abs(mu) <= 16 * real_eps) mu = 0;
-    if (mu == 0) continue;
-    const Real u = abs(multiplier(active[i], mu));
-    smallest = std::min(smallest, u);
-    largest = std::max(largest, u);
-  }
-  for (const Real unit : {first, smallest, largest}) {
-    certificate_.setZero(p.rows());
-    certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, Real(1)) / unit);
-    for (Index i = 0; i < active.size(); ++i)
-      certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
-    Real work = 0, noise = 0, weight = 0;
-    force_.setZero();
-    const auto add = [&](Index i) {
-      const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
-      work += u * b_[i];
-      noise += abs(u) * Real(w.magnitude[i]);
-      weight += abs(u);
-      add_row(p, w, i, u, force_);
-    };
-    add(row);
-    for (const Index i : active.rows()) add(i);
-    r1_ = (force_ / noise).template cast<double>();
-    w.factor.solve_lower(r1_);
-    const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
-    const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
-    const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
-    if (parallel && work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * rest) {
-      s.certificate = certificate_;
-      return true;
-    }
-  }
-  return false;
-}
-
 template <class Real>
 void ExtendedPolish<Real>::remove(ActiveRows& active, Index position) {
   state_[at(active[position])] = State::outside;
@@ -181,22 +100,42 @@ void ExtendedPolish<Real>::remove(ActiveRows& active, Index position) {
   active.drop(position);
 }
 
-// The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
+// The active row with the most negative multiplier, or active.size(). One of 1e-15 s moves z by less than that.
 template <class Real>
-bool ExtendedPolish<Real>::exchange(const Whitened& w, ActiveRows& active, Index row) {
-  Index leaving;
-  give_way(w, active, w.equality[at(row)] && b_[row] < 0 ? -1 : 1, leaving);
-  if (leaving == active.size()) return false;
-  remove(active, leaving);
-  if (!active.accepts(active.append(row))) return false;
-  state_[at(row)] = State::inside;
-  return true;
+Index ExtendedPolish<Real>::pulling_row(const Whitened& w, const ActiveRows& active) const {
+  Index leaving = active.size();
+  Real most = -1e-15 * scale_;
+  for (Index i = 0; i < active.size(); ++i)
+    if (!w.equality[at(active[i])] && l_[active[i]] < most) {
+      most = l_[active[i]];
+      leaving = i;
+    }
+  return leaving;
+}
+
+// The most violated row outside, or -1, and how much: its share of its terms, of which less than `worst` is rounding.
+template <class Real>
+Index ExtendedPolish<Real>::violated_row(const Problem& p, const Whitened& w, Real& worst) const {
+  using std::abs;
+  Index entering = -1;
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::outside) continue;
+    const Real v = violation(p, w, i), size = Real(w.magnitude[i]) + length_;
+    const Real relative = (w.equality[at(i)] ? abs(v) : v) / size;
+    if (relative > worst) {
+      worst = relative;
+      entering = i;
+    }
+  }
+  return entering;
 }
 
 template <class Real>
 PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance,
                                         Solution& s) {
-  using std::abs;
+  // Where the refinement does not converge, a contact this near to a combination of the others gives way: its
+  // neighbours do what it did, and where they do not, it is found violated again and judged as dependent.
+  constexpr double coarse = 1e-10;
   prepare(p, w);
   for (const Index i : active.rows()) state_[at(i)] = State::inside;
   const Index rounds = 20 + 2 * w.rows();
@@ -211,43 +150,21 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       s.message = "the active rows are too close to dependent to be told apart";
       break;
     }
-
-    // The most negative multiplier leaves. One of 1e-15 s moves z by less than that.
-    Index leaving = active.size();
-    Real most = -1e-15 * scale_;
-    for (Index i = 0; i < active.size(); ++i)
-      if (!w.equality[at(active[i])] && l_[active[i]] < most) {
-        most = l_[active[i]];
-        leaving = i;
-      }
-    if (leaving < active.size()) {
+    if (const Index leaving = pulling_row(w, active); leaving < active.size()) {
       remove(active, leaving);
       continue;
     }
 
-    // The most violated row enters.
-    Index entering = -1;
-    Real worst = 32 * real_eps;  // less than this share of its terms is rounding
-    for (Index i = 0; i < w.rows(); ++i) {
-      if (state_[at(i)] != State::outside) continue;
-      const Real v = violation(p, w, i), size = Real(w.magnitude[i]) + length_;
-      const Real relative = (w.equality[at(i)] ? abs(v) : v) / size;
-      if (relative > worst) {
-        worst = relative;
-        entering = i;
-      }
-    }
-    const double limit = std::max(10 * tolerance, 1e-12) * scale_;
+    Real worst = 32 * real_eps;
+    Index entering = violated_row(p, w, worst);
     if (entering < 0) {
       doubt_active(p, w, active);
       entering = doubt_others(p, w, active);
     }
     if (entering < 0) {
-      for (Index i = 0; i < w.rows(); ++i)
-        if (state_[at(i)] == State::outside && abs(violation(p, w, i)) <= 1e-12 * (Real(w.magnitude[i]) + length_))
-          state_[at(i)] = State::ignored;
       write(p, w, s);
-      name_redundant(w, active, s);
+      name_redundant(p, w, active, s);
+      const double limit = std::max(10 * tolerance, 1e-12) * scale_;
       s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
       return Outcome::solved;
     }
@@ -276,21 +193,6 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
   s.status = Status::numerical_failure;
   write(p, w, s);
   return Outcome::failed;
-}
-
-template <class Real>
-bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& active, std::span<const Index> support,
-                                   Solution& s) {
-  prepare(p, w);
-  for (const Index i : support) {
-    if (active.share(i) > 1e-9 && active.accepts(active.append(i))) continue;
-    express(p, w, active, i);
-    if (farkas(p, w, active, i, s)) {
-      s.status = Status::infeasible;
-      return true;
-    }
-  }
-  return false;
 }
 
 template class ExtendedPolish<long double>;

@@ -51,6 +51,8 @@ class ExtendedPolish {
   void prepare(const Problem& p, Whitened& w);
   void add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const;
   bool refine(const Problem& p, Whitened& w, ActiveRows& active);
+  Index pulling_row(const Whitened& w, const ActiveRows& active) const;
+  Index violated_row(const Problem& p, const Whitened& w, Real& worst) const;
   double express(const Problem& p, Whitened& w, ActiveRows& active, Index row);
   bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
   bool exchange(const Whitened& w, ActiveRows& active, Index row);
@@ -60,7 +62,7 @@ class ExtendedPolish {
   Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active);
   Real give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
-  void name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const;
+  void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
   Real violation(const Problem& p, const Whitened& w, Index i) const;
   double hidden(const Problem& p, const Whitened& w, Index i) const;
 

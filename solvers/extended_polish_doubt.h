@@ -19,23 +19,6 @@ double ExtendedPolish<Real>::hidden(const Problem& p, const Whitened& w, Index i
   return static_cast<double>(ldexp(Real(real_eps * terms / Real(w.row_norm[i])), -w.exponent));
 }
 
-// How far the multiplier of a row sign (G_A' mu_ + rest) can grow before that of an active row, `leaving`, is zero.
-template <class Real>
-Real ExtendedPolish<Real>::give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const {
-  Real shortest = std::numeric_limits<double>::infinity();
-  leaving = active.size();
-  for (Index i = 0; i < active.size(); ++i) {
-    const Real rate = sign * mu_[i];
-    if (w.equality[at(active[i])] || rate < giving) continue;
-    const Real step = std::max(l_[active[i]], Real(0)) / rate;
-    if (step < shortest) {
-      shortest = step;
-      leaving = i;
-    }
-  }
-  return shortest;
-}
-
 template <class Real>
 void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
   double square = 0;
@@ -95,8 +78,13 @@ void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& 
   }
 }
 
+// Rows outside that hold with equality all the same are ignored; those that the active ones determine are redundant.
 template <class Real>
-void ExtendedPolish<Real>::name_redundant(const Whitened& w, ActiveRows& active, Solution& s) const {
+void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s) {
+  using std::abs;
+  for (Index i = 0; i < w.rows(); ++i)
+    if (state_[at(i)] == State::outside && abs(violation(p, w, i)) <= 1e-12 * (Real(w.magnitude[i]) + length_))
+      state_[at(i)] = State::ignored;
   s.redundant.reserve(at(w.rows()) + w.idle.size());
   s.redundant.assign(w.idle.begin(), w.idle.end());
   s.margins = {.rank = active.size()};
