@@ -12,6 +12,7 @@
 #include "experiments/long_run.h"
 #include "experiments/options.h"
 #include "experiments/report/report.h"
+#include "experiments/report/wording.h"
 
 namespace zwang {
 namespace {

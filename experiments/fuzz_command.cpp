@@ -9,7 +9,7 @@
 #include "experiments/commands.h"
 #include "experiments/long_run.h"
 #include "experiments/options.h"
-#include "experiments/report/results.h"
+#include "experiments/report/wording.h"
 
 namespace zwang {
 

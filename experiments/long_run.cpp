@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "bench/suite/record_file.h"
-#include "experiments/report/results.h"
+#include "experiments/report/wording.h"
 
 namespace zwang {
 

@@ -11,7 +11,7 @@
 #include "core/nearest.h"
 #include "experiments/commands.h"
 #include "experiments/options.h"
-#include "experiments/report/results.h"
+#include "experiments/report/wording.h"
 
 namespace zwang {
 namespace {

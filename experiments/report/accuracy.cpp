@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "experiments/report/statistics.h"
+#include "experiments/report/wording.h"
 
 namespace zwang::report {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "experiments/report/tables.h"
+#include "experiments/report/wording.h"
 
 // What the tables' files share.
 namespace zwang::report {

@@ -4,20 +4,19 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "experiments/report/accuracy.h"
 #include "experiments/report/profile.h"
-#include "experiments/report/statistics.h"
 #include "experiments/report/sweeps.h"
 #include "experiments/report/tables.h"
+#include "experiments/report/wording.h"
+#include "experiments/report/work_precision.h"
 
 namespace zwang::report {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t single_runs = 6000;  // more, and runs that went well are shown by their medians alone
 constexpr std::size_t curve_steps = 60;
 constexpr std::size_t trace_points = 60;
 
@@ -35,64 +34,11 @@ std::vector<std::string> names(const Run& run) {
 
 json work_precision(const Run& run) {
   json rows = json::array();
-  const auto add = [&rows](const std::string& level, const Result& r, double error, double time, double q1, double q3,
-                           double iterations, const std::string& of) {
-    rows.push_back({level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(error), known(time),
-                    known(q1), known(q3), known(iterations, 6), r.claimed, r.verified, of, r.replay});
-  };
-  std::map<std::string, std::set<std::string>> problems;  // by family
-  std::map<std::string, double> slowest;
-  for (const Result& r : run.results) {
-    problems[r.family].insert(r.problem);
-    if (std::isfinite(r.solve_s)) slowest[r.family] = std::max(slowest[r.family], r.solve_s);
-  }
-
-  // A family of which most problems have no z has no error to draw: the sweep shows who proves it.
-  std::map<std::string, std::set<std::string>> infeasible;
-  for (const Result& r : run.results)
-    if (r.feasible == std::optional(false)) infeasible[r.family].insert(r.problem);
-  const auto undrawn = [&](const Result& r) {
-    return drawn_as(r).empty() || 2 * infeasible[r.family].size() > problems[r.family].size();
-  };
-
-  // Medians over the problems of a family that the solver got right at this tolerance, where those are more than half:
-  // medians over few easy ones, others at every tolerance, would draw a line to and fro.
-  std::set<const Result*> lone;  // right, but without a median to stand behind
-  std::map<std::tuple<std::string, std::string, double>, std::vector<const Result*>> cells;
-  for (const Result& r : run.results)
-    if (!undrawn(r)) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
-  for (const auto& [key, runs] : cells) {
-    std::vector<const Result*> ok;
-    std::vector<double> error, time, q1, q3, iterations;
-    for (const Result* r : runs) {
-      if (drawn_as(*r) != "ok") continue;
-      ok.push_back(r);
-      error.push_back(r->error());
-      time.push_back(r->solve_s);
-      q1.push_back(r->solve_s_q1);
-      q3.push_back(r->solve_s_q3);
-      iterations.push_back(static_cast<double>(r->iterations));
-    }
-    if (2 * ok.size() <= runs.size()) lone.insert(ok.begin(), ok.end());
-    if (ok.empty() || lone.contains(ok.front())) continue;
-    // The run nearest to the median stands for it in the tooltip.
-    const double middle = median(time);
-    const Result& typical = **std::min_element(ok.begin(), ok.end(), [middle](const Result* a, const Result* b) {
-      return std::abs(a->solve_s - middle) < std::abs(b->solve_s - middle);
-    });
-    const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
-    const bool several = problems[typical.family].size() > 1;
-    add(several ? "median" : "single", typical, median(error), middle, median(q1), median(q3), median(iterations),
-        several ? of : "one run");
-  }
-
-  const bool all = run.results.size() <= single_runs;
-  for (const Result& r : run.results) {
-    const std::string drawn = drawn_as(r);
-    if (undrawn(r) || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
-    const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
-    add(lone.contains(&r) ? "lone" : "run", r, r.error(), time, r.solve_s_q1, r.solve_s_q3,
-        static_cast<double>(r.iterations), "one run");
+  for (const DrawnRun& d : work_precision_points(run)) {
+    const Result& r = *d.run;
+    rows.push_back({d.level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(d.error),
+                    known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.iterations, 6), r.claimed, r.verified, d.of,
+                    r.replay});
   }
   return {{"fields",
            {"level", "family", "problem", "solver", "tolerance", "drawn", "error", "time", "q1", "q3", "iterations",
@@ -236,15 +182,6 @@ json stages(const Run& run) {
 }
 
 }  // namespace
-
-std::string drawn_as(const Result& r) {
-  if (r.is_blank() || r.verified == "infeasible, proven") return "";
-  if (r.lies()) return "wrong";
-  if (r.verified == "solved") return std::isfinite(r.error()) ? "ok" : "";
-  if (std::isfinite(r.z_error)) return "missed";
-  if (r.verified == "undecided" || r.verified == "near") return "undecided";
-  return "failed";
-}
 
 std::string chart_rows(const Run& run) {
   return json{{"work-precision", work_precision(run)},

@@ -10,8 +10,4 @@ namespace zwang::report {
 // most 2,000 marks a chart; every single run stays in results.jsonl.
 std::string chart_rows(const Run& run);
 
-// How a run is drawn in the work-precision diagram: "ok", "missed" (stopped short, and said so), "wrong" (claimed
-// success), "undecided", "failed" (no answer), or "" (blank: unsupported, or a proof of infeasibility).
-std::string drawn_as(const Result& result);
-
 }  // namespace zwang::report

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "experiments/report/cells.h"
+#include "experiments/report/wording.h"
 
 namespace zwang::report {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "experiments/report/wording.h"
 
 namespace zwang::report {
 namespace {
@@ -35,94 +35,75 @@ bool flag(const json& line, const char* key) {
   return it != line.end() && it->is_boolean() && it->get<bool>();
 }
 
+void read(const json& line, const char* key, std::string& into) { into = text(line, key); }
+void read(const json& line, const char* key, double& into) { into = number(line, key); }
+void read(const json& line, const char* key, long& into) { into = count(line, key); }
+void read(const json& line, const char* key, bool& into) { into = flag(line, key); }
+
+// Key, member, key, member, ...
+template <class Member, class... Rest>
+void read(const json& line, const char* key, Member& into, Rest&&... rest) {
+  read(line, key, into);
+  read(line, rest...);
+}
+
 Result parse_result(const json& line) {
   for (const char* key : {"problem", "solver", "tolerance", "claimed", "verified"})
     if (!line.contains(key))
       throw std::runtime_error(std::string("no result of this version of zwang: it has no \"") + key + "\"");
   Result r;
-  r.problem = text(line, "problem");
-  r.family = text(line, "family");
+  read(line, "problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value, "problem_sha256",
+       r.problem_sha256, "problem_file", r.problem_file, "n", r.n, "m", r.m, "equalities", r.equalities);
+  read(line, "solver", r.solver, "tolerance", r.tolerance, "claimed", r.claimed, "verified", r.verified, "reference",
+       r.reference, "bound_method", r.bound_method, "message", r.message, "worst_row", r.worst_row, "fallback",
+       r.fallback);
+  read(line, "z_error", r.z_error, "z_bound", r.z_bound, "primal", r.primal, "stationarity", r.stationarity, "gap",
+       r.gap, "range_gap", r.range_gap);
+  read(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
+       "kernel_s", r.kernel_s, "allocations", r.allocations, "iterations", r.iterations, "repetitions", r.repetitions);
   if (r.family.empty()) r.family = r.problem;
-  r.knob = text(line, "knob");
-  r.problem_sha256 = text(line, "problem_sha256");
-  r.problem_file = text(line, "problem_file");
-  r.solver = text(line, "solver");
-  r.claimed = text(line, "claimed");
-  r.verified = text(line, "verified");
-  r.reference = text(line, "reference");
-  r.bound_method = text(line, "bound_method");
-  r.message = text(line, "message");
-  r.worst_row = text(line, "worst_row");
-  r.knob_value = number(line, "knob_value");
-  r.tolerance = number(line, "tolerance");
-  r.n = count(line, "n");
-  r.m = count(line, "m");
-  r.equalities = count(line, "equalities");
-  r.z_error = number(line, "z_error");
-  r.z_bound = number(line, "z_bound");
-  r.primal = number(line, "primal");
-  r.stationarity = number(line, "stationarity");
-  r.gap = number(line, "gap");
-  r.setup_s = number(line, "setup_s");
-  r.solve_s = number(line, "solve_s");
-  r.solve_s_q1 = number(line, "solve_s_q1");
-  r.solve_s_q3 = number(line, "solve_s_q3");
-  r.kernel_s = number(line, "kernel_s");
-  r.allocations = number(line, "allocations");
-  r.range_gap = number(line, "range_gap");
-  r.iterations = count(line, "iterations");
-  r.repetitions = count(line, "repetitions");
   if (const auto it = line.find("feasible"); it != line.end() && it->is_boolean()) r.feasible = it->get<bool>();
-  r.fallback = flag(line, "fallback");
-  for (const json& row : line.value("worst_by_type", json::array()))
-    r.worst_by_type.push_back(
-        {text(row, "type"), text(row, "row"), text(row, "unit"), number(row, "violation"), number(row, "relative")});
+  for (const json& row : line.value("worst_by_type", json::array())) {
+    WorstRow& worst = r.worst_by_type.emplace_back();
+    read(row, "type", worst.type, "row", worst.row, "unit", worst.unit, "violation", worst.violation, "relative",
+         worst.relative);
+  }
   for (const json& name : line.value("conflicting", json::array())) r.conflicting.push_back(name.get<std::string>());
   return r;
 }
 
 TracePoint parse_trace(const json& line) {
-  return {.problem = text(line, "problem"),
-          .family = text(line, "family"),
-          .solver = text(line, "solver"),
-          .iteration = count(line, "iteration"),
-          .time_s = number(line, "time_s"),
-          .z_error = number(line, "z_error"),
-          .primal = number(line, "primal"),
-          .stationarity = number(line, "stationarity"),
-          .gap = number(line, "gap")};
+  TracePoint p;
+  read(line, "problem", p.problem, "family", p.family, "solver", p.solver, "iteration", p.iteration, "time_s", p.time_s,
+       "z_error", p.z_error, "primal", p.primal, "stationarity", p.stationarity, "gap", p.gap);
+  return p;
 }
 
-SequenceTimes::Start parse_start(const json& part) {
-  return {.frames = count(part, "frames"),
-          .checked = count(part, "checked"),
-          .right = count(part, "right"),
-          .solve_s = number(part, "solve_s"),
-          .iterations = number(part, "iterations"),
-          .allocations = number(part, "allocations"),
-          .worst_z_error = number(part, "worst_z_error")};
+void parse_start(const json& part, SequenceTimes::Start& s) {
+  read(part, "frames", s.frames, "checked", s.checked, "right", s.right, "solve_s", s.solve_s, "iterations",
+       s.iterations, "allocations", s.allocations, "worst_z_error", s.worst_z_error);
 }
 
 void parse_speed(const json& line, Run& run) {
-  if (text(line, "kind") == "assembly")
-    run.assembly.push_back({.scene = text(line, "scene"),
-                            .contacts = count(line, "contacts"),
-                            .n = count(line, "n"),
-                            .m = count(line, "m"),
-                            .allocations = count(line, "allocations"),
-                            .assemble_s = number(line, "assemble_s"),
-                            .islands_s = number(line, "islands_s"),
-                            .kernel_s = number(line, "kernel_s")});
-  if (text(line, "kind") == "stages") {
-    run.stages.push_back({.scene = text(line, "scene"), .contacts = count(line, "contacts")});
-    for (const char* stage : {"checks", "whiten", "joints", "rows", "climb", "refine"})
-      run.stages.back().stages.emplace_back(stage, number(line, stage));
+  const std::string kind = text(line, "kind");
+  if (kind == "assembly") {
+    AssemblyTimes& t = run.assembly.emplace_back();
+    read(line, "scene", t.scene, "contacts", t.contacts, "n", t.n, "m", t.m, "allocations", t.allocations, "assemble_s",
+         t.assemble_s, "islands_s", t.islands_s, "kernel_s", t.kernel_s);
   }
-  if (text(line, "kind") == "sequence")
-    run.sequences.push_back({.sequence = text(line, "sequence"),
-                             .solver = text(line, "solver"),
-                             .cold = parse_start(line.at("cold")),
-                             .warm = parse_start(line.at("warm"))});
+  if (kind == "stages") {
+    StageTimes& t = run.stages.emplace_back();
+    read(line, "scene", t.scene, "contacts", t.contacts);
+    for (const char* stage : {"checks", "whiten", "joints", "rows", "climb", "refine"})
+      t.stages.emplace_back(stage, number(line, stage));
+  }
+  if (kind == "sequence") {
+    SequenceTimes t;
+    read(line, "sequence", t.sequence, "solver", t.solver);
+    parse_start(line.at("cold"), t.cold);
+    parse_start(line.at("warm"), t.warm);
+    run.sequences.push_back(std::move(t));
+  }
 }
 
 // Only a last line without its newline may be bad: the suite writes whole lines.
@@ -177,8 +158,10 @@ void read_conditions(const json& about, Run& run) {
   for (const auto& [name, version] : libraries.items())
     add(name, version.is_string() ? version.get<std::string>() : version.dump());
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
-  for (const json& s : about.value("solvers", json::array()))
-    run.solvers.push_back({text(s, "name"), text(s, "method"), text(s, "limits"), flag(s, "foreign")});
+  for (const json& line : about.value("solvers", json::array())) {
+    SolverInfo& s = run.solvers.emplace_back();
+    read(line, "name", s.name, "method", s.method, "limits", s.limits, "foreign", s.foreign);
+  }
 }
 
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::* field) {
@@ -226,43 +209,6 @@ std::string replay_command(const fs::path& dir, const Result& result) {
   const fs::path file = result.problem_file.empty() ? fs::path(result.problem) : dir / result.problem_file;
   return "./zwang solve " + shell_word(file.generic_string()) + " --solver " + shell_word(result.solver) +
          " --tolerance " + scientific(result.tolerance, 0);
-}
-
-std::string shell_word(const std::string& word) {
-  const auto plain = [](char ch) {
-    return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("._-+:=,/@%", ch);
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
-  std::string quoted = "'";
-  for (const char ch : word) quoted += ch == '\'' ? std::string("'\\''") : std::string(1, ch);
-  return quoted + "'";
-}
-
-std::string scientific(double value, int digits) {
-  if (std::isnan(value)) return "unknown";
-  if (std::isinf(value) || std::abs(value) >= std::numeric_limits<double>::max())
-    return value > 0 ? "infinite" : "-infinite";
-  if (value == 0) return "0";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*e", digits, value);
-  std::string out = text;  // C pads exponents to two digits: 1e-08 reads better as 1e-8
-  const std::size_t e = out.find('e');
-  std::size_t first = out.find_first_not_of("0", e + 2);
-  if (first == std::string::npos) return out.substr(0, e);
-  return out.substr(0, e + 1) + (out[e + 1] == '-' ? "-" : "") + out.substr(first);
-}
-
-std::string duration(double seconds) {
-  if (!std::isfinite(seconds)) return "unknown";
-  constexpr std::pair<double, const char*> units[] = {{1, "s"}, {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}};
-  for (const auto& [size, unit] : units)
-    if (seconds >= 0.9995 * size || size == 1e-9) {
-      const double value = seconds / size;
-      char text[32];
-      std::snprintf(text, sizeof text, "%.*f %s", value < 9.95 ? 1 : 0, value, unit);
-      return text;
-    }
-  return "";
 }
 
 }  // namespace zwang::report

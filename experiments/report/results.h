@@ -111,9 +111,4 @@ std::vector<std::string> solvers_of(const std::vector<Result>& results);
 // `./zwang solve DIR/problems/0007.h5 --solver nnls --tolerance 1e-8`; read_run puts it into Result::replay.
 std::string replay_command(const std::filesystem::path& dir, const Result& result);
 
-std::string shell_word(const std::string& word);  // quoted where a shell would read it otherwise
-
-std::string scientific(double value, int digits = 1);  // "3.2e-09", "1e-08" with 0 digits; "unknown" for NaN
-std::string duration(double seconds);                  // "18 us", "1.9 ms", "2.4 s"
-
 }  // namespace zwang::report

@@ -8,6 +8,7 @@
 #include "experiments/report/accuracy.h"
 #include "experiments/report/cells.h"
 #include "experiments/report/statistics.h"
+#include "experiments/report/wording.h"
 
 namespace zwang::report {
 namespace {

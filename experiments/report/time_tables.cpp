@@ -10,6 +10,7 @@
 #include "experiments/report/cells.h"
 #include "experiments/report/profile.h"
 #include "experiments/report/sweeps.h"
+#include "experiments/report/wording.h"
 
 namespace zwang::report {
 

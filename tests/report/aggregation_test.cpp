@@ -11,6 +11,8 @@
 #include "experiments/report/statistics.h"
 #include "experiments/report/sweeps.h"
 #include "experiments/report/tables.h"
+#include "experiments/report/wording.h"
+#include "experiments/report/work_precision.h"
 
 namespace zwang::report {
 namespace {

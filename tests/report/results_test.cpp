@@ -6,6 +6,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "experiments/report/wording.h"
+
 namespace zwang::report {
 namespace {
 
