@@ -38,22 +38,17 @@ std::shared_ptr<const std::int64_t> share(hid_t id, Close close) {
 }
 
 // A number's type in memory, and on disk: little-endian, whatever machine writes.
+struct NumberType {
+  hid_t memory, disk;
+};
 template <class T>
-hid_t memory_type() {
-  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
-  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
-  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_NATIVE_UINT64;
-  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
-  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_NATIVE_UINT32;
-  return H5T_NATIVE_UINT8;
-}
-template <class T>
-hid_t disk_type() {
-  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
-  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_STD_U64LE;
-  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
-  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_STD_U32LE;
-  return H5T_STD_U8LE;
+NumberType number_type() {
+  if constexpr (std::is_same_v<T, double>) return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
+  if constexpr (std::is_same_v<T, std::int64_t>) return {H5T_NATIVE_INT64, H5T_STD_I64LE};
+  if constexpr (std::is_same_v<T, std::uint64_t>) return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
+  if constexpr (std::is_same_v<T, std::int32_t>) return {H5T_NATIVE_INT32, H5T_STD_I32LE};
+  if constexpr (std::is_same_v<T, std::uint32_t>) return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
+  return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
 }
 
 // The library prints a stack of its own for every failure; ours is one line.
@@ -178,7 +173,7 @@ std::vector<T> Group::read(const std::string& name, std::size_t expected) const 
   if (!whole && !(std::is_same_v<T, double> && kind == H5T_FLOAT))
     fail(name, std::string("not of the right type; expected ") + (std::is_same_v<T, double> ? "numbers" : "integers"));
   std::vector<T> values(data.n);
-  if (data.n > 0 && H5Dread(data.id, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+  if (data.n > 0 && H5Dread(data.id, number_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
                    std::to_string(data.n) + " numbers");
   return values;
@@ -223,7 +218,8 @@ void Group::write_raw(const std::string& name, std::int64_t disk, std::int64_t m
 
 template <class T>
 void Group::write(const std::string& name, std::span<const T> values) {
-  write_raw(name, disk_type<T>(), memory_type<T>(), values.size(), values.data());
+  const auto [memory, disk] = number_type<T>();
+  write_raw(name, disk, memory, values.size(), values.data());
 }
 
 void Group::write_strings(const std::string& name, std::span<const std::string> texts) {
