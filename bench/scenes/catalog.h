@@ -32,7 +32,7 @@ struct SceneEntry {
   std::function<Instance(const Knobs&)> make;  // all knobs present and in range
 };
 
-// Every scene there is. Explicit: a new scene is one line in catalog.cpp.
+// Every scene there is. Explicit: a new scene is one line in catalog.cpp, a new family in family_catalog.cpp.
 std::span<const SceneEntry> scenes();
 const SceneEntry* find_scene(std::string_view name);
 
