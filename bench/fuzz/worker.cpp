@@ -7,12 +7,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <map>
 #include <memory>
 #include <sstream>
 #include <system_error>
+#include <tuple>
 
 #include "core/problem_file.h"
 
@@ -190,6 +192,8 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       sum.seconds += t.seconds;
       sum.worst_z_error = std::max(sum.worst_z_error, t.worst_z_error);
     }
+  std::ranges::sort(outcome.findings, {},
+                    [](const Finding& f) { return std::tie(f.number, f.solver, f.what, f.file); });
   outcome.seconds = now() - start;
   outcome.interrupted = interrupted;
   return outcome;

@@ -17,7 +17,7 @@ struct Finding {
 struct FuzzOutcome {
   std::vector<std::string> solvers = {};
   std::vector<FuzzTally> tally = {};
-  std::vector<Finding> findings = {};
+  std::vector<Finding> findings = {};  // by problem and solver, whichever worker came first
   std::uint64_t done = 0;
   double seconds = 0;  // wall clock
   bool interrupted = false;

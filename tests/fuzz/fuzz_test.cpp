@@ -98,6 +98,19 @@ TEST_F(Fuzz, IsTheSameHoweverItIsShared) {
   }
 }
 
+TEST_F(Fuzz, FindingsComeInTheSameOrderHoweverTheyAreShared) {
+  const FuzzOptions options{.count = 150, .solvers = "pgs,apgd", .near = true};
+  const auto told = [&](int jobs) {
+    std::vector<std::string> lines;
+    for (const Finding& f : run(options, solvers(), jobs).findings)
+      lines.push_back(std::to_string(f.number) + " " + f.solver + " " + f.what);
+    return lines;
+  };
+  const std::vector<std::string> one = told(1);
+  EXPECT_GT(one.size(), 20u);
+  EXPECT_EQ(one, told(3));
+}
+
 TEST_F(Fuzz, AMistypedSolverStartsNothing) {
   EXPECT_THROW(run({.count = 10, .solvers = "nnsl"}), std::invalid_argument);
 }
