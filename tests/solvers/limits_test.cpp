@@ -37,8 +37,8 @@ TEST_P(Limits, DensePartsThatDoNotFitAreRefusedWithTheirSize) {
   EXPECT_EQ(again.z, fresh.z);
 }
 
-// A solve of this size takes the slowest of them minutes; what is left after the deadline is one step of a loop, for
-// which even a busy machine needs no 5 s. Whoever is done before its deadline may say so.
+// A solve of this size takes the slowest of them minutes; what is left after the deadline is one step of a loop: 0.01
+// s, 0.04 s with sanitizers. Whoever is done before its deadline may say so.
 TEST_P(Limits, PreparationsEndAtTheDeadline) {
   const Problem problem = random_problem("random(n=1200,m=1800)");
   SolveOptions options;
@@ -50,7 +50,7 @@ TEST_P(Limits, PreparationsEndAtTheDeadline) {
     const double used = thread_cpu_seconds() - start;
     const bool done_before = limit > 0 && stopped.status == Status::solved;
     EXPECT_TRUE(done_before || stopped.status == Status::time_limit) << limit << " s: " << stopped.message;
-    EXPECT_LE(used, 5) << limit;
+    EXPECT_LE(used, limit + 0.3);
     EXPECT_TRUE(stopped.z.size() == problem.size() || !stopped.message.empty());
   }
 }
