@@ -3,18 +3,13 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <type_traits>
 
 #include "core/deadline.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/orthogonal_updates.h"
-#include "solvers/whiten.h"
+#include "solvers/wide_rows.h"
 
 namespace zwang {
-
-// double is refined with residuals in long double; wider scalars with their own.
-template <class Scalar>
-using Wider = std::conditional_t<std::is_same_v<Scalar, double>, long double, Scalar>;
 
 // The optimum of a fixed active set, all of whose rows hold with equality:
 //

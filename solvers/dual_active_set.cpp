@@ -56,6 +56,7 @@ void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& opt
 void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
+  method_.sparse = reduce;
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;
   if (solution.status == Status::bad_input) {

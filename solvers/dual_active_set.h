@@ -22,7 +22,8 @@ struct DualActiveSet {
   bool reduce = true;  // the fast path of jointed bodies (reduced_active_set.h) first
 
   static std::vector<Setting<DualActiveSet>> settings() {
-    return {{"reduce", &DualActiveSet::reduce, "solve in the few unknowns that the joints leave"}};
+    return {{"reduce", &DualActiveSet::reduce,
+             "solve in the few unknowns that the joints leave; a sparse QR where no joints say what hangs together"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);

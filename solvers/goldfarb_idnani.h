@@ -9,6 +9,7 @@
 #include "core/deadline.h"
 #include "solvers/active_set_refinement.h"
 #include "solvers/dense_storage.h"
+#include "solvers/dropped_rows.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/orthogonal_updates.h"
 #include "solvers/whiten.h"
@@ -38,6 +39,8 @@ class GoldfarbIdnani {
   using Wide = Wider<Scalar>;
 
   Status solve(const BasicProblem<Scalar>& problem, const SolveOptions& options);
+
+  bool sparse = false;  // a sparse QR of the equality rows where it pays
 
   // The answer: n; m; m when infeasible.
   const VectorX<Wide>& z() const { return refinement_.z; }
@@ -91,14 +94,8 @@ class GoldfarbIdnani {
   void refresh();
   bool restore_dual_feasibility();
   bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
-  void add_to_rest(const BasicProblem<Scalar>& problem, Index row, const Wide& factor);
-  Scalar length_of_rest();
   void list_active_rows();
-  struct Rest {
-    Wide violation, terms;  // of the unit row, in units of 2^exponent
-  };
-  Rest rest_of(const BasicProblem<Scalar>& problem, Index i) const;
-  bool dropped_in_doubt(const BasicProblem<Scalar>& problem, Index i, const Scalar& far);
+  UnitRest<Scalar> rest(const BasicProblem<Scalar>& problem, Index i) const;
   bool solve_active_set(const BasicProblem<Scalar>& problem);
   void refine(const BasicProblem<Scalar>& problem);
   void observe(const BasicProblem<Scalar>& problem, const Observer& observer);
@@ -116,8 +113,8 @@ class GoldfarbIdnani {
   VectorX<Scalar> b_, magnitude_, slack_;           // of the inequality rows
   VectorX<Scalar> v_, u_, r_;                       // (v, u); R^-1 Q'a of the entering row a
   VectorX<Scalar> y_E_, x_, w_;                     // padded n; padded n; rank
-  VectorX<Wide> mu_, rest_;                         // rank; n: a combination of rows, and what it leaves
-  VectorX<Scalar> left_;                            // n: the same, whitened
+  RowSum<Scalar> sum_;
+  DroppedRows<Scalar> dropped_;
   Scalar y_E_norm_{0};
   Deadline deadline_;
   DenseStorage storage_;
@@ -168,10 +165,11 @@ void GoldfarbIdnani<Scalar>::require_storage(const BasicProblem<Scalar>& p, cons
 // Equality rows that depend on others are dropped when they hold, and prove the problem infeasible when they do not.
 template <class Scalar>
 bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p) {
+  using std::abs;
   equalities_.clear();
   inequalities_.clear();
   for (Index i = 0; i < whitened_.rows(); ++i) (whitened_.equality[i] ? equalities_ : inequalities_).push_back(i);
-  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance(), deadline_);
+  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance(), deadline_, sparse);
   largest_rejected = elimination_.largest_rejected();
   equality_rows_.clear();
   for (const Index k : elimination_.order()) equality_rows_.push_back(equalities_[k]);
@@ -196,7 +194,8 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
   for (const Index k : elimination_.rejected()) {
     const Index i = equalities_[k];
     const Scalar rest = whitened_.h[i] - whitened_.Gt.col(i).dot(y_E_.head(whitened_.size()));
-    if (certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1), largest_rejected)) return false;
+    const bool may_contradict = abs(rest) > violation_tolerance() / Scalar(2) * whitened_.magnitude[i];
+    if (may_contradict && certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1), largest_rejected)) return false;
     redundant.push_back(whitened_.row[i]);
   }
   for (const Index i : whitened_.idle)
@@ -207,9 +206,12 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::reduce_inequalities() {
   const auto m = static_cast<Index>(inequalities_.size());
-  const bool reduce = elimination_.rank() > 0;
-  if (reduce) Nt_ = elimination_.null_space().transpose();
-  A_.setZero(elimination_.freedom(), m);
+  const bool reduce = elimination_.rank() > 0, reduced = elimination_.is_sparse();
+  if (reduced)
+    elimination_.reduce(whitened_.Gt, inequalities_, A_);
+  else
+    A_.setZero(elimination_.freedom(), m);
+  if (reduce && !reduced) Nt_ = elimination_.null_space().transpose();
   b_.resize(m);
   magnitude_.resize(m);
   slack_.resize(m);
@@ -223,38 +225,13 @@ void GoldfarbIdnani<Scalar>::reduce_inequalities() {
       if (!reduce)
         A_(at, j) = g[at];
       else if (g[at] != Scalar(0)) {
-        A_.col(j) += g[at] * Nt_.col(at);
+        if (!reduced) A_.col(j) += g[at] * Nt_.col(at);
         held += g[at] * y_E_[at];
       }
     }
     b_[j] = whitened_.h[i] - held;
     magnitude_[j] = whitened_.magnitude[i];
   }
-}
-
-// Takes in the earlier frame's active rows that are still there and clearly independent; whatever does not fit now is
-// dropped again, so a bad guess costs time only.
-template <class Scalar>
-void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const WarmStart& warm) {
-  const Scalar clear(1e-7);
-  const std::size_t known = std::min(warm.key.size(), static_cast<std::size_t>(warm.lambda.size()));
-  std::vector<Index>& sorted = active_rows_;
-  sorted.clear();
-  for (std::size_t k = 0; k < known; ++k) sorted.push_back(static_cast<Index>(k));
-  std::sort(sorted.begin(), sorted.end(),
-            [&](Index a, Index b) { return warm.key[a] != warm.key[b] ? warm.key[a] < warm.key[b] : a < b; });
-  for (Index j = 0; j < A_.cols() && updates_.size() < A_.rows(); ++j) {
-    const RowKey& key = p.key[whitened_.row[inequalities_[j]]];
-    const auto at =
-        std::lower_bound(sorted.begin(), sorted.end(), key, [&](Index a, const RowKey& k) { return warm.key[a] < k; });
-    if (at == sorted.end() || warm.key[*at] != key || !(warm.lambda[*at] > 0)) continue;
-    if (!(updates_.split(A_.col(j)) > clear)) continue;
-    updates_.append();
-    active_.push_back(j);
-    state_[j] = active;
-  }
-  refresh();
-  restore_dual_feasibility();
 }
 
 }  // namespace zwang

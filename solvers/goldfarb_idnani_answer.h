@@ -47,25 +47,12 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   for (Index k = 0; k < elimination_.rank(); ++k) write(equality_rows_[k], -sign * w_[k]);
   for (Index j = 0; j < q; ++j) write(inequalities_[active_[j]], std::max(Scalar(0), Scalar(-r_[j])));
   // Between near-parallel rows multipliers are long, and their rounding leaves a rest of its own.
-  rest_.setZero(n);
+  sum_.reset(n);
   for (Index i = 0; i < p.rows(); ++i)
-    if (certificate[i] != Scalar(0)) add_to_rest(p, i, Wide(certificate[i]) / Wide(shortest));
-  const Scalar rest = std::max(length, length_of_rest()) + violation_tolerance();
+    if (certificate[i] != Scalar(0)) sum_.add(p, i, Wide(certificate[i]) / Wide(shortest));
+  const Scalar rest = std::max(length, sum_.length(whitened_)) + violation_tolerance();
   proof_in_doubt = proof < Scalar(2e8) * reach * rest || length > Scalar(8) * epsilon() * weight;
   return true;
-}
-
-template <class Scalar>
-void GoldfarbIdnani<Scalar>::add_to_rest(const BasicProblem<Scalar>& p, Index row, const Wide& factor) {
-  for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
-    rest_[it.col()] += Wide(it.value()) * factor;
-}
-
-template <class Scalar>
-Scalar GoldfarbIdnani<Scalar>::length_of_rest() {
-  left_ = rest_.template cast<Scalar>();
-  whitened_.factor.solve_lower(left_);
-  return left_.norm();
 }
 
 template <class Scalar>
@@ -88,17 +75,8 @@ void GoldfarbIdnani<Scalar>::refine(const BasicProblem<Scalar>& p) {
 }
 
 template <class Scalar>
-auto GoldfarbIdnani<Scalar>::rest_of(const BasicProblem<Scalar>& p, Index i) const -> Rest {
-  using std::abs, std::ldexp;
-  const Index row = whitened_.row[i];
-  Wide rest(p.c[row]), terms = abs(rest);
-  for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
-    const Wide term = Wide(it.value()) * z()[it.col()];
-    rest -= term;
-    terms += abs(term);
-  }
-  const Wide unit(whitened_.row_norm[i]);
-  return {ldexp(Wide(rest / unit), -whitened_.exponent), ldexp(Wide(terms / unit), -whitened_.exponent)};
+UnitRest<Scalar> GoldfarbIdnani<Scalar>::rest(const BasicProblem<Scalar>& p, Index i) const {
+  return rest_of(p, whitened_, i, z());
 }
 
 // A pivot of 1e-13 harms only where there is rounding to amplify: a four-bar linkage at rest or a wedge whose numbers
@@ -108,7 +86,7 @@ Scalar GoldfarbIdnani<Scalar>::error(const BasicProblem<Scalar>& p) const {
   using std::sqrt;
   Scalar square(0), negative(0);
   const auto add = [&](Index i) {
-    const Scalar hidden = static_cast<Scalar>(Wide(std::numeric_limits<Wide>::epsilon() * rest_of(p, i).terms));
+    const Scalar hidden = static_cast<Scalar>(Wide(std::numeric_limits<Wide>::epsilon() * rest(p, i).terms));
     square += hidden * hidden;
   };
   for (const Index i : equality_rows_) add(i);
@@ -118,44 +96,6 @@ Scalar GoldfarbIdnani<Scalar>::error(const BasicProblem<Scalar>& p) const {
   if (!(size > Scalar(0))) return Scalar(0);
   constexpr int margin = 4;  // the smallest pivot may be larger than the smallest singular value
   return Scalar((refinement_.remaining + Scalar(margin) * sqrt(square) / smallest_accepted + negative) / size);
-}
-
-// An equality row that was dropped as a combination of the accepted ones, expressed by them in the wider scalar: joints
-// 2^-50 apart are none, though double cannot tell them from repeated ones. What is left of it, rho, would take z by
-// v / rho to where it holds; where nothing is left, it holds as well as those it is made of.
-template <class Scalar>
-bool GoldfarbIdnani<Scalar>::dropped_in_doubt(const BasicProblem<Scalar>& p, Index i, const Scalar& far) {
-  using std::abs;
-  const Wide epsilon = std::numeric_limits<Wide>::epsilon();
-  const Index n = p.size(), r = elimination_.rank();
-  const auto add = [&](Index k, const Wide& unit) {
-    add_to_rest(p, whitened_.row[k], unit / Wide(whitened_.row_norm[k]));
-  };
-  mu_.setZero(r);
-  Scalar rho = std::numeric_limits<Scalar>::infinity(), before;
-  do {
-    rest_.setZero(n);
-    add(i, Wide(1));
-    for (Index k = 0; k < r; ++k) add(equality_rows_[k], -mu_[k]);
-    before = rho;
-    rho = length_of_rest();
-    x_.setZero();
-    x_.head(n) = left_;
-    elimination_.rotate(x_);
-    elimination_.range(x_, w_);
-    elimination_.solve(w_);
-    mu_ += w_.template cast<Wide>();
-  } while (rho < before / Scalar(2));
-
-  const Rest own = rest_of(p, i);
-  Wide hidden = epsilon * own.terms;
-  if (rho > Scalar(64 * epsilon * (1 + mu_.template lpNorm<1>())))
-    return Scalar(abs(own.violation) + hidden) > far * rho;
-  for (Index k = 0; k < r; ++k) {
-    const Rest part = rest_of(p, equality_rows_[k]);
-    hidden += abs(mu_[k]) * (abs(part.violation) + epsilon * part.terms);
-  }
-  return abs(own.violation) > Wide(8) * hidden;
 }
 
 // A row that is violated by v, or by what rounding hides, and has a share rho outside the active ones would move z by
@@ -170,18 +110,18 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
   };
   const Scalar far = limit * std::max(Scalar(length), Scalar(whitened_.free.norm()));
   for (const Index k : elimination_.rejected())
-    if (violated(abs(rest_of(p, equalities_[k]).violation), equalities_[k]) || dropped_in_doubt(p, equalities_[k], far))
-      return true;
+    if (violated(abs(rest(p, equalities_[k]).violation), equalities_[k])) return true;
+  if (dropped_.in_doubt({p, whitened_, elimination_, equalities_, equality_rows_}, z(), far, deadline_)) return true;
   for (std::size_t j = 0; j < state_.size(); ++j) {
     if (state_[j] == active) continue;
-    const Rest rest = rest_of(p, inequalities_[j]);
-    if (violated(rest.violation, inequalities_[j])) return true;
-    const Scalar most = static_cast<Scalar>(Wide(rest.violation + epsilon * rest.terms));
+    const UnitRest<Scalar> own = rest(p, inequalities_[j]);
+    if (violated(own.violation, inequalities_[j])) return true;
+    const Scalar most = static_cast<Scalar>(Wide(own.violation + epsilon * own.terms));
     if (!(most > far * rank_tolerance())) continue;
     deadline_.keep();
     const Scalar rho = updates_.split(A_.col(static_cast<Index>(j)));
     if (most <= far * rho) continue;
-    if (rest.violation > Wide(32) * epsilon * rest.terms) return true;
+    if (own.violation > Wide(32) * epsilon * own.terms) return true;
     auto r = r_.head(updates_.size());
     r = updates_.components();
     updates_.solve(r);

@@ -2,9 +2,35 @@
 
 #include "solvers/goldfarb_idnani.h"
 
-// The climb of Goldfarb & Idnani's method: which row enters, which one blocks it, and the step between.
+// The climb of Goldfarb & Idnani's method: where it begins, which row enters, which one blocks it, and the step
+// between.
 
 namespace zwang {
+
+// Takes in the earlier frame's active rows that are still there and clearly independent; whatever does not fit now is
+// dropped again, so a bad guess costs time only.
+template <class Scalar>
+void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const WarmStart& warm) {
+  const Scalar clear(1e-7);
+  const std::size_t known = std::min(warm.key.size(), static_cast<std::size_t>(warm.lambda.size()));
+  std::vector<Index>& sorted = active_rows_;
+  sorted.clear();
+  for (std::size_t k = 0; k < known; ++k) sorted.push_back(static_cast<Index>(k));
+  std::sort(sorted.begin(), sorted.end(),
+            [&](Index a, Index b) { return warm.key[a] != warm.key[b] ? warm.key[a] < warm.key[b] : a < b; });
+  for (Index j = 0; j < A_.cols() && updates_.size() < A_.rows(); ++j) {
+    const RowKey& key = p.key[whitened_.row[inequalities_[j]]];
+    const auto at =
+        std::lower_bound(sorted.begin(), sorted.end(), key, [&](Index a, const RowKey& k) { return warm.key[a] < k; });
+    if (at == sorted.end() || warm.key[*at] != key || !(warm.lambda[*at] > 0)) continue;
+    if (!(updates_.split(A_.col(j)) > clear)) continue;
+    updates_.append();
+    active_.push_back(j);
+    state_[j] = active;
+  }
+  refresh();
+  restore_dual_feasibility();
+}
 
 template <class Scalar>
 Status GoldfarbIdnani<Scalar>::climb(const BasicProblem<Scalar>& p, const SolveOptions& options) {

@@ -1,0 +1,169 @@
+#include "solvers/sparse_qr.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "bench/scenes/catalog.h"
+#include "core/measure.h"
+#include "solvers/equality_elimination.h"
+#include "solvers/registry.h"
+
+namespace zwang {
+namespace {
+
+constexpr double tolerance = 1.4e-14;
+
+// Columns of length 1 with five entries each; every tenth is the sum of two before it, of length 1 again.
+Matrix unit_rows(Index n, Index m, bool redundant, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  const auto draw = [&](Index below) { return static_cast<Index>(random() % static_cast<unsigned>(below)); };
+  Matrix Gt = Matrix::Zero(n, m);
+  for (Index j = 0; j < m; ++j) {
+    if (redundant && j % 10 == 9) {
+      const Index a = j - 1 - draw(4), b = j - 5 - draw(4);
+      Gt.col(j) = Gt.col(a) + Gt.col(b);
+    } else {
+      for (int k = 0; k < 5; ++k) Gt(draw(n), j) = static_cast<double>(1 + draw(8)) * (draw(2) ? 1 : -1);
+    }
+    Gt.col(j).normalize();
+  }
+  return Gt;
+}
+
+std::vector<Index> all_of(Index m) {
+  std::vector<Index> rows(static_cast<std::size_t>(m));
+  std::iota(rows.begin(), rows.end(), Index{0});
+  return rows;
+}
+
+TEST(SparseQr, FactorsAreThoseOfTheRows) {
+  const Index n = 400, m = 200;
+  for (const bool redundant : {false, true}) {
+    const Matrix Gt = unit_rows(n, m, redundant);
+    SparseQr qr;
+    ASSERT_TRUE(qr.factorize(Gt, all_of(m), tolerance, Deadline()));
+    const auto rank = static_cast<Index>(qr.order().size());
+    EXPECT_EQ(rank, redundant ? m - m / 10 : m);
+    EXPECT_EQ(std::ssize(qr.rejected()), m - rank);
+    EXPECT_LE(qr.largest_rejected(), 4e-15);
+
+    // Q'x and back; what is free of a row is nothing.
+    Vector x = Vector::LinSpaced(n, -1, 2), y = x;
+    qr.rotate(y);
+    EXPECT_NEAR(y.norm(), x.norm(), 1e-13 * x.norm());
+    qr.rotate_back(y);
+    EXPECT_LE((y - x).norm(), 1e-13 * x.norm());
+    Matrix A;
+    qr.reduce(Gt, all_of(m), A);
+    EXPECT_EQ(A.rows(), n - rank);
+    EXPECT_LE(A.cwiseAbs().maxCoeff(), 1e-14);
+
+    // R' w = h is solved by the point that meets the rows, R mu = Q'g by a row's combination: itself.
+    const Matrix accepted = Gt(Eigen::all, qr.order());
+    Vector h = Vector::LinSpaced(rank, 1, 3), w = h, point = Vector::Zero(n);
+    qr.solve_transposed(w);
+    point.head(rank) = w;
+    qr.rotate_back(point);
+    EXPECT_LE((accepted.transpose() * point - h).norm(), 1e-12 * h.norm());
+    Matrix mu;
+    qr.express(accepted, mu);
+    EXPECT_LE((mu - Matrix::Identity(rank, rank)).cwiseAbs().maxCoeff(), 1e-11);
+
+    const double smallest = Eigen::JacobiSVD<Matrix>(accepted).singularValues().minCoeff();
+    EXPECT_GE(qr.smallest_accepted(), 0.999 * smallest);
+    EXPECT_LE(qr.smallest_accepted(), 4 * smallest);
+  }
+}
+
+TEST(SparseQr, RowsThatAreNotClearlyIndependentAreRefused) {
+  const Index n = 400, m = 200;
+  Matrix Gt = unit_rows(n, m, false);
+  for (const double apart : {1e-4, 1e-7, 1e-10}) {
+    Gt.col(7) = Gt.col(120);
+    Index at = 0;
+    (Gt.col(7).cwiseAbs().array() == 0).maxCoeff(&at);
+    Gt(at, 7) = apart;
+    Gt.col(7).normalize();
+    SparseQr qr;
+    EXPECT_EQ(qr.factorize(Gt, all_of(m), tolerance, Deadline()), apart > 1e-6) << apart;
+    EXPECT_EQ(qr.holds(), apart > 1e-6) << apart;
+  }
+}
+
+TEST(SparseQr, WhatDoesNotPayIsRefused) {
+  SparseQr qr;
+  EXPECT_FALSE(qr.factorize(unit_rows(60, 30, false), all_of(30), tolerance, Deadline()));
+  EXPECT_FALSE(qr.factorize(unit_rows(400, 8, false), all_of(8), tolerance, Deadline()));
+  std::srand(1);
+  EXPECT_FALSE(qr.factorize(Matrix::Random(400, 200).colwise().normalized(), all_of(200), tolerance, Deadline()));
+  EXPECT_THROW(qr.factorize(unit_rows(400, 200, false), all_of(200), tolerance, Deadline(0)), Stopped);
+}
+
+// One analysis for other numbers in the same places; another for other places; none in a copy.
+TEST(SparseQr, OneObjectDoesAsANewOne) {
+  const Index n = 300, m = 120;
+  const Matrix first = unit_rows(n, m, true, 1), other = unit_rows(n, m, true, 2);
+  const Matrix scaled = (first.array() * (1 + 0.25 * Matrix::Identity(n, m).array())).matrix().colwise().normalized();
+  SparseQr kept;
+  for (const Matrix& Gt : {first, scaled, other, first}) {
+    SparseQr fresh, copy(kept);
+    for (SparseQr* qr : {&kept, &fresh, &copy}) ASSERT_TRUE(qr->factorize(Gt, all_of(m), tolerance, Deadline()));
+    Vector a = Vector::LinSpaced(n, 0, 1), b = a, c = a;
+    kept.rotate(a);
+    fresh.rotate(b);
+    copy.rotate(c);
+    EXPECT_EQ(a, b);
+    EXPECT_EQ(a, c);
+    EXPECT_EQ(kept.order(), fresh.order());
+  }
+}
+
+class SparseRows : public testing::TestWithParam<const char*> {};
+
+TEST_P(SparseRows, GiveTheMotionOfTheReflections) {
+  AnySolver sparse = make_solver("dual_active_set"), dense = make_solver("dual_active_set:reduce=off");
+  for (int seed = 1; seed <= 4; ++seed) {
+    const std::string scene = std::string("random(") + GetParam() + ",seed=" + std::to_string(seed) + ")";
+    const Problem p = make_scenes(scene).at(0).problem;
+    const Solution a = sparse.solve(p), b = dense.solve(p);
+    ASSERT_EQ(a.status, b.status) << scene;
+    ASSERT_EQ(a.status, Status::solved) << scene;
+    const Vector apart = a.z - b.z, moved = b.z - p.z_u;
+    EXPECT_LE(std::sqrt(apart.dot(p.M * apart)), 1e-12 * std::sqrt(moved.dot(p.M * moved))) << scene;
+    EXPECT_EQ(a.margins.rank, b.margins.rank) << scene;
+    const auto dropped = [&](const Solution& s) {
+      return std::ranges::count_if(s.redundant, [&](Index i) { return p.is_equality(i); });
+    };
+    EXPECT_EQ(dropped(a), dropped(b)) << scene;
+    if (seed == 1) {
+      EXPECT_LE(measure(p, a, nullptr, 1e-10).stationarity, 1e-13) << scene;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, SparseRows,
+                         testing::Values("n=301,m=260,equalities=.7", "n=301,m=260,equalities=.7,redundancy=0",
+                                         "n=401,m=200,equalities=.9,entries=3", "n=253,m=300,equalities=.6,entries=8",
+                                         "n=301,m=260,equalities=.7,condition=40"),
+                         [](const auto& info) { return "case" + std::to_string(info.index); });
+
+// c of one dropped row moved: no motion meets it, and the proof uses the rows it is made of.
+TEST(SparseRows, ContradictionAmongThemIsProven) {
+  Problem p = make_scenes("random(n=301,m=260,equalities=.7)").at(0).problem;
+  AnySolver solver = make_solver("dual_active_set");
+  const Solution feasible = solver.solve(p);
+  ASSERT_FALSE(feasible.redundant.empty());
+  const Index row = feasible.redundant.front();
+  ASSERT_TRUE(p.is_equality(row));
+  p.c[row] += 1;
+  const Solution contradicted = solver.solve(p);
+  EXPECT_EQ(contradicted.status, Status::infeasible);
+  EXPECT_NE(contradicted.certificate[row], 0);
+  EXPECT_EQ(measure(p, contradicted, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
+}
+
+}  // namespace
+}  // namespace zwang
