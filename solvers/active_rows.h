@@ -123,17 +123,17 @@ class QrRows : public ActiveRows {
     again.noalias() = qr_.Q().transpose() * v;
     v.noalias() -= qr_.Q() * again;
     t += again;
-    qr_.solve_R(t);
+    qr_.solve(t);
   }
   // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
   void correct(Vector& r1, Part r2) override {
     deadline_->keep();
     auto t = part_.head(size());
-    qr_.solve_Rt(r2);
+    qr_.solve_transposed(r2);
     t.noalias() = qr_.Q().transpose() * r1;
     r2 -= t;
     r1.noalias() += qr_.Q() * r2;
-    qr_.solve_R(r2);
+    qr_.solve(r2);
   }
 
  private:

@@ -33,7 +33,7 @@ void LawsonHanson::settle(std::span<const char> free) {
   for (;;) {
     auto trial = trial_.head(qr_.size());
     trial = rotated_.head(qr_.size());
-    qr_.solve_R(trial);
+    qr_.solve(trial);
     double step = 1;
     std::size_t blocking = passive_.size();
     for (std::size_t i = 0; i < passive_.size(); ++i) {

@@ -27,7 +27,7 @@ void Nnls::eliminate(const Problem& p, const Deadline& deadline) {
   work_.resize(std::min(n, k));
   auto t = work_.head(e);
   for (Index i = 0; i < e; ++i) t[i] = rows_.h[active_[i]];
-  active_.qr().solve_Rt(t);
+  active_.qr().solve_transposed(t);
   y_E_.setZero(n);
   y_E_.noalias() += active_.qr().Q() * t;
 
@@ -67,7 +67,7 @@ void Nnls::write_iterate(const Problem& p, Solution& s) {
   rest_ = y_;
   rest_.noalias() -= rows_.Gt * unit_;
   t.noalias() = active_.qr().Q().transpose() * rest_;
-  active_.qr().solve_R(t);
+  active_.qr().solve(t);
   for (Index i = 0; i < e; ++i) unit_[active_[i]] = t[i];
   rows_.primal(p, y_, s.z);
   rows_.multipliers(p, unit_, s.lambda);

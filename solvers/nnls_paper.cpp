@@ -49,7 +49,7 @@ double NnlsPaper::find_s(const Problem& p, const Deadline& deadline, Solution& s
   auto part = part_.head(columns_.size());
   for (int pass = 0; pass < 2; ++pass) {
     part.noalias() = columns_.Q().transpose() * rest_;
-    columns_.solve_R(part);
+    columns_.solve(part);
     for (std::size_t j = 0; j < column_.size(); ++j) s_[column_[j]] += part[static_cast<Index>(j)];
     rest_ = b_;
     rest_.noalias() -= J_Q_ * s_;

@@ -18,8 +18,8 @@ class OrthogonalUpdates {
  public:
   // No columns; room for `capacity` of length n. Allocates only when the room must grow.
   void reset(Index n, Index capacity) {
-    if (Q_.rows() != n || Q_.cols() < capacity) {
-      Q_.resize(n, capacity);
+    if (Q_.rows() != n || Q_.cols() < capacity) Q_.resize(n, capacity);
+    if (R_.rows() < capacity) {
       R_.resize(capacity, capacity);
       d_.resize(capacity);
       correction_.resize(capacity);
@@ -79,7 +79,7 @@ class OrthogonalUpdates {
     }
   }
 
- private:
+ protected:
   Index size_ = 0;
   MatrixX<Scalar> Q_, R_;
   VectorX<Scalar> d_, correction_, remainder_;

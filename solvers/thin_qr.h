@@ -2,35 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
-#include "core/types.h"
+#include "solvers/orthogonal_updates.h"
 
 namespace zwang {
 
-// A = Q R of a growing and shrinking list of columns: Q (rows x size) with orthonormal columns, R upper triangular.
+// A = Q R of a growing and shrinking list of columns (orthogonal_updates.h), for methods that decide on appending how
+// dependent a column is, and that carry a vector Q'f along.
 //
-// Gram-Schmidt, twice ("twice is enough": Daniel, Gragg, Kaufman & Stewart 1976, Math. Comp. 30), keeps Q orthonormal
-// to rounding; a dropped column is taken out by Givens rotations. Both cost O(rows x size), where a fresh
-// factorization costs O(rows x size^2). Tried before: Householder reflectors kept in place; dropping a column then
-// means refactoring everything to its right.
-// All storage is kept between uses: no allocation once the largest shape has been seen.
-class ThinQr {
+// Both ways cost O(rows x size), where a fresh factorization costs O(rows x size^2). Tried before: Householder
+// reflectors kept in place; dropping a column then means refactoring everything to its right.
+class ThinQr : private OrthogonalUpdates<double> {
  public:
+  using OrthogonalUpdates::pivot;
+  using OrthogonalUpdates::Q;
+  using OrthogonalUpdates::size;
+  using OrthogonalUpdates::solve;
+  using OrthogonalUpdates::solve_transposed;
+
   // Empty again, with room for `capacity` columns.
   void reset(Index rows, Index capacity) {
-    capacity = std::min(rows, capacity);
-    if (Q_.rows() != rows || Q_.cols() < capacity) Q_.resize(rows, capacity);
-    if (R_.rows() < capacity) R_.resize(capacity, capacity);
-    if (column_.size() != rows) column_.resize(rows);
-    if (again_.size() < capacity) again_.resize(capacity);
-    capacity_ = capacity;
-    size_ = 0;
+    capacity_ = std::min(rows, capacity);
+    OrthogonalUpdates::reset(rows, capacity_);
   }
-
-  Index size() const { return size_; }
-  auto Q() const { return Q_.leftCols(size_); }
-  double pivot(Index i) const { return std::abs(R_(i, i)); }
 
   // Appends `a` when its part outside span(Q) is longer than `threshold` |a|; returns that part's share of |a| (its
   // relative pivot) either way. Columns beyond the capacity are dependent by counting: 0.
@@ -38,25 +32,14 @@ class ThinQr {
   double append(const Column& a, double threshold) {
     const double length = a.norm();
     if (size_ == capacity_ || !(length > 0)) return 0;
-    auto r = R_.col(size_).head(size_);
-    column_ = a;
-    r.noalias() = Q().transpose() * column_;
-    column_.noalias() -= Q() * r;
-    auto correction = again_.head(size_);
-    correction.noalias() = Q().transpose() * column_;
-    column_.noalias() -= Q() * correction;
-    r += correction;
-    const double rest = column_.norm();
-    const double share = rest / length;
-    if (!(share > threshold)) return share;
-    R_(size_, size_) = rest;
-    Q_.col(size_) = column_ / rest;
-    ++size_;
+    const double share = split(a) / length;
+    if (share > threshold) OrthogonalUpdates::append();
     return share;
   }
 
   // Takes column `at` out. The rotations that restore the triangle are applied to Q, and to `rotated` = Q'f when given:
-  // afterwards Q's column size() and rotated[size()] hold the direction that left the span and f's part along it.
+  // afterwards Q's column size() and rotated[size()] hold the direction that left the span and f's part along it. They
+  // keep the pivots positive, which those of remove() do not.
   void drop(Index at, double* rotated = nullptr) {
     for (Index j = at; j + 1 < size_; ++j) R_.col(j).head(j + 2) = R_.col(j + 1).head(j + 2);
     for (Index j = at; j + 1 < size_; ++j) {
@@ -75,20 +58,8 @@ class ThinQr {
   }
   auto dropped() const { return Q_.col(size_); }
 
-  // x = R^-1 x and x = R^-T x, in place.
-  template <class X>
-  void solve_R(X&& x) const {
-    R_.topLeftCorner(size_, size_).template triangularView<Eigen::Upper>().solveInPlace(x);
-  }
-  template <class X>
-  void solve_Rt(X&& x) const {
-    R_.topLeftCorner(size_, size_).transpose().template triangularView<Eigen::Lower>().solveInPlace(x);
-  }
-
  private:
-  Matrix Q_ = {}, R_ = {};
-  Vector column_ = {}, again_ = {};
-  Index size_ = 0, capacity_ = 0;
+  Index capacity_ = 0;
 };
 
 }  // namespace zwang

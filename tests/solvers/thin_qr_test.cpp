@@ -29,7 +29,7 @@ TEST(ThinQr, StaysOrthogonalWhileColumnsComeAndGo) {
   EXPECT_LE((qr.Q().transpose() * qr.Q() - Matrix::Identity(k, k)).norm(), 1e-14);
   // A x = Q R x = Q t, so R^-1 Q' A is the identity.
   Matrix x = qr.Q().transpose() * A(Eigen::all, held);
-  qr.solve_R(x);
+  qr.solve(x);
   EXPECT_LE((x - Matrix::Identity(k, k)).norm(), 1e-12);
 }
 
