@@ -5,33 +5,15 @@
 #include <limits>
 
 #include "experiments/report/accuracy.h"
-#include "experiments/report/charts.h"
-#include "experiments/report/compare.h"
 #include "experiments/report/profile.h"
 #include "experiments/report/statistics.h"
 #include "experiments/report/sweeps.h"
-#include "experiments/report/tables.h"
-#include "experiments/report/wording.h"
-#include "experiments/report/work_precision.h"
+#include "tests/report/one_run.h"
 
 namespace zwang::report {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-
-Result run(const std::string& problem, const std::string& solver, double tolerance, double error, double seconds,
-           const std::string& claimed = "solved", const std::string& verified = "solved") {
-  Result r;
-  r.problem = problem;
-  r.family = "f";
-  r.solver = solver;
-  r.tolerance = tolerance;
-  r.z_error = error;
-  r.solve_s = seconds;
-  r.claimed = claimed;
-  r.verified = verified;
-  return r;
-}
 
 double reach(const std::vector<Result>& results, double error) {
   std::vector<const Result*> runs;
@@ -221,72 +203,6 @@ TEST(Sweeps, ExponentOverTheUpperHalfOfTheSizes) {
   ASSERT_EQ(families[0].fits.size(), 1u);
   EXPECT_EQ(families[0].fits[0].from, 8);
   EXPECT_NEAR(families[0].fits[0].law.exponent, 2, 1e-9);
-}
-
-TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
-  report::Run all;
-  all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),
-                 run("p", "s", 1e-10, 1e-2, 1, "solved", "wrong"), run("p", "s", 1e-12, 1e-1, 1, "solved", "wrong"),
-                 run("p", "s", 1e-2, 1e-1, 1, "iteration limit", "wrong")};
-  for (Result& r : all.results) r.replay = scientific(r.tolerance, 0);
-  const Table table = claims_table(all);
-  ASSERT_EQ(table.rows.size(), 2u);
-  EXPECT_EQ(table.rows[0].command, "1e-12");
-  EXPECT_EQ(table.rows[0].cells[2].text, "1e-10 to 1e-12");
-  EXPECT_EQ(table.rows[0].cells[4].tone, "bad");
-  EXPECT_EQ(table.rows[1].cells[4].text, "solved, ill-conditioned");
-}
-
-TEST(Tables, FilesEscapeWhatTheirFormatReads) {
-  const Table table{"t", "", {{"a_b"}, {"x, y", true}}, {{"", "", {{"50 %"}, {"2.0 us", 2e-6}}, ""}}};
-  EXPECT_EQ(to_csv(table), "a_b,\"x, y\"\n50 %,2e-06\n");
-  EXPECT_NE(to_tex(table).find("a\\_b & x, y \\\\"), std::string::npos);
-  EXPECT_NE(to_tex(table).find("50 \\% & 2.0 $\\mu$s \\\\"), std::string::npos);
-}
-
-TEST(Tables, PowersOfTwoFarFromOne) {
-  EXPECT_EQ(knob_text(std::ldexp(1, -27)), "2^-27");
-  EXPECT_EQ(knob_text(std::ldexp(1, 48)), "2^48");
-  EXPECT_EQ(knob_text(64), "64");
-  EXPECT_EQ(knob_text(-std::ldexp(1, -20)), "-2^-20");
-}
-
-TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
-  report::Run a, b;
-  a.results = {run("p", "s", 1e-8, 1e-9, 4), run("q", "s", 1e-8, 1e-9, 1)};
-  b.results = {run("p renamed", "s", 1e-8, 1e-9, 1), run("r", "s", 1e-8, 1e-9, 1),
-               run("p renamed", "new", 1e-8, 1e-9, 2)};
-  a.results[0].problem_sha256 = b.results[0].problem_sha256 = b.results[2].problem_sha256 = "same";
-  a.solvers = {{.name = "s"}};
-  b.solvers = {{.name = "s"}, {.name = "new"}};
-  const report::Run both = merged(a, b);
-  ASSERT_EQ(both.solvers.size(), 3u);
-  EXPECT_EQ(both.solvers[0].name, "s @A");
-  EXPECT_EQ(both.solvers[1].name, "s @B");
-  EXPECT_EQ(both.solvers[2].name, "new");
-  EXPECT_EQ(both.results[2].problem, "p");
-  const Table table = comparison_table(a, b);
-  ASSERT_EQ(table.rows.size(), 1u);
-  EXPECT_EQ(table.rows[0].cells[1].value, 1);              // one problem in both
-  EXPECT_NEAR(table.rows[0].cells[4].value, 0.25, 1e-12);  // B needs a quarter of the time
-  EXPECT_NE(table.note.find("Only in run B: new"), std::string::npos);
-}
-
-TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
-  report::Run all;
-  all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, "iteration limit", "wrong")};
-  all.solvers = {{.name = "s"}};
-  EXPECT_NE(chart_rows(all).find("1e+300"), std::string::npos);
-}
-
-TEST(Charts, HowARunIsDrawn) {
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-9, 1)), "ok");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "solved", "wrong")), "wrong");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "iteration limit", "wrong")), "missed");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "solved", "undecided")), "undecided");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "time limit", "timeout")), "failed");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "unsupported", "unsupported")), "");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "infeasible", "infeasible, proven")), "");
 }
 
 }  // namespace

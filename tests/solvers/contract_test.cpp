@@ -3,13 +3,8 @@
 // `expectation`, with its reason; everything else holds for all.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <sstream>
 #include <string>
 
 #include "bench/suite/allocations.h"
@@ -17,60 +12,12 @@
 #include "solvers/registry.h"
 #include "tests/solvers/brute_force.h"
 #include "tests/solvers/expectation.h"
+#include "tests/solvers/yardsticks.h"
 
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-Problem make_problem(const Matrix& J, const Vector& c, const Vector& z_u, std::size_t equalities = 0) {
-  Problem p{.name = "contract"};
-  const Index n = z_u.size(), m = c.size();
-  p.M.resize(n, n);
-  p.M.setIdentity();
-  for (Index i = 0; i < n; ++i) p.M.coeffRef(i, i) = 1 + 0.5 * static_cast<double>(i);
-  p.z_u = z_u;
-  p.J = J.sparseView();
-  p.J.resize(m, n);
-  p.J = J.sparseView();
-  p.c = c;
-  for (Index i = 0; i < m; ++i) {
-    p.kind.push_back(static_cast<std::size_t>(i) < equalities ? RowKind::equality : RowKind::inequality);
-    p.key.push_back({.constraint = static_cast<std::uint64_t>(i), .row = 0});
-  }
-  return p;
-}
-
-double norm_M(const Problem& p, const Vector& v) { return std::sqrt(v.dot(p.M * v)); }
-
-double z_error(const Problem& p, const Vector& z, const Vector& truth) {
-  if (z.size() != truth.size()) return infinity;
-  const double scale = std::max({norm_M(p, p.z_u), norm_M(p, truth), std::numeric_limits<double>::min()});
-  const double error = norm_M(p, z - truth) / scale;
-  return std::isfinite(error) ? error : infinity;
-}
-
-bool claims_solved(const Solution& s) {
-  return s.status == Status::solved || s.status == Status::solved_ill_conditioned;
-}
-
-// u_I >= 0, J'u = 0 up to `tolerance`, c'u > 0.
-bool certificate_holds(const Problem& p, const Vector& u, double tolerance) {
-  using Real = long double;
-  if (u.size() != p.rows() || !u.allFinite()) return false;
-  VectorX<Real> force = VectorX<Real>::Zero(p.size());
-  Real work = 0, size = 0;
-  for (Index i = 0; i < p.rows(); ++i) {
-    if (!p.is_equality(i) && u[i] < 0) return false;
-    if (u[i] == 0) continue;
-    work += Real(p.c[i]) * u[i];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it) {
-      force[it.col()] += Real(it.value()) * u[i];
-      size = std::max(size, std::abs(Real(it.value()) * u[i]));
-    }
-  }
-  return work > 0 && force.lpNorm<Eigen::Infinity>() <= tolerance * std::max(size, work);
-}
+using test::z_error;
 
 class Contract : public testing::TestWithParam<std::string> {
  protected:
@@ -171,7 +118,8 @@ TEST_P(Contract, IndefiniteMassIsBadInput) {
 }
 
 TEST_P(Contract, MinusInfinityMakesARowInactiveForGood) {
-  const Problem p = make_problem(Matrix{{1, 0, 0}, {0, 0, 1}}, Vector{{-infinity, 0}}, Vec3(-1, 2, -3));
+  const Problem p = make_problem(Matrix{{1, 0, 0}, {0, 0, 1}}, Vector{{-std::numeric_limits<double>::infinity(), 0}},
+                                 Vec3(-1, 2, -3));
   expect_z(p, Vec3(-1, 2, 0));
 }
 
@@ -238,13 +186,6 @@ TEST_P(Contract, SecondSolveOfTheSameShapeAllocatesNothing) {
   }
 }
 
-bool in_range(const Problem& p) {
-  if (p.rows() == 0) return true;
-  const Matrix J(p.J);
-  const Eigen::CompleteOrthogonalDecomposition<Matrix> qr(J);
-  return (J * qr.solve(p.c) - p.c).norm() <= 1e-13 * p.c.norm();
-}
-
 TEST_P(Contract, AgreesWithEnumerationOverActiveSets) {
   int feasible = 0, solved = 0;
   for (unsigned seed = 1000; seed < 1300; ++seed) {
@@ -276,45 +217,6 @@ std::vector<std::string> names() {
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Contract);
 INSTANTIATE_TEST_SUITE_P(Solvers, Contract, testing::ValuesIn(names()), [](const auto& i) { return i.param; });
-
-// docs/add-a-solver.md prints the file that is built, and the struct has at most 25 lines.
-TEST(Guide, TheSolverOfTheGuideIsTheOneThatIsBuilt) {
-  const auto read = [](const char* file) {
-    std::ifstream in(file);
-    return std::string(std::istreambuf_iterator<char>(in), {});
-  };
-  const std::string code = read(ZWANG_SOURCE_DIR "/solvers/projected_gradient.h");
-  ASSERT_FALSE(code.empty());
-  EXPECT_NE(read(ZWANG_SOURCE_DIR "/docs/add-a-solver.md").find("```cpp\n" + code + "```"), std::string::npos);
-  std::istringstream text(code.substr(code.find("struct ")));
-  int lines = 0;
-  for (std::string line; std::getline(text, line) && line != "};";) lines += !line.empty();
-  EXPECT_LE(lines + 1, 25);
-  ASSERT_NE(find_solver("projected_gradient"), nullptr);
-}
-
-// The yardstick itself: its answers meet the KKT conditions, and all three kinds of problem occur.
-TEST(BruteForce, AnswersMeetTheKktConditions) {
-  int infeasible = 0, constrained = 0;
-  for (unsigned seed = 1000; seed < 1300; ++seed) {
-    const Problem p = random_small_problem(seed);
-    const auto truth = brute_force(p);
-    if (!truth) {
-      ++infeasible;
-      continue;
-    }
-    constrained += truth->lambda.lpNorm<1>() > 0;
-    const double tolerance = 1e-12 * (1 + truth->z.norm() + truth->lambda.lpNorm<1>());
-    EXPECT_LE((p.M * (truth->z - p.z_u) - p.J.transpose() * truth->lambda).norm(), tolerance) << p.name;
-    const Vector slack = p.J * truth->z - p.c;
-    for (Index i = 0; i < p.rows(); ++i) {
-      EXPECT_GE(slack[i], -tolerance) << p.name;
-      EXPECT_LE(std::abs(p.is_equality(i) ? slack[i] : std::min(truth->lambda[i], slack[i])), tolerance) << p.name;
-    }
-  }
-  EXPECT_GT(infeasible, 5);
-  EXPECT_GT(constrained, 100);
-}
 
 }  // namespace
 }  // namespace zwang

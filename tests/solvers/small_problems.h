@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <limits>
 
@@ -69,11 +71,13 @@ inline Problem squeezed() {
 // A zero row that asks for 0 >= 1.
 inline Problem zero_row_conflict() { return make_problem(vec({1}), vec({0}), {{RowKind::inequality, vec({0}), 1}}); }
 
-// |z - expected|_M / max(|z_u|_M, |expected|_M)
+// |z - expected|_M / max(|z_u|_M, |expected|_M), infinite where z is not a vector of numbers of that size.
 inline double z_error(const Problem& p, const Vector& z, const Vector& expected) {
-  if (z.size() != expected.size()) return std::numeric_limits<double>::infinity();
   const auto length = [&](const Vector& v) { return std::sqrt(v.dot(p.M * v)); };
-  return length(z - expected) / std::max(length(p.z_u), length(expected));
+  if (z.size() != expected.size()) return std::numeric_limits<double>::infinity();
+  const double scale = std::max({length(p.z_u), length(expected), std::numeric_limits<double>::min()});
+  const double error = length(z - expected) / scale;
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
 // How far u is from u_I >= 0, J'u = 0, c'u > 0, as |J'u| over c'u; infinite when a sign is wrong.
