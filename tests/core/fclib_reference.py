@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 """Reads FCLIB files with h5py and numpy alone, and compares with what the project reads from them.
 
-fclib_reference.py CONVERT variants          files made here, one for each trap of the format
-fclib_reference.py CONVERT bad               files spoilt here, each refused in one line
-fclib_reference.py CONVERT golden FOLDER     writes the FCLIB files of tests/data
+fclib_reference.py CONVERT variants          files made by fclib_files.py, one for each trap of the format
+fclib_reference.py CONVERT bad               the same spoilt here, each refused in one line
 fclib_reference.py CONVERT files FOLDER      every *.hdf5 of a folder
 CONVERT is the test program convert_problems. Exit code 77: the folder is not there.
 """
@@ -17,6 +16,8 @@ import tempfile
 
 import h5py
 import numpy as np
+
+from fclib_files import write
 
 
 def dense(group):
@@ -153,60 +154,6 @@ def check(convert, file):
         return notes
 
 
-def put_matrix(group, A, storage, extra=0, split=False):
-    """Writes a matrix group; `extra` entries beyond the used ones, `split` halves each entry into two."""
-    m, n = A.shape
-    i, p = np.nonzero(A)
-    x = A[i, p]
-    if split:
-        i, p, x = np.repeat(i, 2), np.repeat(p, 2), np.repeat(x / 2, 2)
-    nz = len(x)
-    if storage == "columns":
-        order = np.lexsort((i, p))
-        i, x, p, nz = i[order], x[order], np.searchsorted(p[order], range(n + 1)), -1
-    elif storage == "rows":
-        order = np.lexsort((p, i))
-        i, x, p, nz = p[order], x[order], np.searchsorted(i[order], range(m + 1)), -2
-    else:
-        p = np.concatenate([p, np.full(extra, 99)])
-    i, x = np.concatenate([i, np.full(extra, 99)]), np.concatenate([x, np.full(extra, np.nan)])
-    for key, value in (("m", m), ("n", n), ("nz", nz), ("nzmax", len(x))):
-        group[key] = np.array([value], "i4")
-    group["i"], group["p"], group["x"] = i.astype("i4"), p.astype("i4"), x
-
-
-def write(file, kind="fclib_global", dim=3, storage="triplets", mass=lambda M: M, mu=(0.5, 0), equality=True,
-          exact_motion=False, **options):
-    """A random problem of two contacts and two equality rows; the same numbers for the same arguments."""
-    random, n, contacts, e = np.random.default_rng(1), 6, 2, 2
-    B = random.standard_normal((n, n))
-    M = B @ B.T + n * np.eye(n)
-    H, G = random.standard_normal((n, dim * contacts)), random.standard_normal((n, e))
-    f, z_u = random.standard_normal(n), random.standard_normal(n)
-    w, b = random.standard_normal(dim * contacts), random.standard_normal(e)
-    with h5py.File(file, "w") as h:
-        g = h.create_group(kind)
-        if kind == "fclib_local":
-            S = np.hstack([G, H]).T @ np.hstack([G, H])
-            put_matrix(g.create_group("W"), S[e:, e:], storage, **options)
-            put_matrix(g.create_group("V"), S[e:, :e], storage, **options)
-            put_matrix(g.create_group("R"), S[:e, :e], storage, **options)
-            g["vectors/q"], g["vectors/s"] = w, b
-        else:
-            put_matrix(g.create_group("M"), mass((M + M.T) / 2), storage, **options)
-            put_matrix(g.create_group("H"), H, storage, **options)
-            if equality:
-                put_matrix(g.create_group("G"), G, storage, **options)
-                g["vectors/b"] = b
-            g["vectors/f"], g["vectors/w"] = f, w
-            if exact_motion:
-                g["vectors/z_u"] = z_u
-        g["vectors/mu"], g["spacedim"] = np.array(mu, float), np.array([dim], "i4")
-        # Real files declare a solution and write only part of it.
-        h.create_dataset("solution/v", (n,), "f8")
-        h["solution/u"] = np.ones(dim * contacts)
-
-
 def variants(convert):
     with tempfile.TemporaryDirectory() as folder:
         def notes_of(name, **options):
@@ -290,12 +237,6 @@ def bad(convert):
             assert "symmetric up to rounding" in notes_in(converted)[0]
 
 
-def golden(_, folder):
-    """Writes the small FCLIB files of tests/data."""
-    write(os.path.join(folder, "fclib_global.hdf5"))
-    write(os.path.join(folder, "fclib_local.hdf5"), kind="fclib_local", storage="rows")
-
-
 def files(convert, folder):
     all_files = sorted(glob.glob(os.path.join(folder, "*.hdf5")))
     if not all_files:
@@ -306,4 +247,4 @@ def files(convert, folder):
 
 
 if __name__ == "__main__":
-    {"variants": variants, "bad": bad, "files": files, "golden": golden}[sys.argv[2]](sys.argv[1], *sys.argv[3:])
+    {"variants": variants, "bad": bad, "files": files}[sys.argv[2]](sys.argv[1], *sys.argv[3:])
