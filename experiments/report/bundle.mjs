@@ -31,6 +31,7 @@ const parts = collision ? {
   '/*{page.css}*/': read('page/page.css'),
   '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
   '/*{charts.js}*/': inline(read('page/charts.js')),
+  '/*{table.js}*/': inline(read('page/table.js')),
   '/*{page.js}*/': `const SPECS = ${inline(JSON.stringify(specs))};\n${inline(read('page/page.js'))}`,
 };
 let page = read(collision ? 'page/collision.html' : 'page/template.html');
