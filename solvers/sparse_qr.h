@@ -59,6 +59,7 @@ class SparseQr {
 
   std::unique_ptr<Factors> factors_;
   bool holds_ = false;
+  Deadline deadline_;
   Index n_ = 0;
   std::vector<Index> order_, place_, rejected_;  // place_: of an accepted row among R's columns, dropped ones included
   double smallest_ = 1, largest_rejected_ = 0;
