@@ -10,7 +10,8 @@
 
 namespace zwang {
 
-// g_row = G_A' mu + rest; returns the length of the rest.
+// g_row = G_A' mu + rest; returns the length of the rest. Ends when a correction is nothing to mu: among rows of small
+// integers, corrections would otherwise shrink down to 1e-100.
 template <class Real>
 double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
   const Index a = active.size();
@@ -25,8 +26,8 @@ double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& 
     w.factor.solve_lower(r1_);
     active.combine(r1_, t);
     mu_.head(a) += t.template cast<Real>();
-    const double change = t.norm();
-    if (step > 2 && !(change < last / 2)) return r1_.norm();
+    const double change = t.norm(), weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
+    if (change <= real_eps * weight || (step > 2 && !(change < last / 2))) return r1_.norm();
     last = change;
   }
 }
