@@ -1,7 +1,6 @@
 #include "solvers/reduced_active_set.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace zwang {

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
-import {open_browser} from '../report/chromium.mjs';
+import {is_quiet, open_browser} from '../report/chromium.mjs';
 
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-replay-`);
 const write = (name, frames) => execFileSync(process.argv[2], [`${folder}/${name}`, String(frames)], {encoding: 'utf8'}).trim();
@@ -32,13 +32,6 @@ try {
 } finally {
   await browser.close();
   fs.rmSync(folder, {recursive: true, force: true});
-}
-
-// Nothing but the page itself is asked for, and nobody complains.
-async function is_quiet(page) {
-  assert.deepEqual(page.complaints, []);
-  assert.deepEqual(await page.evaluate('zwang_replay.errors'), []);
-  assert.equal(page.requests.filter(url => !/^(data|blob):/.test(url)).length, 1, page.requests.join(' '));
 }
 
 async function replays_a_run() {
@@ -114,7 +107,7 @@ async function replays_a_run() {
   assert.equal(await page.evaluate(`fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'stopped')`), 'stopped');
   page.complaints.length = 0;  // the browser reports the stopped request itself
   page.requests.splice(1);
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_replay');
   await page.close();
 }
 
@@ -127,7 +120,7 @@ async function remembers_its_state() {
   await page.key('t');
   await page.evaluate(wait(400));
   assert.equal(await page.evaluate('location.hash'), '#f=78&cam=side&theme=light&not=ghost,xray&speed=0.5');
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_replay');
   await page.close();
 }
 
@@ -137,7 +130,7 @@ async function fits_a_phone_in_the_dark() {
   const outside = await page.evaluate(`[...document.querySelectorAll('button, select, #clock, .panel')].filter(x => { const b = x.getBoundingClientRect(); return x.checkVisibility() && b.width > 0 && (b.right > 391 || b.left < -1 || b.bottom > 801); }).map(x => x.id || x.textContent)`);
   assert.deepEqual(outside, [], 'nothing sticks out');
   assert.ok((await page.evaluate(ink)).blue > .003);
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_replay');
   await page.close();
 }
 
@@ -149,6 +142,6 @@ async function thins_a_long_run() {
   const numbers = [];
   for (let k = 0; k < 4; ++k) numbers.push(await page.evaluate(`(zwang_replay.next_wrong(), document.querySelector('#clock small').textContent)`));
   assert.deepEqual(numbers, [60, 90, 120, 150].map(n => `frame ${n} of 7,000`));
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_replay');
   await page.close();
 }

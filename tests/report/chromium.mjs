@@ -1,8 +1,16 @@
 // Drives headless Chromium over its debugging pipe (Chrome DevTools Protocol, messages ended by a zero byte), with
 // Node's standard library alone.
+import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
+
+// Nothing but the page itself was asked for, and nobody complains; `script`: a global of the page that lists its errors.
+export async function is_quiet(page, script) {
+  assert.deepEqual(page.complaints, []);
+  if (script) assert.deepEqual(await page.evaluate(`${script}.errors`), []);
+  assert.equal(page.requests.filter(url => !/^(data|blob):/.test(url)).length, 1, page.requests.join(' '));
+}
 
 export async function open_browser() {
   const profile = fs.mkdtempSync(`${os.tmpdir()}/zwang-chromium-`);

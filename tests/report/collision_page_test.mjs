@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
-import {open_browser} from './chromium.mjs';
+import {is_quiet, open_browser} from './chromium.mjs';
 
 const [write_pages, png] = process.argv.slice(2);
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-collision-page-`);
@@ -43,12 +43,6 @@ try {
   fs.rmSync(folder, {recursive: true, force: true});
 }
 
-// Nothing but the page itself is asked for, and nobody complains.
-function is_quiet(page) {
-  assert.deepEqual(page.complaints, []);
-  assert.equal(page.requests.filter(url => !/^(data|blob):/.test(url)).length, 1, page.requests.join(' '));
-}
-
 async function shows_a_run() {
   const page = await browser.open_page(report_of(results));
   await page.evaluate(settled);
@@ -68,7 +62,7 @@ async function shows_a_run() {
   assert.deepEqual(audit_rows[1].slice(0, 8), ['sheet without thickness', '5', '', '15,680', '9,000', '16,100', '1', '61.0 µm']);
   assert.deepEqual(await page.evaluate(`[...document.querySelectorAll('#audit-table td.good, #audit-table td.bad')].map(td => td.className)`), ['number good', 'number bad']);
   assert.ok((await page.evaluate(rows('conditions'))).some(([what, value]) => what === 'commit' && value === 'abcdef0'));
-  is_quiet(page);
+  await is_quiet(page);
   assert.equal(await page.evaluate(`fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'stopped')`), 'stopped');
   page.complaints.length = 0;  // the browser reports the stopped request itself
   page.requests.splice(1);
@@ -84,7 +78,7 @@ async function shows_a_run_that_was_stopped() {
   assert.equal((await page.evaluate(rows('pair-table'))).length, pairs.length);
   assert.equal((await page.evaluate(rows('frame-table'))).length, 0);
   assert.match(await page.evaluate(`document.querySelector('#frames').textContent`), /stopped before/);
-  is_quiet(page);
+  await is_quiet(page);
   await page.close();
 }
 
@@ -92,6 +86,6 @@ async function fits_a_phone() {
   const page = await browser.open_page(report_of(results), {width: 390, height: 800});
   await page.evaluate(settled);
   assert.ok(await page.evaluate('document.documentElement.scrollWidth') <= 390, 'nothing sticks out at the side');
-  is_quiet(page);
+  await is_quiet(page);
   await page.close();
 }

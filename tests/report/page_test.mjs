@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
-import {open_browser} from './chromium.mjs';
+import {is_quiet, open_browser} from './chromium.mjs';
 
 const write_pages = process.argv[2];
 const here = new URL('.', import.meta.url).pathname;
@@ -35,13 +35,6 @@ try {
 } finally {
   await browser.close();
   fs.rmSync(folder, {recursive: true, force: true});
-}
-
-// Nothing but the page itself is asked for, and nobody complains.
-async function is_quiet(page) {
-  assert.deepEqual(page.complaints, []);
-  assert.deepEqual(await page.evaluate('zwang_page.errors'), []);
-  assert.equal(page.requests.filter(url => !/^(data|blob):/.test(url)).length, 1, page.requests.join(' '));
 }
 
 async function browses_a_full_run() {
@@ -98,7 +91,7 @@ async function browses_a_full_run() {
   assert.equal(await page.evaluate(`fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'stopped')`), 'stopped');
   page.complaints.length = 0;  // the browser reports the stopped request itself
   page.requests.splice(1);
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_page');
   await page.close();
 }
 
@@ -110,7 +103,7 @@ async function fits_a_phone_in_the_dark() {
   for (const name of charts) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink in the dark`);
   await page.evaluate(`zwang_page.set_theme('light')`);
   assert.ok(await page.evaluate(ink('profile')) > 0.005, 'drawn again in the light');
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_page');
   await page.close();
 }
 
@@ -124,7 +117,7 @@ async function explains_what_is_missing(kind) {
   if (kind === 'one') assert.match(text, /none of the stability families/);
   if (kind === 'undecided') assert.match(text, /no reference/);
   if (kind === 'torn') assert.match(text, /last line of results.jsonl is torn/);
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_page');
   await page.close();
 }
 
@@ -137,6 +130,6 @@ async function sets_two_runs_side_by_side() {
   assert.match(await page.evaluate(`document.querySelector('#comparison').innerText`), /Only in run B: mine/);
   assert.equal(await page.evaluate(`document.querySelectorAll('#comparison tbody tr').length`), 11);
   assert.ok(await page.evaluate(ink('work-precision')) > 0.005);
-  await is_quiet(page);
+  await is_quiet(page, 'zwang_page');
   await page.close();
 }

@@ -7,16 +7,11 @@
 namespace zwang {
 namespace {
 
-template <class S>
-Solution solve(const Problem& problem, S solver, const SolveOptions& options = {}) {
-  Solution solution;
-  solver.solve(problem, options, solution);
-  return solution;
-}
+using test::solve;
 
 TEST(BulletDantzig, PullsThroughAnEqualityRow) {
   const Problem p = test::tied_pair();
-  const Solution s = solve(p, BulletDantzig{});
+  const Solution s = solve<BulletDantzig>(p);
   ASSERT_EQ(s.status, Status::solved);
   EXPECT_LE(test::z_error(p, s.z, test::vec({0, 0})), 1e-12);
   EXPECT_NEAR(s.lambda[0], -40, 1e-9);
@@ -25,7 +20,7 @@ TEST(BulletDantzig, PullsThroughAnEqualityRow) {
 TEST(BulletDantzig, CarriesATowerOfAnyHeight) {
   for (Index count = 1; count <= 9; ++count) {
     const Problem p = test::tower(count);
-    const Solution s = solve(p, BulletDantzig{});
+    const Solution s = solve<BulletDantzig>(p);
     ASSERT_EQ(s.status, Status::solved) << count;
     EXPECT_LE(test::z_error(p, s.z, Vector::Zero(count)), 1e-12) << count;
   }
@@ -33,7 +28,7 @@ TEST(BulletDantzig, CarriesATowerOfAnyHeight) {
 
 TEST(BulletDantzig, ConstraintForceMixingGivesWay) {
   const Problem p = test::tower(1);
-  const Solution s = solve(p, BulletDantzig{.cfm = 1});  // 2 lambda = h: half of the fall remains
+  const Solution s = solve(p, {}, BulletDantzig{.cfm = 1});  // 2 lambda = h: half of the fall remains
   EXPECT_NEAR(s.z[0], p.z_u[0] / 2, 1e-12);
 }
 
@@ -45,33 +40,33 @@ TEST(BulletDantzig, RefusesMoreRowsThanItsDenseMatrixAllows) {
 }
 
 TEST(BulletDantzig, CertifiesAZeroRowThatCannotHold) {
-  EXPECT_EQ(solve(test::zero_row_conflict(), BulletDantzig{}).status, Status::infeasible);
+  EXPECT_EQ(solve<BulletDantzig>(test::zero_row_conflict()).status, Status::infeasible);
 }
 
 TEST(BulletPgs, CarriesATowerToItsStepTolerance) {
   const Problem p = test::tower(10);
-  const Solution s = solve(p, BulletPgs{}, {.tolerance = 1e-12});
+  const Solution s = solve<BulletPgs>(p, {.tolerance = 1e-12});
   ASSERT_EQ(s.status, Status::solved);
   EXPECT_LE(test::z_error(p, s.z, Vector::Zero(10)), 1e-10);
 }
 
 TEST(BulletPgs, StopsAtTheSmallerOfItsTwoLimits) {
   const Problem p = test::tower(30);
-  EXPECT_EQ(solve(p, BulletPgs{.max_sweeps = 7}).iterations, 7);
-  const Solution s = solve(p, BulletPgs{}, {.max_iterations = 3});
+  EXPECT_EQ(solve(p, {}, BulletPgs{.max_sweeps = 7}).iterations, 7);
+  const Solution s = solve<BulletPgs>(p, {.max_iterations = 3});
   EXPECT_EQ(s.iterations, 3);
   EXPECT_EQ(s.status, Status::iteration_limit);
 }
 
 TEST(BulletPgs, StopsAtItsTimeLimit) {
-  EXPECT_EQ(solve(test::tower(30), BulletPgs{}, {.time_limit = 0}).status, Status::time_limit);
+  EXPECT_EQ(solve<BulletPgs>(test::tower(30), {.time_limit = 0}).status, Status::time_limit);
 }
 
 TEST(BulletPgs, StartsFromTheMultipliersOfTheFrameBefore) {
   const Problem p = test::tower(20);
-  const Solution cold = solve(p, BulletPgs{});
+  const Solution cold = solve<BulletPgs>(p);
   const WarmStart warm{.key = p.key, .lambda = cold.lambda};
-  EXPECT_LT(solve(p, BulletPgs{}, {.warm_start = &warm}).iterations, cold.iterations);
+  EXPECT_LT(solve<BulletPgs>(p, {.warm_start = &warm}).iterations, cold.iterations);
 }
 
 }  // namespace

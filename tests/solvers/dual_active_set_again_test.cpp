@@ -9,16 +9,11 @@ namespace zwang {
 namespace {
 
 using test::make_problem;
+using test::solve;
 using test::vec;
 
-Solution solve(const Problem& p, const SolveOptions& options = {}) {
-  Solution s;
-  DualActiveSet().solve(p, options, s);
-  return s;
-}
-
 TEST(DualActiveSet, IterationLimitGivesTheLastIterate) {
-  const Solution s = solve(test::tower(10), {.max_iterations = 3});
+  const Solution s = solve<DualActiveSet>(test::tower(10), {.max_iterations = 3});
   EXPECT_EQ(s.status, Status::iteration_limit);
   EXPECT_EQ(s.iterations, 3);
   EXPECT_TRUE(s.z.allFinite());
@@ -26,20 +21,20 @@ TEST(DualActiveSet, IterationLimitGivesTheLastIterate) {
 
 TEST(DualActiveSet, WarmStartTakesNoStepWhenNothingChanged) {
   const Problem p = test::tower(20);
-  const Solution cold = solve(p);
+  const Solution cold = solve<DualActiveSet>(p);
   EXPECT_GT(cold.iterations, 10);
   const WarmStart warm{.key = p.key, .lambda = cold.lambda};
-  const Solution again = solve(p, {.warm_start = &warm});
+  const Solution again = solve<DualActiveSet>(p, {.warm_start = &warm});
   EXPECT_EQ(again.iterations, 0);
   EXPECT_EQ(again.z, cold.z);
 }
 
 TEST(DualActiveSet, WarmStartFollowsKeysNotPositions) {
   const Problem p = test::tower(6);
-  const Solution cold = solve(p);
+  const Solution cold = solve<DualActiveSet>(p);
   WarmStart warm{.key = {p.key.rbegin(), p.key.rend()}, .lambda = cold.lambda.reverse()};
   warm.key[2] = {.constraint = 77, .row = 0};
-  const Solution again = solve(p, {.warm_start = &warm});
+  const Solution again = solve<DualActiveSet>(p, {.warm_start = &warm});
   EXPECT_EQ(again.iterations, 1);
   EXPECT_LE(test::z_error(p, again.z, cold.z), 1e-15);
 }
@@ -58,12 +53,12 @@ TEST(DualActiveSet, ObserverSeesEveryEnteringRowAndChangesNothing) {
     last = z;
     EXPECT_EQ(lambda.size(), 12);
   };
-  const Solution observed = solve(p, options);
+  const Solution observed = solve<DualActiveSet>(p, options);
   EXPECT_EQ(observed.z, plain.z);
   EXPECT_EQ(observed.iterations, plain.iterations);
   EXPECT_GE(seen, 12);
   EXPECT_EQ(last, plain.z);
-  EXPECT_LE(test::z_error(p, solve(p).z, plain.z), 1e-28);  // the path that is not observed
+  EXPECT_LE(test::z_error(p, solve<DualActiveSet>(p).z, plain.z), 1e-28);  // the path that is not observed
 }
 
 TEST(DualActiveSet, SecondSolveAllocatesNothingWarmOrCold) {

@@ -15,16 +15,11 @@ namespace zwang {
 namespace {
 
 using test::make_problem;
+using test::solve;
 using test::vec;
 
-Solution solve(const Problem& p, const SolveOptions& options = {}) {
-  Solution s;
-  DualActiveSet().solve(p, options, s);
-  return s;
-}
-
 TEST(DualActiveSet, PullsThroughAnEqualityRow) {
-  const Solution s = solve(test::tied_pair());
+  const Solution s = solve<DualActiveSet>(test::tied_pair());
   EXPECT_EQ(s.status, Status::solved);
   EXPECT_LE(test::z_error(test::tied_pair(), s.z, vec({0, 0})), 1e-15);
   EXPECT_LE((s.lambda - vec({-40, 50})).norm(), 1e-13);
@@ -34,18 +29,18 @@ TEST(DualActiveSet, PullsThroughAnEqualityRow) {
 TEST(DualActiveSet, TowerCarriesItsWeightAtAnyMassRatio) {
   for (const double ratio : {1.0, 0x1p20, 0x1p44}) {
     const Problem p = test::tower(30, ratio);
-    const Solution s = solve(p);
+    const Solution s = solve<DualActiveSet>(p);
     EXPECT_LE(test::z_error(p, s.z, Vector::Zero(30)), 1e-15) << ratio;
     EXPECT_NEAR(s.lambda[0], 9.8125 * (29 + ratio), 1e-13 * ratio * 9.8125 * 30) << ratio;
   }
 }
 
 TEST(DualActiveSet, NamesTheRedundantEqualityRow) {
-  const Solution s = solve(make_problem(vec({1, 1, 1}), vec({0, 0, 5}),
-                                        {{RowKind::equality, vec({1, 1, 0}), 1},
-                                         {RowKind::equality, vec({0, 1, 1}), 2},
-                                         {RowKind::equality, vec({1, 2, 1}), 3},
-                                         {RowKind::equality, vec({0, 0, 0}), 0}}));
+  const Solution s = solve<DualActiveSet>(make_problem(vec({1, 1, 1}), vec({0, 0, 5}),
+                                                       {{RowKind::equality, vec({1, 1, 0}), 1},
+                                                        {RowKind::equality, vec({0, 1, 1}), 2},
+                                                        {RowKind::equality, vec({1, 2, 1}), 3},
+                                                        {RowKind::equality, vec({0, 0, 0}), 0}}));
   EXPECT_EQ(s.status, Status::solved);
   ASSERT_EQ(s.redundant.size(), 2u);
   EXPECT_EQ(s.redundant[1], 3);
@@ -56,7 +51,7 @@ TEST(DualActiveSet, NamesTheRedundantEqualityRow) {
 TEST(DualActiveSet, CertifiesContradictingEqualityRows) {
   const Problem p = make_problem(
       vec({1, 2}), vec({0, 0}), {{RowKind::equality, vec({1, 2}), 1}, {RowKind::equality, vec({2, 4}), 2.0 + 0x1p-20}});
-  const Solution s = solve(p);
+  const Solution s = solve<DualActiveSet>(p);
   EXPECT_EQ(s.status, Status::infeasible);
   EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-8);  // what the referee asks of a proof
 }
@@ -72,7 +67,7 @@ TEST(DualActiveSet, CertifiesContradictionsBelowTheRoundingOfDouble) {
                                            {RowKind::inequality, vec({0, 1}), 1},
                                            {RowKind::inequality, vec({-1, -1}), delta - 2}});
     for (const Problem* p : {&joints, &contacts}) {
-      const Solution s = solve(*p);
+      const Solution s = solve<DualActiveSet>(*p);
       EXPECT_EQ(s.status, Status::infeasible) << k;
       EXPECT_EQ(measure(*p, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven) << k;
     }
@@ -85,7 +80,7 @@ TEST(DualActiveSet, FlagsAWedgeTooSharpForDouble) {
     const double eps = std::ldexp(1.0, -k);
     const Problem p = make_problem(vec({1, 1}), vec({-1, -1}),
                                    {{RowKind::inequality, vec({0, 1}), 0}, {RowKind::inequality, vec({eps, -1}), eps}});
-    const Solution s = solve(p);
+    const Solution s = solve<DualActiveSet>(p);
     EXPECT_TRUE(s.status == Status::solved || (k > 45 && s.status == Status::solved_ill_conditioned)) << k;
     if (s.status == Status::solved) {
       EXPECT_LE(test::z_error(p, s.z, vec({1, 0})), 1e-12) << k;
@@ -104,7 +99,7 @@ TEST(DualActiveSet, TellsNoLieOnTheAtlas) {
     int right = 0, flagged_wrong = 0, flagged_right = 0;
     for (const Instance& instance : points) {
       const Problem& p = instance.problem;
-      const Solution s = solve(p, {.tolerance = tolerance});
+      const Solution s = solve<DualActiveSet>(p, {.tolerance = tolerance});
       ASSERT_TRUE(instance.reference) << p.name;
       if (!instance.reference->feasible) {
         EXPECT_EQ(s.status, Status::infeasible) << p.name;
@@ -133,7 +128,7 @@ TEST(DualActiveSet, CertifiesAContactAgainstJointsAndContacts) {
                                  {{RowKind::equality, vec({1, 1, 0}), 1},
                                   {RowKind::inequality, vec({-1, 0, 1}), 0},
                                   {RowKind::inequality, vec({0, -1, -1}), 0}});
-  const Solution s = solve(p);
+  const Solution s = solve<DualActiveSet>(p);
   EXPECT_EQ(s.status, Status::infeasible);
   EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-15);
 }
@@ -147,7 +142,7 @@ TEST(DualActiveSet, IsRightOnNearParallelEqualityRows) {
     const Problem p = make_problem(
         vec({1, 2, 0.5}), vec({1, 1, 1}),
         {{RowKind::equality, a, a.dot(z0)}, {RowKind::equality, b, b.dot(z0)}, {RowKind::equality, vec({0, 1, 1}), 1}});
-    const Solution s = solve(p, {.tolerance = 1e-14});
+    const Solution s = solve<DualActiveSet>(p, {.tolerance = 1e-14});
     EXPECT_EQ(s.status, Status::solved) << k;
     EXPECT_LE(test::z_error(p, s.z, z0), 1e-12) << k;
     EXPECT_NEAR(s.margins.smallest_accepted / eps, 1, 0.9) << k;
@@ -160,7 +155,7 @@ TEST(DualActiveSet, TellsNearParallelContactsApart) {
   for (const int k : {20, 27, 30, 33, 36, 40}) {
     const Instance pairs = make_scenes("NPI(k=" + std::to_string(k) + ")").at(0);
     ASSERT_TRUE(pairs.reference);
-    const Solution s = solve(pairs.problem, {.tolerance = 1e-13});
+    const Solution s = solve<DualActiveSet>(pairs.problem, {.tolerance = 1e-13});
     EXPECT_EQ(s.status, Status::solved) << k;
     EXPECT_LE(measure(pairs.problem, s, &*pairs.reference, 1e-12).z_error, 1e-12) << k;
   }
@@ -168,14 +163,14 @@ TEST(DualActiveSet, TellsNearParallelContactsApart) {
 
 TEST(DualActiveSet, ScalesOfRowsAndRightHandSidesDoNotMatter) {
   const Problem p = test::tied_pair();
-  const Vector truth = solve(p).z;
+  const Vector truth = solve<DualActiveSet>(p).z;
   for (const int k : {-500, -20, 20, 500}) {
     Problem scaled = p;
     scaled.J = std::ldexp(1.0, k) * p.J;
-    EXPECT_EQ(solve(scaled).z, truth) << k;
+    EXPECT_EQ(solve<DualActiveSet>(scaled).z, truth) << k;
   }
   Problem huge = make_problem(vec({1}), vec({0}), {{RowKind::inequality, vec({0x1p-20}), 0x1p970}});
-  EXPECT_EQ(solve(huge).z, vec({0x1p990}));
+  EXPECT_EQ(solve<DualActiveSet>(huge).z, vec({0x1p990}));
 }
 
 // Rows 1 and 2 add up to 2^-44 z_7 >= 0, and row 0 says z_7 = -3. Taken in as independent, row 1 was met by a
@@ -189,7 +184,7 @@ TEST(DualActiveSet, ARowThatOnlyAHugeMultiplierCouldMeetIsNotSolved) {
                                   {E, vec({0, 0, 0, 0, 0.46875, -0.5625, 0, 0, 0}), -3},
                                   {E, vec({-1, 0, 0, 0, -2, 0, 0, 0, 2}), -5},
                                   {I, vec({-16384, 0, 0, 0, -32768, -0x1p-29, 0, 0, 32768}), -81920}});
-  const Solution s = solve(p);
+  const Solution s = solve<DualActiveSet>(p);
   EXPECT_EQ(s.status, Status::infeasible);
   EXPECT_EQ(measure(p, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
 }

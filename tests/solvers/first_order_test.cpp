@@ -1,3 +1,4 @@
+// What the two first-order methods, projected Gauss-Seidel and accelerated projected gradient, have in common.
 #include <gtest/gtest.h>
 
 #include "solvers/apgd.h"
@@ -7,13 +8,7 @@
 namespace zwang {
 namespace {
 
-// What the two first-order methods, projected Gauss-Seidel and accelerated projected gradient, have in common.
-template <class Solver>
-Solution solve(const Problem& problem, const SolveOptions& options = {}, Solver solver = {}) {
-  Solution solution;
-  solver.solve(problem, options, solution);
-  return solution;
-}
+using test::solve;
 
 int& limit(Pgs& solver) { return solver.max_sweeps; }
 int& limit(Apgd& solver) { return solver.max_steps; }

@@ -8,11 +8,7 @@
 namespace zwang {
 namespace {
 
-Solution solve(const Problem& problem, const SolveOptions& options = {}, Ipopt ipopt = {}) {
-  Solution solution;
-  ipopt.solve(problem, options, solution);
-  return solution;
-}
+using test::solve;
 
 // M z_0 = 0 twice over two unknowns: three equality rows, rank 2.
 Problem overdetermined(double last) {
@@ -24,7 +20,7 @@ Problem overdetermined(double last) {
 
 TEST(Ipopt, PullsThroughAnEqualityRow) {
   const Problem p = test::tied_pair();
-  const Solution s = solve(p);
+  const Solution s = solve<Ipopt>(p);
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_LE(test::z_error(p, s.z, test::vec({0, 0})), 1e-10);
   EXPECT_NEAR(s.lambda[0], -40, 1e-7);
@@ -33,7 +29,7 @@ TEST(Ipopt, PullsThroughAnEqualityRow) {
 
 TEST(Ipopt, CarriesATowerOfLargeMassRatio) {
   const Problem p = test::tower(10, 1048576);
-  const Solution s = solve(p, {.tolerance = 1e-12});
+  const Solution s = solve<Ipopt>(p, {.tolerance = 1e-12});
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_LE(test::z_error(p, s.z, Vector::Zero(10)), 1e-11);
 }
@@ -43,7 +39,7 @@ TEST(Ipopt, MeetsTheToleranceAskedForOnAWeaklyActiveRow) {
   const Problem p =
       test::make_problem(test::vec({1, 1}), test::vec({0, 1}), {{RowKind::inequality, test::vec({1, 0}), 0}});
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
-    const Solution s = solve(p, {.tolerance = tolerance});
+    const Solution s = solve<Ipopt>(p, {.tolerance = tolerance});
     ASSERT_EQ(s.status, Status::solved) << s.message;
     EXPECT_LE(test::z_error(p, s.z, p.z_u), 10 * tolerance);
   }
@@ -51,7 +47,7 @@ TEST(Ipopt, MeetsTheToleranceAskedForOnAWeaklyActiveRow) {
 
 TEST(Ipopt, DropsAConsistentDependentEqualityRowAndNamesIt) {
   const Problem p = overdetermined(3);
-  const Solution s = solve(p);
+  const Solution s = solve<Ipopt>(p);
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_EQ(s.redundant.size(), 1u);
   EXPECT_LE(test::z_error(p, s.z, test::vec({1, 2})), 1e-10);
@@ -59,46 +55,48 @@ TEST(Ipopt, DropsAConsistentDependentEqualityRowAndNamesIt) {
 
 TEST(Ipopt, CertifiesAContradictionAmongEqualityRows) {
   const Problem p = overdetermined(3.5);
-  const Solution s = solve(p);
+  const Solution s = solve<Ipopt>(p);
   ASSERT_EQ(s.status, Status::infeasible);
   EXPECT_LE(test::farkas_residual(p, s.certificate), 1e-12);
 }
 
 TEST(Ipopt, DetectsAConflictOfInequalityRows) {
-  const Solution s = solve(test::squeezed());
+  const Solution s = solve<Ipopt>(test::squeezed());
   ASSERT_EQ(s.status, Status::infeasible) << s.message;
   EXPECT_LE(test::farkas_residual(test::squeezed(), s.certificate), 1e-8);
 }
 
 TEST(Ipopt, CertifiesAZeroRowThatCannotHold) {
-  const Solution s = solve(test::zero_row_conflict());
+  const Solution s = solve<Ipopt>(test::zero_row_conflict());
   ASSERT_EQ(s.status, Status::infeasible);
   EXPECT_EQ(s.certificate, test::vec({1}));
 }
 
 TEST(Ipopt, ReturnsTheUnconstrainedMotionWithoutRows) {
   const Problem p = test::make_problem(test::vec({1, 2}), test::vec({3, 5}), {});
-  const Solution s = solve(p);
+  const Solution s = solve<Ipopt>(p);
   ASSERT_EQ(s.status, Status::solved);
   EXPECT_EQ(s.z, p.z_u);
 }
 
 TEST(Ipopt, StopsAtTheSmallerOfItsTwoLimits) {
   EXPECT_EQ(solve(test::tower(10), {}, Ipopt{.max_iterations = 2}).status, Status::iteration_limit);
-  const Solution s = solve(test::tower(10), {.max_iterations = 1});
+  const Solution s = solve<Ipopt>(test::tower(10), {.max_iterations = 1});
   EXPECT_EQ(s.status, Status::iteration_limit);
   EXPECT_EQ(s.iterations, 1);
   EXPECT_EQ(s.z.size(), 10);
 }
 
-TEST(Ipopt, StopsAtItsTimeLimit) { EXPECT_EQ(solve(test::tower(10), {.time_limit = 0}).status, Status::time_limit); }
+TEST(Ipopt, StopsAtItsTimeLimit) {
+  EXPECT_EQ(solve<Ipopt>(test::tower(10), {.time_limit = 0}).status, Status::time_limit);
+}
 
 TEST(Ipopt, ShowsItsIteratesToAnObserver) {
   const Problem p = test::tower(10);
   std::vector<double> errors;
   const SolveOptions options{
       .observe = [&](int, const Vector& z, const Vector&) { errors.push_back(test::z_error(p, z, Vector::Zero(10))); }};
-  const Solution s = solve(p, options);
+  const Solution s = solve<Ipopt>(p, options);
   ASSERT_EQ(s.status, Status::solved);
   ASSERT_EQ(errors.size(), static_cast<std::size_t>(s.iterations + 1));
   EXPECT_LT(errors.back(), 1e-8);
@@ -107,7 +105,7 @@ TEST(Ipopt, ShowsItsIteratesToAnObserver) {
 
 TEST(Ipopt, PrintsNothing) {
   testing::internal::CaptureStdout();
-  solve(test::tower(5));
+  solve<Ipopt>(test::tower(5));
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 

@@ -7,6 +7,8 @@
 namespace zwang {
 namespace {
 
+using test::solve;
+
 template <class S>
 class NloptMethods : public testing::Test {};
 
@@ -19,16 +21,9 @@ struct SolverName {
 using All = testing::Types<NloptSlsqp, NloptMma, NloptCcsaq, NloptCobyla>;
 TYPED_TEST_SUITE(NloptMethods, All, SolverName);
 
-template <class S>
-Solution solve(const Problem& problem, S solver = {}, const SolveOptions& options = {}) {
-  Solution solution;
-  solver.solve(problem, options, solution);
-  return solution;
-}
-
 TYPED_TEST(NloptMethods, PullsThroughAnEqualityRow) {
   const Problem p = test::tied_pair();
-  const Solution s = solve<TypeParam>(p, {}, {.tolerance = 1e-8});
+  const Solution s = solve<TypeParam>(p, {.tolerance = 1e-8});
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_LE(test::z_error(p, s.z, test::vec({0, 0})), 1e-6);
   EXPECT_EQ(s.lambda.size(), 0);
@@ -42,7 +37,7 @@ TYPED_TEST_SUITE(NloptOnTowers, Reliable, SolverName);
 
 TYPED_TEST(NloptOnTowers, CarriesASmallTower) {
   const Problem p = test::tower(4);
-  const Solution s = solve<TypeParam>(p, {}, {.tolerance = 1e-8});
+  const Solution s = solve<TypeParam>(p, {.tolerance = 1e-8});
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_LE(test::z_error(p, s.z, Vector::Zero(4)), 1e-6);
 }
@@ -67,14 +62,14 @@ TYPED_TEST(NloptMethods, AnswersWhereEqualityRowsLeaveNoMotion) {
 }
 
 TYPED_TEST(NloptMethods, StopsAtTheSmallerOfItsTwoLimits) {
-  const Solution s = solve(test::tower(4), TypeParam{.max_evaluations = 2});
+  const Solution s = solve(test::tower(4), {}, TypeParam{.max_evaluations = 2});
   EXPECT_EQ(s.status, Status::iteration_limit) << s.message;
   EXPECT_LE(s.iterations, 3);
-  EXPECT_EQ(solve<TypeParam>(test::tower(4), {}, {.max_iterations = 1}).status, Status::iteration_limit);
+  EXPECT_EQ(solve<TypeParam>(test::tower(4), {.max_iterations = 1}).status, Status::iteration_limit);
 }
 
 TYPED_TEST(NloptMethods, StopsAtItsTimeLimit) {
-  EXPECT_EQ(solve<TypeParam>(test::tower(4), {}, {.time_limit = 0}).status, Status::time_limit);
+  EXPECT_EQ(solve<TypeParam>(test::tower(4), {.time_limit = 0}).status, Status::time_limit);
 }
 
 TYPED_TEST(NloptMethods, CertifiesAZeroRowThatCannotHold) {
@@ -90,7 +85,7 @@ TYPED_TEST(NloptMethods, RefusesMoreUnknownsThanItCanTake) {
 
 TEST(NloptSlsqp, ReducedAndFullProblemAgree) {
   const Problem p = test::tied_pair();
-  const Solution full = solve(p, NloptSlsqp{}), reduced = solve(p, NloptSlsqp{.reduce = true});
+  const Solution full = solve<NloptSlsqp>(p), reduced = solve(p, {}, NloptSlsqp{.reduce = true});
   ASSERT_EQ(full.status, Status::solved);
   ASSERT_EQ(reduced.status, Status::solved);
   EXPECT_LE(test::z_error(p, full.z, reduced.z), 1e-10);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/problem.h"
+#include "core/solver.h"
 
 namespace zwang::test {
 
@@ -70,6 +71,13 @@ inline Problem squeezed() {
 
 // A zero row that asks for 0 >= 1.
 inline Problem zero_row_conflict() { return make_problem(vec({1}), vec({0}), {{RowKind::inequality, vec({0}), 1}}); }
+
+template <class Method>
+Solution solve(const Problem& p, const SolveOptions& options = {}, Method method = {}) {
+  Solution s;
+  method.solve(p, options, s);
+  return s;
+}
 
 // |z - expected|_M / max(|z_u|_M, |expected|_M), infinite where z is not a vector of numbers of that size.
 inline double z_error(const Problem& p, const Vector& z, const Vector& expected) {
