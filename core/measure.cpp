@@ -46,7 +46,7 @@ void take_residuals(const Gauge& gauge, const ExtendedVector& d, const ExtendedV
 }
 
 Verdict by_error(double upper, double lower, double tolerance) {
-  const double accepted = std::max(10 * tolerance, 1e-12);
+  const double accepted = accepted_error(tolerance);
   if (upper <= accepted) return Verdict::solved;
   if (upper <= 1000 * accepted) return Verdict::near;
   return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;

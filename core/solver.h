@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <functional>
 #include <limits>
@@ -76,6 +77,10 @@ struct SolveOptions {
   const WarmStart* warm_start = nullptr;
   Observer observe = nullptr;
 };
+
+// The error in z, relative to the motion, up to which an answer is right where `tolerance` is asked: what `solved`
+// says.
+inline double accepted_error(double tolerance) { return std::max(10 * tolerance, 1e-12); }
 
 // Thrown by a solver that met a limit before there was an iterate to show. AnySolver makes a status of it.
 struct Stopped {

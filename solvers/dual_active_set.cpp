@@ -4,15 +4,6 @@ namespace zwang {
 
 template class GoldfarbIdnani<double>;
 
-namespace {
-
-// Above this, a row was dropped that rounding does not explain: exactly dependent rows leave remainders up to 2.4e-15
-// on 300 random hands. Accepted rows are judged by what their pivots do to z (GoldfarbIdnani::error), not by their
-// size: a limit of 1e-10 flagged wedges and linkages that were right to the last bit.
-constexpr double doubtful_rejected = 4e-15;
-
-}  // namespace
-
 void DualActiveSet::write(const Problem& problem, Solution& solution) const {
   solution.z = method_.z().cast<double>();
   solution.lambda = method_.lambda().cast<double>();
@@ -73,13 +64,15 @@ void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& 
   } else {
     write(problem, solution);
   }
+  // Accepted rows are judged by what their pivots do to z, not by their size: a limit of 1e-10 flagged wedges and
+  // linkages that were right to the last bit.
   if (solution.status == Status::solved && !solution.fallback) {
     solution.redundant = method_.redundant;
     solution.margins = {.rank = method_.rank,
                         .smallest_accepted = method_.smallest_accepted,
                         .largest_rejected = method_.largest_rejected};
-    const double limit = std::max(10 * options.tolerance, 1e-12);
-    if (!method_.contracted || method_.largest_rejected > doubtful_rejected || method_.error(problem) > limit ||
+    const double limit = accepted_error(options.tolerance);
+    if (!method_.contracted || method_.largest_rejected > tolerances::clear_rest || method_.error(problem) > limit ||
         method_.leaves_in_doubt(problem, limit))
       judge_again(problem, options.tolerance, deadline, solution);
   }

@@ -155,7 +155,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       continue;
     }
 
-    Real worst = 32 * real_eps;
+    Real worst = tolerances::wide_violation * real_eps;
     Index entering = violated_row(p, w, worst);
     if (entering < 0) {
       doubt_active(p, w, active);
@@ -164,7 +164,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
     if (entering < 0) {
       write(p, w, s);
       name_redundant(p, w, active, s);
-      const double limit = std::max(10 * tolerance, 1e-12) * scale_;
+      const double limit = accepted_error(tolerance) * scale_;
       s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
       return Outcome::solved;
     }

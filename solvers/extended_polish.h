@@ -6,6 +6,7 @@
 
 #include "core/double_double.h"
 #include "solvers/active_rows.h"
+#include "solvers/tolerances.h"
 #include "solvers/whiten.h"
 
 template <>

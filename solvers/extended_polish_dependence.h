@@ -78,7 +78,8 @@ bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRow
     const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
     const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
     const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
-    if (parallel && work > 8 * real_eps * noise && static_cast<double>(work / noise) >= 2e8 * reach * rest) {
+    if (parallel && work > 8 * real_eps * noise &&
+        static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest) {
       s.certificate = certificate_;
       return true;
     }

@@ -12,6 +12,7 @@
 #include "solvers/dropped_rows.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/orthogonal_updates.h"
+#include "solvers/tolerances.h"
 #include "solvers/whiten.h"
 
 namespace zwang {
@@ -71,10 +72,8 @@ class GoldfarbIdnani {
   enum State : char { resting, active, retired };
 
   static Scalar epsilon() { return std::numeric_limits<Scalar>::epsilon(); }
-  // Unit rows come out of whitening with an error of a few epsilon; so do remainders that should be zero.
-  static Scalar rank_tolerance() { return rounding(64); }
-  // With 64, contradictions of 2^-42 (families GAP, INC) pass as feasible; with 8 those of 2^-45 and less still do.
-  static Scalar violation_tolerance() { return rounding(8); }
+  static Scalar rank_tolerance() { return rounding(tolerances::rank); }
+  static Scalar violation_tolerance() { return rounding(tolerances::violation); }
   // A hundred digits are more than doubles can ask for: no row of theirs is meant to differ by 1e-70, while masses of
   // a condition of 1e10 take ten digits, and rows that nearly repeat each other one after the other 13 each.
   static Scalar rounding(int epsilons) {

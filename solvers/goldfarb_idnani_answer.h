@@ -51,7 +51,7 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   for (Index i = 0; i < p.rows(); ++i)
     if (certificate[i] != Scalar(0)) sum_.add(p, i, Wide(certificate[i]) / Wide(shortest));
   const Scalar rest = std::max(length, sum_.length(whitened_)) + violation_tolerance();
-  proof_in_doubt = proof < Scalar(2e8) * reach * rest || length > Scalar(8) * epsilon() * weight;
+  proof_in_doubt = proof < Scalar(tolerances::out_of_reach) * reach * rest || length > Scalar(8) * epsilon() * weight;
   return true;
 }
 
@@ -106,7 +106,7 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
   using std::abs;
   const Wide epsilon = std::numeric_limits<Wide>::epsilon(), length = Wide(refinement_.y.norm());
   const auto violated = [&](const Wide& violation, Index i) {
-    return violation > Wide(32) * epsilon * (Wide(whitened_.magnitude[i]) + length);
+    return violation > Wide(tolerances::wide_violation) * epsilon * (Wide(whitened_.magnitude[i]) + length);
   };
   const Scalar far = limit * std::max(Scalar(length), Scalar(whitened_.free.norm()));
   for (const Index k : elimination_.rejected())
@@ -121,7 +121,7 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
     deadline_.keep();
     const Scalar rho = updates_.split(A_.col(static_cast<Index>(j)));
     if (most <= far * rho) continue;
-    if (own.violation > Wide(32) * epsilon * own.terms) return true;
+    if (own.violation > Wide(tolerances::wide_violation) * epsilon * own.terms) return true;
     auto r = r_.head(updates_.size());
     r = updates_.components();
     updates_.solve(r);

@@ -7,6 +7,7 @@
 #include "core/solver.h"
 #include "solvers/inverse_factor.h"
 #include "solvers/stop.h"
+#include "solvers/tolerances.h"
 
 namespace zwang {
 
@@ -24,7 +25,8 @@ namespace zwang {
 class LeastDistance {
  public:
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  static constexpr double rank_tolerance = 64 * epsilon, violation_tolerance = 8 * epsilon;  // as in goldfarb_idnani.h
+  static constexpr double rank_tolerance = tolerances::rank * epsilon,
+                          violation_tolerance = tolerances::violation * epsilon;
 
   // No rows, and room for `room` of `freedom` entries; allocates only when the room must grow.
   void reset(Index freedom, Index room);

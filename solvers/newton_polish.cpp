@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "solvers/newton.h"
+#include "solvers/tolerances.h"
 
 namespace zwang {
 namespace {
@@ -46,7 +47,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadlin
       if (weight_[i] != 0 && far_l_[i] + Real(s_) * violation_[i] < -1e-15L * scale_) {
         weight_[i] = 0;
         now_changed = true;
-      } else if (weight_[i] == 0 && violation_[i] > 32 * real_eps * size) {
+      } else if (weight_[i] == 0 && violation_[i] > tolerances::wide_violation * real_eps * size) {
         weight_[i] = s_;
         now_changed = true;
       }
@@ -65,8 +66,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadlin
       s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
       const double mu = (1 / std::clamp(rate_, 1e-16, 1.0) - 1) / s_;
       const double error = length + worst * scale_ / std::sqrt(std::max(mu, 1e-300));
-      s.status =
-          error <= std::max(10 * options.tolerance, 1e-12) * scale_ ? Status::solved : Status::solved_ill_conditioned;
+      s.status = error <= accepted_error(options.tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
     changed = now_changed;
@@ -129,7 +129,7 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   // More than the rows' own rounding is a way to meet them, however far away: solvers/polish.cpp.
   const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
   if (whole_.norm() <= rounding && work > 8 * real_eps * noise &&
-      static_cast<double>(work / noise) >= 2e8 * reach * whole_.norm()) {
+      static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * whole_.norm()) {
     s.certificate = certificate_;
     s.status = Status::infeasible;
     return true;

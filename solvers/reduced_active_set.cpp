@@ -4,15 +4,10 @@
 #include <limits>
 
 namespace zwang {
-namespace {
 
 // Pivots and remainders between these could go either way by the rounding of N.
-constexpr double clear_accepted = 1e-6, clear_rejected = 4e-15;
-
-}  // namespace
-
 bool ReducedActiveSet::clearly_independent() const {
-  return climb_.smallest_accepted >= clear_accepted && climb_.largest_rejected <= clear_rejected;
+  return climb_.smallest_accepted >= tolerances::clear_pivot && climb_.largest_rejected <= tolerances::clear_rest;
 }
 
 // Inequality row j enters the climb.
@@ -51,7 +46,7 @@ bool ReducedActiveSet::take_violated() {
 bool ReducedActiveSet::prepare(const Problem& p) {
   reason_ = {};
   if (!form_.build(p)) return refuse(form_.reason());
-  if (form_.smallest_pivot() < clear_accepted) return refuse("nearly dependent joints");
+  if (form_.smallest_pivot() < tolerances::clear_pivot) return refuse("nearly dependent joints");
   climb_.reset(form_.freedom(), static_cast<Index>(form_.inequalities().size()));
   climb_.fixed_length = form_.y_E().norm();
   place_.assign(form_.inequalities().size(), -1);
@@ -134,7 +129,7 @@ bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadl
     if (!refine()) return refuse("the refinement does not contract");
     if (climb_.has_climbed()) form_.reduce(y_, v_);
     if (climb_.accept(v_, mu_)) {
-      if (rest_holds(std::max(10 * options.tolerance, 1e-12))) break;
+      if (rest_holds(accepted_error(options.tolerance))) break;
       if (!take_violated()) return refuse("a row violated by less than rounding in double");
     }
     if (round == rounds) return refuse("decisions that rounding makes");

@@ -13,7 +13,7 @@ namespace {
 constexpr double exact_share = 1e-16;
 // A slack that rounding in double leaves no doubt about.
 constexpr double clear_slack = 1e-12;
-constexpr double fine = 0x1p-63, rounding = 32 * fine;
+constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
 
 }  // namespace
 

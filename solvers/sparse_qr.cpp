@@ -5,6 +5,8 @@
 #include <cmath>
 #include <new>
 
+#include "solvers/tolerances.h"
+
 namespace zwang {
 namespace {
 
@@ -12,8 +14,7 @@ using Long = SuiteSparse_long;
 
 constexpr Index few_unknowns = 200, few_rows = 16;  // below, reflections in dense columns are as quick
 constexpr double dense_share = 0.05;                // of entries
-constexpr double clear_pivot = 1e-6;
-constexpr double operations_per_second = 2e9;  // less than a slow core does, against the time that is left
+constexpr double operations_per_second = 2e9;       // less than a slow core does, against the time that is left
 
 }  // namespace
 
@@ -141,7 +142,7 @@ bool SparseQr::factorize(const Matrix& Gt, const std::vector<Index>& rows, doubl
 
   list_columns();
   estimate_smallest();
-  if (!(smallest_ >= clear_pivot)) return false;
+  if (!(smallest_ >= tolerances::clear_pivot)) return false;
   measure_rejected(Gt, rows);
   return holds_ = true;
 }

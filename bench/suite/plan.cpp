@@ -101,7 +101,8 @@ std::span<const Suite> suites() {
       {"speed",
        "hand(contacts=0,4,16,64,200,seed=1..3),hands(hands=1,2,4,8,16,32,64,contacts=16),"
        "tower(boxes=10,30,100,300),wall(boxes=25,50,100,200),tower(boxes=1000),wall(boxes=400,1000),"
-       "wall(boxes=100,200,400,1000,push=0)",
+       "wall(boxes=100,200,400,1000,push=0),random(n=300,m=180,equalities=.83),"
+       "random(n=600,m=360,equalities=.83),random(n=1200,m=720,equalities=.83)",
        {1e-10},
        400,
        20,

@@ -143,7 +143,7 @@ Table speed_exponent_table(const Run& run) {
               {}};
   const auto sizes = by_size(run);
   // Walls begin at 100 boxes: below, set-up rules.
-  const std::map<std::string, double> families{{"hands", 1}, {"K", 1}, {"tower", 10}, {"wall", 100}};
+  const std::map<std::string, double> families{{"hands", 1}, {"K", 1}, {"tower", 10}, {"wall", 100}, {"random", 1}};
   for (const auto& [family, from] : families)
     for (const std::string& solver : names(run)) {
       std::vector<double> x, y;
