@@ -114,17 +114,22 @@ bool ReducedActiveSet::solve(const Problem& p, const SolveOptions& options, Solu
 
 // Rows enter the climb when its optimum violates them; the others are only held against the answer. A warm start whose
 // rows are the active ones climbs nothing.
-bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
-                              Solution& solution) {
+bool ReducedActiveSet::climb(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
+                             int& iterations) {
   start_.clear();
   for (const Index j : active) {
     take(j);
     start_.push_back(place_[static_cast<std::size_t>(j)]);
   }
   climb_.start_from(start_);
+  return settle(options, deadline, iterations);
+}
+
+bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
+                              Solution& solution) {
+  if (!climb(options, deadline, active, solution.iterations)) return false;
   constexpr int rounds = 8;
   for (int round = 0;; ++round) {
-    if (!settle(options, deadline, solution.iterations)) return false;
     begin_from_climb();
     if (!refine()) return refuse("the refinement does not contract");
     if (climb_.has_climbed()) form_.reduce(y_, v_);
@@ -133,6 +138,7 @@ bool ReducedActiveSet::finish(const SolveOptions& options, const Deadline& deadl
       if (!take_violated()) return refuse("a row violated by less than rounding in double");
     }
     if (round == rounds) return refuse("decisions that rounding makes");
+    if (!settle(options, deadline, solution.iterations)) return false;
   }
 
   point_.write(form_.rows(), solution.z, solution.lambda);

@@ -24,11 +24,12 @@ class ReducedActiveSet {
   bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   std::string_view reason() const { return reason_; }
 
-  // The same in steps, for another method in between (reduced_problem.h). prepare() eliminates the joints; state()
-  // writes the reduced problem, its storage reused; finish() goes on from active rows of that one, and adds to the
-  // iterations.
+  // The same in steps, for another method in between (reduced_problem.h) and for a clock (bench/suite/stages.h).
+  // prepare() eliminates the joints; state() writes the reduced problem, its storage reused; climb() goes from active
+  // rows of that one to the optimum in double; finish() does, refines it, and adds to the iterations.
   bool prepare(const Problem& problem);
   void state(const Problem& problem, Problem& reduced);
+  bool climb(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active, int& iterations);
   bool finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active, Solution& solution);
 
  private:

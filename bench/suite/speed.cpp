@@ -120,7 +120,6 @@ std::vector<std::string> profile_stages() {
                           {"checks", t.checks},
                           {"whiten", t.whiten},
                           {"joints", t.joints},
-                          {"rows", t.rows},
                           {"climb", t.climb},
                           {"refine", t.refine}})
                         .dump());

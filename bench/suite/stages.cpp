@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "bench/suite/batch.h"
 #include "solvers/reduced_active_set.h"
@@ -32,37 +33,25 @@ class Profile {
     if (!taken_) return {};
     std::array<double, parts> until;
     for (std::size_t k = 0; k < parts; ++k) until[k] = quartiles(seconds_[k]).median;
-    return {.whiten = until[0],
-            .joints = until[1] - until[0],
-            .rows = until[2] - until[1],
-            .climb = until[3] - until[2],
-            .refine = until[4] - until[3],
-            .checks = until[5] - until[4]};
+    const auto part = [&](std::size_t k) {
+      const double seconds = until[k] - until[k - 1];
+      return seconds > 0 ? seconds : std::numeric_limits<double>::quiet_NaN();
+    };
+    return {.whiten = until[0], .joints = part(1), .climb = part(2), .refine = part(3), .checks = part(4)};
   }
 
  private:
-  static constexpr int parts = 6;
-
-  void fill() {
-    const auto& inequalities = form_.inequalities();
-    climb_.reset(form_.freedom(), static_cast<Index>(inequalities.size()));
-    climb_.fixed_length = form_.y_E().norm();
-    for (const Index i : inequalities) {
-      const BodyRows& rows = form_.rows();
-      form_.reduce_row(i, climb_.admit(rows.h[i] - rows.dot(i, form_.y_E()), rows.magnitude[i]));
-    }
-  }
+  static constexpr int parts = 5;
 
   void run(int up_to) {
     if (up_to == 0) {
       rows_.build(*problem_);
-    } else if (up_to < 4) {
-      form_.build(*problem_);
-      form_.form_basis();
-      if (up_to >= 2) fill();
+    } else if (up_to < 3) {
+      solution_.reset(problem_->size(), problem_->rows());
+      fast_.prepare(*problem_);
       int steps = 0;
-      if (up_to == 3) climb_.climb(steps, SolveOptions{}.max_iterations, Deadline(1));
-    } else if (up_to == 4) {
+      if (up_to == 2) fast_.climb({}, Deadline(), {}, steps);
+    } else if (up_to == 3) {
       solution_.reset(problem_->size(), problem_->rows());
       fast_.solve(*problem_, {}, solution_);
     } else {
@@ -73,8 +62,6 @@ class Profile {
   const Problem* problem_;
   bool taken_ = false;
   BodyRows rows_;
-  ReducedForm form_;
-  LeastDistance climb_;
   ReducedActiveSet fast_;
   AnySolver whole_ = make_solver("dual_active_set");
   Solution solution_;

@@ -173,7 +173,8 @@ json stages(const Run& run) {
   json rows = json::array();
   for (const StageTimes& t : run.stages) {
     double whole = 0;
-    for (const auto& [stage, time] : t.stages) whole += time;
+    for (const auto& [stage, time] : t.stages)
+      if (std::isfinite(time)) whole += time;
     int order = 0;
     for (const auto& [stage, time] : t.stages)
       rows.push_back({t.contacts, stage, order++, known(time), known(time / whole, 3)});

@@ -94,7 +94,7 @@ void parse_speed(const json& line, Run& run) {
   if (kind == "stages") {
     StageTimes& t = run.stages.emplace_back();
     read(line, "scene", t.scene, "contacts", t.contacts);
-    for (const char* stage : {"checks", "whiten", "joints", "rows", "climb", "refine"})
+    for (const char* stage : {"checks", "whiten", "joints", "climb", "refine"})
       t.stages.emplace_back(stage, number(line, stage));
   }
   if (kind == "sequence") {

@@ -179,7 +179,7 @@
       .filter(row => state.on.has(row.solver))
       .map(row => ({...row, x: Math.max(row.gap, 1e-17), y: Math.max(row.error, 1e-17), drawn: row.claimed === 'solved' && row.verified === 'wrong' ? 'wrong' : 'ok',
                     gap_text: scientific(row.gap), error_text: scientific(row.error)})),
-    'stages': data => all_rows(data, 'stages')
+    'stages': data => all_rows(data, 'stages').filter(row => row.time !== null)
       .map(row => ({...row, microseconds: 1e6 * row.time, time_text: duration(row.time), share_text: `${Math.round(100 * row.share)} %`})),
   };
 
