@@ -221,7 +221,8 @@ void SparseQr::estimate_smallest() {
     x.normalize();
     solve_transposed(x);
     solve(x);
-    smallest_ = std::min(smallest_, 1 / std::sqrt(x.norm()));
+    const double length = x.norm();
+    smallest_ = std::isfinite(length) ? std::min(smallest_, 1 / std::sqrt(length)) : 0;
   }
 }
 

@@ -78,6 +78,21 @@ TEST(SparseQr, FactorsAreThoseOfTheRows) {
   }
 }
 
+// More rows than unknowns: nothing is left free.
+TEST(SparseQr, RowsMayFillTheSpace) {
+  const Index n = 220, m = 330;
+  const Matrix Gt = unit_rows(n, m, true);
+  const Index rank = Eigen::ColPivHouseholderQR<Matrix>(Gt).rank();
+  SparseQr qr;
+  ASSERT_TRUE(qr.factorize(Gt, all_of(m), tolerance, Deadline())) << qr.smallest_accepted();
+  EXPECT_EQ(std::ssize(qr.order()), rank);
+  EXPECT_EQ(std::ssize(qr.rejected()), m - rank);
+  EXPECT_LE(qr.largest_rejected(), 1e-13);
+  Matrix A;
+  qr.reduce(Gt, all_of(3), A);
+  EXPECT_EQ(A.rows(), n - rank);
+}
+
 TEST(SparseQr, RowsThatAreNotClearlyIndependentAreRefused) {
   const Index n = 400, m = 200;
   Matrix Gt = unit_rows(n, m, false);
