@@ -114,10 +114,13 @@ Instance random_rows(const Knobs& knobs) {
   const auto diagonal = [&](Index j) { return std::exp2(j == 0 ? half : j == 1 ? -half : draw.integer(-half, half)); };
   for (Index j = 0; j < n; j += 2) {
     const int a = static_cast<int>(j), b = a + 1;
-    const double d = diagonal(j), l = draw.integer(-1, 1);
+    const double d = diagonal(j);
+    const int drawn = draw.integer(-1, 1);
     mass.emplace_back(a, a, d);
     if (j + 1 == n) break;
-    mass.emplace_back(b, b, diagonal(j + 1) + l * l * d);
+    const double light = diagonal(j + 1);
+    const int l = light >= 0x1p-48 * d ? drawn : 0;  // else M is not positive definite once it is rounded
+    mass.emplace_back(b, b, light + l * l * d);
     if (l == 0) continue;
     mass.emplace_back(b, a, l * d);
     mass.emplace_back(a, b, l * d);
