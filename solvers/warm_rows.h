@@ -23,8 +23,11 @@ class WarmRows {
     Index shift = 0;  // most rows stand where they stood, or as far from there as the row before
     const auto count = std::min(static_cast<Index>(warm->key.size()), warm->lambda.size());
     for (Index k = 0; k < count; ++k) {
+      const RowKey& key = warm->key[static_cast<std::size_t>(k)];
+      // Half of the joints' multipliers are positive, which no branch foresees; kinds and keys of rows repeat.
+      if (is(key, k + shift) && problem.is_equality(k + shift)) continue;
       if (!(warm->lambda[k] > 0)) continue;
-      const Index place = find(warm->key[static_cast<std::size_t>(k)], k + shift);
+      const Index place = find(key, k + shift);
       if (place < 0) continue;
       shift = place - k;
       const Index i = row_of(place, rows.row);
@@ -50,16 +53,18 @@ class WarmRows {
     return found != row.end() && *found == place ? found - row.begin() : -1;
   }
 
+  bool is(const RowKey& key, Index i) const {
+    return i >= 0 && i < std::ssize(*key_) && (*key_)[static_cast<std::size_t>(i)] == key;
+  }
+
   // Where the key is among the problem's, first near `guess`, or -1. A few are looked for row by row, more in order.
   Index find(const RowKey& key, Index guess) {
     constexpr Index near = 3;
     constexpr int few = 16;
-    const auto count = static_cast<Index>(key_->size());
-    const auto is = [&](Index i) { return i >= 0 && i < count && (*key_)[static_cast<std::size_t>(i)] == key; };
-    if (is(guess)) return guess;
+    if (is(key, guess)) return guess;
     for (Index d = 1; d <= near; ++d)
       for (const Index i : {guess + d, guess - d})
-        if (is(i)) return i;
+        if (is(key, i)) return i;
     if (++searches_ <= few) {
       const auto place = std::ranges::find(*key_, key);
       return place != key_->end() ? place - key_->begin() : -1;
@@ -67,7 +72,7 @@ class WarmRows {
     const auto key_of = [&](Index i) { return (*key_)[static_cast<std::size_t>(i)]; };
     if (searches_ == few + 1) {
       order_.resize(key_->size());
-      for (Index i = 0; i < count; ++i) order_[static_cast<std::size_t>(i)] = i;
+      for (Index i = 0; i < std::ssize(*key_); ++i) order_[static_cast<std::size_t>(i)] = i;
       std::ranges::sort(order_, {}, key_of);
     }
     const auto place = std::ranges::lower_bound(order_, key, {}, key_of);
