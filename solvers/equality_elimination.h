@@ -30,19 +30,15 @@ class EqualityElimination {
   // Row i is column rows[i] of Gt, of length 1. A row whose remaining part is at most `tolerance` is rejected.
   void factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows, const Scalar& tolerance,
                  const Deadline& deadline = Deadline(), bool try_sparse = false);
-  bool is_sparse() const { return has_sparse && sparse_.holds(); }
 
   Index rank() const { return static_cast<Index>(order_.size()); }
   Index padded_size() const { return padded_size_; }
   Index freedom() const { return n_ - rank(); }
   const std::vector<Index>& order() const { return order_; }    // accepted, as positions in `rows`
   const std::vector<Index>& rejected() const { return open_; }  // likewise
-  // padded_size() x freedom; not formed when rank = 0 or is_sparse()
-  const MatrixX<Scalar>& null_space() const { return N_; }
-  // A := N'G of columns of Gt, is_sparse().
-  void reduce(const MatrixX<Scalar>& Gt, const std::vector<Index>& columns, MatrixX<Scalar>& A) const {
-    if constexpr (has_sparse) sparse_.reduce(Gt, columns, A);
-  }
+  // A := N'G of columns of Gt, zero outside [begin, end) of each; freedom x columns.
+  void reduce(const MatrixX<Scalar>& Gt, const std::vector<int>& begin, const std::vector<int>& end,
+              const std::vector<Index>& columns, const Deadline& deadline, MatrixX<Scalar>& A) const;
   const Scalar& smallest_accepted() const { return smallest_; }      // 1 when there is none
   const Scalar& largest_rejected() const { return rejected_norm_; }  // 0 when there is none
 
@@ -103,6 +99,8 @@ class EqualityElimination {
   }
 
  private:
+  bool is_sparse() const { return has_sparse && sparse_.holds(); }
+
   static constexpr Index block = 8;
   static constexpr double threshold = 0.25;
   static constexpr bool has_sparse = std::is_same_v<Scalar, double>;
@@ -146,9 +144,9 @@ class EqualityElimination {
 
   SparseQr sparse_;
   Index n_ = 0, padded_size_ = 0, words_ = 0;
-  MatrixX<Scalar> V_;  // padded n x rows: what remains of a row; after its turn, its reflection
-  MatrixX<Scalar> R_;  // min(n, rows) x rows, column by row of G_E
-  MatrixX<Scalar> N_;
+  MatrixX<Scalar> V_;                // padded n x rows: what remains of a row; after its turn, its reflection
+  MatrixX<Scalar> R_;                // min(n, rows) x rows, column by row of G_E
+  MatrixX<Scalar> N_, Nt_;           // padded n x freedom, not formed when rank = 0; its transpose
   Mask mask_, free_mask_;            // words_ a column: the blocks that may be non-zero
   std::vector<int> crowd_;           // a block: how many open columns have it
   std::vector<Index> open_, order_;  // columns undecided (at the end: rejected) and accepted

@@ -83,6 +83,28 @@ void EqualityElimination<Scalar>::form_null_space(const Deadline& deadline) {
       reflect(k, N_.col(l));
     }
   }
+  Nt_ = N_.transpose();
+}
+
+template <class Scalar>
+void EqualityElimination<Scalar>::reduce(const MatrixX<Scalar>& Gt, const std::vector<int>& begin,
+                                         const std::vector<int>& end, const std::vector<Index>& columns,
+                                         const Deadline& deadline, MatrixX<Scalar>& A) const {
+  if constexpr (has_sparse)
+    if (is_sparse()) return sparse_.reduce(Gt, columns, A);
+  constexpr Index seldom = 64;  // columns between two looks at the clock
+  A.setZero(freedom(), std::ssize(columns));
+  for (Index j = 0; j < A.cols(); ++j) {
+    if (j % seldom == seldom - 1) deadline.keep();
+    const Index i = columns[j];
+    for (Index at = begin[i]; at < end[i]; ++at) {
+      const Scalar& g = Gt(at, i);
+      if (rank() == 0)
+        A(at, j) = g;
+      else if (g != Scalar(0))
+        A.col(j) += g * Nt_.col(at);
+    }
+  }
 }
 
 // Range first, then what is free.

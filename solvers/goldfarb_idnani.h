@@ -108,7 +108,7 @@ class GoldfarbIdnani {
   std::vector<Index> equality_rows_, active_rows_;  // whitened rows, in the order of the factors
   std::vector<Index> active_;                       // columns of A_, in the order of the factor
   std::vector<char> state_;                         // of the columns of A_
-  MatrixX<Scalar> Nt_, A_;                          // freedom x padded n; freedom x inequality rows
+  MatrixX<Scalar> A_;                               // freedom x inequality rows
   VectorX<Scalar> b_, magnitude_, slack_;           // of the inequality rows
   VectorX<Scalar> v_, u_, r_;                       // (v, u); R^-1 Q'a of the entering row a
   VectorX<Scalar> y_E_, x_, w_;                     // padded n; padded n; rank
@@ -193,6 +193,7 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
   for (const Index k : elimination_.rejected()) {
     const Index i = equalities_[k];
     const Scalar rest = whitened_.h[i] - whitened_.Gt.col(i).dot(y_E_.head(whitened_.size()));
+    // A proof takes twice as much, of more terms.
     const bool may_contradict = abs(rest) > violation_tolerance() / Scalar(2) * whitened_.magnitude[i];
     if (may_contradict && certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1), largest_rejected)) return false;
     redundant.push_back(whitened_.row[i]);
@@ -205,29 +206,15 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::reduce_inequalities() {
   const auto m = static_cast<Index>(inequalities_.size());
-  const bool reduce = elimination_.rank() > 0, reduced = elimination_.is_sparse();
-  if (reduced)
-    elimination_.reduce(whitened_.Gt, inequalities_, A_);
-  else
-    A_.setZero(elimination_.freedom(), m);
-  if (reduce && !reduced) Nt_ = elimination_.null_space().transpose();
+  elimination_.reduce(whitened_.Gt, whitened_.begin, whitened_.end, inequalities_, deadline_, A_);
   b_.resize(m);
   magnitude_.resize(m);
   slack_.resize(m);
   state_.assign(inequalities_.size(), resting);
   for (Index j = 0; j < m; ++j) {
-    if (j % 64 == 63) deadline_.keep();
     const Index i = inequalities_[j];
-    const auto g = whitened_.Gt.col(i);
     Scalar held(0);
-    for (Index at = whitened_.begin[i]; at < whitened_.end[i]; ++at) {
-      if (!reduce)
-        A_(at, j) = g[at];
-      else if (g[at] != Scalar(0)) {
-        if (!reduced) A_.col(j) += g[at] * Nt_.col(at);
-        held += g[at] * y_E_[at];
-      }
-    }
+    for (Index at = whitened_.begin[i]; at < whitened_.end[i]; ++at) held += whitened_.Gt(at, i) * y_E_[at];
     b_[j] = whitened_.h[i] - held;
     magnitude_[j] = whitened_.magnitude[i];
   }
