@@ -22,11 +22,12 @@ class WarmRows {
     Index last = -1;
     Index shift = 0;  // most rows stand where they stood, or as far from there as the row before
     const auto count = std::min(static_cast<Index>(warm->key.size()), warm->lambda.size());
-    for (Index k = 0; k < count; ++k) {
-      const RowKey& key = warm->key[static_cast<std::size_t>(k)];
-      // Half of the joints' multipliers are positive, which no branch foresees; kinds and keys of rows repeat.
-      if (is(key, k + shift) && problem.is_equality(k + shift)) continue;
+    // Half of the joints' multipliers are positive, which no branch foresees, but joints stand where they stood.
+    Index k = 0;
+    while (k < count && is(warm->key[static_cast<std::size_t>(k)], k) && problem.is_equality(k)) ++k;
+    for (; k < count; ++k) {
       if (!(warm->lambda[k] > 0)) continue;
+      const RowKey& key = warm->key[static_cast<std::size_t>(k)];
       const Index place = find(key, k + shift);
       if (place < 0) continue;
       shift = place - k;
