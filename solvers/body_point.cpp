@@ -54,8 +54,8 @@ struct Sum {
                                              const BodyPoint::Motion& z_rest) {
   const auto [first, second] = rows.body[static_cast<std::size_t>(i)];
   Sum sum;
-  sum.add_product(rows.J.col(2 * i), z.col(first), z_rest.col(first));
-  if (second >= 0) sum.add_product(rows.J.col(2 * i + 1), z.col(second), z_rest.col(second));
+  sum.add_product(rows.own_part(i, 0), z.col(first), z_rest.col(first));
+  if (second >= 0) sum.add_product(rows.own_part(i, 1), z.col(second), z_rest.col(second));
   sum.fold<4>();
   sum.fold<2>();
   sum.fold<1>();
@@ -111,11 +111,11 @@ void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, do
   for (const Index i : listed) {
     *violations++ = left_of(rows, i, z_, z_rest_) / (unit_ * rows.row_norm[i]);
     const Lanes own = Lanes::Constant(lambda_[i]), own_rest = Lanes::Constant(lambda_rest_[i]);
-    for (Index side = 0; side < 2; ++side) {
+    for (int side = 0; side < 2; ++side) {
       const int b = rows.body[static_cast<std::size_t>(i)][static_cast<std::size_t>(side)];
       if (b < 0) continue;
       Sum sum{force_.col(b), force_rest_.col(b)};
-      sum.add_product(rows.J.col(2 * i + side), own, own_rest);
+      sum.add_product(rows.own_part(i, side), own, own_rest);
       force_.col(b) = sum.high;
       force_rest_.col(b) = sum.low;
     }
@@ -135,8 +135,8 @@ double BodyPoint::violation(const BodyRows& rows, Index i) const {
 
 double BodyPoint::terms(const BodyRows& rows, Index i) const {
   const auto [first, second] = rows.body[static_cast<std::size_t>(i)];
-  double sum = std::abs(rows.c[i]) + rows.J.col(2 * i).cwiseAbs().dot(z_.col(first).cwiseAbs());
-  if (second >= 0) sum += rows.J.col(2 * i + 1).cwiseAbs().dot(z_.col(second).cwiseAbs());
+  double sum = std::abs(rows.c[i]) + rows.own_part(i, 0).cwiseAbs().dot(z_.col(first).cwiseAbs());
+  if (second >= 0) sum += rows.own_part(i, 1).cwiseAbs().dot(z_.col(second).cwiseAbs());
   return sum / (unit_ * rows.row_norm[i]);
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/lanes.h"
+
 namespace zwang {
 namespace {
 
@@ -51,7 +53,7 @@ bool BodyRows::factorize(const Problem& p) {
       Pack d = L[j][j];
       for (std::size_t k = 0; k < j; ++k) d -= L[j][k] * L[j][k];
       if (!(d > smallest && d < largest).all()) return false;
-      L[j][j] = d.sqrt();
+      L[j][j] = lanes::root(d);
       reciprocal[j] = 1 / L[j][j];
       for (std::size_t i = j + 1; i < 6; ++i) {
         for (std::size_t k = 0; k < j; ++k) L[i][j] -= L[i][k] * L[j][k];
@@ -92,6 +94,7 @@ bool BodyRows::load_rows(const Problem& p) {
   row.resize(static_cast<std::size_t>(m));
   equality.resize(static_cast<std::size_t>(m));
   body.resize(static_cast<std::size_t>(m));
+  place.resize(static_cast<std::size_t>(m));
   if (G.cols() < 2 * m) {
     G.resize(lanes, 2 * m);
     J.resize(lanes, 2 * m);
@@ -101,37 +104,39 @@ bool BodyRows::load_rows(const Problem& p) {
                    *const column = p.J.innerIndexPtr();
   const double *const entry = p.J.valuePtr(), *const z_u_entry = p.z_u.data();
   std::size_t k = 0;
+  Index part = 0;
   for (Index i = 0; i < m; ++i) {
     if (!std::isfinite(p.c[i])) continue;
     int e = outer[i];
     const int end = counts ? e + counts[i] : outer[i + 1];
     std::array<int, 2> at{-1, -1};
-    double left = p.c[i], square = 0;
-    const auto place = static_cast<Index>(2 * k);
-    J.middleCols<2>(place).setZero();
-    for (Index side = 0; side < 2; ++side) {
-      Lanes g = Lanes::Zero();
+    double left = p.c[i];
+    Lanes squares = Lanes::Zero();
+    place[k] = part;
+    for (int& b : at) {
       while (e < end && entry[e] == 0) ++e;
-      if (e < end) {
-        const int b = at[static_cast<std::size_t>(side)] = column[e] / 6, first = 6 * b;
-        const double* const inverse = L_inverse[static_cast<std::size_t>(b)].data();
-        double* const own = J.col(place + side).data();
-        for (; e < end && column[e] < first + 6; ++e) {
-          const double a = entry[e];
-          const int in_body = column[e] - first;
-          g += a * Eigen::Map<const Lanes>(inverse + lanes * in_body);
-          left -= a * z_u_entry[column[e]];
-          own[in_body] = a;
-        }
-        square += g.squaredNorm();
+      if (e == end) break;
+      b = column[e] / 6;
+      const int first = 6 * b;
+      const double* const inverse = L_inverse[static_cast<std::size_t>(b)].data();
+      J.col(part).setZero();
+      double* const own = J.col(part).data();
+      Lanes g = Lanes::Zero();
+      for (; e < end && column[e] < first + 6; ++e) {
+        const double a = entry[e];
+        const int in_body = column[e] - first;
+        g += a * Eigen::Map<const Lanes>(inverse + lanes * in_body);
+        left -= a * z_u_entry[column[e]];
+        own[in_body] = a;
       }
-      G.col(place + side) = g;
+      squares += g.cwiseAbs2();
+      G.col(part++) = g;
     }
     while (e < end && entry[e] == 0) ++e;
     if (e < end) return false;
     c[static_cast<Index>(k)] = p.c[i];
     h[static_cast<Index>(k)] = left;
-    row_norm[static_cast<Index>(k)] = square;
+    row_norm[static_cast<Index>(k)] = squares.sum();
     row[k] = i;
     equality[k] = p.is_equality(i);
     body[k++] = at;
@@ -139,6 +144,7 @@ bool BodyRows::load_rows(const Problem& p) {
   row.resize(k);
   equality.resize(k);
   body.resize(k);
+  place.resize(k);
   return true;
 }
 
@@ -158,7 +164,10 @@ bool BodyRows::make_unit_rows() {
   reciprocal = 1 / norm;
   size *= reciprocal;
   h.head(rows()).array() *= reciprocal;
-  for (Index k = 0; k < rows(); ++k) G.middleCols<2>(2 * k) *= reciprocal[k];
+  for (Index k = 0; k < rows(); ++k) {
+    part(k, 0) *= reciprocal[k];
+    if (body[static_cast<std::size_t>(k)][1] >= 0) part(k, 1) *= reciprocal[k];
+  }
   return true;
 }
 

@@ -24,7 +24,8 @@ struct BodyRows {
   std::vector<Index> row;                // k: the problem's row
   std::vector<char> equality;            // k
   std::vector<std::array<int, 2>> body;  // k: ascending; the second is -1 for a row on one body
-  Mat<double, lanes, Eigen::Dynamic> G;  // lanes x 2k: the parts of row i in columns 2i, 2i + 1
+  std::vector<Index> place;              // k: column of the row's first part below; its second follows
+  Mat<double, lanes, Eigen::Dynamic> G;  // lanes x parts
   Mat<double, lanes, Eigen::Dynamic> J;  // likewise, the problem's own entries
   Vector c;                              // k, the problem's own
   Vector h;                              // k, in units of 2^exponent
@@ -47,7 +48,9 @@ struct BodyRows {
   }
   Index bodies() const { return static_cast<Index>(L_inverse.size()); }
   Index rows() const { return static_cast<Index>(row.size()); }
-  auto part(Index i, int side) const { return G.col(2 * i + side); }
+  auto part(Index i, int side) { return G.col(place[static_cast<std::size_t>(i)] + side); }
+  auto part(Index i, int side) const { return G.col(place[static_cast<std::size_t>(i)] + side); }
+  auto own_part(Index i, int side) const { return J.col(place[static_cast<std::size_t>(i)] + side); }
   double dot(Index i, const Mat<double, lanes, Eigen::Dynamic>& y) const {
     const auto at = body[static_cast<std::size_t>(i)];
     double sum = part(i, 0).dot(y.col(at[0]));

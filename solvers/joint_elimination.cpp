@@ -1,98 +1,23 @@
 // JointTree's way from the tips to the roots.
 #include <algorithm>
-#include <cmath>
 
+#include "solvers/joint_blocks.h"
 #include "solvers/joint_tree.h"
 
 namespace zwang {
-namespace {
 
-// Eight joints, one a lane; what is written for one joint holds for eight.
-using Pack = Eigen::Array<double, 8, 1>;
-
-double root(double x) { return std::sqrt(x); }
-Pack root(const Pack& x) { return x.sqrt(); }
-double with_sign_against(double top, double norm) { return top > 0 ? -norm : norm; }
-Pack with_sign_against(const Pack& top, const Pack& norm) { return (top > 0).select(-norm, norm); }
-double least(double x) { return x; }
-double least(const Pack& x) { return x.isNaN().any() ? std::nan("") : x.minCoeff(); }
-double& lane(double& x, std::size_t) { return x; }
-double& lane(Pack& x, std::size_t k) { return x.data()[k]; }
-const double& lane(const double& x, std::size_t) { return x; }
-const double& lane(const Pack& x, std::size_t k) { return x.data()[k]; }
-void set(double& x, double value) { x = value; }
-void set(Pack& x, double value) { x.setConstant(value); }
-
-template <class Scalar>
-using Column = std::array<Scalar, 6>;
-template <class Scalar>
-using Square = std::array<Column<Scalar>, 6>;
-
-template <class Scalar>
-void set_identity(Square<Scalar>& A) {
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < 6; ++j) set(A[i][j], i == j ? 1 : 0);
-}
-
-template <class Scalar>
-Column<Scalar> zero() {
-  Column<Scalar> x;
-  for (Scalar& entry : x) set(entry, 0);
-  return x;
-}
-
-// x -= a y.
-template <class Scalar>
-void subtract(const Scalar& a, const Column<Scalar>& y, Column<Scalar>& x) {
-  for (std::size_t i = 0; i < 6; ++i) x[i] -= a * y[i];
-}
-
-template <class Scalar>
-void scale(const Scalar& a, Column<Scalar>& x) {
-  for (Scalar& entry : x) entry *= a;
-}
-
-// I + scale v v', which takes a column to beta e_k and leaves what stands above. A column that meets one reflection
-// after the other stays in registers meanwhile: storing it costs more than the products.
-template <class Scalar>
-struct Reflection {
-  Column<Scalar> v;
-  Scalar scale, beta;
-
-  void take(const Column<Scalar>& column, std::size_t k) {
-    Scalar square;
-    set(square, 0);
-    for (std::size_t i = 0; i < 6; ++i) {
-      v[i] = column[i];
-      if (i < k) set(v[i], 0);
-      square += v[i] * v[i];
-    }
-    beta = with_sign_against(v[k], Scalar(root(square)));
-    v[k] -= beta;
-    scale = 1 / (beta * v[k]);
-  }
-  void apply(Column<Scalar>& x) const {
-    Scalar even = v[0] * x[0], odd = v[1] * x[1];
-    for (std::size_t i = 2; i < 6; i += 2) {
-      even += v[i] * x[i];
-      odd += v[i + 1] * x[i + 1];
-    }
-    const Scalar sum = scale * (even + odd);
-    for (std::size_t i = 0; i < 6; ++i) x[i] += v[i] * sum;
-  }
-};
-
-}  // namespace
+using namespace joint_blocks;
 
 // R of [I; S of each child], by reflections that touch one row of the triangle and all rows below. False: no children.
-template <class Scalar>
-bool JointTree::accumulate(std::span<const int> group, Square<Scalar>& R) {
+template <>
+bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
   constexpr std::size_t room = 36;
-  std::array<Column<Scalar>, room> below;
+  std::array<Column<Pack>, room> below;
   std::size_t most = 0;
   for (const int j : group) most = std::max(most, joint(j).children.size());
   if (most == 0) return false;
-  set_identity(R);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) R[i][j].setConstant(i == j);
   for (std::size_t c = 0; c < most;) {
     // As many children as there is room for.
     std::size_t count = 0;
@@ -101,25 +26,24 @@ bool JointTree::accumulate(std::span<const int> group, Square<Scalar>& R) {
       for (const int j : group)
         if (c < joint(j).children.size()) first = std::min(first, joint(joint(j).children[c]).freedom);
       for (Index i = first; i < 6; ++i, ++count) {
-        Column<Scalar>& row = below[count];
-        for (std::size_t l = 0; l < group.size() || l == 0; ++l) {
+        Parts parts;
+        parts.fill(nothing.data());
+        for (std::size_t l = 0; l < group.size(); ++l) {
           const auto& children = joint(group[l]).children;
-          if (l == 0)
-            for (Scalar& x : row) set(x, 0);
-          if (c >= children.size() || i < joint(children[c]).freedom) continue;
-          const double* const S = blocks_[static_cast<std::size_t>(children[c])].S.col(i).data();
-          for (std::size_t m = 0; m < 6; ++m) lane(row[m], l) = S[m];
+          if (c < children.size() && i >= joint(children[c]).freedom)
+            parts[l] = blocks_[static_cast<std::size_t>(children[c])].S.col(i).data();
         }
+        gather(parts, below[count]);
       }
     }
     for (std::size_t j = 0; j < 6; ++j) {
-      Scalar square = R[j][j] * R[j][j];
+      Pack square = R[j][j] * R[j][j];
       for (std::size_t i = 0; i < count; ++i) square += below[i][j] * below[i][j];
-      const Scalar beta = with_sign_against(R[j][j], Scalar(root(square)));
-      const Scalar lead = R[j][j] - beta, scale = 1 / (beta * lead);
+      const Pack beta = with_sign_against(R[j][j], Pack(root(square)));
+      const Pack lead = R[j][j] - beta, scale = 1 / (beta * lead);
       R[j][j] = beta;
       for (std::size_t m = j + 1; m < 6; ++m) {
-        Scalar sum = lead * R[j][m];
+        Pack sum = lead * R[j][m];
         for (std::size_t i = 0; i < count; ++i) sum += below[i][j] * below[i][m];
         sum *= scale;
         R[j][m] += lead * sum;
@@ -127,6 +51,39 @@ bool JointTree::accumulate(std::span<const int> group, Square<Scalar>& R) {
       }
     }
   }
+  return true;
+}
+
+// The same for one joint: the rows of all children, along whose columns the lanes go.
+template <>
+bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
+  constexpr std::size_t room = 36;
+  std::array<Lanes, room> below;
+  std::array<Lanes, 6> own;
+  const auto& children = joint(group.front()).children;
+  if (children.empty()) return false;
+  for (Index j = 0; j < 6; ++j) own[static_cast<std::size_t>(j)] = Lanes::Unit(j);
+  for (std::size_t c = 0; c < children.size();) {
+    std::size_t count = 0;
+    for (; c < children.size() && count + 6 <= room; ++c)
+      for (Index i = joint(children[c]).freedom; i < 6; ++i)
+        below[count++] = blocks_[static_cast<std::size_t>(children[c])].S.col(i);
+    for (Index j = 0; j < 6; ++j) {
+      Lanes& top = own[static_cast<std::size_t>(j)];
+      Lanes even = Lanes::Zero(), odd = Lanes::Zero();
+      for (std::size_t i = 0; i < count; i += 2) even += below[i][j] * below[i];
+      for (std::size_t i = 1; i < count; i += 2) odd += below[i][j] * below[i];
+      const Lanes products = even + odd;
+      const double beta = with_sign_against(top[j], root(top[j] * top[j] + products[j]));
+      const double lead = top[j] - beta;
+      const Lanes sum = (1 / (beta * lead)) * (lead * top + products);
+      top += lead * sum;
+      top[j] = beta;
+      for (std::size_t i = 0; i < count; ++i) below[i] += Lanes(below[i][j] * sum);
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) R[i][j] = own[i][static_cast<Index>(j)];
   return true;
 }
 
@@ -138,20 +95,21 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
 
   // Rows of C and D; lanes without a joint hold one that is easy.
   Square<Scalar> C, D;
-  set_identity(C);
-  for (std::size_t k = 0; k < r; ++k)
-    for (Scalar& x : D[k]) set(x, 0);
-  for (std::size_t l = 0; l < group.size(); ++l) {
-    const JointGraph::Joint& own = joint(group[l]);
-    for (std::size_t k = 0; k < r; ++k) {
+  for (std::size_t k = 0; k < r; ++k) {
+    const BodyRows::Lanes easy = BodyRows::Lanes::Unit(static_cast<Index>(k));
+    Parts child, parent;
+    child.fill(easy.data());
+    parent.fill(nothing.data());
+    for (std::size_t l = 0; l < group.size(); ++l) {
+      const JointGraph::Joint& own = joint(group[l]);
       const Index i = graph_.tree_rows()[static_cast<std::size_t>(own.first) + k];
-      const int side = rows.body[static_cast<std::size_t>(i)][0] == own.body ? 0 : 1;
-      const double *const child = rows.part(i, side).data(), *const parent = rows.part(i, 1 - side).data();
-      for (std::size_t m = 0; m < 6; ++m) {
-        lane(C[k][m], l) = child[m];
-        lane(D[k][m], l) = parent[m];
-      }
+      const auto& bodies = rows.body[static_cast<std::size_t>(i)];
+      const int side = bodies[0] == own.body ? 0 : 1;
+      child[l] = rows.part(i, side).data();
+      if (bodies[1] >= 0) parent[l] = rows.part(i, 1 - side).data();
     }
+    gather(child, C[k]);
+    gather(parent, D[k]);
   }
 
   // C' = Q [R_C; 0].

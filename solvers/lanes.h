@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cmath>
+#include <cstring>
+
 #include "core/types.h"
 
 // Products of small dense matrices whose columns are padded to whole vectors of eight doubles. The sums of four such
 // vectors (a hand's 26 unknowns) stay in registers and do not wait for each other. Include it where the compiler may
-// contract a * b + c (solvers/CMakeLists.txt).
+// contract a * b + c and roots set no errno (solvers/CMakeLists.txt).
 namespace zwang::lanes {
 
 constexpr Index width = 8;
@@ -15,6 +18,15 @@ using Columns = Matrix;
 inline Index round_up(Index size) { return (size + width - 1) / width * width; }
 inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
 inline auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
+
+// The processor's own roots, where they set no errno: Eigen's of eight doubles are approximations, a digit short.
+template <class Eight>
+Eight root(const Eight& x) {
+  double entries[width];
+  std::memcpy(entries, x.data(), sizeof entries);
+  for (double& own : entries) own = std::sqrt(own);
+  return Eigen::Map<const Eight>(entries);
+}
 
 // part<vectors>(k) for four vectors of rows at a time from `begin` to `end`, and for the one, two or three that are
 // left: one vector after the other would wait for its own sums.
