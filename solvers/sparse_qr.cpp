@@ -5,6 +5,7 @@
 #include <cmath>
 #include <new>
 
+#include "solvers/library_memory.h"
 #include "solvers/tolerances.h"
 
 namespace zwang {
@@ -15,22 +16,30 @@ using Long = SuiteSparse_long;
 constexpr Index few_unknowns = 200, few_rows = 16;  // below, reflections in dense columns are as quick
 constexpr double dense_share = 0.05;                // of entries
 constexpr double operations_per_second = 2e9;       // less than a slow core does, against the time that is left
+constexpr Index together = 64;                      // rows that are reduced at once
+
+using Answer = Eigen::Map<const Matrix>;
 
 }  // namespace
 
 struct SparseQr::Factors {
+  LibraryMemory memory;
   cholmod_common common{};
   SuiteSparseQR_factorization<double>* qr = nullptr;
   std::vector<Long> begin, row, known_begin, known_row;  // of G_E' by columns; those of the kept analysis
   std::vector<double> value;
   Index known_n = -1;
   double work = 0;  // operations, by the analysis
+  Vector rotated, all, x;
+  Matrix some, rest;
 
   Factors() {
+    const LibraryMemory::Use use(memory);
     cholmod_l_start(&common);
     common.print = 0;
   }
   ~Factors() {
+    const LibraryMemory::Use use(memory);
     forget();
     cholmod_l_finish(&common);
   }
@@ -56,31 +65,32 @@ struct SparseQr::Factors {
     A.sorted = A.packed = 1;
     return A;
   }
-  // `call` on X, whose columns lie `stride` apart.
-  template <class Call>
-  Matrix apply(Call&& call, double* x, Index rows, Index columns, Index stride) {
+  // `call` on X, whose columns lie `stride` apart, and `take` on its answer.
+  template <class Call, class Take>
+  void apply(Call&& call, const double* x, Index rows, Index columns, Index stride, Take&& take) {
+    const LibraryMemory::Use use(memory);
     cholmod_dense X{};
     X.nrow = static_cast<std::size_t>(rows);
     X.ncol = static_cast<std::size_t>(columns);
     X.d = static_cast<std::size_t>(stride);
     X.nzmax = X.d * X.ncol;
-    X.x = x;
+    X.x = const_cast<double*>(x);
     X.xtype = CHOLMOD_REAL;
     X.dtype = CHOLMOD_DOUBLE;
-    cholmod_dense* Y = call(&X);
+    const auto free = [this](cholmod_dense* Y) { cholmod_l_free_dense(&Y, &common); };
+    const std::unique_ptr<cholmod_dense, decltype(free)> Y(call(&X), free);
     if (!Y) throw std::bad_alloc();
-    const Matrix result = Eigen::Map<const Matrix>(static_cast<const double*>(Y->x), static_cast<Index>(Y->nrow),
-                                                   static_cast<Index>(Y->ncol));
-    cholmod_l_free_dense(&Y, &common);
-    return result;
+    take(Answer(static_cast<const double*>(Y->x), static_cast<Index>(Y->nrow), static_cast<Index>(Y->ncol)));
   }
-  Matrix multiplied(int method, double* x, Index rows, Index columns, Index stride) {
-    return apply([&](cholmod_dense* X) { return SuiteSparseQR_qmult<double>(method, qr, X, &common); }, x, rows,
-                 columns, stride);
+  template <class Take>
+  void multiply(int side, const double* x, Index n, Index columns, Index stride, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_qmult<double>(side, qr, X, &common); }, x, n, columns, stride,
+          take);
   }
-  Matrix solved(int system, double* x, Index rows, Index columns) {
-    return apply([&](cholmod_dense* X) { return SuiteSparseQR_solve<double>(system, qr, X, &common); }, x, rows,
-                 columns, rows);
+  template <class Take>
+  void solve(int system, const double* x, Index n, Index columns, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_solve<double>(system, qr, X, &common); }, x, n, columns, n,
+          take);
   }
 };
 
@@ -124,6 +134,7 @@ bool SparseQr::factorize(const Matrix& Gt, const std::vector<Index>& rows, doubl
   if (!load(Gt, rows)) return false;
   deadline.keep();
 
+  const LibraryMemory::Use use(f.memory);
   cholmod_sparse A = f.columns(n_);
   if (!f.qr || f.known_n != n_ || f.begin != f.known_begin || f.row != f.known_row) {
     f.forget();
@@ -165,49 +176,57 @@ void SparseQr::list_columns() {
 }
 
 void SparseQr::multiply(bool transposed, Eigen::Ref<Vector> x) const {
-  x.head(n_) = factors_->multiplied(transposed ? SPQR_QTX : SPQR_QX, x.data(), n_, 1, n_);
+  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, x.data(), n_, 1, n_,
+                     [&](const Answer& y) { x.head(n_) = y.col(0); });
 }
 
 void SparseQr::reduce(const Matrix& Gt, std::span<const Index> columns, Matrix& A) const {
-  constexpr Index together = 64;
-  const auto rank = static_cast<Index>(order_.size()), m = static_cast<Index>(columns.size());
-  Matrix some(n_, together);
-  A.resize(n_ - rank, m);
+  const auto free = n_ - static_cast<Index>(order_.size()), m = static_cast<Index>(columns.size());
+  Matrix& some = factors_->some;
+  some.resize(n_, together);
+  A.resize(free, m);
   for (Index first = 0; first < m; first += together) {
     deadline_.keep();
     const Index count = std::min(together, m - first);
     for (Index j = 0; j < count; ++j) some.col(j) = Gt.col(columns[static_cast<std::size_t>(first + j)]);
-    A.middleCols(first, count) = factors_->multiplied(SPQR_QTX, some.data(), n_, count, n_).bottomRows(n_ - rank);
+    factors_->multiply(SPQR_QTX, some.data(), n_, count, n_,
+                       [&](const Answer& y) { A.middleCols(first, count) = y.bottomRows(free); });
   }
 }
 
 void SparseQr::solve(Eigen::Ref<Vector> w) const {
-  Vector rotated = Vector::Zero(n_);
+  Vector& rotated = factors_->rotated;
+  rotated.setZero(n_);
   rotated.head(w.size()) = w;
-  w = factors_->solved(SPQR_RX_EQUALS_B, rotated.data(), n_, 1)(place_, 0);
+  factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, 1, [&](const Answer& y) {
+    for (Index k = 0; const Index place : place_) w[k++] = y(place, 0);
+  });
 }
 
 void SparseQr::solve_transposed(Vector& w) const {
-  Vector all = Vector::Zero(factors_->qr->nacols);
-  all(place_) = w;
-  w = factors_->solved(SPQR_RTX_EQUALS_B, all.data(), all.size(), 1).col(0).head(w.size());
+  Vector& all = factors_->all;
+  all.setZero(factors_->qr->nacols);
+  for (Index k = 0; const Index place : place_) all[place] = w[k++];
+  factors_->solve(SPQR_RTX_EQUALS_B, all.data(), all.size(), 1, [&](const Answer& y) { w = y.col(0).head(w.size()); });
 }
 
 void SparseQr::express(const Matrix& X, Matrix& W) const {
-  Matrix rotated = X;
-  rotated = factors_->multiplied(SPQR_QTX, rotated.data(), n_, X.cols(), X.rows());
-  W = factors_->solved(SPQR_RX_EQUALS_B, rotated.data(), n_, X.cols())(place_, Eigen::all);
+  W.resize(std::ssize(place_), X.cols());
+  factors_->multiply(SPQR_QTX, X.data(), n_, X.cols(), X.rows(), [&](const Answer& rotated) {
+    factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, X.cols(), [&](const Answer& y) {
+      for (Index k = 0; const Index place : place_) W.row(k++) = y.row(place);
+    });
+  });
 }
 
 // What the accepted rows leave of a rejected one.
 void SparseQr::measure_rejected(const Matrix& Gt, const std::vector<Index>& rows) {
   largest_rejected_ = 0;
   if (rejected_.empty()) return;
-  std::vector<Index> columns;
-  for (const Index k : rejected_) columns.push_back(rows[static_cast<std::size_t>(k)]);
-  Matrix rest;
-  reduce(Gt, columns, rest);
-  largest_rejected_ = rest.colwise().norm().maxCoeff();
+  dropped_.clear();
+  for (const Index k : rejected_) dropped_.push_back(rows[static_cast<std::size_t>(k)]);
+  reduce(Gt, dropped_, factors_->rest);
+  largest_rejected_ = factors_->rest.colwise().norm().maxCoeff();
 }
 
 // Inverse iteration with R'R from alternating signs: a few steps come within a small factor, which error() allows for.
@@ -215,7 +234,8 @@ void SparseQr::estimate_smallest() {
   constexpr int steps = 4;
   smallest_ = 1;
   if (order_.empty()) return;
-  Vector x(static_cast<Index>(order_.size()));
+  Vector& x = factors_->x;
+  x.resize(static_cast<Index>(order_.size()));
   for (Index k = 0; k < x.size(); ++k) x[k] = (k * 7 % 5 < 2 ? -1 : 1) * (1 + 0.1 * static_cast<double>(k % 3));
   for (int step = 0; step < steps; ++step) {
     x.normalize();

@@ -15,7 +15,8 @@ namespace zwang {
 // turn comes. That finds exactly dependent rows, and can hide nearly dependent ones, so the smallest singular value of
 // R is estimated, and anything less than clear is refused: reflections with pivots then decide.
 //
-// The analysis is kept as long as the pattern of the rows is. The library allocates, in every call.
+// The analysis is kept as long as the pattern of the rows is, and the library's memory between calls
+// (library_memory.h): a second factorization of the same shape allocates nothing.
 class SparseQr {
  public:
   SparseQr();
@@ -62,6 +63,7 @@ class SparseQr {
   Deadline deadline_;
   Index n_ = 0;
   std::vector<Index> order_, place_, rejected_;  // place_: of an accepted row among R's columns, dropped ones included
+  std::vector<Index> dropped_;                   // the rejected as columns of Gt
   double smallest_ = 1, largest_rejected_ = 0;
 };
 

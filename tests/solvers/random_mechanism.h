@@ -6,9 +6,13 @@
 
 namespace zwang::test {
 
-enum class Graph { floating_tree, grounded_tree, loops, welds, redundant_joints };
-inline constexpr Graph graphs[] = {Graph::floating_tree, Graph::grounded_tree, Graph::loops, Graph::welds,
-                                   Graph::redundant_joints};
+// Fans: a dozen bodies on each of two hubs, or all on one.
+enum class Graph { floating_tree, grounded_tree, loops, welds, redundant_joints, fans };
+inline constexpr Graph graphs[] = {Graph::floating_tree, Graph::grounded_tree,    Graph::loops,
+                                   Graph::welds,         Graph::redundant_joints, Graph::fans};
+
+// Of the seeds that small mechanisms are worth: dense methods take a hundred times as long over fans.
+inline constexpr unsigned seeds(Graph graph, unsigned usual) { return graph == Graph::fans ? usual / 20 : usual; }
 
 // Bodies with full random inertia, joints of random rows over random pairs, rows on one or two bodies pressed against.
 // Masses spread by exp(spread N(0, 1)). Feasible: every c is met by one random motion.
@@ -16,7 +20,8 @@ inline Problem random_mechanism(Graph graph, unsigned seed, double spread = 2) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const auto uniform = [&](int most) { return static_cast<int>(random() % static_cast<unsigned>(most)); };
-  const int bodies = 2 + uniform(9), n = 6 * bodies;
+  const bool fans = graph == Graph::fans;
+  const int bodies = (fans ? 24 : 2) + uniform(9), n = 6 * bodies;
   std::vector<Eigen::Triplet<double>> M, J;
   for (int b = 0; b < bodies; ++b) {
     const Mat<double, 6, 6> A = Mat<double, 6, 6>::NullaryExpr([&] { return normal(random); });
@@ -36,8 +41,9 @@ inline Problem random_mechanism(Graph graph, unsigned seed, double spread = 2) {
   const auto add_joint = [&](int a, int b, int rows) {
     for (int k = 0; k < rows; ++k) add_row(a, b, RowKind::equality);
   };
-  if (graph == Graph::grounded_tree) add_joint(0, -1, 1 + uniform(6));
-  for (int b = 1; b < bodies; ++b) add_joint(uniform(b), b, graph == Graph::welds ? 6 : 1 + uniform(5));
+  if (graph == Graph::grounded_tree || fans) add_joint(0, -1, 1 + uniform(6));
+  for (int b = 1; b < bodies && fans; ++b) add_joint(b < 3 || seed % 2 ? 0 : 1 + b % 2, b, 3);
+  for (int b = 1; b < bodies && !fans; ++b) add_joint(uniform(b), b, graph == Graph::welds ? 6 : 1 + uniform(5));
   if (graph == Graph::loops)
     for (int k = 0; k < 2; ++k)
       if (const int a = uniform(bodies), b = uniform(bodies); a != b) add_joint(a, b, 1 + uniform(2));

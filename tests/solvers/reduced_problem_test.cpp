@@ -12,7 +12,7 @@
 namespace zwang {
 namespace {
 
-using test::distance, test::Graph, test::graphs, test::random_mechanism;
+using test::distance, test::Graph, test::graphs, test::random_mechanism, test::seeds;
 
 class ReducedMethod : public testing::TestWithParam<const char*> {
  protected:
@@ -22,7 +22,7 @@ class ReducedMethod : public testing::TestWithParam<const char*> {
 TEST_P(ReducedMethod, GivesTheMotionOfThePlainPathOnRandomMechanisms) {
   for (const Graph graph : graphs) {
     int compared = 0, in_reduced_form = 0;
-    for (unsigned seed = 0; seed < 100; ++seed) {
+    for (unsigned seed = 0; seed < seeds(graph, 100); ++seed) {
       const Problem p = random_mechanism(graph, seed);
       const Solution a = reduced.solve(p), b = plain.solve(p);
       ASSERT_EQ(a.status, b.status) << p.name << ": " << a.message;
@@ -36,8 +36,9 @@ TEST_P(ReducedMethod, GivesTheMotionOfThePlainPathOnRandomMechanisms) {
       EXPECT_LE(own.stationarity, 1e-13 + 10 * other.stationarity) << p.name;
       EXPECT_LE(own.primal, 1e-13 + 10 * other.primal) << p.name;
     }
-    EXPECT_GE(compared, 90) << static_cast<int>(graph);
-    EXPECT_GE(in_reduced_form, graph == Graph::redundant_joints ? 0 : 80) << static_cast<int>(graph);
+    EXPECT_GE(compared, static_cast<int>(seeds(graph, 90))) << static_cast<int>(graph);
+    EXPECT_GE(in_reduced_form, graph == Graph::redundant_joints ? 0 : static_cast<int>(seeds(graph, 80)))
+        << static_cast<int>(graph);
   }
 }
 

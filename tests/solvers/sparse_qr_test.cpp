@@ -7,6 +7,7 @@
 #include <random>
 
 #include "bench/scenes/catalog.h"
+#include "bench/suite/allocations.h"
 #include "core/measure.h"
 #include "solvers/equality_elimination.h"
 #include "solvers/registry.h"
@@ -134,6 +135,37 @@ TEST(SparseQr, OneObjectDoesAsANewOne) {
     EXPECT_EQ(a, c);
     EXPECT_EQ(kept.order(), fresh.order());
   }
+}
+
+// Neither the library nor what surrounds it, once its memory is there.
+TEST(SparseQr, AllocatesNothingWhenItDoesTheSameAgain) {
+  const Index n = 400, m = 200;
+  const Matrix Gt = unit_rows(n, m, true), X = Gt.leftCols(7);
+  const std::vector<Index> rows = all_of(m);
+  SparseQr qr;
+  Matrix A, W;
+  Vector x = Vector::Ones(n), w;
+  const auto all = [&] {
+    ASSERT_TRUE(qr.factorize(Gt, rows, tolerance, Deadline()));
+    qr.rotate(x);
+    qr.reduce(Gt, rows, A);
+    w.setOnes(std::ssize(qr.order()));
+    qr.solve(w);
+    qr.solve_transposed(w);
+    qr.express(X, W);
+  };
+  for (int warm_up = 0; warm_up < 3; ++warm_up) all();
+  const long before = allocations();
+  all();
+  EXPECT_EQ(allocations() - before, 0);
+
+  const Problem p = make_scenes("random(n=301,m=260,equalities=.7)").at(0).problem;
+  AnySolver solver = make_solver("dual_active_set");
+  Solution s;
+  for (int warm_up = 0; warm_up < 3; ++warm_up) solver.solve(p, {}, s);
+  const long before_solve = allocations();
+  solver.solve(p, {}, s);
+  EXPECT_EQ(allocations() - before_solve, 0);
 }
 
 class SparseRows : public testing::TestWithParam<const char*> {};
