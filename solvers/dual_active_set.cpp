@@ -27,7 +27,8 @@ void DualActiveSet::judge_again(const Problem& problem, double tolerance, const 
   }
 }
 
-// Hands or towers that no row connects are solved apart: time then grows with their number, not with its cube.
+// Hands or towers that no row connects are solved apart: time then grows with their number, not with its cube. Islands
+// of different sizes take the storage from each other, and allocate (docs/performance.md).
 void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
   if (!reduce || options.observe || problem.size() % body != 0) return solve_carefully(problem, options, solution);
