@@ -86,7 +86,7 @@ struct Reflection {
       if (i < k) set(v[i], 0);
       square += v[i] * v[i];
     }
-    beta = with_sign_against(v[k], Scalar(root(square)));
+    beta = with_sign_against(v[k], root(square));
     v[k] -= beta;
     scale = 1 / (beta * v[k]);
   }

@@ -39,7 +39,7 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
     for (std::size_t j = 0; j < 6; ++j) {
       Pack square = R[j][j] * R[j][j];
       for (std::size_t i = 0; i < count; ++i) square += below[i][j] * below[i][j];
-      const Pack beta = with_sign_against(R[j][j], Pack(root(square)));
+      const Pack beta = with_sign_against(R[j][j], root(square));
       const Pack lead = R[j][j] - beta, scale = 1 / (beta * lead);
       R[j][j] = beta;
       for (std::size_t m = j + 1; m < 6; ++m) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace zwang {
 namespace {
@@ -18,28 +19,23 @@ thread_local LibraryMemory* in_use = nullptr;
 struct alignas(64) LibraryMemory::Block {
   LibraryMemory* owner;
   std::size_t size;
+  Block* next = nullptr;  // of the free ones
 
   void* bytes() { return this + 1; }
   static Block* of(void* bytes) { return static_cast<Block*>(bytes) - 1; }
 };
 
 LibraryMemory::~LibraryMemory() {
-  for (Block* block : free_) std::free(block);
+  while (free_) std::free(std::exchange(free_, free_->next));
 }
 
 // The smallest block that is large enough, unless most of it would lie idle.
 LibraryMemory::Block* LibraryMemory::take(std::size_t size) {
   constexpr std::size_t spare = 2;
-  auto best = free_.end();
-  for (auto block = free_.begin(); block != free_.end(); ++block)
-    if ((*block)->size >= size && (*block)->size / spare <= size &&
-        (best == free_.end() || (*block)->size < (*best)->size))
-      best = block;
-  if (best == free_.end()) return nullptr;
-  Block* const block = *best;
-  *best = free_.back();
-  free_.pop_back();
-  return block;
+  Block** best = nullptr;
+  for (Block** at = &free_; *at; at = &(*at)->next)
+    if ((*at)->size >= size && (*at)->size / spare <= size && (!best || (*at)->size < (*best)->size)) best = at;
+  return best ? std::exchange(*best, (*best)->next) : nullptr;
 }
 
 // SuiteSparse's own table of functions.
@@ -75,7 +71,7 @@ struct LibraryHooks {
     if (!bytes) return;
     Block* const block = Block::of(bytes);
     if (block->owner)
-      block->owner->free_.push_back(block);
+      block->next = std::exchange(block->owner->free_, block);
     else
       std::free(block);
   }

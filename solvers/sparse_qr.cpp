@@ -29,8 +29,8 @@ struct SparseQr::Factors {
   std::vector<Long> begin, row, known_begin, known_row;  // of G_E' by columns; those of the kept analysis
   std::vector<double> value;
   Index known_n = -1;
-  double work = 0;  // operations, by the analysis
-  Vector rotated, all, x;
+  double work = 0;         // operations, by the analysis
+  Vector rotated, all, x;  // storage of the calls below
   Matrix some, rest;
 
   Factors() {

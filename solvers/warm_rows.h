@@ -27,8 +27,7 @@ class WarmRows {
     while (k < count && is(warm->key[static_cast<std::size_t>(k)], k) && problem.is_equality(k)) ++k;
     for (; k < count; ++k) {
       if (!(warm->lambda[k] > 0)) continue;
-      const RowKey& key = warm->key[static_cast<std::size_t>(k)];
-      const Index place = find(key, k + shift);
+      const Index place = find(warm->key[static_cast<std::size_t>(k)], k + shift);
       if (place < 0) continue;
       shift = place - k;
       const Index i = row_of(place, rows.row);
