@@ -83,14 +83,6 @@ int severity(Status status) {
 
 }  // namespace
 
-const Problem& Islands::cut(const Problem& p, const Island& island) {
-  const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
-  auto place = std::ranges::find_if(cut_, [&](const Problem& q) { return q.size() == n && q.rows() == m; });
-  if (place == cut_.end()) place = cut_.emplace(cut_.end());
-  fill(p, island, true, *place);
-  return *place;
-}
-
 void Islands::fill(const Problem& p, const Island& island, bool closed, Problem& part) const {
   const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
   part.name = p.name;

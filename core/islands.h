@@ -1,11 +1,13 @@
 #pragma once
 
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/deadline.h"
+#include "core/per_shape.h"
 #include "core/places.h"
 #include "core/solver.h"
 
@@ -45,8 +47,13 @@ class Islands {
     const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
                        !problem.J.isCompressed() || !several(problem, unit);
     if (whole) return solve(problem, options, solution);
-    solve_parts([&](std::size_t k) -> const Problem& { return cut(problem, islands_[k]); }, solve, problem, options,
-                solution);
+    cut_.begin();
+    const auto cut = [&](const Island& island) -> const Problem& {
+      Problem& part = cut_.of(std::ssize(island.columns), std::ssize(island.rows));
+      fill(problem, island, true, part);
+      return part;
+    };
+    solve_parts(cut, solve, problem, options, solution);
   }
 
  private:
@@ -58,7 +65,6 @@ class Islands {
   bool several_blocks(const Problem& problem, Unit unit);
   void find(const Problem& problem, Index unit);
   void list(const Problem& problem, Index unit);
-  const Problem& cut(const Problem& problem, const Island& island);
   template <class Part, class Solve>
   void solve_parts(Part&& part, Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
   Island& next_island();
@@ -70,13 +76,15 @@ class Islands {
   std::vector<Index> parent_, island_, local_;
   Index unit_ = 0;  // what several() listed the islands for, or 0
   Places M_places_, J_places_;
-  std::vector<Problem> cut_;  // one of each shape
-  Solution part_;
+  // Cut out right before they are solved; 64 shapes, for rows that come and go between frames.
+  PerShape<Problem> cut_{64};
+  PerShape<Solution> solved_{64};
 };
 
 template <class Solve>
 void Islands::solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution) {
-  solve_parts([&](std::size_t k) -> const Problem& { return islands_[k].problem; }, solve, problem, options, solution);
+  const auto split = [](const Island& island) -> const Problem& { return island.problem; };
+  solve_parts(split, solve, problem, options, solution);
 }
 
 template <class Part, class Solve>
@@ -88,13 +96,16 @@ void Islands::solve_parts(Part&& part, Solve&& solve, const Problem& problem, co
   solution.status = Status::solved;
   solution.margins.rank = 0;
   const Deadline deadline(options.time_limit);
+  solved_.begin();
   for (std::size_t k = 0; k < count_; ++k) {
+    const Island& island = islands_[k];
+    Solution& own = solved_.of(std::ssize(island.columns), std::ssize(island.rows));
     quiet.time_limit = deadline.left();
-    solve(part(k), std::as_const(quiet), part_);
-    join(islands_[k], part_, problem.rows(), solution);
-    if (part_.message.empty()) continue;
+    solve(part(island), std::as_const(quiet), own);
+    join(island, own, problem.rows(), solution);
+    if (own.message.empty()) continue;
     if (!solution.message.empty()) solution.message += "; ";
-    solution.message += "island " + std::to_string(k + 1) + ": " + part_.message;
+    solution.message.append("island ").append(std::to_string(k + 1)).append(": ").append(own.message);
   }
 }
 

@@ -14,11 +14,11 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 // Refines y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.
-bool Cholesky::correct(ActiveRows& active) {
+bool Cholesky::Method::correct(ActiveRows& active) {
   for (int attempt = 0; attempt < 2; ++attempt) {
     const double before = y_.norm();
     double change = infinity;
-    for (int pass = 0; pass < 3 && change > refactor_above * before; ++pass) {
+    for (int pass = 0; pass < 3 && change > refactor_above_ * before; ++pass) {
       auto r2 = r2_.head(active.size());
       direction_ = -y_;
       for (const Index i : active.rows()) active.add(i, l_[i], direction_);
@@ -29,7 +29,7 @@ bool Cholesky::correct(ActiveRows& active) {
       y_ += direction_;
       for (Index i = 0; i < active.size(); ++i) l_[active[i]] += r2[i];
     }
-    if (change <= std::max(refactor_above * std::max(before, y_.norm()), std::numeric_limits<double>::min()))
+    if (change <= std::max(refactor_above_ * std::max(before, y_.norm()), std::numeric_limits<double>::min()))
       return true;
     if (!active.refactor()) return false;
     y_.setZero();
@@ -38,7 +38,7 @@ bool Cholesky::correct(ActiveRows& active) {
   return false;
 }
 
-void Cholesky::drop(ActiveRows& active, Index position) {
+void Cholesky::Method::drop(ActiveRows& active, Index position) {
   set_aside_[at(active[position])] = 0;
   l_[active[position]] = 0;
   active.drop(position);
@@ -46,7 +46,7 @@ void Cholesky::drop(ActiveRows& active, Index position) {
 
 // The equality rows, then `guess`: those of them that keep a positive multiplier make a point the method may start
 // from.
-void Cholesky::start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline) {
+void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline) {
   active.reset(w_, deadline);
   set_aside_.assign(at(w_.rows()), 0);
   y_.setZero(w_.size());
@@ -60,7 +60,7 @@ void Cholesky::start(ActiveRows& active, std::span<const Index> guess, const Dea
     if (!w_.equality[at(i)] && active.accepts(active.append(i))) set_aside_[at(i)] = 1;
 }
 
-Index Cholesky::most_violated(const ActiveRows& active) const {
+Index Cholesky::Method::most_violated(const ActiveRows& active) const {
   const double length = y_.norm();
   Index row = -1;
   double worst = 16 * std::numeric_limits<double>::epsilon();
@@ -75,8 +75,8 @@ Index Cholesky::most_violated(const ActiveRows& active) const {
   return row;
 }
 
-Cholesky::Step Cholesky::descend(const Problem& p, ActiveRows& active, const SolveOptions& options,
-                                 const Deadline& deadline, Solution& s) {
+Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& active, const SolveOptions& options,
+                                                 const Deadline& deadline, Solution& s) {
   const auto keeps = [&](Index i) { return w_.equality[at(active[i])] || l_[active[i]] >= 0; };
   for (bool dropped = true; dropped;) {
     if (!correct(active)) return Step::stuck;
@@ -139,8 +139,8 @@ Cholesky::Step Cholesky::descend(const Problem& p, ActiveRows& active, const Sol
 }
 
 // False: the factors were too coarse for this problem.
-bool Cholesky::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
-                       const Deadline& deadline, Solution& s) {
+bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess,
+                               const SolveOptions& options, const Deadline& deadline, Solution& s) {
   start(active, guess, deadline);
   const Step end = descend(p, active, options, deadline, s);
   if (end == Step::limit) {
@@ -154,12 +154,16 @@ bool Cholesky::attempt(const Problem& p, ActiveRows& active, std::span<const Ind
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) { solve_plainly(q, o, t); };
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
+    plain_.of(q.size(), q.rows()).solve(q, refactor_above, o, t);
+  };
+  plain_.begin();
   if (reduce) return reduced_.solve(plain, p, options, s);
-  solve_plainly(p, options, s);
+  plain(p, options, s);
 }
 
-void Cholesky::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
+void Cholesky::Method::solve(const Problem& p, double refactor_above, const SolveOptions& options, Solution& s) {
+  refactor_above_ = refactor_above;
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
   storage_.require(n * m, options);

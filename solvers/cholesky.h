@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/per_shape.h"
 #include "solvers/cholesky_rows.h"
 #include "solvers/dense_storage.h"
 #include "solvers/polish.h"
@@ -45,26 +46,34 @@ struct Cholesky {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  void solve_plainly(const Problem& problem, const SolveOptions& options, Solution& solution);
-  enum class Step { optimal, limit, stuck };
-  bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
-               const Deadline& deadline, Solution& solution);
-  void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
-  Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
-               Solution& solution);
-  bool correct(ActiveRows& active);
-  Index most_violated(const ActiveRows& active) const;
-  void drop(ActiveRows& active, Index position);
+  class Method {
+   public:
+    void solve(const Problem& problem, double refactor_above, const SolveOptions& options, Solution& solution);
+
+   private:
+    enum class Step { optimal, limit, stuck };
+    bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
+                 const Deadline& deadline, Solution& solution);
+    void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
+    Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
+                 Solution& solution);
+    bool correct(ActiveRows& active);
+    Index most_violated(const ActiveRows& active) const;
+    void drop(ActiveRows& active, Index position);
+
+    DenseStorage storage_;
+    Whitened w_;
+    WarmRows warm_rows_;
+    CholeskyRows sparse_;
+    QrRows orthogonal_;
+    Polish polish_;
+    Vector y_, l_, direction_, rate_, r2_;
+    double refactor_above_ = 0;
+    std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
+  };
 
   ReducedProblem reduced_;
-  DenseStorage storage_;
-  Whitened w_;
-  WarmRows warm_rows_;
-  CholeskyRows sparse_;
-  QrRows orthogonal_;
-  Polish polish_;
-  Vector y_, l_, direction_, rate_, r2_;
-  std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
+  PerShape<Method> plain_;
 };
 
 }  // namespace zwang

@@ -4,7 +4,7 @@ namespace zwang {
 
 template class GoldfarbIdnani<double>;
 
-void DualActiveSet::write(const Problem& problem, Solution& solution) const {
+void DualActiveSet::Careful::write(const Problem& problem, Solution& solution) const {
   solution.z = method_.z().cast<double>();
   solution.lambda = method_.lambda().cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
@@ -13,8 +13,8 @@ void DualActiveSet::write(const Problem& problem, Solution& solution) const {
 
 // Polish decides over the rows that the method dropped or found contradicted. Where it cannot either, a point of the
 // method stands, flagged; a contradiction without proof does not.
-void DualActiveSet::judge_again(const Problem& problem, double tolerance, const Deadline& deadline,
-                                Solution& solution) {
+void DualActiveSet::Careful::judge_again(const Problem& problem, double tolerance, const Deadline& deadline,
+                                         Solution& solution) {
   active_.reset(method_.whitened(), deadline);
   for (const Index i : method_.accepted_equalities()) active_.append(i);
   for (const Index i : method_.active_inequalities()) active_.append(i);
@@ -27,10 +27,11 @@ void DualActiveSet::judge_again(const Problem& problem, double tolerance, const 
   }
 }
 
-// Hands or towers that no row connects are solved apart: time then grows with their number, not with its cube. Islands
-// of different sizes take the storage from each other, and allocate (docs/performance.md).
+// Hands or towers that no row connects are solved apart: time then grows with their number, not with its cube.
 void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
+  reduced_.begin();
+  careful_.begin();
   if (!reduce || options.observe || problem.size() % body != 0) return solve_carefully(problem, options, solution);
   islands_.solve_apart([this](const Problem& p, const SolveOptions& o, Solution& part) { solve_island(p, o, part); },
                        body, problem, options, solution);
@@ -39,16 +40,21 @@ void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, S
 void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
-  if (reduced_.solve(problem, options, solution)) return;
+  if (reduced_.of(problem.size(), JointGraph::kind(problem)).solve(problem, options, solution)) return;
   SolveOptions rest = options;
   rest.time_limit = deadline.left();
   solve_carefully(problem, rest, solution);
 }
 
 void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  careful_.own(problem.size(), problem.rows()).solve(problem, reduce, options, solution);
+}
+
+void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const SolveOptions& options,
+                                   Solution& solution) {
   const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
-  method_.sparse = reduce;
+  method_.sparse = sparse;
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;
   if (solution.status == Status::bad_input) {

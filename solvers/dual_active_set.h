@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/islands.h"
+#include "core/per_shape.h"
 #include "solvers/goldfarb_idnani.h"
 #include "solvers/polish.h"
 #include "solvers/reduced_active_set.h"
@@ -29,16 +30,27 @@ struct DualActiveSet {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  void solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution);
+  // The path that decides ranks row by row.
+  class Careful {
+   public:
+    // `sparse`: a sparse QR of the equality rows where it pays.
+    void solve(const Problem& problem, bool sparse, const SolveOptions& options, Solution& solution);
+
+   private:
+    void write(const Problem& problem, Solution& solution) const;
+    void judge_again(const Problem& problem, double tolerance, const Deadline& deadline, Solution& solution);
+
+    GoldfarbIdnani<double> method_;
+    QrRows active_;
+    Polish polish_;
+  };
+
   void solve_island(const Problem& problem, const SolveOptions& options, Solution& solution);
-  void write(const Problem& problem, Solution& solution) const;
-  void judge_again(const Problem& problem, double tolerance, const Deadline& deadline, Solution& solution);
+  void solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   Islands islands_;
-  ReducedActiveSet reduced_;
-  GoldfarbIdnani<double> method_;
-  QrRows active_;
-  Polish polish_;
+  PerShape<ReducedActiveSet> reduced_;  // by joints: contacts may come and go
+  PerShape<Careful> careful_;           // by island: sizes depend on ranks
 };
 static_assert(Solver<DualActiveSet>);
 

@@ -13,25 +13,25 @@ template <>
 bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
   constexpr std::size_t room = 36;
   std::array<Column<Pack>, room> below;
-  std::size_t most = 0;
-  for (const int j : group) most = std::max(most, joint(j).children.size());
+  int most = 0;
+  for (const int j : group) most = std::max(most, joint(j).children);
   if (most == 0) return false;
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < 6; ++j) R[i][j].setConstant(i == j);
-  for (std::size_t c = 0; c < most;) {
+  for (int c = 0; c < most;) {
     // As many children as there is room for.
     std::size_t count = 0;
     for (; c < most && count + 6 <= room; ++c) {
       Index first = 6;
       for (const int j : group)
-        if (c < joint(j).children.size()) first = std::min(first, joint(joint(j).children[c]).freedom);
+        if (c < joint(j).children) first = std::min(first, joint(joint(j).first_child + c).freedom);
       for (Index i = first; i < 6; ++i, ++count) {
         Parts parts;
         parts.fill(nothing.data());
         for (std::size_t l = 0; l < group.size(); ++l) {
-          const auto& children = joint(group[l]).children;
-          if (c < children.size() && i >= joint(children[c]).freedom)
-            parts[l] = blocks_[static_cast<std::size_t>(children[c])].S.col(i).data();
+          const int child = joint(group[l]).first_child + c;
+          if (c < joint(group[l]).children && i >= joint(child).freedom)
+            parts[l] = blocks_[static_cast<std::size_t>(child)].S.col(i).data();
         }
         gather(parts, below[count]);
       }
@@ -60,14 +60,15 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
   constexpr std::size_t room = 36;
   std::array<Lanes, room> below;
   std::array<Lanes, 6> own;
-  const auto& children = joint(group.front()).children;
-  if (children.empty()) return false;
+  int child = joint(group.front()).first_child;
+  const int end = child + joint(group.front()).children;
+  if (child == end) return false;
   for (Index j = 0; j < 6; ++j) own[static_cast<std::size_t>(j)] = Lanes::Unit(j);
-  for (std::size_t c = 0; c < children.size();) {
+  while (child < end) {
     std::size_t count = 0;
-    for (; c < children.size() && count + 6 <= room; ++c)
-      for (Index i = joint(children[c]).freedom; i < 6; ++i)
-        below[count++] = blocks_[static_cast<std::size_t>(children[c])].S.col(i);
+    for (; child < end && count + 6 <= room; ++child)
+      for (Index i = joint(child).freedom; i < 6; ++i)
+        below[count++] = blocks_[static_cast<std::size_t>(child)].S.col(i);
     for (Index j = 0; j < 6; ++j) {
       Lanes& top = own[static_cast<std::size_t>(j)];
       Lanes even = Lanes::Zero(), odd = Lanes::Zero();

@@ -8,20 +8,24 @@
 
 namespace zwang {
 
-// A spanning tree of the bodies that equality rows connect, kept as long as the rows connect the same bodies.
+// A spanning tree of the bodies that equality rows connect, kept as long as the rows connect the same bodies. Another
+// one of no more bodies and rows is built in the same storage.
 //
 // All rows between the same two bodies are one joint. The tree begins at the world, then at the body with the most
 // joints of what is left; breadth first. Rows of joints outside the tree close loops: `cut` lists them.
 class JointGraph {
  public:
   struct Joint {
-    int body = -1, parent = -1;      // parent -1: the world, or none for a floating root
-    Index first = 0, count = 0;      // of tree_rows
-    Index column = 0, freedom = 0;   // of the null space: 6 - count, at least 0
-    std::vector<int> children = {};  // positions in joints()
+    int body = -1, parent = -1;     // parent -1: the world, or none for a floating root
+    Index first = 0, count = 0;     // of tree_rows
+    Index column = 0, freedom = 0;  // of the null space: 6 - count, at least 0
+    int first_child = 0;            // position in joints(); the others follow it
+    int children = 0;
   };
 
   void build(const BodyRows& rows);
+  // A number that tells problems apart whose equality rows connect other bodies, or in another order.
+  static Index kind(const Problem& problem);
 
   const std::vector<Joint>& joints() const { return joints_; }                           // parents before children
   const std::vector<Index>& tree_rows() const { return tree_rows_; }                     // of BodyRows
@@ -51,7 +55,9 @@ class JointGraph {
   std::vector<Index> tree_rows_, cut_, sorted_;
   std::vector<Edge> edges_;
   std::vector<std::vector<int>> edges_of_;  // a body; the last entry is the world's
+  std::vector<char> reached_, used_;        // of a body or the world; of an edge
   std::vector<int> order_;                  // positions in joints_
+  std::vector<int> height_;                 // of a joint above the tips
   std::vector<int> position_;               // of a body, in joints_
   std::vector<std::size_t> group_end_;
   std::vector<std::array<int, 2>> known_;  // what the graph was built for

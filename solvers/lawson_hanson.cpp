@@ -61,11 +61,9 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
                                        std::span<const Index> warm, const Limits& limits) {
   const Index k = E.cols();
   qr_.reset(E.rows(), k);
-  x_.setZero(k);
-  w_.resize(k);
-  length_.resize(k);
-  rotated_.resize(std::min(E.rows(), k));
-  trial_.resize(std::min(E.rows(), k));
+  if (x_.size() < k)
+    for (Vector* room : {&x_, &w_, &length_, &rotated_, &trial_}) room->resize(k);
+  x_.head(k).setZero();
   r_ = f;
   passive_.clear();
   dependent_.clear();
@@ -95,7 +93,7 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
   const int last = limits.iterations - iterations_;
   for (int step = 0;; ++step) {
     if (limits.deadline && limits.deadline->passed()) return Stop::time_limit;
-    w_.noalias() = E.transpose() * r_;
+    w_.head(k).noalias() = E.transpose() * r_;
     Index best = -1;
     double steepest = noise;
     for (Index j = 0; j < k; ++j)

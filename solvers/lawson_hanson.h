@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -39,7 +40,7 @@ class LawsonHanson {
   Stop solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
              const Limits& limits);
 
-  const Vector& x() const { return x_; }                                // k
+  auto x() const { return x_.head(std::ssize(state_)); }                // k
   const Vector& residual() const { return r_; }                         // f - E x
   std::span<const Index> passive() const { return passive_; }           // in the order of the QR
   std::span<const Index> dependent_free() const { return dependent_; }  // free columns that were left out
@@ -51,7 +52,8 @@ class LawsonHanson {
   void settle(std::span<const char> free);
 
   ThinQr qr_;
-  Vector f_, x_, r_, w_, length_, rotated_, trial_;
+  Vector r_;
+  Vector x_, w_, length_, rotated_, trial_;  // room for the most columns there were
   std::vector<Index> passive_, dependent_;
   std::vector<char> state_;  // 0 zero, 1 passive, 2 barred
   int iterations_ = 0;

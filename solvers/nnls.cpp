@@ -14,7 +14,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // The equality rows' own solution y_E, and what is left of the other rows in the null space of G_E:
 // g~ = (I - QQ') g, h~ = h - g . y_E. A row that lies in the span of the equality rows is left to the polish.
-void Nnls::eliminate(const Problem& p, const Deadline& deadline) {
+void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& deadline) {
   const Index n = p.size(), k = rows_.rows();
   active_.reset(rows_, deadline);
   column_.clear();
@@ -52,7 +52,7 @@ void Nnls::eliminate(const Problem& p, const Deadline& deadline) {
 }
 
 // The last iterate: y and the unit multipliers, into the solution.
-void Nnls::write_iterate(const Problem& p, Solution& s) {
+void Nnls::Method::write_iterate(const Problem& p, Solution& s) {
   const Index n = p.size(), e = active_.size();
   const Vector& r = least_squares_.residual();
   unit_.setZero(rows_.rows());
@@ -74,7 +74,8 @@ void Nnls::write_iterate(const Problem& p, Solution& s) {
 }
 
 // Finds the active set. False when the solution is already complete: a limit was met, or the rows are infeasible.
-bool Nnls::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                  Solution& s) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const Index n = p.size(), columns = static_cast<Index>(column_.size());
   f_.setZero(n + 1);
@@ -107,7 +108,7 @@ bool Nnls::least_distance(const Problem& p, const SolveOptions& options, const D
     // r = 0 up to rounding: the passive columns carry a Farkas vector, if it holds.
     if (r.norm() <= 50 * eps * std::max(1.0, least_squares_.x().lpNorm<1>())) {
       const Index e = active_.size();
-      unit_.setZero(columns);
+      unit_.setZero(rows_.rows());
       for (const Index j : warm_) unit_[j] = std::abs(least_squares_.x()[j]) / length_[j];
       std::sort(warm_.begin(), warm_.end(),
                 [&](Index a, Index b) { return unit_[a] > unit_[b] || (unit_[a] == unit_[b] && a < b); });
@@ -125,17 +126,20 @@ bool Nnls::least_distance(const Problem& p, const SolveOptions& options, const D
 }
 
 void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) { solve_plainly(q, o, t); };
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
+    plain_.of(q.size(), q.rows()).solve(q, project, o, t);
+  };
+  plain_.begin();
   if (reduce) return reduced_.solve(plain, p, options, s);
-  solve_plainly(p, options, s);
+  plain(p, options, s);
 }
 
-void Nnls::solve_plainly(const Problem& p, const SolveOptions& options, Solution& s) {
+void Nnls::Method::solve(const Problem& p, bool project, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n + 1, m);
   storage_.require(2 * (n + 1) * m + 2 * (n + 1 + most) * most, options);
   if (!begin(rows_, p, deadline, s)) return;
-  eliminate(p, deadline);
+  eliminate(p, project, deadline);
   warm_.clear();
   warm_.reserve(at(rows_.rows()));
   for (const Index i : warm_rows_.find(p, rows_, options.warm_start)) {
@@ -150,7 +154,7 @@ void Nnls::solve_plainly(const Problem& p, const SolveOptions& options, Solution
     SolveOptions cold = options;
     cold.warm_start = nullptr;
     cold.time_limit = deadline.left();
-    solve_plainly(p, cold, s);
+    solve(p, project, cold, s);
     s.fallback = true;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/per_shape.h"
 #include "solvers/dense_storage.h"
 #include "solvers/lawson_hanson.h"
 #include "solvers/polish.h"
@@ -40,25 +41,32 @@ struct Nnls {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  void solve_plainly(const Problem& problem, const SolveOptions& options, Solution& solution);
-  void eliminate(const Problem& problem, const Deadline& deadline);
-  bool least_distance(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
-                      Solution& solution);
-  void write_iterate(const Problem& problem, Solution& solution);
+  class Method {
+   public:
+    void solve(const Problem& problem, bool project, const SolveOptions& options, Solution& solution);
+
+   private:
+    void eliminate(const Problem& problem, bool project, const Deadline& deadline);
+    bool least_distance(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                        Solution& solution);
+    void write_iterate(const Problem& problem, Solution& solution);
+
+    DenseStorage storage_;
+    Whitened rows_;
+    WarmRows warm_rows_;
+    LawsonHanson least_squares_;
+    QrRows active_;  // the equality rows, then all active rows
+    Polish polish_;
+    Matrix E_;
+    Vector f_, y_E_, h_, length_, y_, unit_, rest_, work_;
+    std::vector<Index> column_;  // column of E -> whitened row
+    std::vector<Index> warm_;    // columns
+    std::vector<char> free_;     // of the columns
+    double sigma_ = 1;
+  };
 
   ReducedProblem reduced_;
-  DenseStorage storage_;
-  Whitened rows_;
-  WarmRows warm_rows_;
-  LawsonHanson least_squares_;
-  QrRows active_;  // the equality rows, then all active rows
-  Polish polish_;
-  Matrix E_;
-  Vector f_, y_E_, h_, length_, y_, unit_, rest_, work_;
-  std::vector<Index> column_;  // column of E -> whitened row
-  std::vector<Index> warm_;    // columns
-  std::vector<char> free_;     // of the columns
-  double sigma_ = 1;
+  PerShape<Method> plain_;
 };
 
 }  // namespace zwang

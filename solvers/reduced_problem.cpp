@@ -2,7 +2,7 @@
 
 namespace zwang {
 
-bool ReducedProblem::prepare(const Problem& problem, const SolveOptions& options) {
+bool ReducedProblem::Reduction::prepare(const Problem& problem, const SolveOptions& options) {
   reason_ = {};
   if (options.observe)
     reason_ = "an observer";
@@ -16,8 +16,8 @@ bool ReducedProblem::prepare(const Problem& problem, const SolveOptions& options
 }
 
 // A step of the climb from the method's active rows is one that the method missed: a fallback, counted.
-bool ReducedProblem::recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
-                             Solution& solution) {
+bool ReducedProblem::Reduction::recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                                        Solution& solution) {
   if (part_.status != Status::solved) {
     reason_ = "the reduced problem is not solved";
     return false;
@@ -35,7 +35,7 @@ bool ReducedProblem::recover(const Problem& problem, const SolveOptions& options
   return true;
 }
 
-void ReducedProblem::explain(Solution& solution) const {
+void ReducedProblem::Reduction::explain(Solution& solution) const {
   if (!solution.message.empty()) solution.message.append("; ");
   solution.message.append("not reduced: ").append(reason_);
   solution.fallback = true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/islands.h"
+#include "core/per_shape.h"
 #include "solvers/reduced_active_set.h"
 
 namespace zwang {
@@ -21,30 +22,40 @@ class ReducedProblem {
   void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  template <class Plain>
-  void solve_island(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution);
-  bool prepare(const Problem& problem, const SolveOptions& options);
-  bool recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
-  void explain(Solution& solution) const;
+  class Reduction {
+   public:
+    template <class Plain>
+    void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution);
+
+   private:
+    bool prepare(const Problem& problem, const SolveOptions& options);
+    bool recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
+    void explain(Solution& solution) const;
+
+    ReducedActiveSet answer_;
+    Problem reduced_;
+    Solution part_;
+    std::vector<Index> pushing_;  // rows of reduced_
+    std::string_view reason_;
+  };
 
   Islands islands_;
-  ReducedActiveSet answer_;
-  Problem reduced_;
-  Solution part_;
-  std::vector<Index> pushing_;  // rows of reduced_
-  std::string_view reason_;
+  PerShape<Reduction> reductions_;
 };
 
 template <class Plain>
 void ReducedProblem::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
-  islands_.solve_apart([&](const Problem& p, const SolveOptions& o, Solution& s) { solve_island(plain, p, o, s); },
-                       body, problem, options, solution);
+  reductions_.begin();
+  const auto apart = [&](const Problem& p, const SolveOptions& o, Solution& s) {
+    reductions_.of(p.size(), JointGraph::kind(p) ^ p.rows()).solve(plain, p, o, s);
+  };
+  islands_.solve_apart(apart, body, problem, options, solution);
 }
 
 template <class Plain>
-void ReducedProblem::solve_island(Plain&& plain, const Problem& problem, const SolveOptions& options,
-                                  Solution& solution) {
+void ReducedProblem::Reduction::solve(Plain&& plain, const Problem& problem, const SolveOptions& options,
+                                      Solution& solution) {
   const Deadline deadline(options.time_limit);
   if (prepare(problem, options)) {
     if (reduced_.size() > 0 && reduced_.rows() > 0) plain(reduced_, options, part_);

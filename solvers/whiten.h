@@ -50,7 +50,8 @@ struct BasicWhitened {
     for (Index i = 0; i < z.size(); ++i) z[i] = problem.z_u[i] + ldexp(z[i], exponent);
   }
   // Multipliers of the problem's rows from those of the unit rows.
-  void multipliers(const BasicProblem<Scalar>& problem, const VectorX<Scalar>& unit, VectorX<Scalar>& lambda) const {
+  template <class Unit>
+  void multipliers(const BasicProblem<Scalar>& problem, const Unit& unit, VectorX<Scalar>& lambda) const {
     lambda.setZero(problem.rows());
     for (Index i = 0; i < rows(); ++i) lambda[row[i]] = multiplier(i, unit[i]);
   }

@@ -117,41 +117,5 @@ TEST(ReducedForm, AChainOfAnyLengthTakesNoDenseStorage) {
   EXPECT_EQ(s.margins.rank, 3 * 4096);
 }
 
-// Two mechanisms side by side are solved apart, and as each alone.
-TEST(ReducedForm, SolvesIslandsApart) {
-  for (unsigned seed = 0; seed < 50; ++seed) {
-    const Problem a = random_mechanism(Graph::floating_tree, seed), b = random_mechanism(Graph::loops, seed + 1);
-    Problem both;
-    const Index n = a.size() + b.size(), m = a.rows() + b.rows();
-    std::vector<Eigen::Triplet<double>> M, J;
-    for (const auto& [part, row, column] : {std::tuple{&a, Index{0}, Index{0}}, std::tuple{&b, a.rows(), a.size()}}) {
-      for (Index j = 0; j < part->size(); ++j)
-        for (Eigen::SparseMatrix<double>::InnerIterator it(part->M, j); it; ++it)
-          M.emplace_back(column + it.row(), column + j, it.value());
-      for (Index i = 0; i < part->rows(); ++i)
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(part->J, i); it; ++it)
-          J.emplace_back(row + i, column + it.col(), it.value());
-      both.kind.insert(both.kind.end(), part->kind.begin(), part->kind.end());
-      both.key.insert(both.key.end(), part->key.begin(), part->key.end());
-    }
-    both.M.resize(n, n);
-    both.M.setFromTriplets(M.begin(), M.end());
-    both.J.resize(m, n);
-    both.J.setFromTriplets(J.begin(), J.end());
-    both.z_u.resize(n);
-    both.z_u << a.z_u, b.z_u;
-    both.c.resize(m);
-    both.c << a.c, b.c;
-    DualActiveSet solver;
-    Solution whole, left, right;
-    solver.solve(both, {}, whole);
-    solver.solve(a, {}, left);
-    solver.solve(b, {}, right);
-    ASSERT_EQ(whole.z.size(), n) << seed;
-    EXPECT_EQ(whole.z.head(a.size()), left.z) << seed;
-    EXPECT_EQ(whole.z.tail(b.size()), right.z) << seed;
-  }
-}
-
 }  // namespace
 }  // namespace zwang
