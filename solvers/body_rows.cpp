@@ -9,13 +9,12 @@
 namespace zwang {
 namespace {
 
+using lanes::Pack;
+
 // Products of three such numbers neither overflow nor vanish.
 constexpr double smallest = 0x1p-300, largest = 0x1p300;
 bool ordinary(double x) { return x > smallest && x < largest; }
 bool ordinary_or_zero(double x) { return x == 0 || ordinary(std::abs(x)); }
-
-// Eight bodies, one a lane: the same entry of eight matrices.
-using Pack = Eigen::Array<double, 8, 1>;
 
 }  // namespace
 

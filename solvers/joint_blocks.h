@@ -12,8 +12,8 @@
 // roots set no errno (solvers/CMakeLists.txt).
 namespace zwang::joint_blocks {
 
-// Eight joints, one a lane; what is written for one joint holds for eight.
-using Pack = Eigen::Array<double, 8, 1>;
+// What is written for one joint holds for eight.
+using lanes::Pack;
 
 inline double root(double x) { return std::sqrt(x); }
 inline Pack root(const Pack& x) { return lanes::root(x); }

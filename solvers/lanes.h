@@ -12,6 +12,7 @@ namespace zwang::lanes {
 
 constexpr Index width = 8;
 using Lanes = Vec<double, width>;
+using Pack = Eigen::Array<double, width, 1>;  // the same number of eight bodies or joints, one a lane
 using Four = Vec<double, 4 * width>;
 using Columns = Matrix;
 

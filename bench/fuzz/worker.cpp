@@ -15,6 +15,7 @@
 #include <sstream>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #include "core/problem_file.h"
 
@@ -54,14 +55,12 @@ struct Worker {
   double moved = 0;  // when it last went on
 };
 
-std::string file_name(std::uint64_t number, const std::string& solver) {
-  return std::to_string(number) + "-" + solver.substr(0, solver.find(':')) + ".h5";
-}
-
-std::filesystem::path write(const std::filesystem::path& directory, const Fault& fault) {
+// Of the problem and the solver's name; `mark` tells further faults of the two apart.
+std::filesystem::path write(const std::filesystem::path& directory, const Fault& fault, const std::string& mark) {
   try {
     std::filesystem::create_directories(directory);
-    const auto file = directory / file_name(fault.number, fault.solver);
+    const std::string solver = fault.solver.substr(0, fault.solver.find(':'));
+    const auto file = directory / (std::to_string(fault.number) + "-" + solver + mark + ".h5");
     write_problem(file, fault.instance);
     return file;
   } catch (const std::runtime_error&) {
@@ -81,7 +80,8 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
   const double start = now();
   const pid_t parent = getpid();
-  std::map<std::string, std::size_t> files;
+  std::map<std::string, std::size_t> files;                             // by solver
+  std::map<std::pair<std::uint64_t, std::string>, std::size_t> faults;  // by problem and solver's name
 
   const auto work = [&](Shared& shared, int to) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -90,7 +90,11 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
     const auto report = [&](const Fault& fault) {
-      const auto file = files[fault.solver]++ < most_files ? write(directory, fault) : std::filesystem::path();
+      std::filesystem::path file;
+      if (files[fault.solver]++ < most_files) {
+        const std::size_t before = faults[{fault.number, fault.solver.substr(0, fault.solver.find(':'))}]++;
+        file = write(directory, fault, before > 0 ? std::string("-").append(std::to_string(before + 1)) : "");
+      }
       std::ostringstream line;
       line << fault.number << '\t' << fault.solver << '\t' << file.string() << '\t' << fault.what << '\n';
       const std::string text = line.str();
@@ -138,7 +142,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     Fault fault{.number = shared.next, .solver = solver, .what = how};
     fault.instance.problem = fuzzed_problem(options, shared.next);
     fault.instance.reference = fuzzed_truth(options, fault.instance.problem);
-    outcome.findings.push_back({fault.number, solver, how, write(directory, fault)});
+    outcome.findings.push_back({fault.number, solver, how, write(directory, fault, "-died")});
     shared.next += step;
     ++shared.done;
   };

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "bench/fuzz/worker.h"
 #include "core/measure.h"
 #include "core/problem_file.h"
@@ -72,6 +74,11 @@ TEST_F(Fuzz, FindsALiarAndStoresWhatShowsIt) {
   ASSERT_GT(o.findings.size(), 50u);
   EXPECT_GT(o.tally[0].solved, 10u);
   EXPECT_EQ(o.tally[0].faults, o.findings.size());
+  std::set<std::filesystem::path> files;
+  for (const Finding& found : o.findings) {
+    const bool other = found.file.empty() || files.insert(found.file).second;
+    EXPECT_TRUE(other) << found.file << ": another finding's";
+  }
   const Finding& f = o.findings.front();
   const Instance replayed = read_problems(f.file).at(0);
   const Solution s = among[0].make("").solve(replayed.problem);
