@@ -39,7 +39,10 @@ Answer Workbench::run(const Problem& problem, const Call& call) {
       return answer;
     }
     if (call.warm_up) chosen.solve(problem, options, solution);
-    solution.reset(problem.size(), problem.rows());  // its storage is the caller's
+    // Its storage is the caller's.
+    solution.reset(problem.size(), problem.rows());
+    solution.redundant.reserve(problem.kind.size());
+    solution.message.reserve(512);
     const long blocks = allocations();
     const double start = thread_cpu_seconds();
     for (int i = 0; i < call.solves; ++i) chosen.solve(problem, options, solution);
