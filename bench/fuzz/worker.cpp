@@ -15,7 +15,6 @@
 #include <sstream>
 #include <system_error>
 #include <tuple>
-#include <utility>
 
 #include "core/problem_file.h"
 
@@ -55,12 +54,14 @@ struct Worker {
   double moved = 0;  // when it last went on
 };
 
-// Of the problem and the solver's name; `mark` tells further faults of the two apart.
-std::filesystem::path write(const std::filesystem::path& directory, const Fault& fault, const std::string& mark) {
+std::string name_of(const Fault& fault) {
+  return std::to_string(fault.number) + "-" + fault.solver.substr(0, fault.solver.find(':'));
+}
+
+std::filesystem::path write(const std::filesystem::path& directory, const std::string& name, const Fault& fault) {
   try {
     std::filesystem::create_directories(directory);
-    const std::string solver = fault.solver.substr(0, fault.solver.find(':'));
-    const auto file = directory / (std::to_string(fault.number) + "-" + solver + mark + ".h5");
+    const auto file = directory / (name + ".h5");
     write_problem(file, fault.instance);
     return file;
   } catch (const std::runtime_error&) {
@@ -80,8 +81,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
   const double start = now();
   const pid_t parent = getpid();
-  std::map<std::string, std::size_t> files;                             // by solver
-  std::map<std::pair<std::uint64_t, std::string>, std::size_t> faults;  // by problem and solver's name
+  std::map<std::string, std::size_t> files, same_name;  // by solver; of further faults of one solver on one problem
 
   const auto work = [&](Shared& shared, int to) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -92,8 +92,9 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     const auto report = [&](const Fault& fault) {
       std::filesystem::path file;
       if (files[fault.solver]++ < most_files) {
-        const std::size_t before = faults[{fault.number, fault.solver.substr(0, fault.solver.find(':'))}]++;
-        file = write(directory, fault, before > 0 ? std::string("-").append(std::to_string(before + 1)) : "");
+        std::string name = name_of(fault);
+        if (const std::size_t number = ++same_name[name]; number > 1) name.append("-").append(std::to_string(number));
+        file = write(directory, name, fault);
       }
       std::ostringstream line;
       line << fault.number << '\t' << fault.solver << '\t' << file.string() << '\t' << fault.what << '\n';
@@ -142,7 +143,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     Fault fault{.number = shared.next, .solver = solver, .what = how};
     fault.instance.problem = fuzzed_problem(options, shared.next);
     fault.instance.reference = fuzzed_truth(options, fault.instance.problem);
-    outcome.findings.push_back({fault.number, solver, how, write(directory, fault, "-died")});
+    outcome.findings.push_back({fault.number, solver, how, write(directory, name_of(fault) + "-died", fault)});
     shared.next += step;
     ++shared.done;
   };
