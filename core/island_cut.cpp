@@ -103,15 +103,15 @@ void Islands::fill(const Problem& p, const Island& island, bool closed, Problem&
 
 void Islands::join(const Island& island, const Solution& part, Index rows, Solution& whole) const {
   const auto scatter = [](const Vector& from, const std::vector<Index>& to, Vector& into) {
-    if (from.size() != static_cast<Index>(to.size())) into.resize(0);  // one island without: the whole without
     for (std::size_t k = 0; k < to.size() && into.size() > 0; ++k) into[to[k]] = from[static_cast<Index>(k)];
   };
+  // One island without: the whole without.
+  if (part.z.size() != std::ssize(island.columns)) whole.empty_z();
+  if (part.lambda.size() != std::ssize(island.rows)) whole.empty_lambda();
   scatter(part.z, island.columns, whole.z);
   scatter(part.lambda, island.rows, whole.lambda);
-  if (part.certificate.size() > 0 && whole.certificate.size() == 0) {
-    whole.certificate.setZero(rows);
-    scatter(part.certificate, island.rows, whole.certificate);
-  }
+  if (part.certificate.size() > 0 && whole.certificate.size() == 0)
+    scatter(part.certificate, island.rows, whole.zero_certificate(rows));
   for (const Index row : part.redundant) whole.redundant.push_back(island.rows[static_cast<std::size_t>(row)]);
   if (severity(part.status) > severity(whole.status)) whole.status = part.status;
   whole.iterations += part.iterations;

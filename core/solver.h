@@ -35,6 +35,22 @@ struct Margins {
   double largest_rejected = std::numeric_limits<double>::quiet_NaN();   // relative pivot, 0 = exactly dependent
 };
 
+// Resizes a vector of an answer that is empty where there is none; the storage of an empty one waits here. A copy of
+// the answer has its own.
+class Spare {
+ public:
+  Spare() = default;
+  Spare(const Spare&) {}
+  Spare& operator=(const Spare&) { return *this; }
+  void set_zero(Vector& v, Index size) {
+    if ((v.size() == 0) != (size == 0)) v.swap(kept_);
+    v.setZero(size);
+  }
+
+ private:
+  Vector kept_;
+};
+
 struct Solution {
   Status status = Status::unsolved;
   Vector z = {};                      // n; empty when the method gives none
@@ -45,18 +61,28 @@ struct Solution {
   Margins margins = {};
   bool fallback = false;     // a slower, safer path was taken
   std::string message = {};  // the method's own words, for people
+  struct {
+    Spare z, lambda, certificate;
+  } spare = {};
 
   // Back to unsolved, with the storage kept: a second solve of the same shape then allocates nothing.
   void reset(Index n, Index m) {
     status = Status::unsolved;
-    z.setZero(n);
-    lambda.setZero(m);
+    spare.z.set_zero(z, n);
+    spare.lambda.set_zero(lambda, m);
     iterations = 0;
-    certificate.setZero(0);
+    spare.certificate.set_zero(certificate, 0);
     redundant.clear();
     margins = {};
     fallback = false;
     message.clear();
+  }
+  // As z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
+  void empty_z() { spare.z.set_zero(z, 0); }
+  void empty_lambda() { spare.lambda.set_zero(lambda, 0); }
+  Vector& zero_certificate(Index m) {
+    spare.certificate.set_zero(certificate, m);
+    return certificate;
   }
 };
 

@@ -20,8 +20,8 @@ bool begin(Rows& rows, const Problem& problem, const Deadline& deadline, Solutio
   if (rows.conflict >= 0) {
     solution.reset(0, 0);
     solution.status = Status::infeasible;
-    solution.certificate = zero_row_certificate(problem, rows.conflict);
-    solution.message = "row " + std::to_string(rows.conflict) + " is zero and cannot hold";
+    zero_row_certificate(problem, rows.conflict, solution.zero_certificate(problem.rows()));
+    solution.message.append("row ").append(std::to_string(rows.conflict)).append(" is zero and cannot hold");
     return false;
   }
   solution.reset(problem.size(), problem.rows());

@@ -35,8 +35,8 @@ void write(const UnitProgram& program, const Problem& problem, const Vector& lam
   program.motion(lambda, y);
   program.write(problem, y, lambda, solution);
   if (solution.z.allFinite()) return;
-  solution.z.resize(0);
-  solution.lambda.resize(0);
+  solution.empty_z();
+  solution.empty_lambda();
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const So
     if (method_.proof_in_doubt)
       judge_again(problem, options.tolerance, deadline, solution);
     else
-      solution.certificate = method_.certificate;
+      solution.zero_certificate(problem.rows()) = method_.certificate;
   } else {
     write(problem, solution);
   }
@@ -84,8 +84,8 @@ void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const So
       judge_again(problem, options.tolerance, deadline, solution);
   }
   if (solution.status == Status::infeasible) {
-    solution.z.resize(0);
-    solution.lambda.resize(0);
+    solution.empty_z();
+    solution.empty_lambda();
   }
 }
 

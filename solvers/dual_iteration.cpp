@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "solvers/farkas.h"
-
 namespace zwang {
 
 bool DualIteration::begin() {
-  auto& [program, lambda, y, marked, drift, motion] = work_;
+  auto& [program, lambda, y, marked, drift, motion, sharpening] = work_;
   if (!program.build(problem_, options_, solution_)) return false;
   program.warm_multipliers(problem_, options_.warm_start, lambda);
   program.motion(lambda, y);
@@ -20,7 +18,7 @@ bool DualIteration::begin() {
 bool DualIteration::goes_on(int limit) {
   if (runs_off()) {
     solution_.status = Status::infeasible;
-    sharpen(work_.program, work_.drift);
+    work_.sharpening.run(work_.program, work_.drift);
     work_.program.write_certificate(problem_, work_.drift, solution_);
     return false;
   }

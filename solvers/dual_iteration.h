@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/deadline.h"
+#include "solvers/farkas.h"
 #include "solvers/unit_program.h"
 
 namespace zwang {
@@ -19,6 +20,7 @@ class DualIteration {
     UnitProgram program;
     Vector lambda, y;  // the iterate and G' lambda
     Vector marked, drift, motion;
+    Sharpening sharpening;
   };
 
   DualIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution)

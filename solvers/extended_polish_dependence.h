@@ -80,7 +80,7 @@ bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRow
     const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
     if (parallel && work > 8 * real_eps * noise &&
         static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest) {
-      s.certificate = certificate_;
+      s.zero_certificate(p.rows()) = certificate_;
       return true;
     }
   }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "solvers/thin_qr.h"
 #include "solvers/unit_program.h"
 
 namespace zwang {
@@ -10,7 +13,16 @@ bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion);
 
 // Takes a proof found by iteration, with |G'u| near 1e-9 |u|, down to rounding: small parts are dropped, and the
 // shortest correction d with G'(u + d) = 0 over the rest is added. Leaves u alone where that would lose the proof, or
-// where the dense factorization would be large. Allocates; runs once, at the end of an infeasible solve.
-void sharpen(const UnitProgram& program, Vector& u);
+// where the dense factorization would be large.
+class Sharpening {
+ public:
+  void run(const UnitProgram& program, Vector& u);
+
+ private:
+  std::vector<Index> support_, unknown_;  // rows with a part in u; the equations that are independent
+  Matrix columns_;                        // n x |support|: G' over them
+  ThinQr qr_;                             // of the transpose
+  Vector sharp_, kept_, motion_, correction_, part_;
+};
 
 }  // namespace zwang

@@ -131,7 +131,7 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
   proof_in_doubt = false;
   if (!whitened_.build(p, deadline_)) return Status::bad_input;
   if (whitened_.conflict >= 0) {
-    certificate = zero_row_certificate(p, whitened_.conflict);
+    zero_row_certificate(p, whitened_.conflict, certificate);
     return Status::infeasible;
   }
   if (!eliminate_equalities(p)) return Status::infeasible;

@@ -18,7 +18,7 @@ namespace {
 
 void write_proof(const Problem& problem, const UnitProgram& program, Vector& u, Solution& solution) {
   solution.status = Status::infeasible;
-  sharpen(program, u);
+  Sharpening().run(program, u);
   program.write_certificate(problem, u, solution);
 }
 
@@ -30,7 +30,7 @@ bool choose_rows(const Problem& problem, const UnitProgram& program, EqualityRow
   if (equalities.clearly_independent(program)) return true;
   equalities.factorize(program);
   if (Vector u; equalities.conflict(program, u)) {
-    solution.z.resize(0);
+    solution.empty_z();
     write_proof(problem, program, u, solution);
     solution.message = "equality rows contradict each other, found before Ipopt was called";
     return false;
@@ -109,8 +109,8 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   if (has_point) {
     program.write(problem, answer.y, answer.lambda, solution);
   } else {
-    solution.z.resize(0);
-    solution.lambda.resize(0);
+    solution.empty_z();
+    solution.empty_lambda();
   }
   const bool limited = answer.status == Status::iteration_limit || answer.status == Status::time_limit;
   if (has_point && !limited) judge(problem, program, answer, options.tolerance, solution);

@@ -130,7 +130,7 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
   if (whole_.norm() <= rounding && work > 8 * real_eps * noise &&
       static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * whole_.norm()) {
-    s.certificate = certificate_;
+    s.zero_certificate(p.rows()) = certificate_;
     s.status = Status::infeasible;
     return true;
   }

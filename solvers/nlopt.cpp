@@ -158,14 +158,14 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
   DenseProgram dense{
       .origin = {}, .basis = {}, .equalities = {}, .inequalities = {}, .deadline = Deadline(options.time_limit)};
   if (!program.build(problem, options, solution)) return;
-  solution.lambda.resize(0);
+  solution.empty_lambda();
 
   dense.origin.setZero(program.size());
   if (reduce || !equalities.clearly_independent(program)) {
     equalities.factorize(program);
     if (Vector u; equalities.conflict(program, u)) {
       solution.status = Status::infeasible;
-      solution.z.resize(0);
+      solution.empty_z();
       program.write_certificate(problem, u, solution);
       solution.message = "equality rows contradict each other, found before NLopt was called";
       return;
@@ -207,7 +207,7 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
   if (y.allFinite())
     program.write(problem, y, Vector(), solution);
   else
-    solution.z.resize(0);
+    solution.empty_z();
 }
 
 template struct Nlopt<NloptMethod::slsqp>;

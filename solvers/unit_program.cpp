@@ -94,11 +94,11 @@ void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& l
   if (lambda.size() == rows())
     whitened_.multipliers(problem, scaled_lambda_, solution.lambda);
   else
-    solution.lambda.resize(0);
+    solution.empty_lambda();
 }
 
 void UnitProgram::write_certificate(const Problem& problem, const Vector& u, Solution& solution) const {
-  whitened_.multipliers(problem, u, solution.certificate);
+  whitened_.multipliers(problem, u, solution.zero_certificate(problem.rows()));
 }
 
 }  // namespace zwang

@@ -51,7 +51,11 @@ bool UpdatedCholesky::reset(Index size) {
   cholmod_free_factor(&c_->L, &c_->common);
   if (size == 0) return true;
   c_->L = cholmod_allocate_factor(static_cast<std::size_t>(size), &c_->common);
-  return c_->L && cholmod_change_factor(CHOLMOD_REAL, 0, 0, 0, 0, c_->L, &c_->common);
+  if (!c_->L) return false;
+  // CHOLMOD alone gives a column 6 entries, and moves and packs all of them as one grows.
+  constexpr Index room = 32;
+  for (Index j = 0; j < size; ++j) static_cast<int*>(c_->L->ColCount)[j] = static_cast<int>(std::min(room, size - j));
+  return cholmod_change_factor(CHOLMOD_REAL, 0, 0, 0, 0, c_->L, &c_->common);
 }
 
 bool UpdatedCholesky::add(Index at, std::span<const int> index, std::span<const double> value) {

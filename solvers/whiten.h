@@ -95,10 +95,9 @@ using Whitened = BasicWhitened<double>;
 
 // The Farkas vector of a zero row that cannot hold: 0 >= c > 0, or 0 = c.
 template <class Scalar>
-VectorX<Scalar> zero_row_certificate(const BasicProblem<Scalar>& problem, Index conflict) {
-  VectorX<Scalar> u = VectorX<Scalar>::Zero(problem.rows());
+void zero_row_certificate(const BasicProblem<Scalar>& problem, Index conflict, VectorX<Scalar>& u) {
+  u.setZero(problem.rows());
   u[conflict] = problem.c[conflict] > Scalar(0) ? Scalar(1) : Scalar(-1);
-  return u;
 }
 
 template <class Scalar>

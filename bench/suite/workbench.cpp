@@ -40,6 +40,7 @@ Answer Workbench::run(const Problem& problem, const Call& call) {
     }
     if (call.warm_up) chosen.solve(problem, options, solution);
     // Its storage is the caller's.
+    solution.zero_certificate(problem.rows());
     solution.reset(problem.size(), problem.rows());
     solution.redundant.reserve(problem.kind.size());
     solution.message.reserve(512);
