@@ -7,16 +7,12 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/mixed.h"
+
 namespace zwang::collision {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
-std::uint64_t mixed(std::uint64_t h) {  // splitmix64
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-  return h ^ (h >> 31);
-}
 
 // An open-addressing table from hash to vertex: one array, no node per vertex (a million vertices in 0.1 s).
 class VertexTable {

@@ -8,6 +8,7 @@
 #include "bench/scenes/physical.h"
 #include "bench/suite/cpu_clock.h"
 #include "constraints/contact.h"
+#include "core/mixed.h"
 #include "solvers/registry.h"
 
 namespace zwang {
@@ -19,11 +20,6 @@ using std::numbers::pi;
 
 constexpr int hand_bodies = hand::bodies;
 constexpr std::uint64_t parts_bit = std::uint64_t{1} << 63;
-
-std::uint64_t mixed(std::uint64_t h) {
-  h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
-  return h ^ (h >> 29);
-}
 
 }  // namespace
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/mixed.h"
+
 namespace zwang::god {
 namespace {
 
@@ -17,11 +19,6 @@ constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
 constexpr double small_lift = 2e-8;     // m
 constexpr double rounding = 1e-12;      // m
 const Shape point = Shape::sphere(1);
-
-std::uint64_t mixed(std::uint64_t h) {
-  h = (h ^ (h >> 31)) * 0x9e3779b97f4a7c15u;
-  return h ^ (h >> 29);
-}
 
 std::uint64_t key_of(const Touch& t, std::uint64_t kind, std::uint64_t number) {
   return mixed(mixed(mixed(kind + 1) + static_cast<std::uint64_t>(t.a)) ^ static_cast<std::uint64_t>(t.b) << 32 ^
