@@ -31,13 +31,14 @@ class Profile {
   }
   StageTimes times() const {
     if (!taken_) return {};
-    std::array<double, parts> until;
-    for (std::size_t k = 0; k < parts; ++k) until[k] = quartiles(seconds_[k]).median;
+    // The median of differences, not the difference of medians: the two runs of a sample share its noise.
     const auto part = [&](std::size_t k) {
-      const double seconds = until[k] - until[k - 1];
+      std::vector<double> own(seconds_[k]);
+      for (std::size_t i = 0; i < own.size(); ++i) own[i] -= seconds_[k - 1][i];
+      const double seconds = quartiles(own).median;
       return seconds > 0 ? seconds : std::numeric_limits<double>::quiet_NaN();
     };
-    return {.whiten = until[0], .joints = part(1), .climb = part(2), .refine = part(3), .checks = part(4)};
+    return {.whiten = quartiles(seconds_[0]).median, .joints = part(1), .climb = part(2), .refine = part(3), .checks = part(4)};
   }
 
  private:
