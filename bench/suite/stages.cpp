@@ -38,7 +38,11 @@ class Profile {
       const double seconds = quartiles(own).median;
       return seconds > 0 ? seconds : std::numeric_limits<double>::quiet_NaN();
     };
-    return {.whiten = quartiles(seconds_[0]).median, .joints = part(1), .climb = part(2), .refine = part(3), .checks = part(4)};
+    return {.whiten = quartiles(seconds_[0]).median,
+            .joints = part(1),
+            .climb = part(2),
+            .refine = part(3),
+            .checks = part(4)};
   }
 
  private:
