@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/suite/allocations.h"
 #include "constraints/ball_joint.h"
 #include "constraints/contact.h"
 #include "core/motion.h"
-#include "bench/suite/allocations.h"
 
 namespace zwang {
 namespace {
