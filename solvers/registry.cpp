@@ -10,6 +10,7 @@
 #include "solvers/cholesky.h"
 #include "solvers/dual_active_set.h"
 #include "solvers/ipopt.h"
+#include "solvers/mujoco.h"
 #include "solvers/newton.h"
 #include "solvers/nlopt.h"
 #include "solvers/nnls.h"
@@ -131,6 +132,11 @@ std::span<const SolverEntry> solvers() {
                            "redundant rows; claims what it did not reach; 2000 rows", {.foreign = true}),
       entry<BulletPgs>("Bullet 3.24's projected Gauss-Seidel on the Delassus form",
                        "as pgs, with step length as its only test; 2000 rows", {.foreign = true}),
+#ifdef ZWANG_HAS_MUJOCO
+      entry<MujocoNewton>("MuJoCo 2.2.2's Newton solver on soft rows: a yardstick of speed",
+                          "rows give way by their force / stiffness; no certificates; 1000 unknowns, 2000 rows",
+                          {.foreign = true}),
+#endif
   };
   return all;
 }

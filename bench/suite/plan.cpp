@@ -108,7 +108,7 @@ std::span<const Suite> suites() {
        20,
        true,
        "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,mujoco_"
-       "newton",
+       "newton,mujoco_newton:stiffness=1e12",
        true},
   };
   return all;

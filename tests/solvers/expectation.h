@@ -47,6 +47,9 @@ inline Expectation expectation(const SolverEntry& entry) {
             .needs_rank = true};
   if (entry.name == "bullet_pgs")
     return {.tolerance = 1e-8, .z_error = 1e-6, .certificate = 1e-12, .solved_share = 0.95};
+  // Its rows are soft: no more is claimed, and that for three problems in five.
+  if (entry.name == "mujoco_newton")
+    return {.tolerance = 1e-2, .z_error = 5e-2, .certificate = 1e-12, .solved_share = 0.6};
   if (entry.exact) return {.tolerance = 1e-10, .z_error = 1e-12, .certificate = 1e-12, .solved_share = 1};
   // Iterative methods reach what their tolerance says (the referee's margin: 10 T), or say that they did not.
   return {.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
