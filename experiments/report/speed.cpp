@@ -90,7 +90,8 @@ Table speed_table(const Run& run) {
       "the problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. "
       "Floor: what measurements of the parts say a hand must cost (4.4 us and 0.25 us a step where the kernel "
       "takes 47 us). Allocations: heap blocks of a warm solve. x ours: against dual_active_set, or newton where that "
-      "was not run. A time with > is that of a solver stopped at its deadline, and so is its ratio.",
+      "was not run. A time with > is that of a solver stopped at its deadline, and so is its ratio. mujoco_newton is a "
+      "yardstick with soft rows: its z_error is how far they give way.",
       {{"family"},
        {"size"},
        {"solver"},
