@@ -27,14 +27,14 @@ void Sharpening::run(const UnitProgram& program, Vector& u) {
   const Index n = program.size(), count = std::ssize(support_);
   if (count == 0 || count * n > most_entries) return;
 
-  columns_.setZero(n, count);
+  equations_.setZero(count, n);
   for (Index j = 0; j < count; ++j)
     for (UnitProgram::Rows::InnerIterator it(program.G(), support_[static_cast<std::size_t>(j)]); it; ++it)
-      columns_(it.col(), j) = it.value();
+      equations_(j, it.col()) = it.value();
   qr_.reset(count, n);
   unknown_.clear();
   for (Index k = 0; k < n; ++k)
-    if (qr_.append(columns_.row(k).transpose(), dependent) > dependent) unknown_.push_back(k);
+    if (qr_.append(equations_.col(k), dependent) > dependent) unknown_.push_back(k);
   correction_.resize(count);
   part_.resize(std::min(n, count));
   auto part = part_.head(qr_.size());

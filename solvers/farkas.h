@@ -19,9 +19,9 @@ class Sharpening {
   void run(const UnitProgram& program, Vector& u);
 
  private:
-  std::vector<Index> support_, unknown_;  // rows with a part in u; the equations that are independent
-  Matrix columns_;                        // n x |support|: G' over them
-  ThinQr qr_;                             // of the transpose
+  std::vector<Index> support_, unknown_;  // rows with a part in u; unknowns whose equations are independent
+  Matrix equations_;                      // |support| x n: G over them, one column for each unknown
+  ThinQr qr_;                             // of those that are independent
   Vector sharp_, kept_, motion_, correction_, part_;
 };
 

@@ -7,11 +7,24 @@
 #include <new>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "solvers/kkt_check.h"
 
 namespace zwang {
+namespace {
+
+// In MuJoCo's sparse form, without its lists of rows that look alike (`super`).
+void put(const UnitProgram::Rows& A, int* count, int* first, int* super, int* column, double* value) {
+  for (Index i = 0; i < A.rows(); ++i) {
+    first[i] = A.outerIndexPtr()[i];
+    count[i] = A.outerIndexPtr()[i + 1] - first[i];
+    super[i] = 0;
+  }
+  std::copy_n(A.innerIndexPtr(), A.nonZeros(), column);
+  std::copy_n(A.valuePtr(), A.nonZeros(), value);
+}
+
+}  // namespace
 
 // A model of n masses of 1 kg, each on a slide of its own, with room for k rows. Its poses are never looked at: M = I,
 // and the rows are written into mjData, where MuJoCo's own constraints would be.
@@ -34,12 +47,11 @@ class MujocoSession {
 
  private:
   void close();
-  void write_row(const UnitProgram& program, Index row, Index at, Index& entry);
-  void transpose();
 
   mjModel* model_ = nullptr;
   mjData* data_ = nullptr;
   std::vector<Index> order_;  // equality rows first, as MuJoCo wants them
+  UnitProgram::Rows J_, JT_;
 };
 
 void MujocoSession::close() {
@@ -73,45 +85,6 @@ void MujocoSession::fit(Index n, Index k) {
   std::fill_n(data_->qM, model_->nM, 1.0);
 }
 
-void MujocoSession::write_row(const UnitProgram& program, Index row, Index at, Index& entry) {
-  const bool sparse = mj_isSparse(model_);
-  mjtNum* const dense = data_->efc_J + at * model_->nv;
-  if (sparse) {
-    data_->efc_J_rowadr[at] = static_cast<int>(entry);
-    data_->efc_J_rowsuper[at] = 0;
-  } else {
-    std::fill_n(dense, model_->nv, 0.0);
-  }
-  for (UnitProgram::Rows::InnerIterator it(program.G(), row); it; ++it) {
-    if (!sparse) {
-      dense[it.col()] = it.value();
-      continue;
-    }
-    data_->efc_J_colind[entry] = static_cast<int>(it.col());
-    data_->efc_J[entry++] = it.value();
-  }
-  if (sparse) data_->efc_J_rownnz[at] = static_cast<int>(entry) - data_->efc_J_rowadr[at];
-}
-
-void MujocoSession::transpose() {
-  mjData& d = *data_;
-  const int n = model_->nv;
-  std::fill_n(d.efc_JT_rownnz, n, 0);
-  std::fill_n(d.efc_JT_rowsuper, n, 0);
-  for (int i = 0; i < d.nefc; ++i)
-    for (int e = 0; e < d.efc_J_rownnz[i]; ++e) ++d.efc_JT_rownnz[d.efc_J_colind[d.efc_J_rowadr[i] + e]];
-  for (int j = 0, sum = 0; j < n; ++j) {
-    d.efc_JT_rowadr[j] = sum;
-    sum += std::exchange(d.efc_JT_rownnz[j], 0);
-  }
-  for (int i = 0; i < d.nefc; ++i)
-    for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e) {
-      const int j = d.efc_J_colind[e], to = d.efc_JT_rowadr[j] + d.efc_JT_rownnz[j]++;
-      d.efc_JT_colind[to] = i;
-      d.efc_JT[to] = d.efc_J[e];
-    }
-}
-
 void MujocoSession::state(const UnitProgram& program, double stiffness, const Vector& start) {
   mjData& d = *data_;
   order_.clear();
@@ -122,10 +95,12 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
   }
   d.nf = d.ncon = 0;
   d.nefc = static_cast<int>(order_.size());
-  Index entry = 0;
+  J_.resize(program.rows(), program.size());
+  J_.reserve(program.G().nonZeros());
   for (Index at = 0; at < d.nefc; ++at) {
     const Index row = order_[static_cast<std::size_t>(at)];
-    write_row(program, row, at, entry);
+    J_.startVec(at);
+    for (UnitProgram::Rows::InnerIterator it(program.G(), row); it; ++it) J_.insertBack(at, it.col()) = it.value();
     d.efc_type[at] = at < d.ne ? mjCNSTR_EQUALITY : mjCNSTR_CONTACT_FRICTIONLESS;
     d.efc_id[at] = 0;
     d.efc_frictionloss[at] = 0;
@@ -133,7 +108,15 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
     d.efc_D[at] = stiffness;
     d.efc_R[at] = 1 / stiffness;
   }
-  if (mj_isSparse(model_)) transpose();
+  J_.finalize();
+  if (mj_isSparse(model_)) {
+    JT_ = J_.transpose();
+    put(J_, d.efc_J_rownnz, d.efc_J_rowadr, d.efc_J_rowsuper, d.efc_J_colind, d.efc_J);
+    put(JT_, d.efc_JT_rownnz, d.efc_JT_rowadr, d.efc_JT_rowsuper, d.efc_JT_colind, d.efc_JT);
+  } else {
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(d.efc_J, J_.rows(), J_.cols()) =
+        J_;
+  }
   std::fill_n(d.qacc_smooth, model_->nv, 0.0);
   std::fill_n(d.qfrc_smooth, model_->nv, 0.0);
   std::copy_n(start.data(), model_->nv, d.qacc_warmstart);
@@ -171,10 +154,9 @@ std::string MujocoNewton::supports(const Problem& problem) const {
          std::to_string(most_rows) + " rows";
 }
 
-constexpr double default_gain = 1e-8;  // of a last step: MuJoCo's own tolerance
-constexpr double claimed_part = 0.01;  // of T, in the residual
-
 void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr double default_gain = 1e-8;  // of a last step: MuJoCo's own tolerance
+  constexpr double claimed_part = 0.01;  // of T, in the residual
   auto& [program, opened] = work;
   if (!program.build(problem, options, solution)) return;
   if (program.rows() == 0) {

@@ -16,6 +16,11 @@ foreach(pair "Ipopt ipopt" "NLopt nlopt" "Bullet bullet-float64" "HDF5 hdf5-seri
   endif()
 endforeach()
 
+find_package(mujoco QUIET)
+if(mujoco_FOUND)
+  string(APPEND LIBRARY_VERSIONS ",MuJoCo ${mujoco_VERSION}")
+endif()
+
 # version_of(NAME HEADER MACRO...): the numbers or strings of these macros, joined by dots.
 function(version_of NAME HEADER)
   find_file(header_${NAME} ${HEADER} PATH_SUFFIXES suitesparse)

@@ -107,8 +107,8 @@ std::span<const Suite> suites() {
        400,
        20,
        true,
-       "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,mujoco_"
-       "newton,mujoco_newton:stiffness=1e12",
+       "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,"
+       "mujoco_newton,mujoco_newton:stiffness=1e12",
        true},
   };
   return all;

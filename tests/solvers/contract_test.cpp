@@ -19,6 +19,10 @@ namespace {
 
 using test::z_error;
 
+Problem opposed_contacts() { return make_problem(Matrix{{1, 0, 0}, {-1, 0, 0}}, Vector{{1, 0}}, Vec3(0, 0, 0)); }
+Problem contradicting_joints() { return make_problem(Matrix{{1, 2, 0}, {2, 4, 0}}, Vector{{1, 3}}, Vec3(0, 0, 0), 2); }
+Problem zero_row_above_zero() { return make_problem(Matrix{{0, 0, 0}, {0, 0, 1}}, Vector{{1e-12, 0}}, Vec3(1, 2, -3)); }
+
 class Contract : public testing::TestWithParam<std::string> {
  protected:
   const SolverEntry& entry = *find_solver(GetParam());
@@ -86,13 +90,9 @@ TEST_P(Contract, DuplicatedEqualityRowsGiveTheSameMotion) {
   expect_z(p, Vec3(0.6, 0.4, 3));
 }
 
-TEST_P(Contract, OpposedContactsAreInfeasible) {
-  expect_infeasible(make_problem(Matrix{{1, 0, 0}, {-1, 0, 0}}, Vector{{1, 0}}, Vec3(0, 0, 0)));
-}
+TEST_P(Contract, OpposedContactsAreInfeasible) { expect_infeasible(opposed_contacts()); }
 
-TEST_P(Contract, ContradictingJointsAreInfeasible) {
-  expect_infeasible(make_problem(Matrix{{1, 2, 0}, {2, 4, 0}}, Vector{{1, 3}}, Vec3(0, 0, 0), 2));
-}
+TEST_P(Contract, ContradictingJointsAreInfeasible) { expect_infeasible(contradicting_joints()); }
 
 TEST_P(Contract, ZeroRowThatHoldsIsDropped) {
   const Problem p = make_problem(Matrix{{0, 0, 0}, {0, 0, 0}, {0, 0, 1}}, Vector{{0, -1, 0}}, Vec3(1, 2, -3), 1);
@@ -100,7 +100,7 @@ TEST_P(Contract, ZeroRowThatHoldsIsDropped) {
 }
 
 TEST_P(Contract, ZeroRowThatCannotHoldIsInfeasible) {
-  expect_infeasible(make_problem(Matrix{{0, 0, 0}, {0, 0, 1}}, Vector{{1e-12, 0}}, Vec3(1, 2, -3)));
+  expect_infeasible(zero_row_above_zero());
   expect_infeasible(make_problem(Matrix{{0, 0, 0}, {0, 0, 1}}, Vector{{-1, 0}}, Vec3(1, 2, -3), 1));
 }
 
@@ -175,10 +175,7 @@ TEST_P(Contract, SameBitsTwice) {
 
 TEST_P(Contract, SecondSolveOfTheSameShapeAllocatesNothing) {
   if (entry.foreign) GTEST_SKIP() << "foreign: the library's own affair";
-  const Matrix opposed{{1, 0, 0}, {-1, 0, 0}}, parallel{{1, 2, 0}, {2, 4, 0}}, zero{{0, 0, 0}, {0, 0, 1}};
-  std::vector<Problem> problems = {make_problem(opposed, Vector{{1, 0}}, Vec3(0, 0, 0)),
-                                   make_problem(parallel, Vector{{1, 3}}, Vec3(0, 0, 0), 2),
-                                   make_problem(zero, Vector{{1e-12, 0}}, Vec3(1, 2, -3))};
+  std::vector<Problem> problems = {opposed_contacts(), contradicting_joints(), zero_row_above_zero()};
   for (unsigned seed = 300; seed < 330; ++seed) problems.push_back(random_small_problem(seed));
   for (const Problem& p : problems) {
     if (!unsupported(p).empty()) continue;
