@@ -1,12 +1,14 @@
 // What the page and the figures for print share: colours, label expressions, chart specs and the rows they draw.
 (() => {
-  // Fourteen colours that stay apart for colour-blind readers too; the first seven are drawn solid, the rest dashed.
+  // Fourteen colours that stay apart for colour-blind readers too; the first seven are drawn solid, the next dashed. A
+  // third seven has the colours of the first, dotted and with other shapes.
   const palette = {
     light: ['#4b2bd7', '#019bc2', '#923f67', '#ea8883', '#6e4604', '#819808', '#9553ff',
             '#21bfbb', '#623391', '#96acfe', '#7a742f', '#b06c81', '#4d6fb7', '#a3c003'],
     dark: ['#7f7af5', '#52abca', '#c27a9b', '#ed9d98', '#b08a5a', '#94a84d', '#a377fd',
            '#62c9c5', '#9a78cc', '#a8bafd', '#aba568', '#cf9aa9', '#7d9be0', '#b2cb58'],
   };
+  const dashes = [[1, 0], [6, 3], [2, 3]];
   const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'triangle-down', 'cross', 'triangle-right'];
   const themes = {
     light: {background: '#ffffff', ink: '#1b1f24', muted: '#57606a', grid: '#e4e7eb', empty: '#eceef1', wrong: '#d6001c'},
@@ -22,8 +24,8 @@
       return {
         name: s.name,
         color: palette[theme][i % 14],
-        dash: (two_runs ? s.second : i % 14 >= 7) ? [6, 3] : [1, 0],
-        shape: shapes[i % 7],
+        dash: dashes[two_runs ? (s.second ? 1 : 0) : Math.floor(i / 7) % 3],
+        shape: shapes[(i + 3 * Math.floor(i / 14)) % 7],
       };
     });
   }

@@ -137,7 +137,7 @@
       const chip = element('button', {className: 'chip', ariaPressed: String(state.on.has(s.name)), title: data.solvers.find(x => x.name === s.name).method});
       chip.dataset.solver = s.name;
       chip.style.setProperty('--chip', s.color);
-      chip.innerHTML = `<svg viewBox="0 0 22 10" aria-hidden="true"><line x1="0" x2="22" y1="5" y2="5" stroke="${s.color}" stroke-width="3.2" stroke-dasharray="${s.dash[0] === 1 ? '' : '5 2.5'}"/></svg>`;
+      chip.innerHTML = `<svg viewBox="0 0 22 10" aria-hidden="true"><line x1="0" x2="22" y1="5" y2="5" stroke="${s.color}" stroke-width="3.2" stroke-dasharray="${s.dash[0] === 1 ? '' : s.dash.join(' ')}"/></svg>`;
       chip.append(s.name);
       chip.onclick = event => {
         const only = event.detail === 2 || event.altKey;
