@@ -1,4 +1,4 @@
-#include "collision/approach.h"
+#include <zwang/collision/approach.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 namespace zwang::collision {
 

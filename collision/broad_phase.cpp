@@ -1,4 +1,4 @@
-#include "collision/broad_phase.h"
+#include <zwang/collision/broad_phase.h>
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 

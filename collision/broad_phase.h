@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/types.h"
+#include <zwang/core/problem/types.h>
 
 namespace zwang::collision {
 

@@ -1,4 +1,4 @@
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 #include <algorithm>
 #include <cmath>

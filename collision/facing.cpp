@@ -1,4 +1,4 @@
-#include "collision/facing.h"
+#include <zwang/collision/facing.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 namespace zwang::collision {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "collision/patch.h"
-#include "collision/world.h"
+#include <zwang/collision/patch.h>
+#include <zwang/collision/world.h>
 
 // What lies near what: the part of World that walks the trees.
 

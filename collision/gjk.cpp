@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 namespace zwang::collision {
 namespace {

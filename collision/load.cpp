@@ -1,4 +1,4 @@
-#include "collision/load.h"
+#include <zwang/collision/load.h>
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "collision/mesh_file.h"
-#include "collision/tree.h"
+#include <zwang/collision/mesh_file.h>
+#include <zwang/collision/tree.h>
 
 namespace zwang::collision {
 

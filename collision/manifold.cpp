@@ -1,4 +1,4 @@
-#include "collision/manifold.h"
+#include <zwang/collision/manifold.h>
 
 #include <algorithm>
 #include <cmath>

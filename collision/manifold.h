@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "collision/world.h"
+#include <zwang/collision/world.h>
 
 namespace zwang::collision {
 

@@ -1,4 +1,4 @@
-#include "collision/mesh.h"
+#include <zwang/collision/mesh.h>
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/mixed.h"
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang::collision {
 namespace {
@@ -39,7 +39,7 @@ using Cell = std::array<std::int64_t, 3>;
 
 std::uint64_t hash_of(const Cell& c) {
   std::uint64_t h = 0;
-  for (const std::int64_t k : c) h = mixed(h + 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(k));
+  for (const std::int64_t k : c) h = mix_bits(h + 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(k));
   return h;
 }
 

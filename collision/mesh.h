@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/types.h"
+#include <zwang/core/problem/types.h>
 
 namespace zwang::collision {
 

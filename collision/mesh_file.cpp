@@ -1,4 +1,4 @@
-#include "collision/mesh_file.h"
+#include <zwang/collision/mesh_file.h>
 
 #include <openssl/evp.h>
 #include <zlib.h>
@@ -12,7 +12,7 @@
 #include <fstream>
 #include <memory>
 
-#include "core/nearest.h"
+#include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang::collision {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string_view>
 
-#include "collision/mesh.h"
-#include "core/problem_file.h"
+#include <zwang/collision/mesh.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang::collision {
 

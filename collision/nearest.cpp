@@ -1,9 +1,9 @@
-#include "collision/nearest.h"
+#include <zwang/collision/nearest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 namespace zwang::collision {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "collision/tree.h"
+#include <zwang/collision/tree.h>
 
 namespace zwang::collision {
 

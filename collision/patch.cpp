@@ -1,4 +1,4 @@
-#include "collision/patch.h"
+#include <zwang/collision/patch.h>
 
 #include <limits>
 

@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "collision/closest.h"
-#include "collision/region.h"
+#include <zwang/collision/closest.h>
+#include <zwang/collision/region.h>
 
 namespace zwang::collision {
 

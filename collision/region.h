@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "collision/shape.h"
-#include "collision/tree.h"
-#include "core/pose.h"
+#include <zwang/collision/shape.h>
+#include <zwang/collision/tree.h>
+#include <zwang/core/model/pose.h>
 
 namespace zwang::collision {
 

@@ -1,4 +1,4 @@
-#include "collision/shape.h"
+#include <zwang/collision/shape.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/pose.h"
+#include <zwang/core/model/pose.h>
 
 namespace zwang::collision {
 

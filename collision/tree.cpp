@@ -1,4 +1,4 @@
-#include "collision/tree.h"
+#include <zwang/collision/tree.h>
 
 #include <fcl/geometry/bvh/BVH_model.h>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "collision/mesh.h"
+#include <zwang/collision/mesh.h>
 
 namespace zwang::collision {
 

@@ -1,10 +1,10 @@
-#include "collision/world.h"
+#include <zwang/collision/world.h>
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
-#include "collision/patch.h"
+#include <zwang/collision/patch.h>
 
 namespace zwang::collision {
 namespace {

@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "collision/approach.h"
-#include "collision/broad_phase.h"
-#include "collision/facing.h"
+#include <zwang/collision/approach.h>
+#include <zwang/collision/broad_phase.h>
+#include <zwang/collision/facing.h>
 
 namespace zwang::collision {
 

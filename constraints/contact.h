@@ -1,7 +1,7 @@
 #pragma once
 
-#include "constraints/rows.h"
-#include "core/scene.h"
+#include <zwang/constraints/rows.h>
+#include <zwang/core/model/scene.h>
 
 namespace zwang {
 

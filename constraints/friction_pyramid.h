@@ -1,6 +1,6 @@
 #pragma once
 
-#include "constraints/contact.h"
+#include <zwang/constraints/contact.h>
 
 namespace zwang {
 

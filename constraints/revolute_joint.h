@@ -1,6 +1,6 @@
 #pragma once
 
-#include "constraints/rows.h"
+#include <zwang/constraints/rows.h>
 
 namespace zwang {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "constraints/distance.h"
+#include <zwang/constraints/distance.h>
 
 namespace zwang {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/constraint.h"
+#include <zwang/core/model/constraint.h>
 
 namespace zwang::row {
 

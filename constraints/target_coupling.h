@@ -1,6 +1,6 @@
 #pragma once
 
-#include "constraints/rows.h"
+#include <zwang/constraints/rows.h>
 
 namespace zwang {
 
@@ -9,12 +9,13 @@ namespace zwang {
 //   value = x_A - x_B = 0, each row soft.
 //
 // Eq. 2 has two readings, and the project has both. In the paper the coupling IS the unconstrained motion, z_u = k_s
-// (x_target - x_god): no rows, every body pulled with its own mass as the weight; core/motion.h's couple_to_targets
-// gives that z_u, and the god hand uses it. But then z_u has no room for gravity or other forces. This constraint is
-// the other reading, a spring beside a z_u that is already taken: six equality rows of compliance 1/weight, which add
-// 1/2 weight |J z - c|^2 per row to Gauss' function, c = k_s (x_target - x_god) with k_s = 1/dt^2. Infinitely stiff it
-// is a weld to the target; with z_u = 0 and a weight w times the mass it reaches w/(1 + w) of Eq. 2's z_u. The target
-// is a body of fixed or prescribed motion, so it has no columns, or a free one, which is then pulled back.
+// (x_target - x_god): no rows, every body pulled with its own mass as the weight; core/model/motion.h's
+// couple_to_targets gives that z_u, and the god hand uses it. But then z_u has no room for gravity or other forces.
+// This constraint is the other reading, a spring beside a z_u that is already taken: six equality rows of compliance
+// 1/weight, which add 1/2 weight |J z - c|^2 per row to Gauss' function, c = k_s (x_target - x_god) with k_s = 1/dt^2.
+// Infinitely stiff it is a weld to the target; with z_u = 0 and a weight w times the mass it reaches w/(1 + w) of Eq.
+// 2's z_u. The target is a body of fixed or prescribed motion, so it has no columns, or a free one, which is then
+// pulled back.
 struct TargetCoupling {
   static constexpr auto name = "target_coupling";
   static constexpr int rows = 6;

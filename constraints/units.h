@@ -7,17 +7,17 @@
 #include <string_view>
 #include <vector>
 
-#include "constraints/ball_joint.h"
-#include "constraints/contact.h"
-#include "constraints/distance.h"
-#include "constraints/friction_pyramid.h"
-#include "constraints/joint_limit.h"
-#include "constraints/prismatic_joint.h"
-#include "constraints/revolute_joint.h"
-#include "constraints/rope.h"
-#include "constraints/target_coupling.h"
-#include "constraints/universal_joint.h"
-#include "constraints/weld.h"
+#include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/constraints/distance.h>
+#include <zwang/constraints/friction_pyramid.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/constraints/prismatic_joint.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/constraints/rope.h>
+#include <zwang/constraints/target_coupling.h>
+#include <zwang/constraints/universal_joint.h>
+#include <zwang/constraints/weld.h>
 
 namespace zwang {
 

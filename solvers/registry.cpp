@@ -1,22 +1,22 @@
-#include "solvers/registry.h"
+#include <zwang/solvers/registry.h>
 
 #include <charconv>
 #include <sstream>
 #include <stdexcept>
 
-#include "core/nearest.h"
-#include "solvers/apgd.h"
-#include "solvers/bullet.h"
-#include "solvers/cholesky.h"
-#include "solvers/dual_active_set.h"
-#include "solvers/ipopt.h"
-#include "solvers/mujoco.h"
-#include "solvers/newton.h"
-#include "solvers/nlopt.h"
-#include "solvers/nnls.h"
-#include "solvers/nnls_paper.h"
-#include "solvers/pgs.h"
-#include "solvers/projected_gradient.h"
+#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/solvers/active_set/cholesky.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/active_set/nnls.h>
+#include <zwang/solvers/active_set/nnls_paper.h>
+#include <zwang/solvers/first_order/apgd.h>
+#include <zwang/solvers/first_order/pgs.h>
+#include <zwang/solvers/first_order/projected_gradient.h>
+#include <zwang/solvers/newton/newton.h>
+#include <zwang/solvers/rivals/bullet.h>
+#include <zwang/solvers/rivals/ipopt.h>
+#include <zwang/solvers/rivals/mujoco.h>
+#include <zwang/solvers/rivals/nlopt.h>
 
 namespace zwang {
 namespace {

@@ -4,20 +4,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
-#include "core/solver.h"
+#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/common/setting.h>
 
 namespace zwang {
-
-// One setting of a solver, for the command line: `--solver nnls:max_steps=100`.
-template <class S>
-struct Setting {
-  std::string_view name;
-  std::variant<double S::*, int S::*, bool S::*> member;
-  std::string_view help;
-};
 
 struct SettingInfo {
   std::string name, help, value;  // value: the default

@@ -1,4 +1,4 @@
-#include "bench/collision/bullet_sweep.h"
+#include <zwang/bench/collision/bullet_sweep.h>
 
 #include <btBulletCollisionCommon.h>
 

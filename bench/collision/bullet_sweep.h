@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "collision/shape.h"
-#include "collision/tree.h"
+#include <zwang/collision/shape.h>
+#include <zwang/collision/tree.h>
 
 namespace zwang {
 

@@ -4,9 +4,9 @@
 
 #include <span>
 
-#include "bench/collision/bullet_sweep.h"
-#include "bench/collision/meshes.h"
-#include "bench/collision/study.h"
+#include <zwang/bench/collision/bullet_sweep.h>
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/collision/study.h>
 
 namespace zwang {
 namespace {

@@ -1,15 +1,15 @@
-#include "bench/collision/drag.h"
+#include <zwang/bench/collision/drag.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bench/collision/hand_shapes.h"
-#include "bench/scenes/physical.h"
-#include "bench/suite/cpu_clock.h"
-#include "constraints/contact.h"
-#include "core/mixed.h"
-#include "solvers/registry.h"
+#include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/core/problem/mix_bits.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -82,7 +82,7 @@ void HandDrag::write_rows(bool push) {
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
     const double room = push ? t.gap - options_.gap : std::max(t.gap - options_.gap, 0.0);
     const std::uint64_t key =
-        mixed(mixed(static_cast<std::uint64_t>(t.a) << 32 | static_cast<std::uint64_t>(t.b)) ^ t.feature);
+        mix_bits(mix_bits(static_cast<std::uint64_t>(t.a) << 32 | static_cast<std::uint64_t>(t.b)) ^ t.feature);
     scene_.add(contact_at(scene_.bodies, t.a, t.b, t.point_a, t.normal, room), "touch", key);
   }
 }

@@ -5,11 +5,11 @@
 #include <memory>
 #include <span>
 
-#include "bench/scenes/hand.h"
-#include "collision/manifold.h"
-#include "collision/world.h"
-#include "core/motion.h"
-#include "core/solver.h"
+#include <zwang/bench/scenes/hand.h>
+#include <zwang/collision/manifold.h>
+#include <zwang/collision/world.h>
+#include <zwang/core/model/motion.h>
+#include <zwang/core/problem/solver.h>
 
 namespace zwang {
 

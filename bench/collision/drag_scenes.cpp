@@ -1,10 +1,10 @@
-#include "bench/collision/drag_scenes.h"
+#include <zwang/bench/collision/drag_scenes.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "bench/collision/meshes.h"
-#include "collision/load.h"
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/collision/load.h>
 
 namespace zwang {
 namespace {

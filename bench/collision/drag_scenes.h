@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/collision/drag.h"
+#include <zwang/bench/collision/drag.h>
 
 namespace zwang {
 

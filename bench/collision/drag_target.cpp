@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/collision/drag.h"
-#include "bench/scenes/physical.h"
+#include <zwang/bench/collision/drag.h>
+#include <zwang/bench/scenes/physical.h>
 
 // Where the target of a dragged hand is.
 

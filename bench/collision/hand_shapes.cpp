@@ -1,8 +1,8 @@
-#include "bench/collision/hand_shapes.h"
+#include <zwang/bench/collision/hand_shapes.h>
 
 #include <algorithm>
 
-#include "collision/world.h"
+#include <zwang/collision/world.h>
 
 namespace zwang::hand {
 

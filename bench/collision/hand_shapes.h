@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/scenes/hand.h"
-#include "collision/shape.h"
+#include <zwang/bench/scenes/hand.h>
+#include <zwang/collision/shape.h>
 
 namespace zwang::hand {
 

@@ -1,4 +1,4 @@
-#include "bench/collision/meshes.h"
+#include <zwang/bench/collision/meshes.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "collision/mesh.h"
+#include <zwang/collision/mesh.h>
 
 namespace zwang::meshes {
 

@@ -1,13 +1,13 @@
-#include "bench/collision/study.h"
+#include <zwang/bench/collision/study.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "bench/collision/bullet_sweep.h"
-#include "bench/collision/meshes.h"
-#include "bench/scenes/physical.h"
-#include "bench/suite/cpu_clock.h"
+#include <zwang/bench/collision/bullet_sweep.h>
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/timing/cpu_clock.h>
 
 namespace zwang {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "bench/collision/drag_scenes.h"
-#include "bench/collision/witness.h"
+#include <zwang/bench/collision/drag_scenes.h>
+#include <zwang/bench/collision/witness.h>
 
 namespace zwang {
 

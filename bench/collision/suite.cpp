@@ -1,13 +1,13 @@
-#include "bench/collision/suite.h"
+#include <zwang/bench/collision/suite.h>
 
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bench/collision/study.h"
-#include "bench/suite/conditions.h"
-#include "bench/suite/progress.h"
+#include <zwang/bench/collision/study.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/bench/timing/conditions.h>
 
 namespace zwang {
 namespace {

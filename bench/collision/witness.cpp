@@ -1,4 +1,4 @@
-#include "bench/collision/witness.h"
+#include <zwang/bench/collision/witness.h>
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>

@@ -3,8 +3,8 @@
 #include <memory>
 #include <span>
 
-#include "collision/shape.h"
-#include "collision/tree.h"
+#include <zwang/collision/shape.h>
+#include <zwang/collision/tree.h>
 
 namespace zwang {
 

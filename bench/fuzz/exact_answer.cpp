@@ -1,4 +1,4 @@
-#include "bench/fuzz/exact_answer.h"
+#include <zwang/bench/fuzz/exact_answer.h>
 
 #include <cmath>
 #include <utility>

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/instance.h"
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 

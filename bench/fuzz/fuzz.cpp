@@ -1,16 +1,16 @@
-#include "bench/fuzz/fuzz.h"
+#include <zwang/bench/fuzz/fuzz.h>
 
 #include <chrono>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/fuzz/exact_answer.h"
-#include "bench/fuzz/near_problem.h"
-#include "bench/fuzz/small_problem.h"
-#include "bench/references/witnesses.h"
-#include "bench/scenes/dyadic.h"
-#include "core/measure.h"
+#include <zwang/bench/fuzz/exact_answer.h>
+#include <zwang/bench/fuzz/near_problem.h>
+#include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 namespace {

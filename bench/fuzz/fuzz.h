@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/instance.h"
-#include "solvers/registry.h"
+#include <zwang/core/problem/instance.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 

@@ -1,9 +1,9 @@
-#include "bench/fuzz/near_problem.h"
+#include <zwang/bench/fuzz/near_problem.h>
 
 #include <cmath>
 
-#include "bench/fuzz/small_problem.h"
-#include "bench/scenes/dyadic.h"
+#include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/scenes/dyadic.h>
 
 namespace zwang {
 namespace {
@@ -55,7 +55,7 @@ Row copy(const std::vector<Row>& before, const Vector* met, Index n, SmallNumber
 }  // namespace
 
 Problem near_problem(std::uint64_t seed, std::uint64_t number) {
-  SmallNumbers draw(static_cast<double>(mixed(seed, number) >> 11));
+  SmallNumbers draw(static_cast<double>(mix_bits(seed, number) >> 11));
   const Index n = 2 + draw.index(13), m = 1 + draw.index(2 * n), equalities = draw.index(std::min(m, n / 2) + 1);
   Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
   p.z_u = draw.integers(n, 4);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem.h"
+#include <zwang/core/problem/problem.h>
 
 namespace zwang {
 

@@ -1,14 +1,14 @@
-#include "bench/fuzz/small_problem.h"
+#include <zwang/bench/fuzz/small_problem.h>
 
 #include <array>
 #include <limits>
 #include <sstream>
 
-#include "bench/scenes/dyadic.h"
+#include <zwang/bench/scenes/dyadic.h>
 
 namespace zwang {
 
-std::uint64_t mixed(std::uint64_t seed, std::uint64_t number) {
+std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number) {
   std::uint64_t x = seed * 0x9e3779b97f4a7c15u + number;
   for (const std::uint64_t factor : {0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu}) {
     x ^= x >> 30;
@@ -71,7 +71,7 @@ Row draw_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
 }  // namespace
 
 Problem small_problem(std::uint64_t seed, std::uint64_t number) {
-  SmallNumbers draw(mixed(seed, number));
+  SmallNumbers draw(mix_bits(seed, number));
   const Index n = draw.integer(1, 6), m = draw.integer(0, 10);
   const int equalities = draw.integer(0, std::min(3, static_cast<int>(m)));
   Problem p{.name = "fuzz " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
@@ -101,7 +101,7 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
                                  0x1.8p-1060,
                                  1e300,
                                  -1e300};
-  SmallNumbers draw(mixed(seed, 1));
+  SmallNumbers draw(mix_bits(seed, 1));
   const double value = values[static_cast<std::size_t>(draw.integer(0, 6))];
   Spoilt out{.problem = std::move(problem)};
   Problem& p = out.problem;

@@ -2,13 +2,13 @@
 
 #include <string>
 
-#include "bench/scenes/dyadic.h"
-#include "core/problem.h"
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/core/problem/problem.h>
 
 namespace zwang {
 
 // A seed for each problem: neighbours share nothing (splitmix64, Steele et al. 2014).
-std::uint64_t mixed(std::uint64_t seed, std::uint64_t number);
+std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number);
 
 // L D L' with up to `most` units in a few places below the diagonal of L. D: the masses of D.size() unknowns.
 Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw);

@@ -1,4 +1,4 @@
-#include "bench/fuzz/worker.h"
+#include <zwang/bench/fuzz/worker.h>
 
 #include <poll.h>
 #include <sys/mman.h>
@@ -16,7 +16,7 @@
 #include <system_error>
 #include <tuple>
 
-#include "core/problem_file.h"
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {

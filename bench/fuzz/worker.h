@@ -3,7 +3,7 @@
 #include <atomic>
 #include <filesystem>
 
-#include "bench/fuzz/fuzz.h"
+#include <zwang/bench/fuzz/fuzz.h>
 
 namespace zwang {
 

@@ -1,4 +1,4 @@
-#include "bench/references/cache.h"
+#include <zwang/bench/references/cache.h>
 
 #include <unistd.h>
 

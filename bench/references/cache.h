@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/instance.h"
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 

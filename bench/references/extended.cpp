@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "bench/references/witnesses.h"
-#include "core/measure.h"
-#include "solvers/goldfarb_idnani.h"
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
 

@@ -2,8 +2,8 @@
 // after the number type it describes
 #include <boost/multiprecision/eigen.hpp>
 
-#include "bench/references/witnesses.h"
-#include "solvers/goldfarb_idnani.h"
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "bench/references/witnesses.h"
+#include <zwang/bench/references/witnesses.h>
 
 namespace zwang {
 

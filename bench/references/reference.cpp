@@ -1,9 +1,9 @@
-#include "bench/references/reference.h"
+#include <zwang/bench/references/reference.h>
 
-#include "bench/references/cache.h"
-#include "bench/references/witnesses.h"
-#include "core/islands.h"
-#include "core/problem_file.h"
+#include <zwang/bench/references/cache.h>
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/islands.h>
 
 namespace zwang {
 namespace {

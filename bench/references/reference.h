@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/instance.h"
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 

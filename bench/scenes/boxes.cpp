@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/scenes/physical.h"
-#include "constraints/contact.h"
-#include "core/motion.h"
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/core/model/motion.h>
 
 namespace zwang {
 namespace {

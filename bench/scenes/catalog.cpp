@@ -1,7 +1,7 @@
-#include "bench/scenes/catalog.h"
+#include <zwang/bench/scenes/catalog.h>
 
-#include "bench/scenes/families.h"
-#include "bench/scenes/physical.h"
+#include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/physical.h>
 
 namespace zwang {
 namespace {

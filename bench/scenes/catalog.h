@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/instance.h"
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 

@@ -1,8 +1,8 @@
 #include <array>
 #include <cmath>
 
-#include "bench/scenes/dyadic.h"
-#include "bench/scenes/row_by_row.h"
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "bench/scenes/families.h"
+#include <zwang/bench/scenes/families.h>
 
 // What the families that are written as matrices share: numbers of few bits, so that no entry is rounded.
 namespace zwang {

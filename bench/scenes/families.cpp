@@ -1,10 +1,10 @@
-#include "bench/scenes/families.h"
+#include <zwang/bench/scenes/families.h>
 
 #include <array>
 #include <cmath>
 
-#include "bench/scenes/dyadic.h"
-#include "bench/scenes/row_by_row.h"
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/scenes/catalog.h"
+#include <zwang/bench/scenes/catalog.h>
 
 // Families of problems with one knob each, from benign to impossible, written as matrices. Their entries are dyadic,
 // so that the stored doubles ARE the problem, and truth comes from a closed form.

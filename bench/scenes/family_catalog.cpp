@@ -1,4 +1,4 @@
-#include "bench/scenes/families.h"
+#include <zwang/bench/scenes/families.h>
 
 namespace zwang {
 namespace {

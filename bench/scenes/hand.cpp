@@ -1,11 +1,11 @@
-#include "bench/scenes/hand.h"
+#include <zwang/bench/scenes/hand.h>
 
 #include <numbers>
 
-#include "bench/scenes/physical.h"
-#include "constraints/joint_limit.h"
-#include "constraints/revolute_joint.h"
-#include "constraints/universal_joint.h"
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/constraints/universal_joint.h>
 
 namespace zwang::hand {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include "core/scene.h"
+#include <zwang/core/model/scene.h>
 
 namespace zwang::hand {
 

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <numeric>
 
-#include "bench/scenes/families.h"
-#include "bench/scenes/hand.h"
-#include "bench/scenes/physical.h"
-#include "constraints/contact.h"
-#include "constraints/weld.h"
-#include "core/motion.h"
+#include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/hand.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/constraints/weld.h>
+#include <zwang/core/model/motion.h>
 
 namespace zwang {
 namespace {

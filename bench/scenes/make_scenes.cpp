@@ -3,8 +3,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/scenes/catalog.h"
-#include "core/nearest.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang {
 namespace {

@@ -1,10 +1,10 @@
 #include <numbers>
 
-#include "bench/scenes/physical.h"
-#include "constraints/ball_joint.h"
-#include "constraints/contact.h"
-#include "constraints/revolute_joint.h"
-#include "core/motion.h"
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/core/model/motion.h>
 #include "docs/leash.h"
 
 namespace zwang {

@@ -1,4 +1,4 @@
-#include "bench/scenes/physical.h"
+#include <zwang/bench/scenes/physical.h>
 
 namespace zwang {
 

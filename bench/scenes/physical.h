@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <random>
 
-#include "bench/scenes/catalog.h"
-#include "core/assemble.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/model/assemble.h>
 
 namespace zwang {
 

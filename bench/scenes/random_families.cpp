@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/known_answer.h"
-#include "bench/scenes/dyadic.h"
-#include "bench/scenes/families.h"
-#include "bench/scenes/row_by_row.h"
+#include <zwang/bench/references/known_answer.h>
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
 

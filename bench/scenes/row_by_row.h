@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/instance.h"
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 

@@ -1,9 +1,9 @@
 #include <array>
 #include <cmath>
 
-#include "bench/known_answer.h"
-#include "bench/scenes/dyadic.h"
-#include "bench/scenes/row_by_row.h"
+#include <zwang/bench/references/known_answer.h>
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
 namespace {

@@ -1,11 +1,11 @@
-#include "bench/suite/atlas_files.h"
+#include <zwang/bench/suite/atlas_files.h>
 
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
-#include "bench/references/reference.h"
-#include "bench/suite/plan.h"
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/suite/plan.h>
 
 namespace zwang {
 namespace {

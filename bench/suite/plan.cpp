@@ -1,12 +1,12 @@
-#include "bench/suite/plan.h"
+#include <zwang/bench/suite/plan.h>
 
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/measured_files.h"
-#include "core/nearest.h"
+#include <zwang/bench/results/measured_files.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang {
 namespace {

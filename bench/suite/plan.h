@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/suite/batch.h"
-#include "core/problem_file.h"
+#include <zwang/bench/timing/batch.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 

@@ -1,4 +1,4 @@
-#include "bench/suite/progress.h"
+#include <zwang/bench/suite/progress.h>
 
 #include <sys/ioctl.h>
 #include <unistd.h>

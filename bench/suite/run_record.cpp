@@ -1,11 +1,11 @@
-#include "bench/suite/run_record.h"
+#include <zwang/bench/suite/run_record.h>
 
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
-#include "bench/suite/conditions.h"
-#include "bench/suite/record_file.h"
+#include <zwang/bench/results/record_file.h>
+#include <zwang/bench/timing/conditions.h>
 
 namespace zwang {
 namespace {

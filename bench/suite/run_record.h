@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/suite/plan.h"
+#include <zwang/bench/suite/plan.h>
 
 namespace zwang {
 

@@ -1,4 +1,4 @@
-#include "bench/suite/schedule.h"
+#include <zwang/bench/suite/schedule.h>
 
 #include <algorithm>
 #include <chrono>

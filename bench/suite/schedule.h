@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "bench/suite/batch.h"
-#include "bench/suite/plan.h"
+#include <zwang/bench/suite/plan.h>
+#include <zwang/bench/timing/batch.h>
 
 namespace zwang {
 

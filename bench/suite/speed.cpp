@@ -1,18 +1,18 @@
-#include "bench/suite/speed.h"
+#include <zwang/bench/suite/speed.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bench/references/reference.h"
-#include "bench/scenes/physical.h"
-#include "bench/suite/allocations.h"
-#include "bench/suite/measured_files.h"
-#include "bench/suite/neutral_kernel.h"
-#include "bench/suite/result.h"
-#include "bench/suite/sequence.h"
-#include "bench/suite/stages.h"
-#include "core/islands.h"
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/measured_files.h>
+#include <zwang/bench/results/result.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/bench/timing/neutral_kernel.h>
+#include <zwang/bench/timing/sequence.h>
+#include <zwang/bench/timing/stages.h>
+#include <zwang/core/problem/islands.h>
 
 namespace zwang {
 namespace {
@@ -146,7 +146,7 @@ std::string left_out(const Problem& problem, const Run& run) {
 }
 
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
-                 double budget, Desk& desk, const std::atomic<bool>& interrupted) {
+                 double budget, Dispatcher& desk, const std::atomic<bool>& interrupted) {
   const auto file = directory / "speed.jsonl";
   std::filesystem::remove(file);
   ResultFile out(file);

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <span>
 
-#include "bench/suite/batch.h"
+#include <zwang/bench/timing/batch.h>
 
 namespace zwang {
 
@@ -16,6 +16,6 @@ std::string left_out(const Problem& problem, const Run& run);
 // warm, assembly, and where dual_active_set's time goes. Written anew in each call; takes up to `budget` seconds of
 // solving. False when interrupted. `cache`: of references (suite.h).
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
-                 double budget, Desk& desk, const std::atomic<bool>& interrupted);
+                 double budget, Dispatcher& desk, const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

@@ -1,15 +1,15 @@
-#include "bench/suite/suite.h"
+#include <zwang/bench/suite/suite.h>
 
 #include <algorithm>
 
-#include "bench/references/reference.h"
-#include "bench/suite/conditions.h"
-#include "bench/suite/progress.h"
-#include "bench/suite/record_file.h"
-#include "bench/suite/run_record.h"
-#include "bench/suite/schedule.h"
-#include "bench/suite/speed.h"
-#include "bench/suite/trace.h"
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/record_file.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/bench/suite/run_record.h>
+#include <zwang/bench/suite/schedule.h>
+#include <zwang/bench/suite/speed.h>
+#include <zwang/bench/suite/trace.h>
+#include <zwang/bench/timing/conditions.h>
 
 namespace zwang {
 namespace {
@@ -88,7 +88,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   outcome.planned = plan.size();
   outcome.tally = stored.tally;
   outcome.earlier = stored.tally.runs;
-  Desk desk([&](std::string_view text) { return make_solver(text, settings.solvers); });
+  Dispatcher desk([&](std::string_view text) { return make_solver(text, settings.solvers); });
   ResultFile results(directory / "results.jsonl");
   Schedule schedule(plan);
   Progress progress(settings.terminal);

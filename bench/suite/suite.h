@@ -3,8 +3,8 @@
 #include <atomic>
 #include <filesystem>
 
-#include "bench/suite/plan.h"
-#include "bench/suite/result.h"
+#include <zwang/bench/results/result.h>
+#include <zwang/bench/suite/plan.h>
 
 namespace zwang {
 

@@ -1,27 +1,27 @@
-#include "bench/suite/trace.h"
+#include <zwang/bench/suite/trace.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "bench/references/reference.h"
-#include "bench/suite/result.h"
-#include "bench/suite/schedule.h"
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/result.h>
+#include <zwang/bench/suite/schedule.h>
 
 namespace zwang {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& desk, double time_limit, double budget,
-                              const std::atomic<bool>& interrupted) {
+std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatcher& desk, double time_limit,
+                              double budget, const std::atomic<bool>& interrupted) {
   const Problem& problem = instance.problem;
   const Reference* reference = instance.reference ? &*instance.reference : nullptr;
-  Call call;
+  SolveRequest call;
   call.time_limit = time_limit;
   call.observe = true;
   desk.child.load(problem);
-  const Answer full = desk.run(problem, run, call, &interrupted);
+  const SolveReply full = desk.run(problem, run, call, &interrupted);
   if (full.solution.z.size() == 0) return {};
 
   std::vector<TracePoint> points;
@@ -31,7 +31,7 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& de
   for (int k = 1; k <= last && spent < budget && !interrupted; ++k) {
     if (!is_rung(k) && k != last) continue;
     call.max_iterations = k;
-    Answer capped = desk.run(problem, run, call, &interrupted);
+    SolveReply capped = desk.run(problem, run, call, &interrupted);
     spent += capped.seconds;
     Solution& at = capped.solution;
     const auto seen =
@@ -58,7 +58,8 @@ std::string to_json(const TracePoint& p) {
 }
 
 void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
-                  Desk& desk, double budget, const std::atomic<bool>& interrupted, std::vector<std::string>& notes) {
+                  Dispatcher& desk, double budget, const std::atomic<bool>& interrupted,
+                  std::vector<std::string>& notes) {
   const auto file = directory / "traces.jsonl";
   std::filesystem::remove(file);
   std::vector<std::string> families;

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/suite/batch.h"
-#include "bench/suite/plan.h"
-#include "core/measure.h"
+#include <zwang/bench/suite/plan.h>
+#include <zwang/bench/timing/batch.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 
@@ -20,14 +20,15 @@ struct TracePoint {
 // Iterates come from one observed solve. Times come from further solves without observer, each stopped at that
 // iteration, since watching costs time. Iterations are taken on a ladder (is_rung) up to the last one. Empty when the
 // solver gave no answer within `time_limit` [s of CPU time]; cut short when all solves together exceed `budget` [s].
-std::vector<TracePoint> trace(const Instance& instance, const Run& run, Desk& desk, double time_limit, double budget,
-                              const std::atomic<bool>& interrupted);
+std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatcher& desk, double time_limit,
+                              double budget, const std::atomic<bool>& interrupted);
 
 std::string to_json(const TracePoint& point);  // one object
 
 // DIR/traces.jsonl: convergence of every solver on the first problem of each family (on every one with --trace), at the
 // tightest tolerance, within `budget` [s]. A note says how many curves that left without points.
 void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
-                  Desk& desk, double budget, const std::atomic<bool>& interrupted, std::vector<std::string>& notes);
+                  Dispatcher& desk, double budget, const std::atomic<bool>& interrupted,
+                  std::vector<std::string>& notes);
 
 }  // namespace zwang

@@ -1,12 +1,12 @@
-#include "core/files/hdf5.h"
+#include <zwang/core/files/hdf5.h>
 
 #include <hdf5.h>
 
 #include <algorithm>
 #include <type_traits>
 
-#include "core/files/natural_order.h"
-#include "core/problem_file.h"
+#include <zwang/core/files/natural_order.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang::hdf5 {
 namespace {

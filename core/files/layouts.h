@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/files/hdf5.h"
-#include "core/problem_file.h"
+#include <zwang/core/files/hdf5.h>
+#include <zwang/core/files/problem_file.h>
 
 // The layouts of problem files (docs/formats.md). Each reader fills problem (but its name), notes and origin; what all
 // layouts share is done once, in problem_file.cpp.

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/files/layouts.h"
+#include <zwang/core/files/layouts.h>
 
 namespace zwang {
 namespace {
@@ -23,7 +23,7 @@ std::size_t length(const hdf5::Group& group, const std::string& name) {
   return shape.front();
 }
 
-// A vector that may hold -Inf; finiteness is core/problem.h's business.
+// A vector that may hold -Inf; finiteness is core/problem/problem.h's business.
 Vector read_raw(const hdf5::Group& group, const std::string& name, Index size) {
   const std::vector<double> values = group.read<double>(name, static_cast<std::size_t>(size));
   return Eigen::Map<const Vector>(values.data(), size);

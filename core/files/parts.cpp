@@ -2,7 +2,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/files/layouts.h"
+#include <zwang/core/files/layouts.h>
 
 namespace zwang {
 

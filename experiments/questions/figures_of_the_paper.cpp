@@ -1,8 +1,8 @@
 // Figures 8, 9 and 10 of the paper and the detailed parts of its section 7: what a frame costs, where the time goes.
 
-#include "experiments/god/scenes.h"
-#include "experiments/questions/list.h"
-#include "experiments/questions/play.h"
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/questions/list.h>
+#include <zwang/experiments/questions/play.h>
 
 namespace zwang::questions {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <map>
 
-#include "experiments/god/scenes.h"
-#include "experiments/questions/list.h"
-#include "experiments/questions/play.h"
-#include "experiments/report/statistics.h"
+#include <zwang/bench/report/tables/statistics.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/questions/list.h>
+#include <zwang/experiments/questions/play.h>
 
 namespace zwang::questions {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "experiments/god/motions.h"
-#include "experiments/god/scenes.h"
-#include "experiments/questions/list.h"
-#include "experiments/questions/play.h"
+#include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/questions/list.h>
+#include <zwang/experiments/questions/play.h>
 
 namespace zwang::questions {
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "collision/world.h"
-#include "experiments/god/scenes.h"
-#include "experiments/questions/list.h"
-#include "experiments/questions/play.h"
-#include "solvers/registry.h"
+#include <zwang/collision/world.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/questions/list.h>
+#include <zwang/experiments/questions/play.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang::questions {
 

@@ -1,4 +1,4 @@
-#include "experiments/questions/list.h"
+#include <zwang/experiments/questions/list.h>
 
 #include <array>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "experiments/questions/question.h"
+#include <zwang/experiments/questions/question.h>
 
 namespace zwang::questions {
 

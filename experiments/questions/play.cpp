@@ -1,12 +1,12 @@
-#include "experiments/questions/play.h"
+#include <zwang/experiments/questions/play.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "bench/suite/progress.h"
-#include "experiments/god/motions.h"
-#include "experiments/report/statistics.h"
+#include <zwang/bench/report/tables/statistics.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/experiments/god_hand/motion/motions.h>
 
 namespace zwang::questions {
 

@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
-#include "experiments/god/motion.h"
-#include "experiments/god/simulation.h"
-#include "experiments/questions/question.h"
+#include <zwang/experiments/god_hand/motion/hand_motion.h>
+#include <zwang/experiments/god_hand/step/simulation.h>
+#include <zwang/experiments/questions/question.h>
 
 namespace zwang::questions {
 

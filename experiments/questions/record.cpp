@@ -1,12 +1,12 @@
-#include "experiments/questions/record.h"
+#include <zwang/experiments/questions/record.h>
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "bench/suite/conditions.h"
-#include "experiments/report/draw.h"
+#include <zwang/bench/report/page/draw.h>
+#include <zwang/bench/timing/conditions.h>
 
 namespace zwang::questions {
 namespace {

@@ -1,6 +1,6 @@
 // The stability atlas as problem files: what `./zwang export --atlas` writes, against the list of all points in
 // tests/data/atlas_points.tsv, which is that command's atlas.tsv.
-#include "bench/suite/atlas_files.h"
+#include <zwang/bench/suite/atlas_files.h>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,9 +10,9 @@
 #include <iterator>
 #include <set>
 
-#include "bench/references/witnesses.h"
-#include "bench/suite/plan.h"
-#include "core/problem_file.h"
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/bench/suite/plan.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {

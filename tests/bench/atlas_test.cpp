@@ -8,12 +8,12 @@
 #include <map>
 #include <sstream>
 
-#include "bench/references/reference.h"
-#include "bench/references/witnesses.h"
-#include "bench/scenes/catalog.h"
-#include "bench/suite/batch.h"
-#include "bench/suite/plan.h"
-#include "core/measure.h"
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/suite/plan.h>
+#include <zwang/bench/timing/batch.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 namespace {

@@ -1,4 +1,4 @@
-#include "bench/scenes/families.h"
+#include <zwang/bench/scenes/families.h>
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "bench/known_answer.h"
-#include "core/measure.h"
-#include "core/problem_file.h"
+#include <zwang/bench/references/known_answer.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 namespace {

@@ -3,15 +3,15 @@
 #include <map>
 #include <set>
 
-#include "bench/scenes/catalog.h"
-#include "bench/scenes/hand.h"
-#include "bench/scenes/physical.h"
-#include "bench/suite/allocations.h"
-#include "constraints/contact.h"
-#include "constraints/joint_limit.h"
-#include "core/assemble.h"
-#include "core/islands.h"
-#include "core/measure.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/hand.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/core/model/assemble.h>
+#include <zwang/core/problem/islands.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 namespace {

@@ -1,4 +1,4 @@
-#include "bench/references/reference.h"
+#include <zwang/bench/references/reference.h>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,10 +8,10 @@
 #include <fstream>
 #include <random>
 
-#include "bench/references/cache.h"
-#include "bench/references/witnesses.h"
-#include "core/problem_file.h"
-#include "solvers/dual_active_set.h"
+#include <zwang/bench/references/cache.h>
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "bench/scenes/families.h"
-#include "core/problem_file.h"
+#include <zwang/bench/scenes/families.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {

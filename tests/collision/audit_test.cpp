@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "bench/collision/meshes.h"
-#include "bench/collision/study.h"
-#include "bench/scenes/physical.h"
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/collision/study.h>
+#include <zwang/bench/scenes/physical.h>
 
 namespace zwang {
 namespace {

@@ -1,8 +1,8 @@
-#include "collision/closest.h"
+#include <zwang/collision/closest.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/scenes/physical.h"
+#include <zwang/bench/scenes/physical.h>
 
 namespace zwang::collision {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "collision/world.h"
+#include <zwang/collision/world.h>
 
 namespace zwang::collision {
 namespace {

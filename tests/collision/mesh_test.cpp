@@ -1,4 +1,4 @@
-#include "collision/load.h"
+#include <zwang/collision/load.h>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "bench/collision/meshes.h"
+#include <zwang/bench/collision/meshes.h>
 
 namespace zwang::collision {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "bench/collision/meshes.h"
-#include "bench/scenes/physical.h"
-#include "collision/world.h"
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/collision/world.h>
 
 namespace zwang::collision {
 namespace {

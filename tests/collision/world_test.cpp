@@ -1,13 +1,13 @@
-#include "collision/world.h"
+#include <zwang/collision/world.h>
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "bench/collision/drag.h"
-#include "bench/collision/meshes.h"
-#include "bench/scenes/physical.h"
-#include "bench/suite/allocations.h"
+#include <zwang/bench/collision/drag.h>
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/timing/allocations.h>
 
 namespace zwang::collision {
 namespace {

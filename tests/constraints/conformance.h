@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/constraint.h"
+#include <zwang/core/model/constraint.h>
 
 // What every constraint has to satisfy, for the shared test (conformance_test.cpp).
 namespace zwang::conformance {

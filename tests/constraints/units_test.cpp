@@ -1,4 +1,4 @@
-#include "constraints/units.h"
+#include <zwang/constraints/units.h>
 
 #include <gtest/gtest.h>
 

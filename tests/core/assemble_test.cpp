@@ -1,11 +1,11 @@
-#include "core/assemble.h"
+#include <zwang/core/model/assemble.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/suite/allocations.h"
-#include "constraints/ball_joint.h"
-#include "constraints/contact.h"
-#include "core/motion.h"
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/core/model/motion.h>
 
 namespace zwang {
 namespace {

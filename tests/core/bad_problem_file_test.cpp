@@ -1,7 +1,7 @@
 #include <functional>
 #include <random>
 
-#include "core/files/hdf5.h"
+#include <zwang/core/files/hdf5.h>
 #include "tests/core/problem_files.h"
 
 // The HDF5 library loses memory of its own when it gives up on a damaged file.

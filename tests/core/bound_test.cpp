@@ -5,9 +5,9 @@
 #include <optional>
 #include <random>
 
-#include "core/measure.h"
-#include "core/orthogonal_rows.h"
-#include "core/sparse_proof.h"
+#include <zwang/core/referee/measure.h>
+#include <zwang/core/referee/orthogonal_rows.h>
+#include <zwang/core/referee/sparse_proof.h>
 #include "tests/core/hundred_digits.h"
 
 namespace zwang {
@@ -49,7 +49,7 @@ TEST(SparseProof, HoldsAgainstEnumerationIn100Digits) {
     Problem p = random_problem(random, trial % 4);
     std::ranges::fill(p.kind, RowKind::inequality);
     const std::optional<Answer> truth = brute_force(p);
-    const Gauge gauge(p);
+    const ScaledProblem gauge(p);
     for (const double error : {0.0, 1e-15, 1e-9, 1e-3}) {
       Vector z = truth ? rounded(truth->z) : p.z_u, lambda = Vector::Zero(p.rows());
       if (truth) lambda = rounded(truth->lambda);

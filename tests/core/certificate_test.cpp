@@ -1,10 +1,10 @@
-#include "core/certificate.h"
+#include <zwang/core/referee/certificate.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/measure.h"
+#include <zwang/core/referee/measure.h>
 
 namespace zwang {
 namespace {

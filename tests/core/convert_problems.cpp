@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "core/problem_file.h"
+#include <zwang/core/files/problem_file.h>
 
 int main(int argc, char** argv) {
   if (argc < 3) {

@@ -1,4 +1,4 @@
-#include "core/double_double.h"
+#include <zwang/core/referee/double_double.h>
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/problem.h"
+#include <zwang/core/problem/problem.h>
 
 // The yardstick of the referee's tests: small problems solved by enumeration in 100 digits.
 namespace zwang {

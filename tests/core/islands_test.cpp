@@ -1,9 +1,9 @@
-#include "core/islands.h"
+#include <zwang/core/problem/islands.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/suite/allocations.h"
-#include "solvers/registry.h"
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

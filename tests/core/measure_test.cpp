@@ -1,4 +1,4 @@
-#include "core/measure.h"
+#include <zwang/core/referee/measure.h>
 
 #include <gtest/gtest.h>
 

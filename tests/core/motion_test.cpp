@@ -1,4 +1,4 @@
-#include "core/motion.h"
+#include <zwang/core/model/motion.h>
 
 #include <gtest/gtest.h>
 

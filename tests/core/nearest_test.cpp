@@ -1,4 +1,4 @@
-#include "core/nearest.h"
+#include <zwang/core/problem/did_you_mean.h>
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "core/per_shape.h"
+#include <zwang/core/problem/shape_cache.h>
 
 #include <gtest/gtest.h>
 
 namespace zwang {
 namespace {
 
-TEST(PerShape, KeepsOneForEachShapeOfAProblem) {
-  PerShape<int> stored;
+TEST(ShapeCache, KeepsOneForEachShapeOfAProblem) {
+  ShapeCache<int> stored;
   for (int again = 0; again < 2; ++again) {
     stored.begin();
     int &a = stored.of(6, 1), &b = stored.of(6, 2), &c = stored.of(12, 1);
@@ -18,8 +18,8 @@ TEST(PerShape, KeepsOneForEachShapeOfAProblem) {
   }
 }
 
-TEST(PerShape, GivesTheLongestUnusedToAnotherShape) {
-  PerShape<int> stored;
+TEST(ShapeCache, GivesTheLongestUnusedToAnotherShape) {
+  ShapeCache<int> stored;
   stored.begin();
   stored.of(6, 1) = 1;
   stored.of(6, 2) = 2;
@@ -30,8 +30,8 @@ TEST(PerShape, GivesTheLongestUnusedToAnotherShape) {
   EXPECT_EQ(stored.of(6, 4), 0) << "all are in use";
 }
 
-TEST(PerShape, KeepsUnusedOnesWhereAsked) {
-  PerShape<int> stored(3);
+TEST(ShapeCache, KeepsUnusedOnesWhereAsked) {
+  ShapeCache<int> stored(3);
   for (int k = 1; k <= 3; ++k) {
     stored.begin();
     stored.of(k, 0) = k;

@@ -3,7 +3,7 @@
 #include <bit>
 #include <fstream>
 
-#include "core/files/natural_order.h"
+#include <zwang/core/files/natural_order.h>
 #include "tests/core/problem_files.h"
 
 namespace zwang {

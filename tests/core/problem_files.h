@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "core/problem_file.h"
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 

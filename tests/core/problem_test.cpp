@@ -1,4 +1,4 @@
-#include "core/problem.h"
+#include <zwang/core/problem/problem.h>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/measure.h"
+#include <zwang/core/referee/measure.h>
 #include "tests/core/hundred_digits.h"
 
 namespace zwang {

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <random>
 
-#include "core/measure.h"
-#include "core/norms.h"
-#include "core/problem_file.h"
-#include "solvers/registry.h"
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/core/referee/scaled_problem.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

@@ -1,9 +1,9 @@
-#include "bench/fuzz/exact_answer.h"
+#include <zwang/bench/fuzz/exact_answer.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/fuzz/small_problem.h"
-#include "bench/references/witnesses.h"
+#include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/witnesses.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

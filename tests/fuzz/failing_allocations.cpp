@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <cstddef>
 
-// As in bench/suite/allocations.cpp: the C library's own entry points are replaced, since Eigen calls malloc.
+// As in bench/timing/allocations.cpp: the C library's own entry points are replaced, since Eigen calls malloc.
 namespace {
 std::atomic<long> left{0};
 bool refused() { return left.load() > 0 && --left == 0; }

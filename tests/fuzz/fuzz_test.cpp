@@ -1,12 +1,12 @@
-#include "bench/fuzz/fuzz.h"
+#include <zwang/bench/fuzz/fuzz.h>
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "bench/fuzz/worker.h"
-#include "core/measure.h"
-#include "core/problem_file.h"
+#include <zwang/bench/fuzz/worker.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
 #include "tests/suite/test_solvers.h"
 
 namespace zwang {

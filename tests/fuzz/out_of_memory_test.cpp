@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "bench/scenes/catalog.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/solvers/registry.h>
 #include "tests/fuzz/failing_allocations.h"
 #include "tests/solvers/small_problems.h"
 

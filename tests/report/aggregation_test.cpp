@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "experiments/report/accuracy.h"
-#include "experiments/report/profile.h"
-#include "experiments/report/statistics.h"
-#include "experiments/report/sweeps.h"
+#include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/profile.h>
+#include <zwang/bench/report/tables/statistics.h>
+#include <zwang/bench/report/tables/sweeps.h>
 #include "tests/report/one_run.h"
 
 namespace zwang::report {

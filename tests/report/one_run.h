@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "experiments/report/results.h"
+#include <zwang/bench/report/results.h>
 
 namespace zwang::report {
 

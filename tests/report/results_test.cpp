@@ -1,4 +1,4 @@
-#include "experiments/report/results.h"
+#include <zwang/bench/report/results.h>
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "experiments/report/wording.h"
+#include <zwang/bench/report/wording.h>
 
 namespace zwang::report {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "experiments/report/tables.h"
+#include <zwang/bench/report/tables/tables.h>
 
 namespace zwang::report {
 namespace {

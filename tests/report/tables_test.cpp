@@ -1,15 +1,15 @@
-#include "experiments/report/tables.h"
+#include <zwang/bench/report/tables/tables.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "experiments/report/charts.h"
-#include "experiments/report/compare.h"
-#include "experiments/report/sweeps.h"
-#include "experiments/report/wording.h"
-#include "experiments/report/work_precision.h"
+#include <zwang/bench/report/compare.h>
+#include <zwang/bench/report/page/charts.h>
+#include <zwang/bench/report/tables/sweeps.h>
+#include <zwang/bench/report/tables/work_precision.h>
+#include <zwang/bench/report/wording.h>
 #include "tests/report/one_run.h"
 
 namespace zwang::report {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/report/collision_page.h"
-#include "experiments/report/report.h"
+#include <zwang/bench/report/page/collision_page.h>
+#include <zwang/bench/report/report.h>
 
 int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 1, argv + argc);

@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "bench/scenes/catalog.h"
-#include "core/measure.h"
-#include "core/problem_file.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

@@ -10,9 +10,9 @@
 
 #include <algorithm>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/cpu_clock.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/solvers/registry.h>
 
 namespace {
 

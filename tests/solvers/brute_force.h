@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "core/problem.h"
+#include <zwang/core/problem/problem.h>
 
 namespace zwang {
 

@@ -1,4 +1,4 @@
-#include "solvers/bullet.h"
+#include <zwang/solvers/rivals/bullet.h>
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <map>
 
-#include "bench/references/witnesses.h"
-#include "core/measure.h"
-#include "core/problem_file.h"
-#include "solvers/registry.h"
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -62,7 +62,7 @@ TEST(ContactFiles, FourMethodsSolveAtLeastFourOfFiveAndAgreeOnZ) {
   for (const char* method : methods) EXPECT_GE(solved[method], 4) << method;
 }
 
-// Ipopt's last iterate there has a KKT residual of 1e-6; an earlier one is right (solvers/ipopt.h).
+// Ipopt's last iterate there has a KKT residual of 1e-6; an earlier one is right (solvers/rivals/ipopt.h).
 TEST(ContactFiles, IpoptAnswersThePeriodicBoxAtEveryTolerance) {
   for (const auto& path : files()) {
     if (!path.filename().string().starts_with("LMGC_100_PR_PerioBox")) continue;

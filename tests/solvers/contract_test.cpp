@@ -7,9 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "bench/suite/allocations.h"
-#include "core/solver.h"
-#include "solvers/registry.h"
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/brute_force.h"
 #include "tests/solvers/expectation.h"
 #include "tests/solvers/yardsticks.h"

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include "solvers/registry.h"
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 

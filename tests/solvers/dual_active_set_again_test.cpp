@@ -1,8 +1,8 @@
 // Solving again: warm starts, second solves that allocate nothing, and what an observer or a limit changes.
 #include <gtest/gtest.h>
 
-#include "bench/suite/allocations.h"
-#include "solvers/dual_active_set.h"
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

@@ -1,4 +1,4 @@
-#include "solvers/dual_active_set.h"
+#include <zwang/solvers/active_set/dual_active_set.h>
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "bench/scenes/catalog.h"
-#include "core/measure.h"
-#include "core/problem_file.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/measure.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "core/solver.h"
-#include "solvers/registry.h"
+#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 

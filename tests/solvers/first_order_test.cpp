@@ -1,8 +1,8 @@
 // What the two first-order methods, projected Gauss-Seidel and accelerated projected gradient, have in common.
 #include <gtest/gtest.h>
 
-#include "solvers/apgd.h"
-#include "solvers/pgs.h"
+#include <zwang/solvers/first_order/apgd.h>
+#include <zwang/solvers/first_order/pgs.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

@@ -1,8 +1,8 @@
-#include "solvers/ipopt.h"
+#include <zwang/solvers/rivals/ipopt.h>
 
 #include <gtest/gtest.h>
 
-#include "solvers/kkt_check.h"
+#include <zwang/solvers/first_order/kkt_check.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

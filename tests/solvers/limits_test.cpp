@@ -6,11 +6,11 @@
 #include <fstream>
 #include <new>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/child.h"
-#include "bench/suite/cpu_clock.h"
-#include "core/memory.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/child.h>
+#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/memory.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -68,11 +68,11 @@ struct Hungry {
 TEST(Memory, RefusedAllocationsAreOneLineHereAndInAChild) {
   const Problem problem = random_problem("random(n=6,m=8)");
   const MakeSolver make = [](std::string_view) { return AnySolver(Hungry()); };
-  Call call;
+  SolveRequest call;
   call.solver = "hungry";
   Child child(make);
   child.load(problem);
-  for (const Answer& answer : {Workbench(make).run(problem, call), child.run(call)}) {
+  for (const SolveReply& answer : {SolveService(make).run(problem, call), child.run(call)}) {
     EXPECT_EQ(answer.solution.status, Status::numerical_failure);
     EXPECT_EQ(answer.solution.message, "out of memory");
   }

@@ -1,8 +1,8 @@
 // The yardstick with soft rows: how far they give way, and what is claimed of them.
 #include <gtest/gtest.h>
 
-#include "bench/scenes/catalog.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/yardsticks.h"
 
 namespace zwang {

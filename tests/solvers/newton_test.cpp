@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "core/measure.h"
-#include "solvers/newton.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/newton/newton.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

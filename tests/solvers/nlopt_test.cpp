@@ -1,4 +1,4 @@
-#include "solvers/nlopt.h"
+#include <zwang/solvers/rivals/nlopt.h>
 
 #include <gtest/gtest.h>
 

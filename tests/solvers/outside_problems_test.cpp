@@ -2,10 +2,10 @@
 // active-set methods must be right to 1e-9 in the relative M-norm; truth is a solve in 100 digits.
 #include <gtest/gtest.h>
 
-#include "bench/references/witnesses.h"
-#include "bench/scenes/catalog.h"
-#include "bench/scenes/physical.h"
-#include "solvers/registry.h"
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

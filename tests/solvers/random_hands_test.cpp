@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/scenes/physical.h"
-#include "core/measure.h"
-#include "solvers/dual_active_set.h"
-#include "solvers/nnls.h"
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/active_set/nnls.h>
 #include "tests/solvers/random_mechanism.h"
 
 namespace zwang {
@@ -36,7 +36,7 @@ TEST(RandomHands, AreSolvedAlikeByTheFastPathTheCarefulOneAndNnls) {
   DualActiveSet fast, careful;
   careful.reduce = false;
   Nnls other;
-  ReducedActiveSet reduced;
+  JointSpaceActiveSet reduced;
   Solution a, b, c, d;
   int infeasible = 0, taken = 0, compared = 0, nnls_alike = 0;
   for (int seed = 1; seed <= hands_tried; ++seed) {
@@ -77,7 +77,7 @@ TEST(RandomHands, AreSolvedAlikeByTheFastPathTheCarefulOneAndNnls) {
 TEST(RandomHands, OfHundredsOfViolatedRowsThoseThatEnterLateAreObeyed) {
   DualActiveSet careful;
   careful.reduce = false;
-  ReducedActiveSet reduced;
+  JointSpaceActiveSet reduced;
   Solution free, fast, right;
   int taken = 0;
   for (int seed = 1; seed <= 10; ++seed) {

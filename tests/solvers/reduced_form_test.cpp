@@ -1,12 +1,12 @@
 // The reduced form of jointed bodies, and dual_active_set on it against its careful path, over random mechanisms.
-#include "solvers/reduced_form.h"
+#include <zwang/solvers/joint_space/null_space_form.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "core/measure.h"
-#include "solvers/dual_active_set.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
 #include "tests/solvers/random_mechanism.h"
 
 namespace zwang {
@@ -15,12 +15,12 @@ namespace {
 using test::distance, test::Graph, test::graphs, test::random_mechanism, test::seeds;
 
 // N is orthonormal and free of the joints; shift and multipliers solve the two systems they promise to.
-TEST(ReducedForm, SpansTheFreeMotionsOfRandomMechanisms) {
+TEST(NullSpaceForm, SpansTheFreeMotionsOfRandomMechanisms) {
   for (const Graph graph : graphs) {
     int reduced = 0;
     for (unsigned seed = 0; seed < seeds(graph, 200); ++seed) {
       const Problem p = random_mechanism(graph, seed, 0.5);
-      ReducedForm form;
+      NullSpaceForm form;
       if (!form.build(p)) {
         EXPECT_FALSE(form.reason().empty());
         continue;
@@ -28,7 +28,7 @@ TEST(ReducedForm, SpansTheFreeMotionsOfRandomMechanisms) {
       ++reduced;
       const Index f = form.freedom(), rows = static_cast<Index>(form.equalities().size());
       const double precision = 1e-12 / form.smallest_pivot();  // digits go joint by joint along a chain
-      ReducedForm::Motion y(8, p.size() / 6), other(8, p.size() / 6);
+      NullSpaceForm::Motion y(8, p.size() / 6), other(8, p.size() / 6);
       Vector v(f), back(f);
       for (Index k = 0; k < f; ++k) {
         form.expand(v = Vector::Unit(f, k), y);
@@ -56,7 +56,7 @@ TEST(ReducedForm, SpansTheFreeMotionsOfRandomMechanisms) {
   }
 }
 
-TEST(ReducedForm, GivesTheMotionOfTheCarefulPathOnRandomMechanisms) {
+TEST(NullSpaceForm, GivesTheMotionOfTheCarefulPathOnRandomMechanisms) {
   for (const Graph graph : graphs) {
     int compared = 0;
     for (unsigned seed = 0; seed < seeds(graph, 300); ++seed) {
@@ -81,7 +81,7 @@ TEST(ReducedForm, GivesTheMotionOfTheCarefulPathOnRandomMechanisms) {
   }
 }
 
-TEST(ReducedForm, LetsWarmStartsFindTheDigitsOfColdOnes) {
+TEST(NullSpaceForm, LetsWarmStartsFindTheDigitsOfColdOnes) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     Problem p = random_mechanism(Graph::floating_tree, seed);
     DualActiveSet solver;
@@ -94,10 +94,10 @@ TEST(ReducedForm, LetsWarmStartsFindTheDigitsOfColdOnes) {
   }
 }
 
-TEST(ReducedForm, AllocatesNothingInASecondSolveOfTheSameShape) {
+TEST(NullSpaceForm, AllocatesNothingInASecondSolveOfTheSameShape) {
   for (const Graph graph : {Graph::floating_tree, Graph::grounded_tree, Graph::loops}) {
     const Problem p = random_mechanism(graph, 5);
-    ReducedActiveSet solver;
+    JointSpaceActiveSet solver;
     Solution s;
     s.reset(p.size(), p.rows());
     ASSERT_TRUE(solver.solve(p, {}, s)) << solver.reason();
@@ -109,7 +109,7 @@ TEST(ReducedForm, AllocatesNothingInASecondSolveOfTheSameShape) {
 }
 
 // Without contacts nothing dense is left: 4096 links, which would take 4 GB, take the storage of one more body each.
-TEST(ReducedForm, AChainOfAnyLengthTakesNoDenseStorage) {
+TEST(NullSpaceForm, AChainOfAnyLengthTakesNoDenseStorage) {
   const Instance chain = make_scenes("CHAIN(links=4096)").at(0);
   const Solution s = make_solver("dual_active_set").solve(chain.problem, {.memory_limit = 1e6});
   ASSERT_EQ(s.status, Status::solved) << s.message;

@@ -1,12 +1,12 @@
 // nnls and cholesky in reduced form against themselves as given.
-#include "solvers/reduced_problem.h"
+#include <zwang/solvers/joint_space/null_space_adapter.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "core/measure.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/random_mechanism.h"
 
 namespace zwang {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/expectation.h"
 
 namespace zwang {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "core/problem.h"
+#include <zwang/core/problem/problem.h>
 
 namespace zwang::test {
 

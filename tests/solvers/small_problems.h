@@ -5,8 +5,8 @@
 #include <initializer_list>
 #include <limits>
 
-#include "core/problem.h"
-#include "core/solver.h"
+#include <zwang/core/problem/problem.h>
+#include <zwang/core/problem/solver.h>
 
 namespace zwang::test {
 

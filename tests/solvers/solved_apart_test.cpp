@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "solvers/dual_active_set.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/random_mechanism.h"
 #include "tests/solvers/side_by_side.h"
 

@@ -1,4 +1,4 @@
-#include "solvers/sparse_cholesky.h"
+#include <zwang/solvers/linalg/sparse_cholesky.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "solvers/sparse_qr.h"
+#include <zwang/solvers/linalg/sparse_qr.h>
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <numeric>
 #include <random>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/allocations.h"
-#include "core/measure.h"
-#include "solvers/equality_elimination.h"
-#include "solvers/registry.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/common/equality_elimination.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

@@ -1,8 +1,8 @@
-#include "solvers/thin_qr.h"
+#include <zwang/solvers/linalg/thin_qr.h>
 
 #include <gtest/gtest.h>
 
-#include "solvers/lawson_hanson.h"
+#include <zwang/solvers/active_set/lawson_hanson.h>
 
 namespace zwang {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/solver.h"
+#include <zwang/core/problem/solver.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Each header compiles by itself. Usage: headers_alone.sh SOURCE_DIR COMPILER EIGEN_INCLUDE
+# Each header compiles by itself. Usage: headers_alone.sh SOURCE_DIR COMPILER EIGEN_INCLUDE INCLUDE
 # Of a header that its own .cpp includes first, the build has shown it.
 set -euo pipefail
 cd "$1"
 check() {
   source=${3%.h}.cpp
-  [ -f "$source" ] && [ "$(grep -m1 '^#include' "$source")" = "#include \"$3\"" ] && return
-  echo "#include \"$3\"" | "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I. -isystem "$2" -x c++ - ||
+  [ -f "$source" ] && [ "$(grep -m1 '^#include' "$source")" = "#include <zwang/$3>" ] && return
+  echo "#include <zwang/$3>" | "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I"$4" -isystem "$2" -x c++ - ||
     { echo "$3 does not compile alone"; exit 1; }
 }
 export -f check
 find core constraints solvers collision bench experiments -name node_modules -prune -o -name '*.h' -print0 |
-  xargs -0 -P 2 -I{} bash -c 'check "$@"' _ "$2" "$3" {}
+  xargs -0 -P 2 -I{} bash -c 'check "$@"' _ "$2" "$3" {} "$4"

@@ -1,8 +1,8 @@
-#include "bench/suite/child.h"
+#include <zwang/bench/timing/child.h>
 
 #include <gtest/gtest.h>
 
-#include "bench/suite/wire.h"
+#include <zwang/bench/timing/wire.h>
 #include "tests/suite/test_solvers.h"
 
 namespace zwang {
@@ -14,8 +14,8 @@ const std::vector<SolverEntry> solvers_here = {tests::entry<tests::AllActive>(tr
 
 AnySolver make(std::string_view text) { return make_solver(text, solvers_here); }
 
-Call call(std::string solver, double time_limit = 0.1) {
-  Call c;
+SolveRequest call(std::string solver, double time_limit = 0.1) {
+  SolveRequest c;
   c.solver = std::move(solver);
   c.time_limit = time_limit;
   return c;
@@ -25,8 +25,8 @@ TEST(Child, GivesTheBitsThatTheSolverGivesHere) {
   const Problem p = tests::chain(7).problem;
   Child child(make);
   child.load(p);
-  Workbench here(make);
-  const Answer there = child.run(call("all_active")), expected = here.run(p, call("all_active"));
+  SolveService here(make);
+  const SolveReply there = child.run(call("all_active")), expected = here.run(p, call("all_active"));
   EXPECT_EQ(there.solution.status, Status::solved);
   EXPECT_EQ(there.solution.z, expected.solution.z);
   EXPECT_EQ(there.solution.lambda, expected.solution.lambda);
@@ -37,9 +37,9 @@ TEST(Child, SendsTheObservedIterates) {
   const Problem p = tests::chain(3).problem;
   Child child(make);
   child.load(p);
-  Call c = call("all_active");
+  SolveRequest c = call("all_active");
   c.observe = true;
-  const Answer a = child.run(c);
+  const SolveReply a = child.run(c);
   ASSERT_EQ(a.iterates.size(), 4u);
   EXPECT_EQ(a.iterates[3].iteration, 4);
   EXPECT_EQ(a.iterates[3].z, a.solution.z / 2);
@@ -49,7 +49,7 @@ TEST(Child, IsKilledAtItsDeadlineAndAnswersAgain) {
   const Problem p = tests::chain(4).problem;
   Child child(make);
   child.load(p);
-  const Answer hung = child.run(call("hangs"));
+  const SolveReply hung = child.run(call("hangs"));
   EXPECT_EQ(hung.solution.status, Status::time_limit);
   EXPECT_EQ(hung.solution.z.size(), 0);
   EXPECT_GE(hung.seconds, 0.1);
@@ -75,7 +75,7 @@ TEST(Child, TurnsAnExceptionIntoAStatus) {
   const Problem p = tests::chain(4).problem;
   Child child(make);
   child.load(p);
-  const Answer a = child.run(call("throws"));
+  const SolveReply a = child.run(call("throws"));
   EXPECT_EQ(a.solution.status, Status::numerical_failure);
   EXPECT_EQ(a.solution.message, "threw: no memory for this");
 }

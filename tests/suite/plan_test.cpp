@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/progress.h"
-#include "bench/suite/suite.h"
-#include "bench/suite/trace.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/bench/suite/suite.h>
+#include <zwang/bench/suite/trace.h>
 #include "tests/suite/test_solvers.h"
 
 namespace zwang {
@@ -65,7 +65,7 @@ TEST(Budget, QuartilesAreLinearBetweenSamples) {
 TEST(Batch, RepeatsInterleavedAndGivesUpAfterATimeout) {
   const Instance instance = tests::chain(4);
   const std::vector<zwang::Run> runs = {{"all_active", false, 1e-4}, {"hangs", true, 1e-4}, {"hangs", true, 1e-10}};
-  Desk desk([](std::string_view text) { return make_solver(text, tests::all); });
+  Dispatcher desk([](std::string_view text) { return make_solver(text, tests::all); });
   const auto timed = time_batch(instance.problem, runs, {.time_limit = 0.05, .budget = 0.1, .repetitions = 7}, desk,
                                 tests::never, [](double, std::size_t) {});
   ASSERT_EQ(timed.size(), 3u);

@@ -1,4 +1,4 @@
-#include "bench/suite/suite.h"
+#include <zwang/bench/suite/suite.h>
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "bench/scenes/catalog.h"
-#include "bench/suite/run_record.h"
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/suite/run_record.h>
 #include "tests/suite/test_solvers.h"
 
 namespace zwang {

@@ -7,8 +7,8 @@
 #include <csignal>
 #include <vector>
 
-#include "core/instance.h"
-#include "solvers/registry.h"
+#include <zwang/core/problem/instance.h>
+#include <zwang/solvers/registry.h>
 
 // Solvers that exist in tests alone: one that is right wherever every row is an active equality, and the misbehaviours
 // that a child process is there for.

@@ -1,0 +1,160 @@
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <stdexcept>
+
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/long_run.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/bench/report/report.h>
+#include <zwang/bench/report/wording.h>
+#include <zwang/bench/results/record_file.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/bench/suite/run_record.h>
+#include <zwang/bench/suite/suite.h>
+#include <zwang/bench/timing/conditions.h>
+
+namespace zwang {
+namespace {
+
+std::string counts(const Tally& t) {
+  std::string text = grouped(t.solved) + " solved, " + grouped(t.near) + " near, " + grouped(t.wrong) + " wrong, " +
+                     grouped(t.failed) + " failed";
+  if (t.undecided > 0) text += ", " + grouped(t.undecided) + " undecided";
+  if (t.unsupported > 0) text += ", " + grouped(t.unsupported) + " not applicable";
+  if (t.lies > 0)
+    text += "   (" + grouped(t.lies) + (t.lies == 1 ? " of them was" : " of them were") +
+            " claimed as success: see the first table)";
+  return text;
+}
+
+// What a resumed run did not have to do again.
+std::string earlier(const Outcome& o) {
+  if (o.earlier == 0) return "";
+  return o.earlier == o.planned ? ", all of them before" : ", " + grouped(o.earlier) + " of them before";
+}
+
+struct Asked {
+  SuiteOptions suite = {};
+  std::string tolerances = {}, out = {}, resume = {};
+  std::vector<std::string> problems = {};
+};
+
+void add_options(CLI::App& options, Asked& asked) {
+  SuiteOptions& s = asked.suite;
+  options
+      .add_option("--suite", s.suite,
+                  "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes), "
+                  "speed (ten minutes) or collision (six)")
+      ->group("What is run");
+  options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
+      ->group("What is run");
+  options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems")->group("What is run");
+  options.add_option("--problems", asked.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
+      ->group("What is run")
+      ->type_name("PATH");
+  add_friction(options, s.friction)->group("What is run");
+  options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)")->group("What is run");
+  options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder")
+      ->group("What is run");
+  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")
+      ->group("What is run")
+      ->check(from_to(0));
+  options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
+      ->group("How it is run")
+      ->check(above(0));
+  options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family")
+      ->group("How it is run");
+  options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")
+      ->group("Where it goes")
+      ->type_name("DIR");
+  options.add_option("--resume", asked.resume, "go on with a run that was stopped")
+      ->group("Where it goes")
+      ->type_name("DIR");
+}
+
+}  // namespace
+
+int bench_command(std::vector<std::string> words) {
+  CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
+  introduce(options, "bench",
+            "  ./zwang bench\n"
+            "  ./zwang bench --suite quick --out first\n"
+            "  ./zwang bench --scenes \"tower(boxes=10,100),hand(contacts=64,seed=1..5)\" \\\n"
+            "                --solvers nnls,dual_active_set,ipopt --tolerances 1e-6,1e-10\n"
+            "  ./zwang bench --problems rover/*.hdf5 --friction pyramid --trace --out rover\n"
+            "  ./zwang bench --suite atlas --families NPE,LOOP --solvers dual_active_set,cholesky\n"
+            "  ./zwang bench --resume rover");
+  Asked asked;
+  add_options(options, asked);
+  const std::string command = command_line("bench", words);
+  if (!read(options, std::move(words))) return done;
+  if (asked.suite.suite == "collision") {
+    if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
+    return bench_collision(new_directory(asked.out, ""), command, stop_on_interrupt());
+  }
+  asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
+  if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
+
+  SuiteSettings settings;
+  if (!asked.resume.empty()) {
+    if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
+    std::vector<std::string> given;
+    for (const char* name : {"suite", "scenes", "families", "problems", "friction", "solvers", "tolerances",
+                             "repetitions", "seed", "trace"})
+      if (options.count(std::string("--") + name) > 0) given.emplace_back(name);
+    settings.directory = asked.resume;
+    asked.suite = options_to_resume(settings.directory, asked.suite, given);
+  } else {
+    settings.directory = new_directory(asked.out, "./zwang bench --resume");
+  }
+  settings.cache = reference_cache();
+  settings.command = command;
+  settings.terminal = isatty(STDERR_FILENO) == 1;
+
+  // scene -> assemble -> problem
+  const Plan plan = make_plan(std::move(asked.suite));
+  const Conditions c = conditions();
+  const std::size_t solvers = plan.runs.size() / plan.options.tolerances.size();
+  const bool own = asked.resume.empty() && (options.count("--scenes") > 0 || options.count("--problems") > 0);
+  std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
+              own ? "your problems" : (plan.options.suite + " suite").c_str(), solvers, plan.instances.size(),
+              plan.options.tolerances.size(), static_cast<unsigned long long>(plan.options.seed));
+  if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
+  std::fflush(stdout);
+
+  // problem -> solve -> solution -> measure -> results
+  const std::string directory = settings.directory.string();
+  const std::string go_on = "./zwang bench --resume " + report::shell_word(directory);
+  const std::atomic<bool>& interrupted = stop_on_interrupt();
+  Outcome outcome;
+  try {
+    outcome = run_suite(plan, settings, interrupted);
+  } catch (const std::runtime_error& broken) {  // a full disk, a folder that is gone
+    if (!holds_run(settings.directory)) throw;
+    std::fprintf(stderr, "%s (finished runs are kept; go on with: %s)\n", broken.what(), go_on.c_str());
+    return bad_file;
+  }
+  if (outcome.interrupted) {
+    std::printf("Stopped after %s of %s runs; nothing lost. Go on with: %s\n", grouped(outcome.tally.runs).c_str(),
+                grouped(outcome.planned).c_str(), go_on.c_str());
+    return stopped;
+  }
+  std::printf("%s runs in %s%s: %s\n", grouped(outcome.tally.runs).c_str(), duration(outcome.seconds).c_str(),
+              earlier(outcome).c_str(), counts(outcome.tally).c_str());
+  for (const std::string& note : outcome.notes) std::printf("%s\n", note.c_str());
+
+  // results -> report
+  try {
+    if (const std::string line = report::accuracy_headline(report::read_run(directory).results); !line.empty())
+      std::printf("%s\n", line.c_str());
+    std::printf("Report: %s\n", report::write_report(directory).c_str());
+  } catch (const std::runtime_error& broken) {
+    std::fprintf(stderr, "No report: %s (the results are kept; again with: ./zwang report %s)\n", broken.what(),
+                 report::shell_word(directory).c_str());
+    return bad_file;
+  }
+  return done;
+}
+
+}  // namespace zwang

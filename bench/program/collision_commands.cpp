@@ -1,0 +1,60 @@
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+#include <zwang/bench/collision/suite.h>
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/bench/report/page/collision_page.h>
+#include <zwang/bench/report/report.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/collision/load.h>
+
+namespace zwang {
+
+std::filesystem::path real_data() {
+  const char* given = std::getenv("ZWANG_DATA");
+  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ZWANG_SOURCE_DIR) / "../shared/data";
+}
+
+int bench_collision(const std::filesystem::path& directory, const std::string& command,
+                    const std::atomic<bool>& interrupted) {
+  bool whole = false;
+  const std::vector<std::string> lines = run_collision_suite({.directory = directory,
+                                                              .data = real_data(),
+                                                              .cache = collision::tree_cache(),
+                                                              .command = command,
+                                                              .terminal = isatty(STDERR_FILENO) == 1},
+                                                             interrupted, whole);
+  for (const std::string& line : lines) std::printf("%s\n", line.c_str());
+  if (!whole) std::printf("Stopped. What was finished is in %s\n", (directory / "collision.json").c_str());
+  std::printf("Report: %s\n", report::write_collision_report(directory).c_str());
+  return whole ? done : stopped;
+}
+
+int mesh_command(std::vector<std::string> words) {
+  CLI::App options("Loads a mesh as the simulation would, and says what is in it and what was mended.");
+  introduce(options, "mesh",
+            "  ./zwang mesh gear.stl --unit mm\n"
+            "  ./zwang mesh engine.obj.gz --weld 1e-6");
+  std::string file, unit = "m";
+  double weld = 0;
+  options.add_option("FILE", file, "STL, OBJ, PLY, glTF/GLB or DXF; also .gz")->required()->type_name("");
+  options.add_option("--unit", unit, "of its coordinates: m (the default), cm, mm, um, in, ft");
+  options.add_option("--weld", weld, "merge vertices nearer than this [m]; default: equal ones alone")
+      ->check(from_to(0));
+  if (!read(options, std::move(words))) return done;
+  collision::MeshFileOptions how{.unit = collision::metres_per(unit), .weld = weld, .cache = collision::tree_cache()};
+  Progress bar(true);
+  if (isatty(STDERR_FILENO) == 1)
+    how.progress = [&](double fraction, std::string_view stage) { bar.show(fraction, std::string(stage), -1); };
+  const collision::LoadedTree loaded = collision::load_tree(file, how);
+  bar.clear();
+  std::printf("%s\ntree: %.0f bytes a triangle%s\n", collision::to_string(loaded.report).c_str(),
+              loaded.tree.bytes_per_triangle(), loaded.cached ? ", from the cache" : "");
+  return done;
+}
+
+}  // namespace zwang

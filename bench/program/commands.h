@@ -1,0 +1,28 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <zwang/bench/program/program.h>
+
+namespace zwang {
+
+int bench_command(std::vector<std::string> words);
+int solve_command(std::vector<std::string> words);
+int solvers_command(std::vector<std::string> words);
+int scenes_command(std::vector<std::string> words);
+int export_command(std::vector<std::string> words);
+int report_command(std::vector<std::string> words);
+int fuzz_command(std::vector<std::string> words);
+int mesh_command(std::vector<std::string> words);
+
+// Where real parts and recordings lie, which are not the project's: $ZWANG_DATA, or ../shared/data beside the project.
+std::filesystem::path real_data();
+
+// `bench --suite collision`.
+int bench_collision(const std::filesystem::path& directory, const std::string& command,
+                    const std::atomic<bool>& interrupted);
+
+}  // namespace zwang

@@ -1,0 +1,75 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <thread>
+
+#include <zwang/bench/fuzz/worker.h>
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/long_run.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/bench/report/wording.h>
+#include <zwang/bench/suite/progress.h>
+
+namespace zwang {
+
+int fuzz_command(std::vector<std::string> words) {
+  CLI::App options(
+      "Solves small problems with exactly known answers and says where a solver's claim is not true. Their entries "
+      "are\n"
+      "-1, 0, 1: ties, repeated, contradicting and empty rows are the rule. Some get warm starts, some NaN, Inf or "
+      "1e300.");
+  introduce(options, "fuzz",
+            "  ./zwang fuzz --count 20000\n"
+            "  ./zwang fuzz --count 1000000 --seed 2 --solvers dual_active_set,nnls --out findings\n"
+            "Exit code 1 where there is a finding.");
+  FuzzOptions fuzz{.count = 20000};
+  std::string out = "fuzz-findings";
+  int jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
+  options.add_option("--count", fuzz.count, "number of problems; default: 20000")->check(above(0));
+  options.add_option("--seed", fuzz.seed, "of all draws; default: 1")->check(from_to(0));
+  options.add_option("--first", fuzz.first, "number of the first problem; default: 0")->check(from_to(0));
+  options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
+  options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
+  options.add_option("--jobs", jobs, "processes; default: one a core")->check(from_to(1, 64));
+  options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
+  if (!read(options, std::move(words))) return done;
+
+  Progress bar(isatty(STDERR_FILENO) == 1);
+  const auto start = std::chrono::steady_clock::now();
+  const auto progress = [&](std::uint64_t so_far) {
+    const double fraction = static_cast<double>(so_far) / static_cast<double>(std::max<std::uint64_t>(1, fuzz.count));
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    bar.show(fraction, grouped(so_far) + " problems", fraction > 0 ? passed * (1 - fraction) / fraction : -1);
+  };
+  const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, stop_on_interrupt());
+  bar.clear();
+
+  std::printf("%s problems (seed %llu) in %s\n\n", grouped(o.done).c_str(), static_cast<unsigned long long>(fuzz.seed),
+              duration(o.seconds).c_str());
+  std::printf("%-20s %10s %10s %9s %10s %10s %8s %8s %9s %11s\n", "solver", "runs", "solved", "flagged", "proven",
+              "undecided", "decided", "faults", "z error", "time a run");
+  for (std::size_t i = 0; i < o.solvers.size(); ++i) {
+    const FuzzTally& t = o.tally[i];
+    const std::uint64_t all = t.runs + t.warm + t.spoilt;
+    std::printf("%-20s %10s %10s %9s %10s %10s %7.3f%% %8s %9s %11s\n", o.solvers[i].c_str(), grouped(t.runs).c_str(),
+                grouped(t.solved).c_str(), grouped(t.flagged).c_str(), grouped(t.proven).c_str(),
+                grouped(t.undecided).c_str(), 100 * t.decided(), grouped(t.faults).c_str(),
+                report::scientific(t.worst_z_error).c_str(),
+                report::duration(t.seconds / static_cast<double>(std::max<std::uint64_t>(1, all))).c_str());
+  }
+  constexpr std::size_t most_shown = 20;
+  if (!o.findings.empty()) std::puts("");
+  for (std::size_t k = 0; k < std::min(o.findings.size(), most_shown); ++k) {
+    const Finding& f = o.findings[k];
+    std::printf("problem %llu, %s %s\n", static_cast<unsigned long long>(f.number), f.solver.c_str(), f.what.c_str());
+    if (!f.file.empty())
+      std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file.string()).c_str(), f.solver.c_str());
+  }
+  if (o.findings.size() > most_shown)
+    std::printf("and %s more; files in %s\n", grouped(o.findings.size() - most_shown).c_str(), out.c_str());
+  if (o.interrupted) return stopped;
+  return o.findings.empty() ? done : found;
+}
+
+}  // namespace zwang

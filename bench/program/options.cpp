@@ -1,0 +1,96 @@
+#include <zwang/bench/program/options.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <stdexcept>
+
+#include <zwang/core/problem/did_you_mean.h>
+
+namespace zwang {
+
+void introduce(CLI::App& app, const std::string& name, const std::string& examples) {
+  app.name("./zwang " + name);
+  app.footer("Examples:\n" + examples);
+  app.get_formatter()->column_width(34);
+}
+
+CLI::Option* add_friction(CLI::App& app, Friction& friction) {
+  const std::map<std::string, Friction> words = {{"none", Friction::none}, {"pyramid", Friction::pyramid}};
+  return app
+      .add_option_function<std::string>(
+          "--friction",
+          [&friction, words](const std::string& word) {
+            if (!words.contains(word)) throw std::invalid_argument("--friction " + word + " should be none or pyramid");
+            friction = words.at(word);
+          },
+          "how tangential directions of FCLIB files are read: none (normal rows only) or pyramid")
+      ->type_name("WORD");
+}
+
+// CLI11's own checks let NaN pass, and print bounds with 300 digits.
+static Check number_that(std::function<bool(double)> holds, std::string expected) {
+  return [=](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    return whole && std::isfinite(value) && holds(value) ? std::string() : text + " should be a number " + expected;
+  };
+}
+
+Check from_to(double low, double high) {
+  std::ostringstream range;
+  range << "from " << low;
+  if (std::isfinite(high)) range << " to " << high;
+  return number_that([=](double value) { return value >= low && value <= high; },
+                     range.str() + (std::isfinite(high) ? "" : " on"));
+}
+
+Check above(double low) {
+  std::ostringstream range;
+  range << "above " << low;
+  return number_that([=](double value) { return value > low; }, range.str());
+}
+
+bool read(CLI::App& app, std::vector<std::string> words) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  if (!app.get_allow_extras())
+    for (const std::string& word : words) {
+      const std::string name = word.substr(0, word.find('='));
+      if (name.starts_with("--") && std::find(names.begin(), names.end(), name) == names.end())
+        throw std::invalid_argument("no option '" + name + "'" + did_you_mean(name, names) + " (" + app.get_name() +
+                                    " --help lists all)");
+    }
+  std::reverse(words.begin(), words.end());
+  try {
+    app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    std::fputs(app.help().c_str(), stdout);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    std::string line = error.what();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    throw std::invalid_argument(line + " (" + app.get_name() + " --help)");
+  }
+  return true;
+}
+
+std::vector<double> numbers(const std::string& option, const std::string& text) {
+  std::vector<double> all;
+  std::stringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || end != part.data() + part.size())
+      throw std::invalid_argument(option + " " + text + ": '" + part + "' should be a number, as in 1e-6");
+    all.push_back(value);
+  }
+  return all;
+}
+
+}  // namespace zwang

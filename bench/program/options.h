@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <zwang/core/files/problem_file.h>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace zwang {
+
+// The manners of this program's options, on top of CLI11.
+
+// Name, column width and examples of `./zwang NAME --help`.
+void introduce(CLI::App& app, const std::string& name, const std::string& examples);
+
+// False after --help was printed. Throws std::invalid_argument with one line, the nearest option's name in it.
+bool read(CLI::App& app, std::vector<std::string> words);
+
+// --friction none|pyramid
+CLI::Option* add_friction(CLI::App& app, Friction& friction);
+
+// For Option::check: "" when the text is a finite number from low to high, or above low; else what is expected.
+using Check = std::function<std::string(const std::string& text)>;
+Check from_to(double low, double high = std::numeric_limits<double>::infinity());
+Check above(double low);
+
+// "1e-2,1e-6" -> numbers. Throws std::invalid_argument.
+std::vector<double> numbers(const std::string& option, const std::string& text);
+
+}  // namespace zwang

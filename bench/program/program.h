@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace zwang {
+
+// Exit codes of the program: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped
+// with Ctrl-C.
+enum Exit : int { done = 0, found = 1, wrong_use = 2, bad_file = 3, stopped = 130 };
+
+// One word of the command line. `words`: what follows it. Throws std::invalid_argument (wrong use) or BadFile, whose
+// one line the program prints.
+struct Command {
+  std::string name;
+  std::string group;
+  std::string line;  // for --help
+  int (*run)(std::vector<std::string> words);
+};
+
+// What a host adds to the program.
+struct Extensions {
+  std::vector<Command> commands = {};
+};
+
+// The whole program: reads the command line, runs one command, returns its exit code.
+int program(int count, char** arguments, const Extensions& extensions = {});
+
+}  // namespace zwang

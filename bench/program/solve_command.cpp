@@ -1,0 +1,140 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/report/wording.h>
+#include <zwang/bench/suite/suite.h>
+#include <zwang/bench/suite/trace.h>
+#include <zwang/constraints/units.h>
+#include <zwang/core/problem/did_you_mean.h>
+
+namespace zwang {
+namespace {
+
+constexpr double time_limit = 60;  // s of CPU time
+constexpr double budget = 0.3;     // s for repetitions
+
+// The problem of that name, or the only one.
+Instance choose(const std::string& file, std::vector<Instance> all, const std::string& name) {
+  std::vector<std::string> names;
+  for (Instance& instance : all) {
+    if (instance.problem.name == name || (name.empty() && all.size() == 1)) return std::move(instance);
+    names.push_back(instance.problem.name);
+  }
+  if (!name.empty()) throw std::invalid_argument(file + ": no problem '" + name + "'" + did_you_mean(name, names));
+  std::string some;
+  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 5); ++i) some += (i ? ", " : "") + names[i];
+  throw std::invalid_argument(file + " holds " + std::to_string(names.size()) +
+                              " problems: choose one with --problem (" + some + (names.size() > 5 ? ", ...)" : ")"));
+}
+
+void print(const Result& r) {
+  const Metrics& k = r.metrics;
+  const auto line = [](const char* what, const std::string& text) { std::printf("%-10s %s\n", what, text.c_str()); };
+  line("problem", r.problem + "   " + std::to_string(r.n) + " unknowns, " + std::to_string(r.m) + " rows (" +
+                      std::to_string(r.equalities) + " equalities)");
+  line("solver", r.solver + " @ " + report::scientific(r.tolerance));
+  line("claimed", std::string(to_string(r.claimed)));
+  std::string against =
+      std::isnan(k.z_error) ? "no reference" : "z_error " + report::scientific(k.z_error) + " against " + r.reference;
+  if (std::isinf(k.z_bound))
+    against += "; no distance from the solution could be proved without one";
+  else if (!std::isnan(k.z_bound))
+    against += "; without it at most " + report::scientific(k.z_bound) + " (" + k.bound_method + ")";
+  line("verified", std::string(to_string(k.verdict)) + "   " + against);
+  line("residuals", "primal " + report::scientific(k.primal) + "   dual " + report::scientific(k.dual) +
+                        "   stationarity " + report::scientific(k.stationarity) + "   complementarity " +
+                        report::scientific(k.complementarity) + "   gap " + report::scientific(k.gap) +
+                        "   (M-norm, unit rows, relative)");
+  if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + report::scientific(k.primal));
+  for (std::size_t i = 0; i < r.worst_by_type.size(); ++i)
+    line("", r.worst_by_type[i].type + ": " + report::scientific(r.worst_by_type[i].violation) + " " +
+                 std::string(row_unit(r.worst_by_type_rows[i])) + ", " +
+                 report::scientific(r.worst_by_type[i].relative) + " relative, at " + r.worst_by_type_rows[i]);
+  if (!r.conflicting.empty()) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min<std::size_t>(r.conflicting.size(), 8); ++i)
+      names += (i ? ", " : "") + r.conflicting[i];
+    line("conflict",
+         names + (r.conflicting.size() > 8 ? ", ..." : "") + "   (certificate " + report::scientific(k.farkas) + ")");
+  }
+  line("time", report::duration(r.solve_s) + " (quartiles " + report::duration(r.solve_s_q1) + ", " +
+                   report::duration(r.solve_s_q3) + ", " + std::to_string(r.repetitions) + " repetitions)   set-up " +
+                   report::duration(r.setup_s) + "   " + std::to_string(r.iterations) + " iterations");
+  if (!r.message.empty()) line("message", r.message);
+}
+
+void print(const std::vector<TracePoint>& points) {
+  std::printf("\n%9s %11s %9s %9s %13s %9s\n", "iteration", "time", "z_error", "primal", "stationarity", "gap");
+  for (const TracePoint& p : points)
+    std::printf("%9d %11s %9s %9s %13s %9s\n", p.iteration, report::duration(p.time_s).c_str(),
+                report::scientific(p.metrics.z_error).c_str(), report::scientific(p.metrics.primal).c_str(),
+                report::scientific(p.metrics.stationarity).c_str(), report::scientific(p.metrics.gap).c_str());
+}
+
+}  // namespace
+
+int solve_command(std::vector<std::string> words) {
+  CLI::App options("Solves one problem file (FCLIB or zwang's HDF5) and says whether the answer is right.");
+  introduce(options, "solve",
+            "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls --tolerance 1e-8\n"
+            "  ./zwang solve H16.h5 --problem h3 --solver ipopt --json\n"
+            "--json prints one object: the keys of a line of results.jsonl (docs/formats.md), z and lambda; with\n"
+            "--trace also \"trace\".");
+  std::string file, name;
+  Run run;
+  bool with_trace = false, json = false;
+  Friction friction = Friction::none;
+  options.add_option("FILE", file, "the problem")->required();
+  options.add_option("--problem", name, "its name, where the file holds several")->type_name("NAME");
+  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")
+      ->required()
+      ->type_name("NAME");
+  options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
+      ->type_name("T");
+  options.add_flag("--trace", with_trace, "the iterates on the way, with the time to reach them");
+  options.add_flag("--json", json, "print one JSON object");
+  add_friction(options, friction);
+  if (!read(options, std::move(words))) return done;
+  if (!(run.tolerance > 0 && run.tolerance < 1))
+    throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
+  make_solver(run.solver);
+  run.foreign = find_solver(run.solver.substr(0, run.solver.find(':')))->foreign;
+
+  // problem
+  Instance instance = choose(file, read_problems(file, friction), name);
+  if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
+
+  const FoundReference found = reference_for(instance, reference_cache());
+  instance.reference = found.reference;
+  if (!found.note.empty()) instance.notes.push_back(found.note);
+
+  // solve -> solution -> measure
+  const std::atomic<bool> interrupted = false;
+  Dispatcher desk([](std::string_view text) { return make_solver(text); });
+  const BatchLimits limits{.time_limit = time_limit, .budget = budget};
+  const auto silent = [](double, std::size_t) {};
+  const Timed timed = time_batch(instance.problem, std::span(&run, 1), limits, desk, interrupted, silent)[0];
+  Result result = to_result(describe(instance), instance, run, timed);
+  result.problem_file = file;
+  const auto points =
+      with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
+  if (json) {
+    auto object = nlohmann::ordered_json::parse(zwang::to_json(result, &timed.solution));
+    if (with_trace) object["trace"] = nlohmann::ordered_json::array();
+    for (const TracePoint& point : points) object["trace"].push_back(nlohmann::ordered_json::parse(to_json(point)));
+    std::puts(object.dump().c_str());
+    return done;
+  }
+  for (const std::string& note : instance.notes) std::printf("Note: %s\n", note.c_str());
+  print(result);
+  if (with_trace) print(points);
+  return done;
+}
+
+}  // namespace zwang

@@ -1,0 +1,24 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/solvers/registry.h>
+
+namespace zwang {
+
+int solvers_command(std::vector<std::string> words) {
+  CLI::App options("The solvers: name, method, what it cannot do, settings.");
+  introduce(options, "solvers",
+            "  ./zwang solvers\n  ./zwang bench --solvers nnls,pgs:KEY=VALUE     a setting follows a colon");
+  if (!read(options, std::move(words))) return done;
+  for (const SolverEntry& e : solvers()) {
+    std::printf("%-18s %s%s\n", e.name.c_str(), e.method.c_str(), e.foreign ? " (in a process of its own)" : "");
+    if (!e.limits.empty()) std::printf("%-18s limits: %s\n", "", e.limits.c_str());
+    for (const SettingInfo& s : e.settings)
+      std::printf("%-18s   %s=%s   %s\n", "", s.name.c_str(), s.value.c_str(), s.help.c_str());
+  }
+  return done;
+}
+
+}  // namespace zwang

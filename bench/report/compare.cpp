@@ -1,0 +1,143 @@
+#include <zwang/bench/report/compare.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/statistics.h>
+
+namespace zwang::report {
+namespace {
+
+std::string identity(const Result& r) { return r.problem_sha256.empty() ? r.problem : r.problem_sha256; }
+
+bool holds(const Run& run, const std::string& solver) {
+  return std::any_of(run.solvers.begin(), run.solvers.end(),
+                     [&solver](const SolverInfo& s) { return s.name == solver; });
+}
+
+void append(Run& out, const Run& run, const Run& other, const std::string& mark,
+            std::map<std::string, std::string>& name_of) {
+  const auto shown = [&other, &mark](const std::string& solver) {
+    return holds(other, solver) ? solver + " @" + mark : solver;
+  };
+  for (SolverInfo s : run.solvers) {
+    s.style = s.name;
+    s.name = shown(s.name);
+    s.second = mark == "B";
+    out.solvers.push_back(s);
+  }
+  std::map<std::string, std::string> renamed;
+  for (Result r : run.results) {
+    renamed[r.problem] = name_of.try_emplace(identity(r), r.problem).first->second;
+    r.problem = renamed[r.problem];
+    r.solver = shown(r.solver);
+    out.results.push_back(r);
+  }
+  for (TracePoint t : run.traces) {
+    if (const auto it = renamed.find(t.problem); it != renamed.end()) t.problem = it->second;
+    t.solver = shown(t.solver);
+    out.traces.push_back(t);
+  }
+  out.conditions.emplace_back("run " + mark, run.dir.generic_string());
+  for (const auto& [name, value] : run.conditions) out.conditions.emplace_back(name + " @" + mark, value);
+  for (const std::string& note : run.notes)
+    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end()) out.notes.push_back(note);
+  if (!run.torn.empty()) out.torn += (out.torn.empty() ? "" : " ") + ("Run " + mark + ": ") + run.torn;
+}
+
+// Results of one solver by the identity of their problem.
+std::map<std::string, std::vector<const Result*>> by_problem(const Run& run, const std::string& solver) {
+  std::map<std::string, std::vector<const Result*>> out;
+  for (const Result& r : run.results)
+    if (r.solver == solver) out[identity(r)].push_back(&r);
+  return out;
+}
+
+int lies(const std::vector<const Result*>& runs) {
+  return static_cast<int>(std::count_if(runs.begin(), runs.end(), [](const Result* r) { return r->lies(); }));
+}
+
+}  // namespace
+
+Run merged(const Run& a, const Run& b) {
+  Run out;
+  std::map<std::string, std::string> name_of;  // problem contents -> the name it first had
+  append(out, a, b, "A", name_of);
+  append(out, b, a, "B", name_of);
+  // A solver's two versions stand beside each other.
+  std::map<std::string, std::size_t> first;
+  for (const SolverInfo& s : out.solvers) first.try_emplace(s.style, first.size());
+  const auto place = [&first](const SolverInfo& s) { return std::pair(first[s.style], s.second); };
+  std::sort(out.solvers.begin(), out.solvers.end(), [&](const auto& x, const auto& y) { return place(x) < place(y); });
+  return out;
+}
+
+Table comparison_table(const Run& a, const Run& b) {
+  constexpr double error = 1e-6;
+  Table table{"comparison",
+              "",
+              {{"solver"},
+               {"problems in both", true},
+               {"reached 1e-6 @A", true},
+               {"reached 1e-6 @B", true},
+               {"time B/A", true},
+               {"lies @A", true},
+               {"lies @B", true}},
+              {}};
+  for (const SolverInfo& s : a.solvers) {
+    if (!holds(b, s.name)) continue;
+    const auto in_a = by_problem(a, s.name), in_b = by_problem(b, s.name);
+    int both = 0, reached_a = 0, reached_b = 0, lies_a = 0, lies_b = 0;
+    std::vector<double> ratios;
+    for (const auto& [problem, runs] : in_a) {
+      const auto other = in_b.find(problem);
+      if (other == in_b.end()) continue;
+      ++both;
+      const double ta = time_to_error(runs, error), tb = time_to_error(other->second, error);
+      reached_a += std::isfinite(ta);
+      reached_b += std::isfinite(tb);
+      lies_a += lies(runs);
+      lies_b += lies(other->second);
+      if (std::isfinite(ta) && std::isfinite(tb)) ratios.push_back(tb / ta);
+    }
+    const double ratio = geometric_mean(ratios);
+    const auto cell = [](int n, const char* tone = "") {
+      return Cell{std::to_string(n), static_cast<double>(n), tone};
+    };
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2fx", ratio);
+    table.rows.push_back({"",
+                          "",
+                          {{s.name},
+                           cell(both),
+                           cell(reached_a),
+                           cell(reached_b, reached_b < reached_a   ? "bad"
+                                           : reached_b > reached_a ? "good"
+                                                                   : ""),
+                           ratios.empty() ? Cell{"-"}
+                                          : Cell{text, ratio,
+                                                 ratio > 1.1   ? "warn"
+                                                 : ratio < 0.9 ? "good"
+                                                               : ""},
+                           cell(lies_a),
+                           cell(lies_b, lies_b > lies_a   ? "bad"
+                                        : lies_b < lies_a ? "good"
+                                                          : "")},
+                          ""});
+  }
+  std::string added;
+  for (const SolverInfo& s : b.solvers)
+    if (!holds(a, s.name)) added += (added.empty() ? "" : ", ") + s.name;
+  table.note =
+      table.rows.empty()
+          ? "No solver is in both runs."
+          : "Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.";
+  if (!added.empty()) table.note += " Only in run B: " + added + ".";
+  return table;
+}
+
+}  // namespace zwang::report

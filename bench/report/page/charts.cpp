@@ -1,0 +1,199 @@
+#include <zwang/bench/report/page/charts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/profile.h>
+#include <zwang/bench/report/tables/sweeps.h>
+#include <zwang/bench/report/tables/tables.h>
+#include <zwang/bench/report/tables/work_precision.h>
+#include <zwang/bench/report/wording.h>
+
+namespace zwang::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t curve_steps = 60;
+constexpr std::size_t trace_points = 60;
+
+json known(double value, int digits = 4) {
+  if (!std::isfinite(value)) return nullptr;
+  return json::parse(scientific(std::clamp(value, -1e300, 1e300),
+                                digits - 1));  // four digits draw the same picture in a third of the bytes
+}
+
+std::vector<std::string> names(const Run& run) {
+  std::vector<std::string> out;
+  for (const SolverInfo& s : run.solvers) out.push_back(s.name);
+  return out;
+}
+
+json work_precision(const Run& run) {
+  json rows = json::array();
+  for (const DrawnRun& d : work_precision_points(run)) {
+    const Result& r = *d.run;
+    rows.push_back({d.level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(d.error),
+                    known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.iterations, 6), r.claimed, r.verified, d.of,
+                    r.replay});
+  }
+  return {{"fields",
+           {"level", "family", "problem", "solver", "tolerance", "drawn", "error", "time", "q1", "q3", "iterations",
+            "claimed", "verified", "of", "replay"}},
+          {"rows", rows}};
+}
+
+// At most curve_steps steps, evenly chosen, the last one kept.
+Curve thinned(const Curve& curve) {
+  if (curve.size() <= curve_steps) return curve;
+  Curve out;
+  for (std::size_t i = 0; i < curve_steps; ++i) out.push_back(curve[i * (curve.size() - 1) / (curve_steps - 1)]);
+  return out;
+}
+
+json profiles(const Run& run) {
+  const auto solvers = names(run);
+  const auto groups = group_by_problem(run.results, solvers);
+  std::vector<std::string> families = families_of(run.results);
+  families.insert(families.begin(), "");
+  json rows = json::array();
+  for (const std::string& family : families)
+    for (const double error : error_levels) {
+      const Times times = times_to_error(groups, family, error);
+      const auto add = [&](const char* kind, const std::vector<Curve>& curves, double start) {
+        double end = start;
+        for (const Curve& curve : curves)
+          if (!curve.empty()) end = std::max(end, curve.back().at);
+        for (std::size_t s = 0; s < curves.size(); ++s) {
+          const Curve curve = thinned(curves[s]);
+          const double last = curve.empty() ? 0 : curve.back().share;
+          // Every staircase runs from the left edge to the right one, also that of a solver that solves nothing.
+          if (curve.empty() || curve.front().at > start)
+            rows.push_back({kind, family, known(error), solvers[s], known(start), 0});
+          for (const Step& step : curve)
+            rows.push_back({kind, family, known(error), solvers[s], known(step.at), known(step.share)});
+          rows.push_back({kind, family, known(error), solvers[s], known(1.3 * end), known(last)});
+        }
+      };
+      double first = std::numeric_limits<double>::infinity();
+      for (const auto& row : times)
+        for (const double t : row) first = std::min(first, t);
+      if (!std::isfinite(first)) continue;
+      add("ratio", performance_profile(times), 1);
+      add("time", data_profile(times), 0.8 * first);
+    }
+  return {{"fields", {"kind", "family", "level", "solver", "at", "share"}}, {"rows", rows}};
+}
+
+json sweep_states(const Run& run) {
+  json rows = json::array();
+  const auto solvers = names(run);
+  std::map<std::string, int> position;  // problems in file order, benign to hard
+  for (const ProblemRuns& group : group_by_problem(run.results, solvers)) {
+    if (!is_stability_family(group.family)) continue;
+    const int at = position[group.family]++;
+    for (const auto& runs : group.by_solver) {
+      if (runs.empty()) continue;
+      const Result& r =
+          **std::min_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->tolerance < b->tolerance; });
+      const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
+      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
+                      r.verified, r.replay, sweep_mark(r), r.problem_file});
+    }
+  }
+  return {{"fields",
+           {"family", "problem", "knob", "value", "position", "solver", "state", "error", "claimed", "verified",
+            "replay", "mark", "file"}},
+          {"rows", rows}};
+}
+
+json scaling_points(const Run& run, bool fits) {
+  json rows = json::array();
+  for (const Scaling& family : scaling(run.results, names(run), 1e-6)) {
+    if (fits)
+      for (const ScalingFit& fit : family.fits)
+        for (const double size : {fit.from, fit.to})
+          rows.push_back({family.family, fit.solver, known(size, 9),
+                          known(fit.law.factor * std::pow(size, fit.law.exponent)), known(fit.law.exponent, 3)});
+    else
+      for (const ScalingPoint& p : family.points)
+        rows.push_back({family.family, family.axis, p.solver, p.result->problem, known(p.size, 9), known(p.time_s),
+                        p.result->n, p.result->m, p.result->replay});
+  }
+  if (fits) return {{"fields", {"family", "solver", "size", "time", "exponent"}}, {"rows", rows}};
+  return {{"fields", {"family", "axis", "solver", "problem", "size", "time", "n", "m", "replay"}}, {"rows", rows}};
+}
+
+json convergence(const Run& run) {
+  json rows = json::array();
+  std::map<std::pair<std::string, std::string>, std::vector<const TracePoint*>> traces;
+  std::vector<std::pair<std::string, std::string>> order;
+  for (const TracePoint& point : run.traces) {
+    auto& trace = traces[{point.problem, point.solver}];
+    if (trace.empty()) order.emplace_back(point.problem, point.solver);
+    trace.push_back(&point);
+  }
+  for (const auto& key : order) {
+    auto& trace = traces[key];
+    std::sort(trace.begin(), trace.end(), [](auto* a, auto* b) { return a->iteration < b->iteration; });
+    // Each point is a solve of its own, and times scatter; but who stops earlier cannot have needed longer.
+    std::vector<double> time(trace.size(), unknown);
+    for (std::size_t i = trace.size(); i-- > 0;)
+      time[i] = i + 1 < trace.size() ? std::fmin(trace[i]->time_s, time[i + 1]) : trace[i]->time_s;
+    // Long traces are thinned evenly in the logarithm of the iteration; first and last stay.
+    long next = 0;
+    const double growth = std::pow(static_cast<double>(std::max(trace.back()->iteration, 2L)), 1.0 / trace_points);
+    for (std::size_t i = 0; i < trace.size(); ++i) {
+      const TracePoint* p = trace[i];
+      if (trace.size() > trace_points && p->iteration < next && p != trace.back()) continue;
+      next = std::max(p->iteration + 1, static_cast<long>(static_cast<double>(p->iteration) * growth));
+      rows.push_back({p->problem, p->solver, p->iteration, known(time[i]), known(p->z_error), known(p->primal),
+                      known(p->stationarity), known(p->gap)});
+    }
+  }
+  return {{"fields", {"problem", "solver", "iteration", "time", "z_error", "primal", "stationarity", "gap"}},
+          {"rows", rows}};
+}
+
+json range_gaps(const Run& run) {
+  json rows = json::array();
+  for (const Result& r : run.results)
+    if (std::isfinite(r.range_gap) && std::isfinite(r.z_error))
+      rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap), known(r.z_error),
+                      r.claimed, r.verified, r.replay});
+  return {
+      {"fields", {"family", "problem", "solver", "m", "tolerance", "gap", "error", "claimed", "verified", "replay"}},
+      {"rows", rows}};
+}
+
+json stages(const Run& run) {
+  json rows = json::array();
+  for (const StageTimes& t : run.stages) {
+    double whole = 0;
+    for (const auto& [stage, time] : t.stages)
+      if (std::isfinite(time)) whole += time;
+    int order = 0;
+    for (const auto& [stage, time] : t.stages)
+      rows.push_back({t.contacts, stage, order++, known(time), known(time / whole, 3)});
+  }
+  return {{"fields", {"contacts", "stage", "order", "time", "share"}}, {"rows", rows}};
+}
+
+}  // namespace
+
+std::string chart_rows(const Run& run) {
+  return json{{"work-precision", work_precision(run)},
+              {"profile", profiles(run)},
+              {"sweep", sweep_states(run)},
+              {"scaling", scaling_points(run, false)},
+              {"fit", scaling_points(run, true)},
+              {"convergence", convergence(run)},
+              {"range-gap", range_gaps(run)},
+              {"stages", stages(run)}}
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace zwang::report

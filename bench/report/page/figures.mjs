@@ -1,0 +1,52 @@
+// node figures.mjs DATA.json OUT FORMAT...: every chart of a report as a file for print (svg, pdf).
+import {execFileSync} from 'node:child_process';
+import fs from 'node:fs';
+import * as vega from 'vega';
+import * as vega_lite from 'vega-lite';
+import './charts.js';
+import {use_font} from './font.mjs';
+
+const [data_file, out, ...formats] = process.argv.slice(2);
+const here = new URL('.', import.meta.url).pathname;
+const data = JSON.parse(fs.readFileSync(data_file, 'utf8'));
+const {register, spec, rows, words, all_rows} = zwang_charts;
+const font = 'Liberation Sans';
+use_font(vega, font);
+register(vega);
+
+const distinct = (name, field) => [...new Set(all_rows(data, name).map(row => row[field]))];
+const file_name = text => text.replace(/[^A-Za-z0-9]+/g, '-').replace(/^-|-$/g, '').toLowerCase();
+
+// What stands in one file: the chart, its file name, its title, and the choices made.
+const figures = [
+  ...distinct('work-precision', 'family').map(family =>
+    ['work-precision', `work-precision-${file_name(family)}`, `Work-precision: ${family}`, {family}]),
+  ['families', 'work-precision', 'Work-precision by family', {}],
+  ...['', ...data.families].map(group => ['profile', group ? `profile-${file_name(group)}` : 'profile',
+    `Performance profile at an achieved error of 10⁻⁶: ${group || 'all families'}`, {group}]),
+  ['data-profile', 'data-profile', 'Data profile at an achieved error of 10⁻⁶', {}],
+  ...distinct('convergence', 'problem').flatMap((trace, i) => ['iteration', 'time'].map(axis =>
+    [`convergence-${axis}`, `convergence-${axis}${i ? '-' + file_name(trace) : ''}`, `Convergence: ${trace}`, {trace}])),
+  ...distinct('scaling', 'family').map(sweep => ['scaling', `scaling-${file_name(sweep)}`, `Scaling: ${sweep}`, {sweep}]),
+  ['sweep', 'break-points', 'Stability families, benign to hard', {}],
+  ['range-gap', 'range-gap', 'Error against the range gap', {}],
+  ['stages', 'stages', 'Where the time of dual_active_set goes', {}],
+];
+
+const logger = vega.logger(vega.Error);
+for (const [chart, name, title, choices] of figures) {
+  const state = {on: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
+  const drawn = rows[chart](data, state);
+  if (drawn.length === 0) continue;
+  const template = JSON.parse(fs.readFileSync(`${here}../charts/${chart}.vl.json`, 'utf8'));
+  const options = {font, title: {text: title, subtitle: data.circumstances},
+                   words: {FAMILIES: data.families, COLUMNS: chart === 'sweep' ? 2 : 3, SWEEP_WIDTH: 230, FACET_WIDTH: 212, LIGHT: true, ...words[chart]?.(data, state)}};
+  const compiled = vega_lite.compile(spec(template, drawn, data.solvers, options), {logger}).spec;
+  const view = new vega.View(vega.parse(compiled), {renderer: 'none', logger});
+  const svg = `${out}/${name}.svg`;
+  fs.writeFileSync(svg, await view.toSVG());
+  view.finalize();
+  if (formats.includes('pdf'))
+    execFileSync('rsvg-convert', ['--dpi-x', '96', '--dpi-y', '96', '-f', 'pdf', '-o', `${out}/${name}.pdf`, svg]);
+  if (!formats.includes('svg')) fs.unlinkSync(svg);
+}

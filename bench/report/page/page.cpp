@@ -1,0 +1,156 @@
+#include <zwang/bench/report/page/page.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string_view>
+
+#include <zwang/bench/report/page/charts.h>
+#include <zwang/bench/report/tables/accuracy.h>
+
+// page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, lies in the program itself:
+// writing a report needs neither Node nor a file beside the program.
+asm(R"(
+  .pushsection .rodata
+  .global zwang_report_page
+  .global zwang_report_page_end
+zwang_report_page:
+  .incbin ")" ZWANG_REPORT_PAGE R"("
+zwang_report_page_end:
+  .byte 0
+  .popsection
+)");
+extern "C" const char zwang_report_page[];
+extern "C" const char zwang_report_page_end[];
+
+namespace zwang::report {
+namespace {
+
+using nlohmann::json;
+
+std::string counted(std::size_t n, const std::string& noun) {
+  std::string digits = std::to_string(n);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
+  return digits + " " + noun + (n == 1 ? "" : "s");
+}
+
+// What a reader must know to compare fairly, beside the run's own notes.
+std::vector<std::string> notes(const Run& run) {
+  const auto any = [&run](const char* part) {
+    return std::any_of(run.solvers.begin(), run.solvers.end(),
+                       [part](const SolverInfo& s) { return s.name.find(part) != std::string::npos; });
+  };
+  std::vector<std::string> out = run.notes;
+  if (any("slsqp") && any("nnls"))
+    out.push_back(
+        "NLopt's SLSQP contains the Lawson-Hanson NNLS kernel: nnls against SLSQP is in part one method against "
+        "itself.");
+  out.push_back("Times are thread CPU times; BLAS runs on one thread.");
+  if (any("cholesky")) out.push_back("CHOLMOD's modify and supernodal modules are under the GPL.");
+  out.push_back("CGAL's QP solver, a witness of references, is under the GPL.");
+  return out;
+}
+
+json to_json(const Table& table) {
+  json columns = json::array(), rows = json::array();
+  for (const Column& c : table.columns) columns.push_back({{"name", c.name}, {"numeric", c.numeric}});
+  for (const Row& row : table.rows) {
+    json cells = json::array();
+    for (const Cell& cell : row.cells) {
+      json c = {{"text", cell.text}};
+      if (std::isfinite(cell.value)) c["value"] = cell.value;
+      if (!cell.tone.empty()) c["tone"] = cell.tone;
+      cells.push_back(c);
+    }
+    json r = {{"solver", row.solver}, {"group", row.group}, {"cells", cells}};
+    if (!row.command.empty()) r["command"] = row.command;
+    rows.push_back(r);
+  }
+  return {{"note", table.note}, {"columns", columns}, {"rows", rows}};
+}
+
+}  // namespace
+
+std::vector<std::string> headline(const Run& run) {
+  if (run.results.empty()) return {"The run holds no results yet."};
+  std::map<std::string, std::size_t> verdicts, liars;
+  std::map<std::string, int> problems;
+  for (const Result& r : run.results) {
+    ++verdicts[r.verified];
+    ++problems[r.problem];
+    if (r.lies()) ++liars[r.solver];
+  }
+  const std::size_t right = verdicts["solved"] + verdicts["infeasible, proven"], near = verdicts["near"],
+                    wrong = verdicts["wrong"], undecided = verdicts["undecided"] + verdicts["infeasible, claimed only"],
+                    blank = verdicts["unsupported"] + verdicts["bad input"];
+  const std::size_t failed = run.results.size() - right - near - wrong - undecided - blank;
+  std::string counts = counted(run.results.size(), "run") + " of " + counted(run.solvers.size(), "solver") + " on " +
+                       counted(problems.size(), "problem") + ": " + std::to_string(right) + " right";
+  for (const auto& [n, what] : {std::pair(near, "near"),
+                                {wrong, "wrong"},
+                                {undecided, "undecided"},
+                                {failed, "without an answer"},
+                                {blank, "not applicable"}})
+    if (n > 0) counts += ", " + std::to_string(n) + " " + what;
+  std::string lies;
+  std::size_t total = 0;
+  for (const auto& [solver, n] : liars) {
+    lies += (lies.empty() ? "" : ", ") + solver + " " + std::to_string(n);
+    total += n;
+  }
+  std::vector<std::string> lines = {
+      counts + ".", total == 0 ? "No run claimed success, or infeasibility, where the referee found the opposite."
+                               : counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") +
+                                     " wrong (" + lies + "): see the first table."};
+  if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
+  if (!run.torn.empty()) lines.push_back(run.torn);
+  return lines;
+}
+
+std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables) {
+  json solvers = json::array();
+  for (const SolverInfo& s : run.solvers)
+    solvers.push_back(
+        {{"name", s.name}, {"method", s.method}, {"style", s.style.empty() ? s.name : s.style}, {"second", s.second}});
+  json all;
+  for (const Table& table : tables) all[table.id] = to_json(table);
+  std::string circumstances;
+  for (const auto& [name, value] : run.conditions)
+    if (name == "commit" || name == "compiler" || name == "CPU" || name == "seed")
+      circumstances += (circumstances.empty() ? "" : ", ") + (name == "commit" || name == "seed" ? name + " " : "") +
+                       (name == "commit" ? value.substr(0, 12) : value);
+  const json about = {{"title", text.title},
+                      {"headline", text.headline},
+                      {"circumstances", circumstances},
+                      {"notes", notes(run)},
+                      {"solvers", solvers},
+                      {"families", families_of(run.results)},
+                      {"levels", error_levels},
+                      {"tables", all}};
+  std::string data = about.dump(-1, ' ', false, json::error_handler_t::replace);
+  data.back() = ',';  // the rows join the object as they are
+  return data + "\"charts\":" + chart_rows(run) + "}";
+}
+
+std::string page(const std::string& data) {
+  return filled({zwang_report_page, static_cast<std::size_t>(zwang_report_page_end - zwang_report_page)}, data);
+}
+
+std::string filled(std::string_view whole, const std::string& data) {
+  constexpr std::string_view slot = "{\"slot\":\"data\"}";
+  const std::size_t at = whole.find(slot);
+  if (at == std::string_view::npos) throw std::logic_error("the embedded report page has no place for its data");
+  std::string out(whole.substr(0, at));
+  out.reserve(whole.size() + data.size());
+  for (const char ch : data)
+    if (ch == '<')
+      out += "\\u003c";  // no "</script" in the data can end its element
+    else
+      out += ch;
+  out += whole.substr(at + slot.size());
+  return out;
+}
+
+}  // namespace zwang::report

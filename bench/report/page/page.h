@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <zwang/bench/report/tables/tables.h>
+
+namespace zwang::report {
+
+// What a page says beyond its charts.
+struct PageText {
+  std::string title;
+  std::vector<std::string> headline;  // sentences, most important first
+};
+
+std::vector<std::string> headline(const Run& run);
+
+// Everything the page and the figures draw, as one JSON object.
+std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables);
+
+// The page embedded at build time with the data in its place.
+std::string page(const std::string& data);
+// Any bundled page with its slot for data filled.
+std::string filled(std::string_view page, const std::string& data);
+
+}  // namespace zwang::report

@@ -1,0 +1,214 @@
+#include <zwang/bench/report/results.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <zwang/bench/report/wording.h>
+
+namespace zwang::report {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+double number(const json& line, const char* key) {
+  const auto it = line.find(key);
+  return it != line.end() && it->is_number() ? it->get<double>() : unknown;
+}
+
+long count(const json& line, const char* key) {
+  const double value = number(line, key);
+  return std::isfinite(value) ? static_cast<long>(value) : 0;
+}
+
+std::string text(const json& line, const char* key) {
+  const auto it = line.find(key);
+  if (it == line.end() || it->is_null()) return "";
+  return it->is_string() ? it->get<std::string>() : it->dump();
+}
+
+bool flag(const json& line, const char* key) {
+  const auto it = line.find(key);
+  return it != line.end() && it->is_boolean() && it->get<bool>();
+}
+
+void read(const json& line, const char* key, std::string& into) { into = text(line, key); }
+void read(const json& line, const char* key, double& into) { into = number(line, key); }
+void read(const json& line, const char* key, long& into) { into = count(line, key); }
+void read(const json& line, const char* key, bool& into) { into = flag(line, key); }
+
+// Key, member, key, member, ...
+template <class Member, class... Rest>
+void read(const json& line, const char* key, Member& into, Rest&&... rest) {
+  read(line, key, into);
+  read(line, rest...);
+}
+
+Result parse_result(const json& line) {
+  for (const char* key : {"problem", "solver", "tolerance", "claimed", "verified"})
+    if (!line.contains(key))
+      throw std::runtime_error(std::string("no result of this version of zwang: it has no \"") + key + "\"");
+  Result r;
+  read(line, "problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value, "problem_sha256",
+       r.problem_sha256, "problem_file", r.problem_file, "n", r.n, "m", r.m, "equalities", r.equalities);
+  read(line, "solver", r.solver, "tolerance", r.tolerance, "claimed", r.claimed, "verified", r.verified, "reference",
+       r.reference, "bound_method", r.bound_method, "message", r.message, "worst_row", r.worst_row, "fallback",
+       r.fallback);
+  read(line, "z_error", r.z_error, "z_bound", r.z_bound, "primal", r.primal, "stationarity", r.stationarity, "gap",
+       r.gap, "range_gap", r.range_gap);
+  read(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
+       "kernel_s", r.kernel_s, "allocations", r.allocations, "iterations", r.iterations, "repetitions", r.repetitions);
+  if (r.family.empty()) r.family = r.problem;
+  if (const auto it = line.find("feasible"); it != line.end() && it->is_boolean()) r.feasible = it->get<bool>();
+  for (const json& row : line.value("worst_by_type", json::array())) {
+    WorstRow& worst = r.worst_by_type.emplace_back();
+    read(row, "type", worst.type, "row", worst.row, "unit", worst.unit, "violation", worst.violation, "relative",
+         worst.relative);
+  }
+  for (const json& name : line.value("conflicting", json::array())) r.conflicting.push_back(name.get<std::string>());
+  return r;
+}
+
+TracePoint parse_trace(const json& line) {
+  TracePoint p;
+  read(line, "problem", p.problem, "family", p.family, "solver", p.solver, "iteration", p.iteration, "time_s", p.time_s,
+       "z_error", p.z_error, "primal", p.primal, "stationarity", p.stationarity, "gap", p.gap);
+  return p;
+}
+
+void parse_start(const json& part, SequenceTimes::Start& s) {
+  read(part, "frames", s.frames, "checked", s.checked, "right", s.right, "solve_s", s.solve_s, "iterations",
+       s.iterations, "allocations", s.allocations, "worst_z_error", s.worst_z_error);
+}
+
+void parse_speed(const json& line, Run& run) {
+  const std::string kind = text(line, "kind");
+  if (kind == "assembly") {
+    AssemblyTimes& t = run.assembly.emplace_back();
+    read(line, "scene", t.scene, "contacts", t.contacts, "n", t.n, "m", t.m, "allocations", t.allocations, "assemble_s",
+         t.assemble_s, "islands_s", t.islands_s, "kernel_s", t.kernel_s);
+  }
+  if (kind == "stages") {
+    StageTimes& t = run.stages.emplace_back();
+    read(line, "scene", t.scene, "contacts", t.contacts);
+    for (const char* stage : {"checks", "whiten", "joints", "climb", "refine"})
+      t.stages.emplace_back(stage, number(line, stage));
+  }
+  if (kind == "sequence") {
+    SequenceTimes t;
+    read(line, "sequence", t.sequence, "solver", t.solver);
+    parse_start(line.at("cold"), t.cold);
+    parse_start(line.at("warm"), t.warm);
+    run.sequences.push_back(std::move(t));
+  }
+}
+
+// Only a last line without its newline may be bad: the suite writes whole lines.
+template <class Parse>
+void read_lines(const fs::path& file, std::string& torn, Parse parse) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot read " + file.string());
+  std::string line;
+  for (int row = 1; std::getline(in, line); ++row) {
+    if (line.empty()) continue;
+    try {
+      parse(json::parse(line));
+    } catch (const std::exception& error) {
+      if (!in.eof()) {
+        const bool json_error = dynamic_cast<const json::exception*>(&error) != nullptr;
+        throw std::runtime_error(file.string() + " line " + std::to_string(row) + ": " +
+                                 (json_error ? "not what zwang writes" : error.what()));
+      }
+      torn = "The last line of " + file.filename().string() + " is torn (the run was killed) and left out.";
+    }
+  }
+}
+
+std::string joined(const json& list) {
+  std::string out;
+  for (const json& item : list)
+    out += (out.empty() ? "" : ", ") + (item.is_number() ? scientific(item, 0) : item.dump());
+  return out;
+}
+
+void read_conditions(const json& about, Run& run) {
+  const auto add = [&run](const std::string& name, const std::string& value) {
+    if (!value.empty()) run.conditions.emplace_back(name, value);
+  };
+  run.suite = text(about, "suite");
+  run.commit = text(about, "commit");
+  add("zwang", text(about, "version"));
+  add("commit", run.commit.empty() ? "" : run.commit + (flag(about, "dirty") ? " with uncommitted changes" : ""));
+  add("suite", run.suite);
+  add("command", text(about, "command"));
+  add("started", text(about, "started"));
+  add("finished", about.contains("finished") && about["finished"].is_null() ? "not finished" : text(about, "finished"));
+  add("seed", text(about, "seed"));
+  add("tolerances", joined(about.value("tolerances", json::array())));
+  add("problems", text(about, "problems"));
+  add("compiler", text(about, "compiler"));
+  add("flags", text(about, "flags"));
+  add("build type", text(about, "build_type"));
+  add("CPU", text(about, "cpu"));
+  add("cores", text(about, "cores"));
+  const json libraries = about.value("libraries", json::object());
+  for (const auto& [name, version] : libraries.items())
+    add(name, version.is_string() ? version.get<std::string>() : version.dump());
+  for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
+  for (const json& line : about.value("solvers", json::array())) {
+    SolverInfo& s = run.solvers.emplace_back();
+    read(line, "name", s.name, "method", s.method, "limits", s.limits, "foreign", s.foreign);
+  }
+}
+
+std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::* field) {
+  std::vector<std::string> names;
+  for (const Result& r : results)
+    if (std::find(names.begin(), names.end(), r.*field) == names.end()) names.push_back(r.*field);
+  return names;
+}
+
+}  // namespace
+
+Run read_run(const fs::path& dir) {
+  Run run;
+  run.dir = dir;
+  run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
+  read_lines(dir / "results.jsonl", run.torn, [&run](const json& line) {
+    run.results.push_back(parse_result(line));
+    run.results.back().replay = replay_command(run.dir, run.results.back());
+  });
+  if (fs::exists(dir / "traces.jsonl"))
+    read_lines(dir / "traces.jsonl", run.torn, [&run](const json& line) { run.traces.push_back(parse_trace(line)); });
+  if (fs::exists(dir / "speed.jsonl"))
+    read_lines(dir / "speed.jsonl", run.torn, [&run](const json& line) { parse_speed(line, run); });
+  if (fs::exists(dir / "run.json")) {
+    std::ifstream in(dir / "run.json");
+    try {
+      read_conditions(json::parse(in), run);
+    } catch (const json::exception&) {
+      throw std::runtime_error((dir / "run.json").string() + ": not what zwang writes");
+    }
+  }
+  for (const std::string& name : solvers_of(run.results))
+    if (std::none_of(run.solvers.begin(), run.solvers.end(), [&name](const SolverInfo& s) { return s.name == name; }))
+      run.solvers.push_back({.name = name});
+  std::erase_if(run.solvers, [&run](const SolverInfo& s) {
+    return std::none_of(run.results.begin(), run.results.end(), [&s](const Result& r) { return r.solver == s.name; });
+  });
+  return run;
+}
+
+std::vector<std::string> families_of(const std::vector<Result>& results) { return distinct(results, &Result::family); }
+std::vector<std::string> solvers_of(const std::vector<Result>& results) { return distinct(results, &Result::solver); }
+
+std::string replay_command(const fs::path& dir, const Result& result) {
+  const fs::path file = result.problem_file.empty() ? fs::path(result.problem) : dir / result.problem_file;
+  return "./zwang solve " + shell_word(file.generic_string()) + " --solver " + shell_word(result.solver) +
+         " --tolerance " + scientific(result.tolerance, 0);
+}
+
+}  // namespace zwang::report

@@ -1,0 +1,122 @@
+#include <zwang/bench/report/tables/sweeps.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <zwang/bench/report/tables/stability.h>
+
+namespace zwang::report {
+namespace {
+
+constexpr double broken = 1e-6;  // an error above this is a broken answer, whatever the tolerance
+
+const Result* tightest(const std::vector<const Result*>& runs) {
+  const auto it = std::min_element(runs.begin(), runs.end(),
+                                   [](const Result* a, const Result* b) { return a->tolerance < b->tolerance; });
+  return it == runs.end() ? nullptr : *it;
+}
+
+// The size a family sweeps: its knob where rows or columns grow with it, else the rows.
+double size_of(const Result& r) { return std::isfinite(r.knob_value) ? r.knob_value : static_cast<double>(r.m); }
+
+}  // namespace
+
+bool is_stability_family(const std::string& family) {
+  return std::ranges::any_of(stability_families(), [&](const StabilityFamily& f) { return f.name == family; });
+}
+
+std::string sweep_state(const Result& r) {
+  if (r.is_blank()) return "";
+  const bool infeasible_right = r.verified == "infeasible, proven";
+  if (infeasible_right || (r.z_error <= broken && r.feasible != std::optional(false))) return "right";
+  if (r.lies()) return "lies";
+  const bool answer = std::isfinite(r.z_error);
+  if (answer && r.claims_solved()) return "lies";  // wrong by more than 1e-6 and says solved, at the tightest tolerance
+  if (!answer && r.verified == "undecided") return "undecided";
+  if (r.verified == "infeasible, claimed only" && r.feasible == std::optional(false)) return "undecided";
+  if (!answer && (r.verified == "solved" || r.verified == "near")) return r.z_bound <= broken ? "right" : "undecided";
+  return "fails";
+}
+
+std::string sweep_mark(const Result& r) {
+  const std::string state = sweep_state(r);
+  if (state.empty() || state == "lies") return "";
+  if (r.verified == "crashed") return "c";
+  if (r.verified == "timeout") return "t";
+  if (state == "fails") return r.claimed == "solved, ill-conditioned" ? "w" : "\u00d7";
+  if (state == "undecided") return "?";
+  const bool warned = r.claimed == "solved, ill-conditioned";
+  if (warned || r.fallback) return warned && r.fallback ? "wf" : warned ? "w" : "f";
+  return std::isfinite(r.z_error) ? "" : "\u2713";
+}
+
+std::vector<BreakPoint> break_points(const std::vector<Result>& results, const std::vector<std::string>& solvers) {
+  std::map<std::pair<std::string, std::string>, BreakPoint> found;
+  std::vector<std::pair<std::string, std::string>> order;
+  for (const ProblemRuns& group : group_by_problem(results, solvers)) {
+    if (!is_stability_family(group.family)) continue;
+    for (std::size_t s = 0; s < solvers.size(); ++s) {
+      const Result* r = tightest(group.by_solver[s]);
+      if (!r) continue;
+      const auto key = std::pair(group.family, solvers[s]);
+      auto [it, fresh] =
+          found.try_emplace(key, BreakPoint{.family = group.family, .solver = solvers[s], .knob = r->knob});
+      if (fresh) order.push_back(key);
+      BreakPoint& point = it->second;
+      const std::string state = sweep_state(*r);
+      if (state.empty()) continue;
+      ++point.problems;
+      if (state == "undecided") ++point.undecided;
+      if ((state == "fails" || state == "lies") && !point.fails) point.fails = r;
+      if (state == "lies" && !point.lies) point.lies = r;
+    }
+  }
+  std::vector<BreakPoint> table;
+  for (const auto& key : order) table.push_back(found[key]);
+  return table;
+}
+
+std::vector<Scaling> scaling(const std::vector<Result>& results, const std::vector<std::string>& solvers,
+                             double error) {
+  std::vector<Scaling> all;
+  const std::vector<ProblemRuns> groups = group_by_problem(results, solvers);
+  for (const std::string& family : families_of(results)) {
+    std::set<double> sizes;
+    std::set<std::pair<long, long>> shapes;
+    std::string axis = "rows m";
+    for (const Result& r : results)
+      if (r.family == family && size_of(r) > 0) {
+        sizes.insert(size_of(r));
+        shapes.insert({r.n, r.m});
+        if (std::isfinite(r.knob_value) && !r.knob.empty()) axis = r.knob;
+      }
+    if (sizes.size() < 3 || shapes.size() < 3) continue;
+    Scaling family_scaling{family, axis, {}, {}};
+    const double middle = std::min(std::sqrt(*sizes.begin() * *sizes.rbegin()), *std::next(sizes.rbegin(), 2));
+    for (std::size_t s = 0; s < solvers.size(); ++s) {
+      std::map<double, std::vector<double>> times;
+      std::map<double, const Result*> example;
+      for (const ProblemRuns& group : groups) {
+        if (group.family != family || group.by_solver[s].empty()) continue;
+        const Result* r = tightest(group.by_solver[s]);
+        const double t = time_to_error(group.by_solver[s], error), size = size_of(*r);
+        if (!std::isfinite(t) || !(size > 0)) continue;
+        times[size].push_back(t);
+        example[size] = r;
+      }
+      std::vector<double> x, y;
+      for (const auto& [size, seconds] : times) {
+        const double t = std::max(median(seconds), 1e-9);
+        family_scaling.points.push_back({example[size], solvers[s], size, t});
+        if (size >= middle * (1 - 1e-12)) x.push_back(size), y.push_back(t);
+      }
+      if (x.size() >= 3) family_scaling.fits.push_back({solvers[s], x.front(), x.back(), fit_power_law(x, y)});
+    }
+    all.push_back(family_scaling);
+  }
+  return all;
+}
+
+}  // namespace zwang::report

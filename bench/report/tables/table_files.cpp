@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include <zwang/bench/report/tables/tables.h>
+
+namespace zwang::report {
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+std::string joined(const std::vector<std::string>& fields, const char* separator) {
+  std::string out;
+  for (const std::string& field : fields) {
+    if (&field != &fields.front()) out += separator;
+    out += field;
+  }
+  return out;
+}
+
+std::string csv_field(const std::string& text) {
+  return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + replaced(text, "\"", "\"\"") + '"';
+}
+
+// Our texts are ASCII; what TeX reads as commands is escaped, the backslash first.
+std::string tex_text(std::string text) {
+  text = replaced(std::move(text), "\\", "\\textbackslash ");
+  for (const char* special : {"_", "%", "&", "#", "$", "{", "}"})
+    text = replaced(std::move(text), special, std::string("\\") + special);
+  text = replaced(std::move(text), "^", "\\^{}");
+  text = replaced(std::move(text), "|", "$|$");
+  text = replaced(std::move(text), "<=", "$\\le$");
+  return replaced(std::move(text), " us", " $\\mu$s");
+}
+
+}  // namespace
+
+std::string to_csv(const Table& table) {
+  std::vector<std::string> fields;
+  for (const Column& column : table.columns) fields.push_back(csv_field(column.name));
+  std::string out = joined(fields, ",") + "\n";
+  for (const Row& row : table.rows) {
+    fields.clear();
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+      const Cell& cell = row.cells[i];
+      char number[32];
+      std::snprintf(number, sizeof number, "%.9g", cell.value);
+      fields.push_back(table.columns[i].numeric && std::isfinite(cell.value) ? number : csv_field(cell.text));
+    }
+    out += joined(fields, ",") + "\n";
+  }
+  return out;
+}
+
+std::string to_tex(const Table& table) {
+  std::string out = "% " + table.note + "\n\\begin{tabular}{";
+  std::vector<std::string> fields;
+  for (const Column& column : table.columns) {
+    out += column.numeric ? 'r' : 'l';
+    fields.push_back(tex_text(column.name));
+  }
+  out += "}\n\\hline\n" + joined(fields, " & ") + " \\\\\n\\hline\n";
+  for (const Row& row : table.rows) {
+    fields.clear();
+    for (const Cell& cell : row.cells) fields.push_back(tex_text(cell.text));
+    out += joined(fields, " & ") + " \\\\\n";
+  }
+  return out + "\\hline\n\\end{tabular}\n";
+}
+
+}  // namespace zwang::report

@@ -1,0 +1,124 @@
+#include <zwang/bench/report/tables/tables.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include <zwang/bench/report/tables/cells.h>
+#include <zwang/bench/report/tables/sweeps.h>
+
+namespace zwang::report {
+
+std::string knob_text(double value) {
+  if (!std::isfinite(value)) return "";
+  int exponent = 0;
+  if (const double mantissa = std::frexp(std::abs(value), &exponent);
+      mantissa == 0.5 && (exponent < -2 || exponent > 10))
+    return std::string(value < 0 ? "-" : "") + "2^" + std::to_string(exponent - 1);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+Table break_point_table(const Run& run) {
+  Table table{"break-points", "", {{"solver"}}, {}};
+  std::vector<std::string> families;
+  std::map<std::string, std::map<std::string, BreakPoint>> found;
+  for (const BreakPoint& point : break_points(run.results, names(run))) {
+    if (std::find(families.begin(), families.end(), point.family) == families.end()) {
+      families.push_back(point.family);
+      table.columns.push_back({point.family + (point.knob.empty() ? "" : " (" + point.knob + ")")});
+    }
+    found[point.solver][point.family] = point;
+  }
+  for (const std::string& solver : names(run)) {
+    if (!found.contains(solver)) continue;
+    Row row{solver, "", {{solver}}, ""};
+    for (const std::string& family : families) {
+      const auto it = found[solver].find(family);
+      if (it == found[solver].end() || it->second.problems == 0) {
+        row.cells.push_back({"unsupported"});
+        continue;
+      }
+      const BreakPoint& p = it->second;
+      const auto at = [](const Result* r) {
+        return r ? (std::isfinite(r->knob_value) ? knob_text(r->knob_value) : r->problem) : "never";
+      };
+      Cell cell{at(p.fails) + " / " + at(p.lies), p.fails ? p.fails->knob_value : unknown,
+                p.lies    ? "bad"
+                : p.fails ? "warn"
+                          : "good"};
+      if (p.undecided) cell.text += " (" + std::to_string(p.undecided) + " undecided)";
+      row.cells.push_back(cell);
+    }
+    table.rows.push_back(row);
+  }
+  table.note =
+      table.rows.empty()
+          ? "This run holds none of the stability families (docs/stability.md)."
+          : "First knob value, from benign to hard, where z fails / where the status lies, each solver at its tightest "
+            "tolerance. Fails: error above 1e-6, no answer, or a wrong word on feasibility. Lies: claims to be right "
+            "there.";
+  return table;
+}
+
+Table reference_table(const Run& run) {
+  Table table{"references",
+              "What the referee's truth rests on.",
+              {{"family"}, {"problems", true}, {"reference"}, {"infeasible", true}},
+              {}};
+  std::vector<std::string> families = families_of(run.results);
+  for (const std::string& family : families) {
+    std::map<std::string, std::set<std::string>> by_reference;
+    std::set<std::string> problems, infeasible;
+    for (const Result& r : run.results) {
+      if (r.family != family) continue;
+      problems.insert(r.problem);
+      by_reference[r.reference.empty() ? "none (bound only)" : r.reference].insert(r.problem);
+      if (r.feasible == std::optional(false)) infeasible.insert(r.problem);
+    }
+    std::string text;
+    for (const auto& [name, which] : by_reference)
+      text += (text.empty() ? "" : "; ") + name + (by_reference.size() > 1 ? ": " + std::to_string(which.size()) : "");
+    table.rows.push_back({"",
+                          family,
+                          {{family},
+                           {std::to_string(problems.size()), static_cast<double>(problems.size())},
+                           {text},
+                           count_cell(static_cast<int>(infeasible.size()))},
+                          ""});
+  }
+  if (table.rows.empty()) table.note = "The run holds no results.";
+  return table;
+}
+
+Table solver_table(const Run& run) {
+  Table table{"solvers", "", {{"solver"}, {"method"}, {"limits"}, {"runs in"}}, {}};
+  for (const SolverInfo& s : run.solvers)
+    table.rows.push_back(
+        {s.name, "", {{s.name}, {s.method}, {s.limits}, {s.foreign ? "a child process" : "this process"}}, ""});
+  if (table.rows.empty()) table.note = "No solver has run yet.";
+  return table;
+}
+
+Table conditions_table(const Run& run) {
+  Table table{"conditions", "", {{"condition"}, {"value"}}, {}};
+  for (const auto& [name, value] : run.conditions) table.rows.push_back({"", "", {{name}, {value}}, ""});
+  if (table.rows.empty()) table.note = "The run has no run.json: its circumstances are unknown.";
+  return table;
+}
+
+std::vector<Table> all_tables(const Run& run) {
+  std::vector<Table> tables = {claims_table(run),    accuracy_table(run), means_table(run),      break_point_table(run),
+                               exponent_table(run),  verdict_table(run),  worst_row_table(run),  range_gap_table(run),
+                               reference_table(run), solver_table(run),   conditions_table(run), stability_table(run)};
+  if (!run.assembly.empty() || !run.sequences.empty())
+    for (Table& table :
+         std::vector{speed_table(run), speed_exponent_table(run), sequence_table(run), assembly_table(run)})
+      tables.push_back(std::move(table));
+  return tables;
+}
+
+}  // namespace zwang::report

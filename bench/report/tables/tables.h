@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <zwang/bench/report/results.h>
+
+namespace zwang::report {
+
+struct Cell {
+  std::string text = {};
+  double value = unknown;  // what .csv holds and sorting uses; NaN where the text is all there is
+  std::string tone = {};   // "bad", "good", "warn" or ""
+};
+
+struct Column {
+  std::string name;
+  bool numeric = false;
+};
+
+struct Row {
+  std::string solver = {}, group = {};  // what the chips and the family selector show and hide; "" stays
+  std::vector<Cell> cells = {};
+  std::string command = {};  // replays the row's run
+};
+
+// One table of the page, of a .csv and of a .tex file.
+struct Table {
+  std::string id, note;  // note: what the figures mean, or why there are none
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+};
+
+Table claims_table(const Run& run);       // every claim the referee rejects, runs that lie first
+Table accuracy_table(const Run& run);     // time at equal achieved error, per family and over all ("all")
+Table means_table(const Run& run);        // shifted geometric means, two shifts
+Table break_point_table(const Run& run);  // first failure / first lie of each solver on each stability family
+Table stability_table(const Run& run);    // a paragraph on each stability family of the run
+Table exponent_table(const Run& run);     // fitted scaling exponents
+Table verdict_table(const Run& run);      // counts of claimed against verified, per solver
+Table worst_row_table(const Run& run);    // worst violated row per constraint type, among claims of success
+Table range_gap_table(const Run& run);    // |J k - c| / |c| against the error, where a solver reports it
+Table reference_table(const Run& run);    // what the truth rests on, per family
+Table solver_table(const Run& run);       // method and limits
+Table conditions_table(const Run& run);   // commit, compiler, CPU, libraries, seed
+// Of the speed suite:
+Table speed_table(const Run& run);           // time, kernels, ratios, error and verdict per size and solver
+Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
+Table sequence_table(const Run& run);        // cold and warm over frames
+Table assembly_table(const Run& run);
+std::vector<Table> all_tables(const Run& run);  // those of the speed suite only where it ran
+
+std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
+
+std::string to_csv(const Table& table);
+std::string to_tex(const Table& table);
+
+}  // namespace zwang::report

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <zwang/core/referee/measure.h>
+
+namespace zwang {
+
+// One line of results.jsonl: what one solver made of one problem at one tolerance (docs/formats.md).
+struct Result {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  // the problem
+  std::string problem = {}, family = {}, knob = {};
+  double knob_value = 0;
+  Index n = 0, m = 0, equalities = 0;
+  std::uint64_t seed = 0;
+  std::string problem_sha256 = {}, problem_file = {};
+  std::string reference = {};  // its method, or ""
+  double reference_bound = unknown;
+  enum class Feasible { no, yes, unknown } feasible = Feasible::unknown;
+  // the run
+  std::string solver = {};
+  bool foreign = false;
+  double tolerance = unknown;
+  int batch = 0;
+  // the verdict
+  Status claimed = Status::unsolved;
+  Metrics metrics = {};
+  std::string worst_row = {};
+  std::vector<TypeResidual> worst_by_type = {};
+  std::vector<std::string> worst_by_type_rows = {};  // their names
+  std::vector<std::string> conflicting = {};
+  // the cost, s of thread CPU time
+  double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;
+  double kernel_s = unknown;  // the neutral kernel's median in the same batch
+  double allocations = unknown;
+  int repetitions = 0;
+  // the solver's own words
+  int iterations = 0;
+  Margins margins = {};
+  std::size_t redundant = 0;
+  bool fallback = false;
+  double range_gap = unknown;  // |J k - c| / |c| of nnls_paper
+  std::string message = {};
+};
+
+// Says solved of a wrong z, or infeasible of a feasible problem (or the reverse).
+bool lies(Status claimed, Verdict verdict);
+
+// The name of row i for people: its origin, or "row 17".
+std::string row_name(const Instance& instance, Index i);
+
+// The parts of a result that the problem alone decides, and the referee's.
+Result describe(const Instance& instance);
+void judge(Result& result, const Instance& instance, const Solution& solution);
+
+// One JSON object, without a line's end: NaN is null, +-Inf is +-1.797e308. With a solution: its z and lambda too.
+std::string to_json(const Result& result, const Solution* with = nullptr);
+
+// What names a line within its run.
+using RunName = std::tuple<std::string, std::string, double>;  // problem_file, solver, tolerance
+
+struct Tally {
+  std::size_t runs = 0, solved = 0, near = 0, wrong = 0, undecided = 0, failed = 0, unsupported = 0, lies = 0;
+  void count(Status claimed, Verdict verdict);
+};
+
+// An append-only file of lines, on the disk when append() returns.
+class ResultFile {
+ public:
+  explicit ResultFile(const std::filesystem::path& file);
+  ~ResultFile();
+  ResultFile(const ResultFile&) = delete;
+  ResultFile& operator=(const ResultFile&) = delete;
+  void append(const std::vector<std::string>& lines);
+
+ private:
+  int file_;
+};
+
+// The lines of a stored run. A last line that a killed run left torn is cut off the file. Throws BadFile where any
+// other line is no JSON object of this kind.
+struct Stored {
+  std::set<RunName> finished = {};
+  Tally tally = {};
+};
+Stored load_results(const std::filesystem::path& file);
+
+}  // namespace zwang

@@ -1,0 +1,187 @@
+#include <zwang/bench/timing/batch.h>
+
+#include <benchmark/benchmark.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <zwang/bench/timing/neutral_kernel.h>
+
+namespace zwang {
+namespace {
+
+constexpr double sample_s = 50e-6;  // a reading of the thread's clock costs 0.3 us
+// Longer solves do without an untimed one before them: other solvers have emptied the caches, which is a percent of
+// such a solve. With 1 ms here, 64 hands (1.3 ms, 1.4 MB) paid 8 % where 32 paid nothing, and time seemed to grow
+// faster.
+constexpr double warmed_s = 10e-3;
+
+int solves_per_sample(double seconds) {
+  return static_cast<int>(std::clamp(std::ceil(sample_s / std::max(seconds, 1e-9)), 1.0, 1000.0));
+}
+
+bool has_answer(const Timed& t) {
+  switch (t.solution.status) {
+    case Status::solved:
+    case Status::solved_ill_conditioned:
+    case Status::infeasible:
+    case Status::iteration_limit:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// Google Benchmark's reporter: takes the repetitions' times, prints nothing.
+class Samples final : public benchmark::BenchmarkReporter {
+ public:
+  Samples(std::vector<Timed>& timed, std::vector<double>& kernel) : timed_(timed), kernel_(kernel) {}
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>& repetitions) override {
+    for (const Run& r : repetitions)
+      if (r.run_type == Run::RT_Iteration && !r.error_occurred) {
+        const std::size_t i = std::stoul(r.run_name.function_name);
+        (i < timed_.size() ? timed_[i].samples : kernel_)
+            .push_back(r.real_accumulated_time / static_cast<double>(r.iterations));
+      }
+  }
+
+ private:
+  std::vector<Timed>& timed_;
+  std::vector<double>& kernel_;
+};
+
+void initialize_google_benchmark() {
+  static const bool once = [] {
+    std::string program = "zwang", interleave = "--benchmark_enable_random_interleaving=true";
+    char* arguments[] = {program.data(), interleave.data(), nullptr};
+    int count = 2;
+    benchmark::Initialize(&count, arguments);
+    return true;
+  }();
+  (void)once;
+}
+
+std::string skipped(double tolerance) {
+  char text[64];
+  std::snprintf(text, sizeof text, "not run: met the time limit at tolerance %.0e", tolerance);
+  return text;
+}
+
+}  // namespace
+
+SolveReply Dispatcher::run(const Problem& problem, const Run& run, SolveRequest call,
+                           const std::atomic<bool>* interrupted) {
+  call.solver = run.solver;
+  call.tolerance = run.tolerance;
+  return run.foreign ? child.run(call, interrupted) : here.run(problem, call);
+}
+
+std::vector<int> share_budget(std::span<const double> seconds, double budget, int most) {
+  const auto affordable = [&](double s, double share) {
+    return static_cast<int>(std::min(std::floor(share / std::max(s, 1e-9)), static_cast<double>(most)));
+  };
+  double low = 0, high = std::max(budget, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    const double share = (low + high) / 2;
+    double sum = 0;
+    for (const double s : seconds) sum += s * affordable(s, share);
+    (sum <= budget ? low : high) = share;
+  }
+  std::vector<int> counts;
+  for (const double s : seconds) counts.push_back(affordable(s, low));
+  return counts;
+}
+
+Quartiles quartiles(std::vector<double> samples) {
+  std::sort(samples.begin(), samples.end());
+  const auto at = [&](double q) {
+    const double place = q * static_cast<double>(samples.size() - 1);
+    const auto below = static_cast<std::size_t>(place), above = std::min(below + 1, samples.size() - 1);
+    return samples[below] + (place - static_cast<double>(below)) * (samples[above] - samples[below]);
+  };
+  return {at(0.25), at(0.5), at(0.75)};
+}
+
+std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits,
+                              Dispatcher& desk, const std::atomic<bool>& interrupted, const BatchProgress& progress,
+                              std::vector<double>* kernel) {
+  std::vector<Timed> timed(runs.size());
+  std::vector<SolveRequest> calls(runs.size());                 // of one sample
+  std::vector<double> seconds(runs.size(), limits.budget + 1);  // that it costs; too dear to repeat, until known
+  std::map<std::string, double> gave_up;                        // solver -> tolerance
+  desk.child.load(problem);
+
+  // First solves, and a warm-up where repetitions will follow.
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    progress(0.5 * static_cast<double>(i) / static_cast<double>(runs.size()), i);
+    if (interrupted) return {};
+    Timed& t = timed[i];
+    if (const auto tired = gave_up.find(runs[i].solver); tired != gave_up.end()) {
+      t.solution.status = Status::time_limit;
+      t.solution.message = skipped(tired->second);
+      continue;
+    }
+    SolveRequest& call = calls[i];
+    call.time_limit = std::max(limits.time_limit, runs[i].least_time_limit);
+    call.fresh = true;
+    SolveReply first = desk.run(problem, runs[i], call, &interrupted);
+    call.fresh = false;
+    t.solution = std::move(first.solution);
+    t.first_s = first.seconds;
+    if (t.solution.status == Status::time_limit) gave_up[runs[i].solver] = runs[i].tolerance;
+    if (!has_answer(t) || (limits.repetitions == 0 && t.first_s > limits.budget)) continue;
+    const SolveReply warm = desk.run(problem, runs[i], call, &interrupted);
+    const double again = warm.seconds;
+    t.allocations = warm.allocations;
+    call.solves = solves_per_sample(again);
+    call.warm_up = again < warmed_s;
+    seconds[i] = again * (call.solves + call.warm_up);
+  }
+
+  // Repetitions.
+  std::vector<int> counts = share_budget(seconds, limits.budget, BatchLimits::most);
+  std::size_t samples_left = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (limits.repetitions > 0) counts[i] = has_answer(timed[i]) ? limits.repetitions : 0;
+    samples_left += static_cast<std::size_t>(counts[i]);
+  }
+  const double samples = static_cast<double>(samples_left);
+  initialize_google_benchmark();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (counts[i] == 0) continue;
+    const auto sample = [&, i](benchmark::State& state) {
+      for ([[maybe_unused]] auto _ : state) {
+        if (!interrupted) progress(1 - 0.5 * static_cast<double>(samples_left--) / samples, i);
+        const SolveReply answer = interrupted ? SolveReply() : desk.run(problem, runs[i], calls[i], &interrupted);
+        if (answer.solution.status != timed[i].solution.status) {
+          state.SkipWithError("no sample");
+          return;
+        }
+        state.SetIterationTime(answer.seconds);
+      }
+    };
+    benchmark::RegisterBenchmark(std::to_string(i).c_str(), sample)
+        ->Iterations(1)
+        ->Repetitions(counts[i])
+        ->UseManualTime();
+  }
+  std::vector<double> unasked;
+  if (kernel)
+    benchmark::RegisterBenchmark(std::to_string(runs.size()).c_str(),
+                                 [](benchmark::State& state) {
+                                   for ([[maybe_unused]] auto _ : state)
+                                     state.SetIterationTime(neutral_kernel_seconds());
+                                 })
+        ->Iterations(1)
+        ->Repetitions(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most)
+        ->UseManualTime();
+  else if (samples_left == 0)
+    return timed;
+  Samples reporter(timed, kernel ? *kernel : unasked);
+  benchmark::RunSpecifiedBenchmarks(&reporter, "all");
+  benchmark::ClearRegisteredBenchmarks();
+  return interrupted ? std::vector<Timed>() : timed;
+}
+
+}  // namespace zwang

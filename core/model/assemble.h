@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <zwang/core/model/scene.h>
+#include <zwang/core/problem/problem.h>
+
+namespace zwang {
+
+enum class Mode { quasi_static, dynamic };
+
+struct AssembleOptions {
+  double dt = 1e-3;                // s, the step that lands on the constraints
+  Mode mode = Mode::quasi_static;  // quasi_static: velocities count as zero
+};
+
+// scene -> problem. Stacks every active constraint at the scene's poses so that one symplectic step of length dt lands
+// on it (docs/formulation.md):
+//
+//   c = -value / dt^2 - J y / dt - J_k z_k     (y = 0 in the quasi-static mode; z_k: bodies of prescribed motion)
+//
+// Columns: 6 per free body, in the order of the bodies, then one per soft row (mass 1/compliance, z_u = 0). Rows:
+// equality first, each kind in the order of the scene's lists. A constraint between bodies none of which is free has no
+// unknown to act on and is skipped (`skipped()` names those).
+//
+// The sparsity pattern depends on which constraints are active and on their bodies, never on their values. It is laid
+// out when those change and kept between frames; in each frame the constraints then write straight into J and c. No
+// allocation in a second call of the same shape, whatever problem is handed in. Throws std::invalid_argument when z_u
+// has not 6 entries per free body or dt is not positive.
+class Assembler {
+ public:
+  void assemble(const Scene& scene, const Vector& z_u, const AssembleOptions& options, Problem& problem);
+
+  // The names of the rows of the last problem, "type/label" or, of several rows, "type/label [row]".
+  std::vector<std::string> origin(const Scene& scene) const;
+  // The names of the constraints that were left out of the last problem.
+  std::vector<std::string> skipped(const Scene& scene) const;
+
+ private:
+  // Everything of a problem but its numbers.
+  struct Pattern {
+    std::vector<int> M_start, M_index, J_start, J_index;
+    std::vector<RowKind> kind;
+    std::vector<RowKey> key;
+  };
+  bool rows_changed(const Scene& scene);
+  void lay_out(const Scene& scene);
+  RowPlace lay_out_rows(std::size_t active);
+  void lay_out_mass();
+  void write_mass(const Scene& scene, double* value) const;
+
+  std::vector<int> column_, column_now_;               // first column of each body, -1 without: of the pattern, now
+  std::vector<ActiveConstraint> active_, active_now_;  // likewise
+  Pattern pattern_;
+  int bodies_ = 0, soft_ = 0;        // unknowns of free bodies, and of soft rows
+  std::vector<RowPlace> place_;      // of each active constraint
+  std::vector<std::size_t> row_of_;  // of each row: its active constraint
+};
+
+}  // namespace zwang

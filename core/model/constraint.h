@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <zwang/core/model/pose.h>
+
+namespace zwang {
+
+// How many bodies a constraint acts on: 1 or 2.
+template <class C>
+inline constexpr int arity = std::tuple_size_v<decltype(C::bodies)>;
+
+template <class C, class T>
+using PosesOf = std::array<Pose<T>, static_cast<std::size_t>(arity<C>)>;
+
+template <class C, class T, std::size_t... I>
+auto evaluate(const C& c, const std::array<Pose<T>, sizeof...(I)>& q, std::index_sequence<I...>)
+    -> decltype(c.value(q[I]...)) {
+  return c.value(q[I]...);
+}
+template <class C, class T, std::size_t N>
+auto evaluate(const C& c, const std::array<Pose<T>, N>& q) -> decltype(evaluate(c, q, std::make_index_sequence<N>{})) {
+  return evaluate(c, q, std::make_index_sequence<N>{});
+}
+
+template <class C, std::size_t... I>
+auto evaluate_jacobian(const C& c, const std::array<Pose<double>, sizeof...(I)>& q, std::index_sequence<I...>)
+    -> decltype(c.jacobian(q[I]...)) {
+  return c.jacobian(q[I]...);
+}
+template <class C, std::size_t... I>
+auto evaluate_active(const C& c, const std::array<Pose<double>, sizeof...(I)>& q, std::index_sequence<I...>)
+    -> decltype(c.active(q[I]...)) {
+  return c.active(q[I]...);
+}
+template <class C>
+using ArityIndices = std::make_index_sequence<static_cast<std::size_t>(arity<C>)>;
+
+// A constraint is a copyable struct with a name, a number of rows, a kind, its bodies, and one templated function
+// value(poses...) that must stay zero (equality) or non-negative (inequality). Unit of the value: m or rad.
+// Derivatives come from value() by automatic differentiation unless the struct offers jacobian(poses...). Optional
+// active(poses...) -> bool: rows are written only while it holds (limits). Optional compliance() -> Vec<double, rows>:
+// row i is soft with compliance()[i] [row's unit of acceleration per N or N m]; 0 keeps it hard. Assembly gives every
+// soft row one extra unknown of mass 1/compliance (docs/formulation.md).
+template <class C>
+concept ActsOnBodies = requires { std::tuple_size<decltype(C::bodies)>::value; };
+template <class C>
+concept Constraint = std::copyable<C> && ActsOnBodies<C> && requires(const C c, const PosesOf<C, double>& q) {
+  { C::name } -> std::convertible_to<std::string_view>;
+  { C::rows } -> std::convertible_to<int>;
+  { C::kind } -> std::convertible_to<RowKind>;
+  { evaluate(c, q) } -> std::same_as<Vec<double, C::rows>>;
+};
+
+// jacobian(poses...) is rows x 6*arity: d value / d twist, [linear; angular] per body, world axes.
+template <class C>
+concept HasJacobian = requires(const C c, const PosesOf<C, double>& q) {
+  { evaluate_jacobian(c, q, ArityIndices<C>{}) } -> std::same_as<Mat<double, C::rows, 6 * arity<C>>>;
+};
+
+template <class C>
+concept HasCompliance = requires(const C c) {
+  { c.compliance() } -> std::same_as<Vec<double, C::rows>>;
+};
+
+template <class C>
+concept HasActive = requires(const C c, const PosesOf<C, double>& q) {
+  { evaluate_active(c, q, ArityIndices<C>{}) } -> std::same_as<bool>;
+};
+
+// value(q (+) step) = value + jacobian * step + O(step^2).
+template <Constraint C>
+struct Linearization {
+  Vec<double, C::rows> value;
+  Mat<double, C::rows, 6 * arity<C>> jacobian;
+};
+
+template <Constraint C>
+Linearization<C> differentiate(const C& c, const PosesOf<C, double>& q) {
+  constexpr int N = 6 * arity<C>;
+  PosesOf<C, Dual<N>> seeded;
+  for (int b = 0; b < arity<C>; ++b)
+    seeded[static_cast<std::size_t>(b)] = seed<N>(q[static_cast<std::size_t>(b)], 6 * b);
+  const Vec<Dual<N>, C::rows> v = evaluate(c, seeded);
+  Linearization<C> out;
+  for (int r = 0; r < C::rows; ++r) {
+    out.value[r] = v[r].value();
+    if (v[r].derivatives().size() == N)
+      out.jacobian.row(r) = v[r].derivatives().transpose();
+    else
+      out.jacobian.row(r).setZero();
+  }
+  return out;
+}
+
+template <Constraint C>
+Linearization<C> linearize(const C& c, const PosesOf<C, double>& q) {
+  if constexpr (HasJacobian<C>)
+    return {evaluate(c, q), evaluate_jacobian(c, q, ArityIndices<C>{})};
+  else
+    return differentiate(c, q);
+}
+
+}  // namespace zwang

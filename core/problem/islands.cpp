@@ -1,0 +1,163 @@
+#include <zwang/core/problem/islands.h>
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+namespace zwang {
+
+// Union-find with path halving; the root of an island is its smallest unknown.
+Index Islands::root(Index unknown) {
+  auto k = static_cast<std::size_t>(unknown);
+  while (parent_[k] != static_cast<Index>(k)) {
+    parent_[k] = parent_[static_cast<std::size_t>(parent_[k])];
+    k = static_cast<std::size_t>(parent_[k]);
+  }
+  return static_cast<Index>(k);
+}
+
+Index Islands::couple(Index a, Index b) {
+  const Index ra = root(a), rb = root(b), both = std::min(ra, rb);
+  parent_[static_cast<std::size_t>(std::max(ra, rb))] = both;
+  return both;
+}
+
+Island& Islands::next_island() {
+  if (count_ == islands_.size()) islands_.emplace_back();
+  Island& island = islands_[count_++];
+  island.columns.clear();
+  island.rows.clear();
+  return island;
+}
+
+void Islands::split(const Problem& problem, Index unit) {
+  find(problem, unit);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
+}
+
+void Islands::find(const Problem& p, Index unit) {
+  require_matching_sizes(p);
+  unit_ = 0;
+  const Index n = p.size(), m = p.rows();
+  parent_.resize(static_cast<std::size_t>(n));
+  island_.resize(static_cast<std::size_t>(n));
+  local_.resize(static_cast<std::size_t>(n));
+  for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k / unit * unit;
+
+  // Most entries stand under the root of their row already.
+  const auto couple_inner = [&](const auto& A, Index outer, Index home) {
+    for (typename std::decay_t<decltype(A)>::InnerIterator it(A, outer); it; ++it) {
+      if (it.value() == 0 || parent_[static_cast<std::size_t>(it.index())] == home) continue;
+      home = home < 0 ? root(it.index()) : couple(home, it.index());
+    }
+  };
+  for (Index k = 0; k < n; ++k) couple_inner(p.M, k, k);
+  for (Index i = 0; i < m; ++i) couple_inner(p.J, i, -1);
+
+  count_ = 0;
+  for (Index k = 0; k < n; ++k) {
+    const auto s = static_cast<std::size_t>(k), r = static_cast<std::size_t>(root(k));
+    if (r == s) {
+      island_[s] = static_cast<Index>(count_);
+      next_island();
+    }
+    island_[s] = island_[r];
+    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[s])].columns;
+    local_[s] = static_cast<Index>(columns.size());
+    columns.push_back(k);
+  }
+  if (n == 0) next_island();
+  for (Index i = 0; i < m; ++i) {
+    Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i);
+    while (it && it.value() == 0) ++it;
+    islands_[it ? static_cast<std::size_t>(island_[static_cast<std::size_t>(it.index())]) : 0].rows.push_back(i);
+  }
+}
+
+bool Islands::several(const Problem& p, Index unit) {
+  if (unit == unit_ && M_places_.matches(p.M) && J_places_.matches(p.J)) return count_ > 1;
+  unit_ = unit;
+  M_places_.keep(p.M);
+  J_places_.keep(p.J);
+  // Dividing by a constant takes a quarter of the time.
+  constexpr std::integral_constant<Index, 6> body;
+  count_ = 1;
+  if (unit == body ? several_blocks(p, body) : several_blocks(p, unit)) list(p, unit);
+  return count_ > 1;
+}
+
+// Rows first: joints connect a hand, and then nothing else needs to be looked at.
+template <class Unit>
+bool Islands::several_blocks(const Problem& p, Unit unit) {
+  const Index blocks = (p.size() + unit - 1) / unit;
+  parent_.resize(static_cast<std::size_t>(p.size()));
+  for (Index k = 0; k < blocks; ++k) parent_[static_cast<std::size_t>(k)] = k;
+  Index count = blocks;
+  std::array<Index, 2> joined{-1, -1};  // the rows of one joint couple the same two
+  const auto couple_blocks = [&](Index a, Index b) {
+    if (std::array{a, b} == joined) return;
+    joined = {a, b};
+    count -= root(a) != root(b);
+    couple(a, b);
+  };
+  const auto block_of = [&](int k) -> Index { return k / unit; };
+  // Inner indices ascend: where the first and the last are of one block, so are all.
+  const auto visit = [&](const auto& A, Index outer, Index block) {
+    const int* at = A.innerIndexPtr() + A.outerIndexPtr()[outer];
+    const int* const last =
+        at + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer] : A.innerNonZeroPtr()[outer]);
+    if (at == last) return;
+    if (block < 0) block = block_of(*at);
+    if (*at >= block * unit && last[-1] < (block + 1) * unit) return;
+    for (Index begin = block * unit; at != last; ++at) {
+      if (*at >= begin && *at < begin + unit) continue;
+      const Index own = block_of(*at);
+      couple_blocks(block, own);
+      block = own;
+      begin = own * unit;
+    }
+  };
+  for (Index i = 0; i < p.rows() && count > 1; ++i) visit(p.J, i, -1);
+  for (Index j = 0; j < p.size() && count > 1; ++j) visit(p.M, j, j / unit);
+  return count > 1;
+}
+
+// Islands of the blocks that several_blocks() left joined.
+void Islands::list(const Problem& p, Index unit) {
+  const Index n = p.size();
+  island_.resize(static_cast<std::size_t>(n));
+  local_.resize(static_cast<std::size_t>(n));
+  count_ = 0;
+  for (Index b = 0; b < n / unit; ++b) {
+    const Index r = root(b);
+    const auto home = static_cast<std::size_t>(b * unit);
+    if (r == b) {
+      island_[home] = static_cast<Index>(count_);
+      next_island();
+    } else {
+      island_[home] = island_[static_cast<std::size_t>(r * unit)];
+    }
+    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[home])].columns;
+    for (Index k = b * unit; k < (b + 1) * unit; ++k) {
+      island_[static_cast<std::size_t>(k)] = island_[home];
+      local_[static_cast<std::size_t>(k)] = static_cast<Index>(columns.size());
+      columns.push_back(k);
+    }
+  }
+  for (Index i = 0; i < p.rows(); ++i) {
+    const int e = p.J.outerIndexPtr()[i];
+    const bool empty = e == p.J.outerIndexPtr()[i + 1];
+    const Index own = empty ? 0 : island_[static_cast<std::size_t>(p.J.innerIndexPtr()[e])];
+    islands_[static_cast<std::size_t>(own)].rows.push_back(i);
+  }
+}
+
+void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
+  find(problem, 1);
+  if (count_ == 1) return solver.solve(problem, options, solution);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
+  solve_each([&](const Problem& p, const SolveOptions& o, Solution& part) { solver.solve(p, o, part); }, problem,
+             options, solution);
+}
+
+}  // namespace zwang

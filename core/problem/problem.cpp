@@ -1,0 +1,117 @@
+#include <zwang/core/problem/problem.h>
+
+#include <Eigen/SparseCholesky>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace zwang {
+
+void require_matching_sizes(const Problem& p) {
+  const Index n = p.size(), m = p.rows();
+  const bool ok = p.M.rows() == n && p.M.cols() == n && p.J.rows() == m && p.J.cols() == n &&
+                  static_cast<Index>(p.kind.size()) == m && static_cast<Index>(p.key.size()) == m;
+  if (ok) return;
+  std::ostringstream text;
+  text << "problem '" << p.name << "': sizes do not match: z_u " << n << ", c " << m << ", M " << p.M.rows() << " x "
+       << p.M.cols() << ", J " << p.J.rows() << " x " << p.J.cols() << ", kind " << p.kind.size() << ", key "
+       << p.key.size();
+  throw std::invalid_argument(text.str());
+}
+
+namespace {
+
+// Zero times what is not finite is NaN: one pass along lanes for all entries.
+bool all_finite(const double* x, Index size) { return (Eigen::Map<const Vector>(x, size) * 0.0).sum() == 0; }
+
+template <class Sparse>
+std::string non_finite(const Sparse& A, const char* letter) {
+  if (A.isCompressed() && all_finite(A.valuePtr(), A.nonZeros())) return {};
+  for (Index k = 0; k < A.outerSize(); ++k)
+    for (typename Sparse::InnerIterator it(A, k); it; ++it)
+      if (!std::isfinite(it.value()))
+        return std::string(letter) + "(" + std::to_string(it.row()) + ", " + std::to_string(it.col()) +
+               ") is not a finite number";
+  return {};
+}
+
+// Squares of 1 / sqrt(M) have to fit a double, sums of them too. A fuzzed mass of 1e-319 made every solver wrong.
+constexpr double least_mass = 0x1p-960;
+
+std::string name_of(Index i, Index k) { return "M(" + std::to_string(i) + ", " + std::to_string(k) + ")"; }
+
+// Do `size` columns from k on hold one full symmetric block and nothing else, of masses that are not too small?
+template <int size>
+bool is_good_block(const Eigen::SparseMatrix<double>& M, Index k) {
+  if (!M.isCompressed() || k + size > M.outerSize()) return false;
+  const int first = static_cast<int>(k), begin = M.outerIndexPtr()[k];
+  int other = 0;
+  for (int j = 1; j <= size; ++j) other |= M.outerIndexPtr()[k + j] ^ (begin + size * j);
+  if (other != 0) return false;
+  const int* const inner = M.innerIndexPtr() + begin;
+  const double* const value = M.valuePtr() + begin;
+  for (int e = 0; e < size * size; ++e) other |= inner[e] ^ (first + e % size);
+  bool good = other == 0;
+  for (int j = 0; j < size; ++j) {
+    good &= !(value[size * j + j] < least_mass);
+    for (int i = 0; i < j; ++i) good &= value[size * j + i] == value[size * i + j];
+  }
+  return good;
+}
+
+// How many columns from k on a mass, an inertia or both together fill, where these are good. A hand's masses are
+// checked in 0.2 us like this, and in 0.5 entry by entry.
+Index good_columns(const Eigen::SparseMatrix<double>& M, Index k) {
+  const int size = k < M.outerSize() ? M.outerIndexPtr()[k + 1] - M.outerIndexPtr()[k] : 0;
+  if (size == 1 && is_good_block<1>(M, k)) return 1;
+  if (size == 3 && is_good_block<3>(M, k)) return 3;
+  if (size == 6 && is_good_block<6>(M, k)) return 6;
+  return 0;
+}
+
+// Columns of one body hold the same rows, so that the mirror image of an entry in column k stands as far down in its
+// column as M(k, k) in its own; elsewhere it is searched for.
+std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
+  const int *const outer = M.outerIndexPtr(), *const counts = M.innerNonZeroPtr(), *const inner = M.innerIndexPtr();
+  const double* const value = M.valuePtr();
+  for (Index k = 0; k < M.outerSize(); ++k) {
+    while (const Index good = good_columns(M, k)) k += good;
+    if (k == M.outerSize()) break;
+    const int begin = outer[k], end = counts ? begin + counts[k] : outer[k + 1];
+    int diagonal = begin;
+    while (diagonal < end && inner[diagonal] < k) ++diagonal;
+    if (diagonal < end && inner[diagonal] == k && value[diagonal] > 0 && value[diagonal] < least_mass)
+      return name_of(k, k) + " is below 2^-960: its inverse would overflow";
+    for (int e = begin; e < end; ++e) {
+      const int i = inner[e];
+      if (i == k) continue;
+      const int mirror = outer[i] + (diagonal - begin);
+      const bool there = mirror < (counts ? outer[i] + counts[i] : outer[i + 1]) && inner[mirror] == k;
+      if ((there ? value[mirror] : M.coeff(k, i)) != value[e])
+        return "M is not symmetric at " + name_of(i, k).substr(1);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string bad_input(const Problem& p) {
+  if (std::string text = non_finite(p.M, "M"); !text.empty()) return text;
+  if (std::string text = non_finite(p.J, "J"); !text.empty()) return text;
+  const bool check_z_u = !all_finite(p.z_u.data(), p.size()), check_c = !all_finite(p.c.data(), p.rows());
+  for (Index i = 0; check_z_u && i < p.size(); ++i)
+    if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
+  for (Index i = 0; check_c && i < p.rows(); ++i) {
+    const bool inactive = !p.is_equality(i) && p.c[i] == -std::numeric_limits<double>::infinity();
+    if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
+  }
+  return bad_mass(p.M);
+}
+
+bool is_positive_definite(const Eigen::SparseMatrix<double>& M) {
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(M);
+  return M.rows() == 0 || factor.info() == Eigen::Success;
+}
+
+}  // namespace zwang

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+
+#include <zwang/core/problem/types.h>
+
+namespace zwang {
+
+// Storage for the parts of a problem, one T of each shape, so that parts of different shapes do not take it from each
+// other: what is resized to and fro allocates every time. Parts of one shape share theirs, which stays in the cache.
+//
+// A shape that was not there before takes over what is no longer used: of T that no part asked for since begin(), the
+// one that lies unused the longest. So there are as many T as one problem has shapes, or `kept` if that is more.
+template <class T>
+class ShapeCache {
+ public:
+  explicit ShapeCache(std::size_t kept = 1) : kept_(kept) {}
+
+  // A new problem.
+  void begin() { begun_ = clock_; }
+
+  // The T of parts of this shape: the number of unknowns, and what else sizes depend on. References stay valid.
+  T& of(Index size, Index kind) { return find(size, kind, clock_); }
+  // One that no other part of this problem has: for what differs between parts of one shape, as ranks do.
+  T& own(Index size, Index kind) { return find(size, kind, begun_); }
+
+ private:
+  struct Place {
+    T value = {};
+    Index size = -1, kind = -1;
+    std::uint64_t used = 0;  // by clock_
+  };
+
+  T& find(Index size, Index kind, std::uint64_t used_before) {
+    Place* oldest = nullptr;
+    for (Place& place : places_) {
+      if (place.size == size && place.kind == kind && place.used <= used_before) return use(place);
+      if (!oldest || place.used < oldest->used) oldest = &place;
+    }
+    const bool unused = oldest && oldest->used <= begun_;
+    if (!unused || places_.size() < kept_) oldest = &places_.emplace_back();
+    oldest->size = size;
+    oldest->kind = kind;
+    return use(*oldest);
+  }
+
+  T& use(Place& place) {
+    place.used = ++clock_;
+    return place.value;
+  }
+
+  std::deque<Place> places_;
+  std::uint64_t clock_ = 0, begun_ = 0;
+  std::size_t kept_;
+};
+
+}  // namespace zwang

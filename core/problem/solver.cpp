@@ -1,0 +1,61 @@
+#include <zwang/core/problem/solver.h>
+
+#include <new>
+
+namespace zwang {
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::unsolved:
+      return "unsolved";
+    case Status::solved:
+      return "solved";
+    case Status::solved_ill_conditioned:
+      return "solved, ill-conditioned";
+    case Status::infeasible:
+      return "infeasible";
+    case Status::iteration_limit:
+      return "iteration limit";
+    case Status::time_limit:
+      return "time limit";
+    case Status::unsupported:
+      return "unsupported";
+    case Status::bad_input:
+      return "bad input";
+    case Status::numerical_failure:
+      return "numerical failure";
+    case Status::crashed:
+      return "crashed";
+  }
+  return "unknown";
+}
+
+void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  require_matching_sizes(problem);
+  const auto give_up = [&](Status status, const std::string& reason) {
+    solution.reset(0, 0);
+    solution.status = status;
+    solution.message = reason;
+  };
+  if (const std::string reason = bad_input(problem); !reason.empty()) return give_up(Status::bad_input, reason);
+  try {
+    solve_(problem, options, solution);
+  } catch (const Stopped& stopped) {
+    return give_up(stopped.status, stopped.message);
+  } catch (const std::bad_alloc&) {
+    return give_up(Status::numerical_failure, "out of memory");
+  }
+  const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
+  if (claims_z && !solution.z.allFinite()) {
+    solution.status = Status::numerical_failure;
+    solution.message = "the answer does not fit a double";
+  }
+}
+
+Solution AnySolver::solve(const Problem& problem, const SolveOptions& options) {
+  Solution solution;
+  solve(problem, options, solution);
+  return solution;
+}
+
+}  // namespace zwang

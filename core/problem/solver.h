@@ -1,0 +1,161 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <zwang/core/problem/problem.h>
+
+namespace zwang {
+
+// What a solver claims. The referee (core/referee/measure.h) checks it; the two are recorded side by side.
+enum class Status {
+  unsolved,                // solve() was never called
+  solved,                  // z meets the KKT conditions to the tolerance asked for
+  solved_ill_conditioned,  // as solved, but the margins say that z may be far from the true one
+  infeasible,              // no z meets the rows; the certificate says why
+  iteration_limit,         // z is the last iterate
+  time_limit,              // z is the last iterate, or empty when the solver had to be stopped from outside
+  unsupported,             // the method does not apply to this problem; the message says why
+  bad_input,               // NaN, Inf or M not positive definite; the message says where
+  numerical_failure,       // the method broke down and knows it
+  crashed,                 // the child process that ran a foreign solver died
+};
+
+std::string_view to_string(Status status);  // "solved", "iteration limit", ...
+
+// How close a rank decision was. NaN and -1 where a method makes none.
+struct Margins {
+  Index rank = -1;                                                      // of the rows the method worked with
+  double smallest_accepted = std::numeric_limits<double>::quiet_NaN();  // relative pivot, 1 = orthogonal rows
+  double largest_rejected = std::numeric_limits<double>::quiet_NaN();   // relative pivot, 0 = exactly dependent
+};
+
+// Resizes a vector of an answer that is empty where there is none; the storage of an empty one waits here. A copy of
+// the answer has its own.
+class Spare {
+ public:
+  Spare() = default;
+  Spare(const Spare&) {}
+  Spare& operator=(const Spare&) { return *this; }
+  void set_zero(Vector& v, Index size) {
+    if ((v.size() == 0) != (size == 0)) v.swap(kept_);
+    v.setZero(size);
+  }
+
+ private:
+  Vector kept_;
+};
+
+struct Solution {
+  Status status = Status::unsolved;
+  Vector z = {};                      // n; empty when the method gives none
+  Vector lambda = {};                 // m multipliers, [N] or [N m]; empty when the method gives none
+  int iterations = 0;                 // the method's own unit (docs/benchmarking.md lists them)
+  Vector certificate = {};            // m, when infeasible: u with u_I >= 0, J'u = 0, c'u > 0 (Farkas)
+  std::vector<Index> redundant = {};  // rows that were dropped as consistent combinations of others
+  Margins margins = {};
+  bool fallback = false;     // a slower, safer path was taken
+  std::string message = {};  // the method's own words, for people
+  struct {
+    Spare z, lambda, certificate;
+  } spare = {};
+
+  // Back to unsolved, with the storage kept: a second solve of the same shape then allocates nothing.
+  void reset(Index n, Index m) {
+    status = Status::unsolved;
+    spare.z.set_zero(z, n);
+    spare.lambda.set_zero(lambda, m);
+    iterations = 0;
+    spare.certificate.set_zero(certificate, 0);
+    redundant.clear();
+    margins = {};
+    fallback = false;
+    message.clear();
+  }
+  // As z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
+  void empty_z() { spare.z.set_zero(z, 0); }
+  void empty_lambda() { spare.lambda.set_zero(lambda, 0); }
+  Vector& zero_certificate(Index m) {
+    spare.certificate.set_zero(certificate, m);
+    return certificate;
+  }
+};
+
+// Multipliers of an earlier frame, matched by key: rows that vanished are dropped, new rows start inactive.
+struct WarmStart {
+  std::vector<RowKey> key = {};
+  Vector lambda = {};
+};
+
+// Called once per iterate; timed runs leave it empty. lambda may be empty.
+using Observer = std::function<void(int iteration, const Vector& z, const Vector& lambda)>;
+
+struct SolveOptions {
+  double tolerance = 1e-10;      // relative, in the M-norm on unit rows
+  int max_iterations = 1000000;  // a hard stop in the method's own unit; the last iterate is returned
+  double time_limit = std::numeric_limits<double>::infinity();    // seconds
+  double memory_limit = std::numeric_limits<double>::infinity();  // bytes of dense parts, where the machine has more
+  const WarmStart* warm_start = nullptr;
+  Observer observe = nullptr;
+};
+
+// The error in z, relative to the motion, up to which an answer is right where `tolerance` is asked: what `solved`
+// says.
+inline double accepted_error(double tolerance) { return std::max(10 * tolerance, 1e-12); }
+
+// Thrown by a solver that met a limit before there was an iterate to show. AnySolver makes a status of it.
+struct Stopped {
+  Status status;
+  std::string message;
+};
+
+// A solver is the struct of its settings and its workspace. solve() writes into the caller's solution; a second solve
+// of the same shape allocates nothing (native solvers) and gives the same bits. Numerical trouble is a status, never
+// an exception; Stopped and std::bad_alloc are for what does not fit into the time or the memory there is. Optional
+// members: `std::string supports(const Problem&) const` ("" or the reason why not) and `static std::vector<Setting<S>>
+// settings()` for the command line.
+template <class S>
+concept Solver = std::copyable<S> && requires(S s, const Problem& p, const SolveOptions& o, Solution& out) {
+  { S::name } -> std::convertible_to<std::string_view>;
+  { s.solve(p, o, out) } -> std::same_as<void>;
+};
+
+// Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
+// a backend sees it. Stopped and std::bad_alloc become a status with one line; what else a backend throws is passed on.
+// The half-made workspace is thrown away each time.
+class AnySolver {
+ public:
+  template <class S>
+    requires(!std::same_as<S, AnySolver> && Solver<S>)
+  AnySolver(S s) : name_(S::name) {
+    if constexpr (requires(const S& t, const Problem& p) {
+                    { t.supports(p) } -> std::same_as<std::string>;
+                  })
+      supports_ = [s](const Problem& p) { return s.supports(p); };
+    solve_ = [fresh = s, s = std::move(s)](const Problem& p, const SolveOptions& o, Solution& out) mutable {
+      try {
+        s.solve(p, o, out);
+      } catch (...) {
+        s = S(fresh);
+        throw;
+      }
+    };
+  }
+
+  std::string_view name() const { return name_; }
+  std::string supports(const Problem& p) const { return supports_ ? supports_(p) : std::string(); }
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+  Solution solve(const Problem& problem, const SolveOptions& options = {});
+
+ private:
+  std::string_view name_;
+  std::function<std::string(const Problem&)> supports_;
+  std::function<void(const Problem&, const SolveOptions&, Solution&)> solve_;
+};
+
+}  // namespace zwang

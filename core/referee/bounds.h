@@ -1,0 +1,26 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include <zwang/core/referee/scaled_problem.h>
+
+namespace zwang {
+
+// How far a motion d = z - z_u is from the true one, found without a reference; in the gauge's units.
+struct DistanceBound {
+  enum class Rows { open, feasible, infeasible };  // what could be proven about the rows
+
+  double upper = std::numeric_limits<double>::infinity();  // |z - z*|_M <= upper
+  double lower = 0;                                        // |z - z*|_M >= lower
+  double least_norm = 0;                                   // least_norm <= |z*|_M <= greatest_norm
+  double greatest_norm = std::numeric_limits<double>::infinity();
+  double sigma_min = std::numeric_limits<double>::quiet_NaN();
+  std::string method = {};  // "active set", "opening" or "gap"; "" when there is no bound
+  Rows rows = Rows::open;
+};
+
+// lambda: multipliers in the gauge's units, or null. docs/referee.md says when which bound is valid.
+DistanceBound bound_distance(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda);
+
+}  // namespace zwang

@@ -1,0 +1,98 @@
+#include <zwang/core/referee/exact_rank.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace zwang {
+namespace {
+
+__extension__ using Wide = unsigned __int128;
+
+// The integers modulo p.
+struct Field {
+  std::uint64_t p;
+
+  std::uint64_t times(std::uint64_t a, std::uint64_t b) const {
+    return static_cast<std::uint64_t>(static_cast<Wide>(a) * b % p);
+  }
+  std::uint64_t minus(std::uint64_t a, std::uint64_t b) const { return a >= b ? a - b : a + (p - b); }
+  std::uint64_t power(std::uint64_t base, std::uint64_t exponent) const {
+    std::uint64_t result = 1;
+    for (; exponent > 0; exponent >>= 1, base = times(base, base))
+      if (exponent & 1) result = times(result, base);
+    return result;
+  }
+  std::uint64_t inverse(std::uint64_t a) const { return power(a, p - 2); }
+  std::uint64_t of(double x) const {
+    int e = 0;
+    const double mantissa = std::ldexp(std::frexp(std::abs(x), &e), 53);
+    e -= 53;
+    const std::uint64_t scale =
+        e >= 0 ? power(2, static_cast<std::uint64_t>(e)) : power((p + 1) / 2, static_cast<std::uint64_t>(-e));
+    const std::uint64_t value = times(static_cast<std::uint64_t>(mantissa) % p, scale);
+    return x < 0 ? minus(0, value) : value;
+  }
+};
+
+using Row = std::vector<std::uint64_t>;
+
+class Elimination {
+ public:
+  Elimination(const ScaledProblem& gauge, Field field) : gauge_(gauge), f_(field), columns_(gauge.size()) {}
+
+  bool add_independent(Index i) {
+    Row row = reduced(i);
+    std::size_t pivot = 0;
+    while (pivot < columns() && row[pivot] == 0) ++pivot;
+    if (pivot == columns()) return false;
+    const std::uint64_t scale = f_.inverse(row[pivot]);
+    for (std::uint64_t& x : row) x = f_.times(x, scale);
+    pivot_.push_back(pivot);
+    row_.push_back(std::move(row));
+    return true;
+  }
+  Consistency look_at(Index i) const {
+    const Row row = reduced(i);
+    for (std::size_t k = 0; k < columns(); ++k)
+      if (row[k] != 0) return Consistency::independent;
+    return row.back() == 0 ? Consistency::consistent : Consistency::contradictory;
+  }
+
+ private:
+  std::size_t columns() const { return static_cast<std::size_t>(columns_); }
+  Row reduced(Index i) const {
+    Row row(columns() + 1, 0);
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(gauge_.J, i); it; ++it)
+      row[static_cast<std::size_t>(it.col())] = f_.of(it.value());
+    row.back() = f_.of(gauge_.c[i]);
+    for (std::size_t k = 0; k < row_.size(); ++k) {
+      const std::uint64_t factor = row[pivot_[k]];
+      if (factor == 0) continue;
+      for (std::size_t j = 0; j < row.size(); ++j)
+        if (row_[k][j] != 0) row[j] = f_.minus(row[j], f_.times(factor, row_[k][j]));
+    }
+    return row;
+  }
+
+  const ScaledProblem& gauge_;
+  Field f_;
+  Index columns_;
+  std::vector<Row> row_;
+  std::vector<std::size_t> pivot_;
+};
+
+}  // namespace
+
+Consistency exact_consistency(const ScaledProblem& gauge, std::span<const Index> basis, std::span<const Index> more) {
+  for (const std::uint64_t prime : {1342415056300749617u, 1764951674671456009u}) {
+    Elimination elimination(gauge, Field{prime});
+    for (const Index i : basis)
+      if (!elimination.add_independent(i)) return Consistency::independent;
+    for (const Index i : more)
+      if (const Consistency found = elimination.look_at(i); found != Consistency::consistent) return found;
+  }
+  return Consistency::consistent;
+}
+
+}  // namespace zwang

@@ -1,0 +1,168 @@
+#include <zwang/core/referee/measure.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/core/referee/bounds.h>
+#include <zwang/core/referee/certificate.h>
+#include <zwang/core/referee/scaled_problem.h>
+
+namespace zwang {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double or_infinity(double x) { return std::isnan(x) ? infinity : x; }
+
+// The six residuals, each on unit rows and divided by s (s^2).
+void take_residuals(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda, double s,
+                    Metrics& out) {
+  out.primal = 0;
+  if (lambda) out.dual = out.complementarity = out.natural = 0;
+  DoubleDouble weighted_slack;
+  const auto grow = [](double& worst, double value) { worst = std::max(worst, or_infinity(value)); };
+  for (Index i = 0; i < gauge.rows(); ++i) {
+    if (gauge.is_vacuous(i)) continue;
+    const bool equality = gauge.is_equality(i);
+    const DoubleDouble slack = gauge.slack(i, d);
+    const double norm = gauge.row_norm[i];
+    const double unit_slack = gauge.is_zero(i) ? (gauge.zero_row_holds(i) ? 0 : -infinity) : slack.hi / norm / s;
+    const double violation = equality ? std::abs(unit_slack) : std::max(-unit_slack, 0.0);
+    if (or_infinity(violation) > out.primal) {
+      out.primal = or_infinity(violation);
+      out.worst_row = i;
+    }
+    if (!lambda || gauge.is_zero(i)) continue;
+    const DoubleDouble weight = (*lambda)[static_cast<std::size_t>(i)];
+    const double unit_lambda = weight.hi * norm / s;
+    weighted_slack += weight * slack;
+    grow(out.natural, std::abs(equality ? unit_slack : std::min(unit_lambda, unit_slack)));
+    if (equality) continue;
+    grow(out.dual, std::max(-unit_lambda, 0.0));
+    grow(out.complementarity, std::abs(unit_lambda * unit_slack));
+  }
+  if (!lambda) return;
+  out.stationarity = or_infinity(gauge.dual_norm(gauge.force_residual(d, *lambda)) / s);
+  out.gap = out.stationarity * out.stationarity / 2 + or_infinity(weighted_slack.hi / s / s);
+}
+
+Verdict by_error(double upper, double lower, double tolerance) {
+  const double accepted = accepted_error(tolerance);
+  if (upper <= accepted) return Verdict::solved;
+  if (upper <= 1000 * accepted) return Verdict::near;
+  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+}
+
+bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(); }
+
+// "No z meets the rows" is worth what its certificate is worth.
+Verdict judge_infeasible(const ScaledProblem& gauge, const Solution& solution, const Reference* reference,
+                         Metrics& out) {
+  const double s = std::max(gauge.norm_of_free_motion(), gauge.least_scale());
+  const Farkas farkas = judge_certificate(gauge, solution.certificate, s);
+  out.scale = gauge.to_problem_norm(s);
+  out.farkas = farkas.distance / s;
+  out.conflicting = farkas.conflicting;
+  if (reference && reference->feasible) return Verdict::wrong;
+  if (farkas.proven) return Verdict::infeasible_proven;
+  if (reference) return Verdict::infeasible_claimed;
+  const DistanceBound own = bound_distance(gauge, ExtendedVector(static_cast<std::size_t>(gauge.size())), nullptr);
+  return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
+}
+
+Verdict judge_z(const ScaledProblem& gauge, const Solution& solution, const Reference* reference, double tolerance,
+                Metrics& out) {
+  const Index n = gauge.size(), m = gauge.rows();
+  const bool known = reference && reference->feasible && fits(reference->z, n);
+  const ExtendedVector d = gauge.motion(solution.z);
+  ExtendedVector lambda;
+  if (fits(solution.lambda, m)) lambda = gauge.multipliers(solution.lambda);
+  const ExtendedVector* given = lambda.empty() && m > 0 ? nullptr : &lambda;
+
+  const double s = std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(known ? reference->z : solution.z)),
+                             gauge.least_scale()});
+  out.scale = gauge.to_problem_norm(s);
+  take_residuals(gauge, d, given, s, out);
+  if (known) {
+    ExtendedVector error = gauge.motion(reference->z);
+    for (std::size_t i = 0; i < error.size(); ++i) error[i] = d[i] - error[i];
+    out.z_error = or_infinity(gauge.norm(error) / s);
+    return by_error(out.z_error, infinity, tolerance);
+  }
+  if (reference && !reference->feasible) return Verdict::wrong;
+
+  const DistanceBound bound = bound_distance(gauge, d, given);
+  // z_error is divided by max(|z_u|, |z*|): the bound takes the least that can be, the verdict "wrong" the greatest.
+  const double least_s = std::max({gauge.norm_of_free_motion(), bound.least_norm, gauge.least_scale()});
+  const double greatest_s = std::max({gauge.norm_of_free_motion(), bound.greatest_norm, gauge.least_scale()});
+  out.z_bound = bound.upper / least_s;
+  out.bound_method = bound.method;
+  out.bound_sigma_min = bound.sigma_min;
+  if (bound.rows == DistanceBound::Rows::infeasible) return Verdict::wrong;
+  return by_error(out.z_bound, bound.lower / greatest_s, tolerance);
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::solved:
+      return "solved";
+    case Verdict::near:
+      return "near";
+    case Verdict::wrong:
+      return "wrong";
+    case Verdict::infeasible_proven:
+      return "infeasible, proven";
+    case Verdict::infeasible_claimed:
+      return "infeasible, claimed only";
+    case Verdict::undecided:
+      return "undecided";
+    case Verdict::no_answer:
+      return "no answer";
+    case Verdict::timeout:
+      return "timeout";
+    case Verdict::crashed:
+      return "crashed";
+    case Verdict::bad_input:
+      return "bad input";
+    case Verdict::unsupported:
+      return "unsupported";
+  }
+  return "unknown verdict";
+}
+
+Metrics measure(const Problem& problem, const Solution& solution, const Reference* reference, double tolerance) {
+  require_matching_sizes(problem);
+  Metrics out;
+  const auto with = [&out](Verdict verdict) {
+    out.verdict = verdict;
+    return out;
+  };
+  switch (solution.status) {
+    case Status::unsolved:
+    case Status::numerical_failure:
+      return with(Verdict::no_answer);
+    case Status::crashed:
+      return with(Verdict::crashed);
+    case Status::unsupported:
+      return with(Verdict::unsupported);
+    case Status::bad_input:
+      return with(Verdict::bad_input);
+    default:
+      break;
+  }
+  const bool has_z = fits(solution.z, problem.size());
+  const bool stopped = solution.status == Status::time_limit;
+  if (stopped && !has_z) return with(Verdict::timeout);
+  if (!bad_input(problem).empty()) return with(Verdict::wrong);
+  const ScaledProblem gauge(problem);
+  if (!gauge.definite) return with(Verdict::wrong);
+  if (solution.status == Status::infeasible) return with(judge_infeasible(gauge, solution, reference, out));
+  if (!has_z) return with(Verdict::wrong);
+  const Verdict verdict = judge_z(gauge, solution, reference, tolerance, out);
+  const bool close = verdict == Verdict::solved || verdict == Verdict::near;
+  return with(stopped && !close ? Verdict::timeout : verdict);
+}
+
+}  // namespace zwang

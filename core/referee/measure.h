@@ -1,0 +1,71 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <zwang/core/problem/instance.h>
+#include <zwang/core/problem/solver.h>
+
+namespace zwang {
+
+// What the referee finds, from the problem alone.
+enum class Verdict {
+  solved,              // z_error (or, without a reference, its upper bound) <= max(10 T, 1e-12), T the tolerance asked
+  near,                // <= 1000 times that
+  wrong,               // neither; or any z on an infeasible problem; or "infeasible" said of a feasible one
+  infeasible_proven,   // the certificate holds in extended precision
+  infeasible_claimed,  // it does not hold, or there is none
+  undecided,           // no reference, and the upper bound does not decide
+  no_answer,           // the solver gave up without a z and said so
+  timeout,             // stopped from outside at its deadline
+  crashed,
+  bad_input,
+  unsupported,
+};
+
+std::string_view to_string(Verdict verdict);  // "solved", "infeasible, proven", "infeasible, claimed only", ...
+
+// All residuals are in the M-norm on unit rows (row i divided by |G_i| = sqrt(J_i M^-1 J_i')), divided by the scale s
+// (complementarity and gap by s^2): pure numbers. Multiply by s (s^2) for the absolute value in kg^1/2 m/s^2.
+struct Metrics {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  Verdict verdict = Verdict::undecided;
+  double scale = unknown;               // s = max(|z_u|_M, |z*|_M or |z|_M, smallest normal number)
+  double z_error = unknown;             // |z - z*|_M / s, when there is a reference
+  double z_bound = unknown;             // upper bound on it that uses no reference
+  std::string bound_method = {};        // "active set", "opening" or "gap"
+  double bound_sigma_min = unknown;     // sigma_min(G_A) of the active-set bound
+  double primal = unknown;              // worst violated row
+  double dual = unknown;                // most negative multiplier of an inequality row
+  double stationarity = unknown;        // |y - G'lambda|
+  double complementarity = unknown;     // worst |lambda_i slack_i|
+  double gap = unknown;                 // 1/2 |y - G'lambda|^2 + lambda'(G y - h): bounds 1/2 |z - z*|^2 for feasible z
+  double natural = unknown;             // worst |min(lambda_i, slack_i)|, scaled by the Delassus diagonal
+  Index worst_row = -1;                 // of primal
+  double farkas = unknown;              // h'u / |G'u| / s of the certificate, +Inf when G'u = 0 exactly
+  std::vector<Index> conflicting = {};  // rows with a part in the certificate, largest first
+};
+
+// The referee. Works in extended precision where a claim rests on cancellation. Never throws on a bad solution: sizes
+// that do not fit or a z with NaN are Verdict::wrong. `reference` may be null: the verdict then rests on z_bound.
+Metrics measure(const Problem& problem, const Solution& solution, const Reference* reference, double tolerance);
+
+// Worst violation per constraint type, in the rows' own units of acceleration (J z - c), with the row that has it.
+struct TypeResidual {
+  std::string type;  // "contact", "ball_joint", ...
+  double violation;  // in the row's own unit
+  double relative;   // on the unit row, divided by s
+  Index row;
+};
+std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z);
+
+// The constraints behind some rows, in people's words: each origin once, in the order of the rows, without its
+// "[row]"; "row 12" where nobody named it.
+std::vector<std::string> constraint_names(const Instance& instance, const std::vector<Index>& rows);
+
+// Rows that are combinations of the rows before them among the equality rows and those that z touches.
+std::vector<Index> redundant_rows(const Problem& problem, const Vector& z);
+
+}  // namespace zwang

@@ -1,0 +1,222 @@
+#include <zwang/core/referee/scaled_problem.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace zwang {
+namespace {
+
+// The e of x = f 2^e with 1/2 <= f < 1; 0 for 0.
+int exponent_of(double x) {
+  int e = 0;
+  (void)std::frexp(x, &e);
+  return e;
+}
+
+// Sum of squares weighted by 1/D as L^-1 r: forward substitution along the columns that fill in.
+template <class Lower>
+long double forward_squared(const Lower& L, VectorX<long double>& x, Index first) {
+  long double sum = 0;
+  for (Index j = first; j < x.size(); ++j) {
+    if (x[j] == 0) continue;
+    typename Lower::InnerIterator it(L, j);
+    const long double value = x[j] / it.value();
+    sum += value * value;
+    for (++it; it; ++it) x[it.row()] -= it.value() * value;
+    x[j] = 0;
+  }
+  return sum;
+}
+
+}  // namespace
+
+ScaledProblem::ScaledProblem(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p.c), row_norm(Vector::Zero(p.rows())) {
+  const Index n = size(), m = rows();
+  M.makeCompressed();
+  J.makeCompressed();
+  equality.resize(static_cast<std::size_t>(m));
+  row_exponent.assign(static_cast<std::size_t>(m), 0);
+
+  // No nonzero mass may vanish: a denormal one stays where it is.
+  constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits + 1;
+  int heaviest = 0, lightest = std::numeric_limits<double>::max_exponent;
+  for (Index k = 0; k < M.nonZeros(); ++k) {
+    if (M.valuePtr()[k] == 0) continue;
+    const int e = exponent_of(M.valuePtr()[k]);
+    heaviest = lightest == std::numeric_limits<double>::max_exponent ? e : std::max(heaviest, e);
+    lightest = std::min(lightest, e);
+  }
+  mass_exponent = std::min(heaviest / 2 * 2, (lightest - least) / 2 * 2);
+  for (Index k = 0; k < M.nonZeros(); ++k) M.valuePtr()[k] = std::ldexp(M.valuePtr()[k], -mass_exponent);
+
+  // A motion is as large as z_u or as the rows that may force it; c far below zero on a contact forces nothing.
+  // (Its exponent: a row of denormal entries may ask for more than a double holds.)
+  std::optional<int> top;
+  const auto reach = [&](double x, int shift) {
+    if (x > 0) top = std::max(top.value_or(exponent_of(x) + shift), exponent_of(x) + shift);
+  };
+  reach(n > 0 ? z_u.cwiseAbs().maxCoeff() : 0, 0);
+  for (Index i = 0; i < m; ++i) {
+    equality[static_cast<std::size_t>(i)] = p.is_equality(i);
+    double entry = 0;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
+    const int e = row_exponent[static_cast<std::size_t>(i)] = exponent_of(entry);
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
+    if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) ? std::abs(c[i]) : c[i], -e);
+  }
+  motion_exponent = top.value_or(0);
+  for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
+  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[static_cast<std::size_t>(i)] - motion_exponent);
+
+  if (n > 0) {
+    factor.compute(M.cast<long double>());
+    definite = factor.info() == Eigen::Success;
+  }
+  if (definite) weigh_rows();
+}
+
+void ScaledProblem::weigh_rows() {
+  if (size() == 0) return;
+  const Eigen::SparseMatrix<long double> L = factor.matrixL();
+  const auto& place = factor.permutationP().indices();
+  VectorX<long double> x = VectorX<long double>::Zero(size());
+  for (Index i = 0; i < rows(); ++i) {
+    Index first = size();
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) {
+      const Index k = place.size() > 0 ? place[it.col()] : it.col();
+      x[k] = it.value();
+      first = std::min(first, k);
+    }
+    row_norm[i] = static_cast<double>(std::sqrt(forward_squared(L, x, first)));
+  }
+}
+
+ExtendedVector ScaledProblem::motion(const Vector& z) const {
+  ExtendedVector d(static_cast<std::size_t>(size()));
+  for (Index i = 0; i < size(); ++i)
+    d[static_cast<std::size_t>(i)] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
+  return d;
+}
+
+ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
+  for (DoubleDouble& x : d) x = x.scaled(-motion_exponent);
+  return d;
+}
+
+ExtendedVector ScaledProblem::multipliers(ExtendedVector lambda) const {
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    lambda[i] = lambda[i].scaled(row_exponent[i] - motion_exponent - mass_exponent);
+  return lambda;
+}
+
+ExtendedVector ScaledProblem::multipliers(const Vector& lambda) const {
+  return multipliers(ExtendedVector(lambda.data(), lambda.data() + lambda.size()));
+}
+
+double ScaledProblem::to_problem_norm(double norm) const {
+  return std::ldexp(norm, motion_exponent + mass_exponent / 2);
+}
+
+double ScaledProblem::least_scale() const {
+  const double scale = std::ldexp(std::numeric_limits<double>::min(), -motion_exponent - mass_exponent / 2);
+  return std::max(scale, std::numeric_limits<double>::denorm_min());
+}
+
+double ScaledProblem::row_scale(Index i) const {
+  return std::ldexp(1.0, row_exponent[static_cast<std::size_t>(i)] + motion_exponent);
+}
+
+double ScaledProblem::norm(const ExtendedVector& d) const {
+  const ExtendedVector force = force_residual(d, {});
+  long double sum = 0;
+  for (std::size_t i = 0; i < d.size(); ++i) sum += static_cast<long double>(force[i] * d[i]);
+  return static_cast<double>(std::sqrt(std::max(sum, 0.0L)));
+}
+
+double ScaledProblem::norm_of(const Vector& z) const {
+  ExtendedVector d(static_cast<std::size_t>(size()));
+  for (Index i = 0; i < size(); ++i) d[static_cast<std::size_t>(i)] = std::ldexp(z[i], -motion_exponent);
+  return norm(d);
+}
+
+double ScaledProblem::norm_of_free_motion() const { return norm(ExtendedVector(z_u.data(), z_u.data() + z_u.size())); }
+
+double ScaledProblem::norm_with_free_motion(ExtendedVector d) const {
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] += z_u[static_cast<Index>(i)];
+  return norm(d);
+}
+
+VectorX<long double> ScaledProblem::whiten(const ExtendedVector& r) const {
+  VectorX<long double> x(size());
+  for (Index i = 0; i < size(); ++i) x[i] = static_cast<long double>(r[static_cast<std::size_t>(i)]);
+  if (size() == 0) return x;
+  x = factor.permutationP() * x;
+  return factor.matrixL().solve(x);
+}
+
+VectorX<long double> ScaledProblem::unwhiten(const VectorX<long double>& y) const {
+  if (size() == 0) return y;
+  const VectorX<long double> x = factor.matrixU().solve(y);
+  return factor.permutationPinv() * x;
+}
+
+double ScaledProblem::dual_norm(const ExtendedVector& r) const { return static_cast<double>(whiten(r).stableNorm()); }
+
+DoubleDouble ScaledProblem::slack(Index i, const ExtendedVector& d) const {
+  DoubleDouble sum = -violation(i);
+  for (decltype(J)::InnerIterator it(J, i); it; ++it)
+    sum += DoubleDouble(it.value()) * d[static_cast<std::size_t>(it.col())];
+  return sum;
+}
+
+DoubleDouble ScaledProblem::violation(Index i) const {
+  DoubleDouble h = c[i];
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) h -= DoubleDouble::exact_product(it.value(), z_u[it.col()]);
+  return h;
+}
+
+VectorX<long double> ScaledProblem::unit_row(Index i) const {
+  VectorX<long double> x = VectorX<long double>::Zero(size());
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = it.value();
+  x = factor.permutationP() * x;
+  x = factor.matrixL().solve(x);
+  return x / row_norm[i];
+}
+
+double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
+  double sum = std::abs(c[i]);
+  for (decltype(J)::InnerIterator it(J, i); it; ++it)
+    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[static_cast<std::size_t>(it.col())].hi));
+  return 0x1p-98 * sum / row_norm[i] + std::numeric_limits<double>::min();
+}
+
+ExtendedVector ScaledProblem::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
+  ExtendedVector r(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      r[static_cast<std::size_t>(it.row())] += DoubleDouble(it.value()) * d[static_cast<std::size_t>(j)];
+  if (lambda.empty()) return r;
+  for (Index i = 0; i < rows(); ++i) {
+    const DoubleDouble weight = lambda[static_cast<std::size_t>(i)];
+    if (weight == DoubleDouble(0)) continue;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it)
+      r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
+  }
+  return r;
+}
+
+// The dual norm of the entrywise bound; it bounds that of any residual below it when M is diagonal, and stands for it
+// within the condition of M's blocks otherwise. 2^-98 leaves 16 bits for that.
+double ScaledProblem::force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const {
+  ExtendedVector sum(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      sum[static_cast<std::size_t>(it.row())].hi += std::abs(it.value() * d[static_cast<std::size_t>(j)].hi);
+  for (Index i = 0; i < rows(); ++i)
+    for (decltype(J)::InnerIterator it(J, i); it; ++it)
+      sum[static_cast<std::size_t>(it.col())].hi += std::abs(it.value() * lambda[static_cast<std::size_t>(i)].hi);
+  return 0x1p-98 * dual_norm(sum);
+}
+
+}  // namespace zwang

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/SparseCholesky>
+
+#include <zwang/core/problem/problem.h>
+#include <zwang/core/referee/double_double.h>
+
+namespace zwang {
+
+// A problem in the referee's units. Distances are taken in the M-norm, |d| = sqrt(d' M d), and a row is divided by
+// |G_i| = sqrt(J_i M^-1 J_i'). No factor of M enters a residual: d' M d needs M alone, and the dual norm
+// sqrt(r' M^-1 r) of a residual r needs few digits. So M d, J z - c and M d - J' lambda are taken from the stored
+// doubles in double-double arithmetic, and M is factorized (sparse, long double) only for weights.
+//
+// Powers of two are divided out first, without rounding: one per row of J (2^row_exponent), one of M (2^mass_exponent,
+// even), one common to z, z_u and c (2^motion_exponent). Rows at 2^+-500 and c at 1e300 then neither overflow nor
+// vanish. All members and arguments are in these units unless they say otherwise.
+class ScaledProblem {
+ public:
+  // O(nonzeros) and one sparse factorization. Sizes must match and entries be finite (see bad_input).
+  explicit ScaledProblem(const Problem& problem);
+
+  Index size() const { return z_u.size(); }
+  Index rows() const { return c.size(); }
+  bool is_equality(Index i) const { return equality[static_cast<std::size_t>(i)] != 0; }
+  // A row that says nothing (c = -Inf), and a row of zeros.
+  bool is_vacuous(Index i) const { return !std::isfinite(c[i]); }
+  bool is_zero(Index i) const { return row_norm[i] == 0; }
+  bool zero_row_holds(Index i) const { return is_equality(i) ? c[i] == 0 : c[i] <= 0; }
+
+  // From the problem's units to these, and back.
+  ExtendedVector motion(const Vector& z) const;            // d = z - z_u
+  ExtendedVector multipliers(const Vector& lambda) const;  // so that M d = J' lambda stays true
+  ExtendedVector motion_of(ExtendedVector d) const;        // of a d in the problem's units
+  ExtendedVector multipliers(ExtendedVector lambda) const;
+  double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
+  double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
+  double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
+
+  double norm(const ExtendedVector& d) const;                          // sqrt(d' M d)
+  double norm_of(const Vector& z) const;                               // the same of z itself, z in the problem's units
+  double norm_of_free_motion() const;                                  // |z_u|_M
+  double norm_with_free_motion(ExtendedVector d) const;                // |z_u + d|_M
+  double dual_norm(const ExtendedVector& r) const;                     // sqrt(r' M^-1 r)
+  DoubleDouble slack(Index i, const ExtendedVector& d) const;          // J_i (z_u + d) - c_i, not divided by |G_i|
+  DoubleDouble violation(Index i) const;                               // h_i = c_i - J_i z_u
+  VectorX<long double> unit_row(Index i) const;                        // G_i / |G_i|, n, permuted as Q = L'P
+  VectorX<long double> whiten(const ExtendedVector& r) const;          // Q^-T r: |.| is the dual norm
+  VectorX<long double> unwhiten(const VectorX<long double>& y) const;  // Q^-1 y: its M-norm is |y|
+  double rounding(Index i, const ExtendedVector& d) const;  // bounds the error of slack(i, d), divided by |G_i|
+  ExtendedVector force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const;  // M d - J' lambda
+  double force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const;          // of its dual norm
+
+  using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<long double>>;
+
+  bool definite = true;  // M is positive definite; if not, row_norm and the dual norm mean nothing
+  Eigen::SparseMatrix<double> M;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> J;
+  Vector z_u, c, row_norm;
+  std::vector<char> equality;
+  Factor factor;
+  std::vector<int> row_exponent;
+  int mass_exponent = 0, motion_exponent = 0;
+
+ private:
+  void weigh_rows();
+};
+
+}  // namespace zwang

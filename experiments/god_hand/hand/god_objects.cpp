@@ -1,0 +1,38 @@
+#include <zwang/experiments/god_hand/hand/god_objects.h>
+
+#include <stdexcept>
+
+#include <zwang/bench/collision/hand_shapes.h>
+
+namespace zwang::god {
+using collision::Shape;
+
+void GodObjects::add_shape(const Shape& shape) {
+  if (static_cast<int>(shapes.size()) == most)
+    throw std::invalid_argument("a cluster has at most " + std::to_string(most) + " god objects");
+  filters.push_back({std::uint64_t{1} << shapes.size(), ~std::uint64_t{0}});
+  shapes.push_back(shape);
+}
+
+BodyId GodObjects::add(const Body& body, const Shape& shape) {
+  add_shape(shape);
+  return scene.add(body);
+}
+
+void GodObjects::pass(BodyId a, BodyId b) {
+  auto &of_a = filters[static_cast<std::size_t>(a)], &of_b = filters[static_cast<std::size_t>(b)];
+  of_a.mask &= ~of_b.group;
+  of_b.mask &= ~of_a.group;
+}
+
+BodyId add_hand(GodObjects& objects, const hand::Model& model, const Target& at, const std::string& prefix,
+                double reach) {
+  const BodyId palm = hand::add(objects.scene, hand::assemble(at.palm, at.angles, model), prefix, model, reach);
+  for (const Shape& shape : hand::shapes(model)) objects.add_shape(shape);
+  for (BodyId a = palm; a < palm + hand::bodies; ++a)
+    for (BodyId b = 0; b < palm; ++b) objects.pass(a, b);
+  for (const auto& [a, b] : hand::passing(model)) objects.pass(palm + a, palm + b);
+  return palm;
+}
+
+}  // namespace zwang::god

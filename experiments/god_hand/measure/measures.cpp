@@ -1,0 +1,135 @@
+#include <zwang/experiments/god_hand/measure/measures.h>
+
+#include <algorithm>
+
+namespace zwang::god {
+namespace {
+
+constexpr double look_out = 1e-3;  // m: gaps beyond are not told apart. (Not the cluster's own distance: World would
+                                   // keep what it finds for the next frame, and nobody would pay for it.)
+constexpr double touching = 3e-4;  // m: at this gap a contact counts for sliding
+constexpr double reached = 5e-4;   // m: so near to its target a god object is there
+constexpr double speck = 1e-6;     // m
+
+}  // namespace
+
+Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> clusters,
+                   std::span<const hand::Model> models)
+    : depth_(surroundings) {
+  for (const hand::Model& model : models) balls_.push_back(balls(model));
+  sight_.add(collision::Shape::sphere(speck));
+  for (const Object& object : surroundings.objects) {
+    auto& parts = parts_.emplace_back();
+    if (object.mesh && !object.loose()) parts.emplace_back(sight_.add(object.mesh, object.pose), Pose<double>{});
+    if (!parts.empty()) continue;
+    for (const Object::Piece& piece : object.pieces)
+      parts.emplace_back(sight_.add(piece.shape, placed(object.pose, piece.at), {}, true), piece.at);
+  }
+  for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
+  for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
+}
+
+void Measures::begin(std::span<const Cluster> clusters) {
+  start_.clear();
+  for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
+}
+
+void Measures::look(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
+                    Frame& frame) {
+  for (Cluster& c : clusters) {
+    const std::size_t first = frame.god.size();
+    frame.target.insert(frame.target.end(), c.targets().begin(), c.targets().end());
+    frame.god.insert(frame.god.end(), c.poses().begin(), c.poses().end());
+    frame.gap = std::min(frame.gap, c.gap(look_out));
+    frame.separation = std::max(frame.separation, c.skeleton().separation(c.poses()));
+    frame.limit = std::max(frame.limit, c.skeleton().excess(c.poses()));
+    frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
+    frame.rows += static_cast<int>(c.problem().rows());
+    frame.held = frame.held || c.held();
+    frame.stuck = frame.stuck || stuck(c, first);
+  }
+  for (std::size_t b = 0; b < frame.god.size(); ++b)
+    frame.distance = std::max(frame.distance, (frame.god[b].position - frame.target[b].position).norm());
+  // The coupling's spring, from the first god object to its target.
+  const Body& palm = clusters[0].objects().scene.bodies[0];
+  const Vec<double, 6> back = twist_between(frame.target[0], frame.god[0]);
+  const Mat3& R = frame.god[0].rotation;
+  frame.device << options.force_stiffness * palm.mass * back.head<3>(),
+      options.force_stiffness * (R * palm.inertia * R.transpose() * back.tail<3>());
+  frame.jitter = jitter(frame);
+  look_inside(objects, frame);
+  std::swap(memory_.god[0], memory_.god[1]);
+  std::swap(memory_.target[0], memory_.target[1]);
+  memory_.god[1] = frame.god;
+  memory_.target[1] = frame.target;
+}
+
+// In the sum over a cluster the forces of joints, limits and contacts within it cancel, and those of contacts with
+// objects act along their normals. Across all of those, the centre of mass goes exactly where the targets' goes: the
+// closed form. What is missing of that is friction that nobody asked for.
+double Measures::lost_slide(const Cluster& cluster) const {
+  Mat3 normals = Mat3::Zero();
+  for (const Contacts::Row& row : cluster.rows())
+    if (cluster.object_of(row.touch.b) >= 0 && row.touch.gap < touching)
+      normals += row.touch.normal * row.touch.normal.transpose();
+  if (normals.isZero(0)) return 0;
+  Vec3 missing = Vec3::Zero();
+  double mass = 0;
+  for (std::size_t b = 0; b < cluster.size(); ++b) {
+    const double m = cluster.objects().scene.bodies[b].mass;
+    missing += m * (cluster.targets()[b].position - cluster.poses()[b].position);
+    mass += m;
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(normals);
+  Vec3 lost = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (axes.eigenvalues()[k] <= 1e-9 * axes.eigenvalues()[2])
+      lost += axes.eigenvectors().col(k).dot(missing) * axes.eigenvectors().col(k);
+  return lost.norm() / mass;
+}
+
+// Not at its target, no nearer to it than before, and nothing in the way.
+bool Measures::stuck(Cluster& cluster, std::size_t first) const {
+  double before = 0, after = 0;
+  for (std::size_t b = 0; b < cluster.size(); ++b) {
+    before = std::max(before, (cluster.targets()[b].position - start_[first + b].position).norm());
+    after = std::max(after, (cluster.targets()[b].position - cluster.poses()[b].position).norm());
+  }
+  return after > reached && after > 0.999 * before && cluster.way_is_clear();
+}
+
+double Measures::jitter(const Frame& frame) const {
+  double most = 0;
+  for (std::size_t b = 0; b < frame.god.size(); ++b) {
+    const auto bend = [b](const auto& last, const auto& now) {
+      return (now[b].position - 2 * last[1][b].position + last[0][b].position).norm();
+    };
+    most = std::max(most, bend(memory_.god, frame.god) - bend(memory_.target, frame.target));
+  }
+  return most;
+}
+
+// How deep the targets are in the objects, and whether one that is clear of them all lies behind one: a speck that goes
+// from the god object straight to it meets something.
+void Measures::look_inside(std::span<const Pose<double>> objects, Frame& frame) {
+  for (std::size_t o = 0; o < parts_.size(); ++o)
+    for (const auto& [collider, at] : parts_[o]) sight_.place(collider, placed(objects[o], at));
+  for (std::size_t h = 0; h < balls_.size(); ++h) {
+    hand::Poses hand;
+    std::copy_n(frame.target.begin() + static_cast<long>(h * hand.size()), hand.size(), hand.begin());
+    const double depth = depth_.of(hand, balls_[h], 0, objects).depth;
+    frame.target_depth = std::max(frame.target_depth, depth);
+    if (depth > 0) continue;
+    for (std::size_t b = h * hand.size(); b < (h + 1) * hand.size() && !frame.behind; ++b) {
+      const Vec3 from = frame.god[b].position, way = frame.target[b].position - from;
+      if (way.norm() < reached) continue;
+      Vec<double, 6> twist;
+      twist << way, Vec3::Zero();
+      sight_.place(0, {from, Mat3::Identity()});
+      const collision::Move move{0, twist};
+      frame.behind = sight_.time_of_contact(std::span(&move, 1)).time < 1;
+    }
+  }
+}
+
+}  // namespace zwang::god

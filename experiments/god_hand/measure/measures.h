@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <zwang/collision/world.h>
+#include <zwang/experiments/god_hand/scenes/depth.h>
+#include <zwang/experiments/god_hand/step/cluster.h>
+
+namespace zwang::god {
+
+// What a frame shows to somebody who looks on: all of it from poses and shapes, nothing from the solver.
+class Measures {
+ public:
+  // models: of the hands, which the clusters are made of one after the other; none: god objects of other kinds.
+  Measures(const Surroundings& surroundings, std::span<const Cluster> clusters, std::span<const hand::Model> models);
+
+  // Before the god objects move.
+  void begin(std::span<const Cluster> clusters);
+  // After it. objects: the poses of all.
+  void look(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options, Frame& frame);
+
+  // What is kept from frame to frame: god objects and targets of the last two frames.
+  struct Memory {
+    std::vector<Pose<double>> god[2], target[2];
+  };
+  const Memory& memory() const { return memory_; }
+  void restore(const Memory& memory) { memory_ = memory; }
+
+ private:
+  double lost_slide(const Cluster& cluster) const;
+  bool stuck(Cluster& cluster, std::size_t first) const;
+  double jitter(const Frame& frame) const;
+  void look_inside(std::span<const Pose<double>> objects, Frame& frame);
+
+  std::vector<std::vector<Ball>> balls_;  // by hand
+  Depth depth_;
+  collision::World sight_;                                        // a speck, and the objects
+  std::vector<std::vector<std::pair<int, Pose<double>>>> parts_;  // by object: collider and place of its pieces
+  std::vector<Pose<double>> start_;                               // of the god objects, before they moved
+  Memory memory_;
+};
+
+}  // namespace zwang::god

@@ -1,0 +1,70 @@
+#include <algorithm>
+
+#include <zwang/collision/mesh_file.h>
+#include <zwang/experiments/god_hand/motion/joint_table.h>
+#include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/motion/retarget.h>
+
+namespace zwang::god {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower(std::string text) {
+  for (char& ch : text)
+    if (ch >= 'A' && ch <= 'Z') ch = static_cast<char>(ch - 'A' + 'a');
+  return text;
+}
+
+// Between the keys of a recording, the median [s].
+double usual_pause(const Track& track) {
+  std::vector<double> pauses;
+  for (std::size_t k = 1; k < track.keys.size(); ++k) pauses.push_back(track.keys[k].time - track.keys[k - 1].time);
+  if (pauses.empty()) return 0;
+  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
+  std::nth_element(pauses.begin(), middle, pauses.end());
+  return *middle;
+}
+
+}  // namespace
+
+Motion read_motion(const fs::path& file) {
+  const auto refuse = [&](const std::string& why) { throw BadFile(file.string() + ": " + why); };
+  fs::path name = file;
+  const collision::StoredFile stored = collision::read_stored(file);
+  const bool packed = lower(name.extension().string()) == ".gz";
+  const std::string text = packed ? collision::inflated(file, stored.bytes) : stored.bytes;
+  if (packed) name = name.stem();
+  const std::string kind = lower(name.extension().string());
+  if (kind == ".lz")
+    refuse("packed by LZString, which is not read here: LZString.decompressFromBase64 of its text is the JSON to give");
+  if (kind != ".json" && kind != ".csv")
+    refuse("motions are .json (Leap recordings) or .csv (joint angles), also with .gz");
+
+  Recording recording;
+  Motion motion;
+  if (kind == ".json") {
+    recording = parse_leap(file, text);
+  } else {
+    const JointTable table = parse_table(file, text);
+    if (is_adroit(table))
+      recording = adroit_recording(table);
+    else
+      motion = plain_motion(table);
+  }
+  motion.name = name.stem().string();
+  motion.notes.insert(motion.notes.end(), recording.notes.begin(), recording.notes.end());
+  for (const RecordedTrack& track : recording.hands) {
+    motion.hands.push_back(retarget(track, fit_model(track)));
+    motion.duration = std::max(motion.duration, track.frames.back().time);
+  }
+  for (Track& track : motion.hands) track.patience = std::max(track.patience, 2.5 * usual_pause(track));
+  for (const Track& track : motion.hands)
+    if (track.held_over > 0)
+      motion.notes.push_back(frames(
+          track.held_over,
+          std::string("without the ") + (track.model.left ? "left" : "right") + " hand: its last pose held over"));
+  return motion;
+}
+
+}  // namespace zwang::god

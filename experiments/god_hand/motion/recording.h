@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <zwang/core/model/pose.h>
+
+namespace zwang::god {
+
+// One hand as it was recorded: m, world axes with z up, nothing closed or limited yet.
+struct RecordedHand {
+  Pose<double> palm = {};                                 // axes as in hand::Model, origin where the recording has it
+  std::array<std::array<Vec3, 4>, 5> joints = {};         // base, second and third joint, tip of thumb .. little finger
+  double bone(std::size_t finger, std::size_t k) const {  // m
+    return (joints[finger][k + 1] - joints[finger][k]).norm();
+  }
+};
+
+struct RecordedTrack {
+  struct Frame {
+    double time;                       // s, ascending
+    std::optional<RecordedHand> hand;  // none: not seen, NaN or torn
+  };
+  bool left = false;
+  std::vector<Frame> frames = {};
+  double beyond = 0;  // rad, the farthest that an angle was outside its limits, where angles were recorded
+};
+
+struct Recording {
+  std::vector<RecordedTrack> hands = {};  // one or two, the right one first
+  std::vector<std::string> notes = {};    // what was passed over, one line each, for people
+};
+
+// Rows by their time, the first of each. Returns how many had the time of another.
+template <class Row>
+std::size_t put_in_order(std::vector<Row>& rows) {
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return rows[a].time < rows[b].time || (rows[a].time == rows[b].time && a < b);
+  });
+  std::vector<Row> sorted;
+  for (const std::size_t k : order)
+    if (sorted.empty() || sorted.back().time != rows[k].time) sorted.push_back(std::move(rows[k]));
+  std::swap(rows, sorted);
+  return sorted.size() - rows.size();
+}
+
+// "3 frames <what>", "1 frame <what>".
+inline std::string frames(std::size_t count, const std::string& what) {
+  return std::to_string(count) + (count == 1 ? " frame " : " frames ") + what;
+}
+
+// The text of a LeapJS Playback recording: {metadata, frames}, frames[0] the nested header that names the columns.
+// Throws BadFile naming `file`.
+Recording parse_leap(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace zwang::god

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/experiments/god_hand/motion/keyframes.h>
+#include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/scenes/site.h>
+
+namespace zwang::god {
+namespace {
+
+using hand::Angles;
+using Palm = Pose<double>;
+
+constexpr Posture a_fist{80, 100, 70, {40, 0, 40, 50}};  // the thumb over the fingers
+constexpr Posture grip{75, 55, 35, {60, -20, 30, 40}};   // down the sides of an object that the palm lies on
+constexpr Posture hook{30, 105, 80, {0, -55, 0, 0}};     // about a bar under the first phalanxes, the thumb along them
+
+Angles pointing(double share) {
+  Angles out = a_fist.at(share);
+  std::fill(out.begin() + 4, out.begin() + 8, 0.0);
+  return out;
+}
+
+Path at_flat_start(const Site& s) {
+  const double high = s.clear_height(0.15, [&](double h) { return s.flat(h); });
+  return {hand::standard(), s.flat(high), {}};
+}
+
+std::vector<Track> press(const Site& s) {
+  Path path = at_flat_start(s);
+  const Palm start = path.start();
+  path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, start);
+  return {path.track()};
+}
+
+std::vector<Track> slide(const Site& s) {
+  Path path = at_flat_start(s);
+  const Palm start = path.start();
+  path.stay(0.1).to(0.7, s.flat(-0.015)).to(1.3, s.flat(-0.015, 0, 0.1)).to(2, s.flat(-0.015, 0, -0.04));
+  path.to(2.3, s.flat(-0.015)).to(3, start);
+  return {path.track()};
+}
+
+// A bar with room under it is taken into the crook of the fingers, which alone lifts without friction. Anything else is
+// gripped from above: the middle between finger tips and thumb comes over its middle, the palm onto it.
+std::vector<Track> grasp(const Site& s) {
+  const hand::Model& model = hand::standard();
+  const Mat3 R = Site::axes(s.along, s.out);
+  const double thick = s.solid_way(s.focus, -s.out);
+  const bool bar = thick < 0.04 && s.depth.distance(s.focus - (thick + 0.02) * s.out, 0.02) > 0.015;
+  const Posture& fingers = bar ? hook : grip;
+  Palm low{Vec3::Zero(), R};
+  if (bar) {
+    const hand::Poses hooked = hand::assemble(low, fingers.at(1), model);
+    const hand::Phalanx first = model.phalanx(7);
+    low.position =
+        s.focus - thick / 2 * s.out - hooked[7] * Vec3(0, 0.2 * first.length, -(first.radius + thick / 2 + 0.001));
+  } else {
+    const hand::Poses closing = hand::assemble(low, fingers.at(0.7), model);
+    Vec3 grip = closing[3].position / 2;
+    for (std::size_t f = 1; f < 5; ++f) grip += closing[3 + 3 * f].position / 8;
+    const Vec3 within = s.focus - std::min(thick / 2, 0.03) * s.out;
+    Vec3 middle = within;
+    for (const Vec3& axis : {s.along, s.aside})
+      middle += (s.solid_way(within, axis) - s.solid_way(within, -axis)) / 2 * axis;
+    low = s.flat(0.006);
+    for (const Vec3& axis : {s.along, s.aside}) low.position += axis.dot(middle - grip - low.position) * axis;
+  }
+  const auto over = [&](double height) { return Palm{low.position + height * s.out, R}; };
+  const Angles open = fingers.at(0.1), closed = fingers.at(1);
+  const double high = s.clear_height(0.15, over, open);
+  Path path(model, over(high), open);
+  path.stay(0.1).to(0.9, low).to(1.5, low, closed).stay(1.8).to(2.3, over(0.1)).stay(2.7);
+  path.to(3.2, low).to(3.5, low, open).to(4, over(high));
+  return {path.track()};
+}
+
+std::vector<Track> poke(const Site& s) {
+  const hand::Model& model = hand::standard();
+  const Mat3 R = Site::axes(-s.out, s.along);
+  const hand::Poses straight = hand::assemble({Vec3::Zero(), R}, {}, model);
+  const hand::Phalanx last = model.phalanx(6);
+  const Vec3 tip = straight[6] * Vec3(0, last.length / 2 + last.radius, 0);
+  const auto tip_at = [&](double height) { return Palm{s.focus + height * s.out - tip, R}; };
+  const double high = s.clear_height(0.1, tip_at);
+  Path path(model, tip_at(high), {});
+  path.stay(0.1).to(0.5, tip_at(high), pointing(0.9)).to(0.9, tip_at(0.005)).to(1.3, tip_at(-0.04)).stay(2);
+  path.to(2.4, tip_at(0.05)).to(3, tip_at(high), {});
+  return {path.track()};
+}
+
+std::vector<Track> fist(const Site& s) {
+  Path path = at_flat_start(s);
+  const Palm start = path.start();
+  path.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), a_fist.at(0.95)).stay(1.8);
+  path.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, start, {});
+  return {path.track()};
+}
+
+std::vector<Track> swipe(const Site& s) {
+  constexpr double speed = 5;  // m/s
+  const auto on_line = [&](double height) { return s.flat(height, 0.4 * height); };
+  const double high = s.clear_height(0.25, on_line), length = std::hypot(2 * high, 0.8 * high);
+  const double there = 0.3 + length / speed, back = there + 0.8;
+  Path path(hand::standard(), on_line(high), {});
+  path.stay(0.3)
+      .to(there, on_line(-high), Path::Way::even)
+      .stay(back)
+      .to(back + length / speed, on_line(high), Path::Way::even);
+  path.stay(2);
+  return {path.track()};
+}
+
+std::vector<Track> teleport(const Site& s) {
+  const auto aside = [&](double h) { return s.flat(h, 0, 0.3); };
+  const double high = std::max(s.clear_height(0.12, aside), s.clear_height(0.12, [&](double h) { return s.flat(h); }));
+  Path path(hand::standard(), aside(high), {});
+  path.stay(0.5).to(0.501, s.flat(high), Path::Way::jump).stay(1).to(1.3, s.flat(0.1)).stay(1.5);
+  path.to(1.501, s.flat(-0.2), Path::Way::jump).stay(2.2).to(2.201, s.flat(0.1), Path::Way::jump).stay(3);
+  return {path.track()};
+}
+
+// The slide of a hand that goes on while nobody sees it.
+std::vector<Track> lost(const Site& s) {
+  Path path = at_flat_start(s);
+  const Palm start = path.start();
+  path.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Path::Way::even).to(3, start);
+  path.spoil(1.2, 1.5, [](Target& t) { t.tracked = false; });
+  return {path.track()};
+}
+
+std::vector<Track> not_numbers(const Site& s) {
+  Path path = at_flat_start(s);
+  const Palm start = path.start();
+  path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, start);
+  const auto spoilt = [](Target& t) { t.palm.position.x() = std::numeric_limits<double>::quiet_NaN(); };
+  path.spoil(1.0, 1.005, spoilt).spoil(1.6, 1.62, [](Target& t) {
+    t.angles.fill(std::numeric_limits<double>::quiet_NaN());
+  });
+  return {path.track()};
+}
+
+// A loose object is held between two palms; on anything else both press side by side.
+std::vector<Track> two_hands(const Site& s) {
+  const std::array<double, 2> wide = s.extent(s.aside);
+  const bool between = s.about.objects[s.object].loose() && wide[1] - wide[0] < 0.4;
+  std::vector<Track> tracks;
+  for (const bool left : {false, true}) {
+    const hand::Model model = left ? hand::mirrored(hand::standard()) : hand::standard();
+    const double side = left ? -1 : 1, half = model.palm_widths.z() / 2;
+    if (!between) {
+      const auto place = [&](double h) { return s.flat(h, 0, 0.15 * side); };
+      const double high = s.clear_height(0.15, place, {}, model);
+      Path path(model, place(high), {});
+      path.stay(0.1).to(0.8, place(0.005)).to(1.2, place(-0.02)).stay(2.2).to(3, place(high));
+      tracks.push_back(path.track());
+      continue;
+    }
+    // The back of each hand looks away from the object; as low as what is under it lets the hands be.
+    const Vec3 back = side * s.aside, face = (side > 0 ? wide[1] : wide[0]) * s.aside;
+    const Vec3 middle = s.middle();
+    const double most = s.extent(s.out)[1] - s.out.dot(middle);
+    double lift = 0;
+    const auto place = [&](double gap, double by = 0) {
+      Palm palm{face + (gap + half) * back, Site::axes(s.along, back)};
+      palm.position += s.along * s.along.dot(middle) + s.out * (s.out.dot(middle) + lift + by);
+      return palm;
+    };
+    while (lift < most && !s.clear(place(0.015), {}, model)) lift += 0.005;
+    const double high = s.clear_height(0.1, [&](double h) { return place(0.03, h); }, {}, model);
+    Path path(model, place(0.03, high), {});
+    path.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
+    path.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));
+    tracks.push_back(path.track());
+  }
+  return tracks;
+}
+
+struct Entry {
+  const char* name;
+  const char* line;
+  std::vector<Track> (*make)(const Site&);
+};
+constexpr Entry entries[] = {
+    {"press", "the flat hand pressed 30 mm into the surface", press},
+    {"slide", "pressed 15 mm deep and moved 140 mm forth and back along the surface", slide},
+    {"grasp", "the fingers closed about the object at the focus, which is lifted and put back", grasp},
+    {"poke", "the index finger put 40 mm through the surface", poke},
+    {"fist", "a fist clenched 25 mm inside the object", fist},
+    {"swipe", "through the object and back at 5 m/s", swipe},
+    {"teleport", "jumps of 0.3 m: one with the way clear, one through the surface and back", teleport},
+    {"lost", "tracking lost for 0.3 s while sliding in contact", lost},
+    {"nan", "NaN among the keys of a press: one, and four in a row", not_numbers},
+    {"two_hands", "both hands, pressing the object between them or the surface side by side", two_hands}};
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> synthetic_motions() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const Entry& e : entries) out.emplace_back(e.name, e.line);
+  return out;
+}
+
+Motion synthetic_motion(const std::string& name, const Surroundings& about) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) {
+    names.emplace_back(e.name);
+    if (name != e.name) continue;
+    Motion motion{.name = name, .hands = e.make(Site(about))};
+    for (const Track& track : motion.hands) {
+      motion.duration = std::max(motion.duration, track.keys.back().time);
+      if (track.held_over > 0)
+        motion.notes.push_back(std::to_string(track.held_over) + " keys lost or NaN, on purpose: held over");
+    }
+    return motion;
+  }
+  throw std::invalid_argument("no motion '" + name + "'" + did_you_mean(name, names));
+}
+
+}  // namespace zwang::god

@@ -1,0 +1,41 @@
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/experiments/god_hand/motion/hand_motion.h>
+
+namespace zwang::god {
+
+Target Track::at(double time) const {
+  if (keys.empty()) return {.tracked = false};
+  const auto next = std::upper_bound(keys.begin(), keys.end(), time, [](double t, const Key& k) { return t < k.time; });
+  const Key& before = next == keys.begin() ? *next : *(next - 1);
+  if (time == before.time) return before.target;
+  const bool joined = next != keys.begin() && next != keys.end() && before.target.tracked && next->target.tracked &&
+                      next->time - before.time <= patience;
+  Target between = before.target;
+  if (!joined) {
+    between.tracked = false;
+    return between;
+  }
+  const double s = (time - before.time) / (next->time - before.time);
+  between.palm = retract(between.palm, Vec<double, 6>(s * twist_between(between.palm, next->target.palm)));
+  for (std::size_t k = 0; k < between.angles.size(); ++k)
+    between.angles[k] += s * (next->target.angles[k] - before.target.angles[k]);
+  return between;
+}
+
+void append(Track& track, Track::Key key) {
+  const Pose<double>& palm = key.target.palm;
+  const bool finite = palm.position.allFinite() && palm.rotation.allFinite() &&
+                      std::all_of(key.target.angles.begin(), key.target.angles.end(),
+                                  [](double angle) { return std::isfinite(angle); });
+  if (!finite || !key.target.tracked) {
+    ++track.held_over;
+    if (track.keys.empty()) return;
+    key.target = track.keys.back().target;
+    key.target.tracked = false;
+  }
+  track.keys.push_back(std::move(key));
+}
+
+}  // namespace zwang::god

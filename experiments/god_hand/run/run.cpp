@@ -1,0 +1,118 @@
+#include <zwang/experiments/god_hand/run/run.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/experiments/god_hand/measure/audit.h>
+#include <zwang/experiments/god_hand/run/frame_store.h>
+#include <zwang/experiments/god_hand/run/replay.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/solvers/registry.h>
+
+namespace zwang::god {
+namespace {
+
+bool names_file(const std::string& motion) {
+  return motion.find_first_of("./") != std::string::npos || std::filesystem::exists(motion);
+}
+
+std::vector<hand::Model> models_of(const Motion& motion) {
+  std::vector<hand::Model> models;
+  for (const Track& track : motion.hands) models.push_back(track.model);
+  return models;
+}
+
+// Where a hand is when it is first seen.
+Target first_of(const Track& track) {
+  const auto seen =
+      std::find_if(track.keys.begin(), track.keys.end(), [](const Track::Key& key) { return key.target.tracked; });
+  if (seen == track.keys.end()) throw std::invalid_argument("the motion has a hand that is never tracked");
+  return seen->target;
+}
+
+}  // namespace
+
+Stage set_up(Record& record) {
+  Asked& asked = record.asked;
+  make_solver(asked.options.solver);  // its complaint comes before the work on a large scene
+  Stage stage;
+  record.recorded = names_file(asked.motion);
+  if (record.recorded) stage.motion = read_motion(asked.motion);
+  stage.surroundings = make_surroundings(asked.scene, asked.parts);
+  if (!record.recorded) stage.motion = synthetic_motion(asked.motion, stage.surroundings);
+  if (record.recorded && asked.share > 0) record.placement = place(stage.motion, stage.surroundings, asked.share);
+
+  record.title = record.recorded ? std::filesystem::path(asked.motion).stem().string() : asked.motion;
+  record.motion = fingerprint(stage.motion);
+  record.surroundings = fingerprint(stage.surroundings);
+  record.hands = stage.motion.hands.size();
+  record.loose =
+      static_cast<std::size_t>(std::count_if(stage.surroundings.objects.begin(), stage.surroundings.objects.end(),
+                                             [](const Object& object) { return object.loose(); }));
+  record.held_over = 0;
+  for (const Track& track : stage.motion.hands) {
+    record.held_over += track.held_over;
+    record.misfit_mean = std::max(record.misfit_mean, track.misfit_mean);
+    record.misfit_most = std::max(record.misfit_most, track.misfit_most);
+  }
+  record.notes = stage.motion.notes;
+  const long whole = static_cast<long>(stage.motion.duration / asked.options.dt + 1e-6) + 1;
+  asked.frames = asked.frames > 0 ? std::min(asked.frames, whole) : whole;
+  return stage;
+}
+
+long simulate(const std::filesystem::path& directory, const Record& record, const Stage& stage, bool resume,
+              const ShowProgress& progress, const std::atomic<bool>& interrupted) {
+  const std::vector<Track>& hands = stage.motion.hands;
+  std::vector<Target> targets;
+  for (const Track& track : hands) targets.push_back(first_of(track));
+  const Options& options = record.asked.options;
+  Simulation simulation(stage.surroundings, models_of(stage.motion), targets, options);
+  const Checkpoint from = resume ? read_checkpoint(directory) : Checkpoint{};
+  if (from.frames > 0) simulation.restore(from.state);
+  FrameWriter writer(directory, record.hands * hand::bodies, record.loose, from.frames);
+  long k = from.frames;
+  for (; k < record.asked.frames && !interrupted; ++k) {
+    for (std::size_t h = 0; h < hands.size(); ++h) targets[h] = hands[h].at(static_cast<double>(k) * options.dt);
+    const Frame& frame = simulation.step(targets);
+    writer.write(frame);
+    progress(static_cast<double>(k + 1) / static_cast<double>(record.asked.frames),
+             grouped(static_cast<std::size_t>(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");
+    if ((k + 1) % checkpoint_every != 0) continue;
+    writer.flush();
+    write_checkpoint(directory, {k + 1, simulation.checkpoint()});
+  }
+  writer.flush();
+  return k;
+}
+
+Finished finish(const std::filesystem::path& directory, const Record& record, const Stage& stage,
+                const ShowProgress& progress) {
+  const std::vector<hand::Model> models = models_of(stage.motion);
+  std::vector<std::vector<collision::Shape>> shapes;
+  for (const hand::Model& model : models) shapes.push_back(hand::shapes(model));
+  Audit audit(stage.surroundings, shapes);
+  Finished out{.summary = Summary(record.asked.options.dt), .lines = {}, .replay = {}};
+  const auto planned = static_cast<double>(record.asked.frames);
+  read_frames(directory, [&](const Frame& frame) {
+    out.summary.add(frame);
+    if (!record.asked.audit) return;
+    audit.look(frame);
+    progress(static_cast<double>(out.summary.frames()) / planned, "FCL looks at every frame");
+  });
+  if (record.asked.audit) out.summary.set_audit(audit.looked(), audit.found(), audit.first(), audit.crossed());
+  out.lines = out.summary.lines(record);
+  const auto file = directory / "summary.json";
+  std::ofstream json(file);
+  json << out.summary.json(record);
+  json.close();
+  if (!json) throw BadFile("cannot write " + file.string());
+  if (out.summary.frames() > 0) out.replay = write_replay(directory, record, out.summary, stage.surroundings, models);
+  return out;
+}
+
+}  // namespace zwang::god

@@ -1,0 +1,205 @@
+#include <zwang/experiments/god_hand/run/summary.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include <zwang/bench/suite/progress.h>
+
+namespace zwang::god {
+namespace {
+
+constexpr double closed = 1e-9;  // m and rad: what joints and limits are kept to
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double median(const std::vector<int>& values) { return quantile({values.begin(), values.end()}, 0.5); }
+
+std::string text(const char* form, double value) {
+  char out[32];
+  std::snprintf(out, sizeof out, form, value);
+  return out;
+}
+std::string length(double metres) {
+  if (metres == 0) return "0";
+  if (std::abs(metres) >= 1e-5) return text("%.3g mm", 1e3 * metres);
+  return text("%.1e m", metres);
+}
+std::string milliseconds(double seconds) { return text("%.3g ms", 1e3 * seconds); }
+std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+std::string counted(long n, const std::string& noun) {
+  return grouped(static_cast<std::size_t>(n)) + " " + noun + (n == 1 ? "" : "s");
+}
+
+// "1,204 solved, 3 near"
+std::string tally(const std::map<std::string, long>& counts) {
+  std::string all;
+  for (const auto& [name, n] : counts)
+    all += (all.empty() ? "" : ", ") + grouped(static_cast<std::size_t>(n)) + " " + name;
+  return all;
+}
+
+bool finite(const Frame& frame) {
+  const auto all = [](const std::vector<Pose<double>>& poses) {
+    return std::all_of(poses.begin(), poses.end(),
+                       [](const Pose<double>& p) { return p.position.allFinite() && p.rotation.allFinite(); });
+  };
+  return all(frame.god) && all(frame.loose);
+}
+
+}  // namespace
+
+std::array<double, 6> stages(const StageTimes& t) {
+  return {t.physics, t.resolution, t.assembly, t.solve, t.collision, t.other};
+}
+
+std::string fault(const Frame& frame) {
+  if (!finite(frame)) return "NaN";
+  if (frame.gap < 0) return "penetration";
+  if (frame.separation > closed) return "open joint";
+  if (frame.limit > closed) return "limit crossed";
+  if (frame.verified == Verdict::wrong) return "wrong answer";
+  return "";
+}
+
+void Summary::add(const Frame& f) {
+  totals_.push_back(f.times.total());
+  const std::array<double, 6> of_frame = stages(f.times);
+  for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_frame[k];
+  gap_ = std::min(gap_, f.gap);
+  depth_ = std::max(depth_, f.target_depth);
+  separation_ = std::max(separation_, f.separation);
+  limit_ = std::max(limit_, f.limit);
+  distance_ = std::max(distance_, f.distance);
+  impulse_ = std::max(impulse_, f.impulse_error);
+  jitter_ = std::max(jitter_, f.jitter);
+  speed_ = std::max(speed_, f.object_speed);
+  lost_slide_ += f.lost_slide;
+  work_ += f.work;
+  touching_ += f.gap <= touching;
+  held_ += f.held;
+  stuck_ += f.stuck;
+  behind_ += f.behind;
+  untracked_ += !f.tracked;
+  returned_ += f.returned;
+  broken_ += !fault(f).empty();
+  if (f.raw > 0) {
+    raw_.push_back(f.raw);
+    kept_.push_back(f.kept);
+  }
+  if (f.claimed != Status::unsolved) {
+    ++claimed_[std::string(to_string(f.claimed))];
+    if (f.verified) ++verified_[std::string(to_string(*f.verified))];
+  }
+}
+
+void Summary::set_audit(long looked, long found, long first, long crossed) {
+  crossed_ = crossed;
+  audited_ = looked;
+  overlaps_ = found;
+  first_overlap_ = first;
+}
+
+std::vector<std::string> Summary::lines(const Record& record) const {
+  if (frames() == 0) return {"No frame was simulated."};
+  const auto n = static_cast<double>(frames());
+  std::vector<std::string> out;
+  out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
+                grouped(static_cast<std::size_t>(std::lround(1 / dt_))) + " Hz: deepest penetration " +
+                length(std::max(0.0, -gap_)) + ", joints " + length(separation_) + ", " +
+                (limit_ <= closed ? "limits kept" : "limits crossed by " + text("%.2g rad", limit_)) + ", stuck " +
+                std::to_string(stuck_) + ", held " + std::to_string(held_));
+  const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
+  std::vector<std::size_t> order(stages_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return stages_[a] != stages_[b] ? stages_[a] > stages_[b] : a < b; });
+  std::string shares;
+  for (const std::size_t k : order)
+    if (stages_[k] > 0)
+      shares += (shares.empty() ? "" : ", ") + std::string(stage_names[k]) + " " + percent(stages_[k] / all);
+  out.push_back(
+      "median " + milliseconds(quantile(totals_, 0.5)) + " a step" + (shares.empty() ? "" : " (" + shares + ")") +
+      ", 99th percentile " + milliseconds(quantile(totals_, 0.99)) + ", worst " + milliseconds(quantile(totals_, 1)) +
+      (raw_.empty()
+           ? ""
+           : ", contacts " + text("%.0f", median(raw_)) + " -> " + text("%.0f", median(kept_)) + " (medians)"));
+  out.push_back(
+      "The hand touches in " + percent(static_cast<double>(touching_) / n) + " of the frames; its target is at most " +
+      length(depth_) + " inside an object and " + length(distance_) + " from the hand" +
+      (behind_ > 0 ? "; the target was beyond a thin part in " + counted(behind_, "frame") + ", the hand before it"
+                   : ""));
+  if (record.recorded)
+    out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
+                  length(record.misfit_most) + " at most; " +
+                  counted(static_cast<long>(record.held_over), "recorded frame") + " without a hand held over");
+  out.insert(out.end(), record.notes.begin(), record.notes.end());
+  if (untracked_ > 0) out.push_back(counted(untracked_, "frame") + " without tracking: the last target was kept");
+  if (returned_ > 0) out.push_back(counted(returned_, "object") + " put back clear of the hand");
+  if (!claimed_.empty())
+    out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
+                  (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
+  if (audited_ > 0)
+    out.push_back(
+        "Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
+        counted(audited_, "body-frame") +
+        (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
+        (crossed_ > 0 ? "; the hands, which do not meet each other, cross in " + counted(crossed_, "body-frame") : ""));
+  if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
+  return out;
+}
+
+std::string Summary::json(const Record& record) const {
+  using Json = nlohmann::ordered_json;
+  Json shares;
+  const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
+  for (std::size_t k = 0; k < stages_.size(); ++k) shares[stage_names[k]] = all > 0 ? stages_[k] / all : 0;
+  const Json j = {
+      {"scene", record.asked.scene},
+      {"motion", record.title},
+      {"solver", record.asked.options.solver},
+      {"rate_hz", 1 / dt_},
+      {"frames", frames()},
+      {"finished", !record.finished.empty()},
+      {"penetration_m", std::max(0.0, -gap_)},
+      {"smallest_gap_m", gap_},
+      {"joint_separation_m", separation_},
+      {"limit_violation_rad", limit_},
+      {"stuck_frames", stuck_},
+      {"held_frames", held_},
+      {"faulty_frames", broken_},
+      {"target_beyond_thin_part_frames", behind_},
+      {"untracked_frames", untracked_},
+      {"objects_put_back", returned_},
+      {"touching_share", frames() > 0 ? static_cast<double>(touching_) / static_cast<double>(frames()) : 0},
+      {"target_depth_m", depth_},
+      {"target_distance_m", distance_},
+      {"lost_slide_m", lost_slide_},
+      {"jitter_m", jitter_},
+      {"work_j", work_},
+      {"impulse_error", impulse_},
+      {"object_speed_m_s", speed_},
+      {"step_s",
+       {{"median", quantile(totals_, 0.5)},
+        {"p99", quantile(totals_, 0.99)},
+        {"worst", quantile(totals_, 1)},
+        {"median_hz", quantile(totals_, 0.5) > 0 ? 1 / quantile(totals_, 0.5) : 0},
+        {"shares", shares}}},
+      {"contacts", {{"raw_median", median(raw_)}, {"kept_median", median(kept_)}}},
+      {"claimed", claimed_},
+      {"verified", verified_},
+      {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}, {"hands_crossed", crossed_}}
+                             : Json(nullptr)},
+      {"misfit_m", {{"mean", record.misfit_mean}, {"most", record.misfit_most}}},
+      {"recorded_frames_held_over", record.held_over},
+      {"placement", {{"inside_share", record.placement.inside}, {"depth_m", record.placement.depth}}}};
+  return j.dump(2) + "\n";
+}
+
+}  // namespace zwang::god

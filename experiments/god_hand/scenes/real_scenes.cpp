@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <zwang/bench/collision/drag_scenes.h>
+#include <zwang/collision/load.h>
+#include <zwang/experiments/god_hand/scenes/scene_objects.h>
+#include <zwang/experiments/god_hand/scenes/scene_parts.h>
+
+namespace zwang::god {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file of this name anywhere below the folder, also packed (.gz).
+fs::path find_part(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (at->path().filename() == name || at->path().filename() == name + ".gz") found.push_back(at->path());
+  if (error) throw BadFile(folder.string() + ": " + error.message());
+  if (found.empty()) throw BadFile(folder.string() + ": no " + name + " in it, which this scene is made of");
+  return *std::min_element(found.begin(), found.end());
+}
+
+TreePointer load(const fs::path& file, double unit) {
+  return std::make_shared<const collision::Tree>(
+      collision::load_tree(file, {.unit = unit, .cache = collision::tree_cache()}).tree);
+}
+
+constexpr std::array differential{"ring",          "pinion", "spider",     "side",      "carrier",
+                                  "carrier_cover", "arm",    "rightshaft", "leftshaft", "motor_cover"};
+
+std::string differential_file(const std::string& part) { return "diff_" + part + ".stl"; }
+
+// All ten files as one part: they share one frame.
+TreePointer whole_differential(const fs::path& folder) {
+  collision::Mesh all;
+  for (const char* part : differential) {
+    const TreePointer tree = load(find_part(folder, differential_file(part)), 1e-3);
+    for (const collision::Triangle& t : tree->triangles()) {
+      const auto first = static_cast<std::uint32_t>(all.vertices.size());
+      all.vertices.insert(all.vertices.end(), t.corner.begin(), t.corner.end());
+      all.triangles.push_back({first, first + 1, first + 2});
+    }
+  }
+  return tree_of(all);
+}
+
+using NamedTree = std::pair<std::string, TreePointer>;
+
+// In rows, about as wide as deep, tops at z = 0.
+void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
+  double area = 0;
+  std::vector<TreePointer> trees;
+  for (const auto& [name, tree] : parts) {
+    const Vec3 size = tree->high() - tree->low();
+    area += size.x() * size.y();
+    trees.push_back(tree);
+  }
+  const std::vector<Part> laid = laid_out(trees, 1.1 * std::sqrt(area));
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = laid[k].pose});
+}
+
+// The same, standing about a point.
+void stand(Surroundings& s, const std::vector<NamedTree>& parts, const Vec3& at) {
+  Surroundings group;
+  lay_out(group, parts);
+  Vec3 low = Vec3::Constant(1e9), high = -low;
+  for (const Object& object : group.objects) {
+    low = low.cwiseMin(object.pose * object.mesh->low());
+    high = high.cwiseMax(object.pose * object.mesh->high());
+  }
+  for (Object& object : group.objects) {
+    object.pose.position += at - (low + high) / 2;
+    object.pose.position.z() = at.z() - object.mesh->low().z();
+    s.objects.push_back(std::move(object));
+  }
+}
+
+}  // namespace
+
+// Five parts of a differential gear on a table.
+Surroundings real_simple_scene(const fs::path& folder) {
+  Surroundings s{.name = "simple"};
+  std::vector<NamedTree> parts;
+  for (std::size_t k = 0; k < 5; ++k)
+    parts.emplace_back(differential[k], load(find_part(folder, differential_file(differential[k])), 1e-3));
+  stand(s, parts, Vec3::Zero());
+  s.objects.push_back(table("table", {0.6, 0.5, 0.03}, Vec3::Zero(), 5000));
+  add_box_and_can(s, {0.11, 0.07, 0}, {0.1, -0.07, 0});
+  s.focus = busiest_place(s);
+  return s;
+}
+
+// Two round plates, the decks; on one of them whole differentials, on the other drives, gears and bolts.
+Surroundings real_engine_scene(const fs::path& folder) {
+  Surroundings s{.name = "engine"};
+  std::vector<NamedTree> parts;
+  const auto add = [&](int count, const std::string& name, const TreePointer& tree) {
+    for (int k = 1; k <= count; ++k) parts.emplace_back(name + " " + std::to_string(k), tree);
+  };
+  add(3, "differential", whole_differential(folder));
+  stand(s, parts, {-0.155, 0, 0});
+  parts.clear();
+  add(3, "cycloidal drive", load(find_part(folder, "cycloidal.ply"), 0.0254));
+  add(3, "gear", load(find_part(folder, "factory_gear_medium_space_5e-4.obj"), 1));
+  add(4, "bolt M20", load(find_part(folder, "factory_bolt_m20_loose.obj"), 1));
+  add(3, "bolt M8", load(find_part(folder, "factory_bolt_m8_loose.obj"), 1));
+  add(2, "bolt M16", load(find_part(folder, "factory_bolt_m16_loose.obj"), 1));
+  stand(s, parts, {0.155, 0, 0});
+  const TreePointer deck = load(find_part(folder, "counter.unitsmm.STL"), 1e-3);
+  for (const double x : {-0.155, 0.155})
+    s.objects.push_back(
+        fixed("deck", deck,
+              Vec3(x, 0, -deck->high().z()) - Vec3((deck->low() + deck->high()).cwiseProduct(Vec3(0.5, 0.5, 0)))));
+  const Vec3 tray(0, -0.16, 0);
+  s.objects.push_back(table("tray", {0.16, 0.09, 0.012}, tray, 10000));
+  add_small_parts(s, tray);
+  s.focus = busiest_place(s);
+  return s;
+}
+
+Surroundings files_scene(const std::string& files) {
+  Surroundings s{.name = files};
+  std::vector<NamedTree> parts;
+  std::map<std::string, TreePointer> known;
+  for (std::size_t first = 0; first <= files.size();) {
+    const std::size_t end = std::min(files.find(',', first), files.size());
+    const std::string item = files.substr(first, end - first);
+    first = end + 1;
+    if (item.empty()) throw BadFile("'" + files + "': a file name is missing");
+    const std::size_t at = item.rfind('@');
+    double unit = 1;
+    if (at != std::string::npos) try {
+        unit = collision::metres_per(item.substr(at + 1));
+      } catch (const std::invalid_argument& e) {
+        throw BadFile(item + ": " + e.what());
+      }
+    const fs::path file = item.substr(0, at);
+    TreePointer& tree = known[item];
+    if (!tree) tree = load(file, unit);
+    const double width = (tree->high() - tree->low()).maxCoeff();
+    if (width > 50)
+      throw BadFile(file.string() + ": " + std::to_string(std::lround(width)) + " m wide; give its unit, such as " +
+                    file.filename().string() + "@mm");
+    parts.emplace_back(file.filename().string(), tree);
+  }
+  lay_out(s, parts);
+  s.focus = busiest_place(s);
+  return s;
+}
+
+}  // namespace zwang::god

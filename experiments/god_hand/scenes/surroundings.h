@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <zwang/collision/shape.h>
+#include <zwang/collision/tree.h>
+
+namespace zwang::god {
+
+// What a hand may meet: fixed (mass 0: a mesh or shapes) or loose, a physics object (shapes alone: its convex pieces).
+// Where a fixed object has both, hands meet the mesh and the physics engine the pieces: a table top that is cut finely
+// for the hand is one box to what stands on it.
+struct Object {
+  struct Piece {
+    collision::Shape shape;
+    Pose<double> at = {};  // in the object's axes
+  };
+
+  std::string name = {};
+  std::shared_ptr<const collision::Tree> mesh = {};  // of a fixed object; of a loose one: drawn, not met
+  std::vector<Piece> pieces = {};
+  Pose<double> pose = {};           // of the centre of mass; m, world
+  double mass = 0;                  // kg; 0: fixed
+  Mat3 inertia = Mat3::Identity();  // kg m^2, about the centre of mass; diagonal: the object's axes are principal
+  double friction = 0.5;            // of the physics engine, against other objects
+  bool loose() const { return mass > 0; }
+};
+
+// Objects, and where among them a hand is meant to work. z is up.
+struct Surroundings {
+  std::string name = {};
+  std::vector<Object> objects = {};
+  Vec3 gravity = Vec3(0, 0, -9.81);  // m/s^2
+  Vec3 focus = Vec3::Zero();         // m: the point that motions are placed about, on a surface
+};
+
+// A part's pose, given in the axes of what it is `on`, in the world.
+inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
+  return {on * part.position, on.rotation * part.rotation};
+}
+
+// m, from the origin of a shape to its farthest point.
+inline double reach_of(const collision::Shape& shape) { return shape.reach() + shape.radius(); }
+
+}  // namespace zwang::god

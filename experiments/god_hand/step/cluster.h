@@ -1,0 +1,111 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <zwang/core/model/assemble.h>
+#include <zwang/core/problem/solver.h>
+#include <zwang/experiments/god_hand/hand/god_objects.h>
+#include <zwang/experiments/god_hand/hand/skeleton.h>
+#include <zwang/experiments/god_hand/scenes/surroundings.h>
+#include <zwang/experiments/god_hand/step/contacts.h>
+#include <zwang/experiments/god_hand/step/frame.h>
+#include <zwang/experiments/god_hand/step/options.h>
+
+namespace zwang::god {
+
+// One cluster of god objects among the objects: section 4 of the paper, with the mends of docs/formulation.md.
+//
+// A sub-step. Contacts within `activation` become rows that keep a gap; z = the least constraint against
+// z_u = k_s (target - god), k_s = 1/dt^2. Where no contact presses, the targets themselves are the candidate: they
+// satisfy joints and limits, so that the target is reached in one step whatever the rotations. Otherwise it is the end
+// of the linear step, put onto joints and limits; that step is kept within what the activation distance has seen, by
+// scaling the motion, not z_u: a hand that slides loses nothing of a motion that is small, however deep its target is.
+// The way to the candidate is swept, body by body, and at a time of contact below 1 the candidate is taken at that part
+// of the way and swept again (the commit cycle). Only a pose whose way was clear is ever taken.
+class Cluster {
+ public:
+  Cluster(GodObjects objects, const Surroundings& surroundings, const Options& options);
+
+  std::size_t size() const { return objects_.shapes.size(); }
+  const GodObjects& objects() const { return objects_; }
+  const Skeleton& skeleton() const { return skeleton_; }
+  std::span<const Pose<double>> poses() const { return pose_; }
+  std::span<const Pose<double>> targets() const { return std::span(target_).first(size()); }
+
+  // Poses of all god objects, put onto joints and limits. Forgets what earlier frames left behind.
+  void place(std::span<const Pose<double>> poses);
+
+  // What is kept from frame to frame, but for what makes it faster: restore() forgets that.
+  struct Memory {
+    std::vector<Pose<double>> pose, target;
+    std::vector<Vec<double, 6>> last_way;
+    bool blocked, bent;
+    double caution;
+  };
+  Memory memory() const;
+  void restore(const Memory& memory);
+  void place_object(std::size_t object, const Pose<double>& pose);
+  // The smallest gap to anything or between two of them [m]; `reach` where there is none below that.
+  double gap(double reach) { return encounters_.gap(reach); }
+
+  // Would the way straight to the targets be clear?
+  bool way_is_clear();
+
+  // A frame: where the god objects are tracked.
+  void aim(std::span<const Pose<double>> targets);
+  // A sub-step in two halves: the time of contact of what it would do; then doing it up to a time, at most that one.
+  double propose(Frame& frame);
+  void commit(double toc, Frame& frame);
+  bool done() const { return done_; }
+
+  // Of the frame's last solve.
+  std::span<const Contacts::Row> rows() const { return encounters_.rows(); }
+  double lambda(std::size_t row) const;  // N, of a contact row
+  int object_of(int collider) const { return encounters_.object_of(collider); }
+  Vec<double, 6> contact_row(std::size_t row, BodyId body) const;         // of J, a god object's part
+  std::span<const Pose<double>> solved_at() const { return solved_at_; }  // where the god objects stood then
+  const Problem& problem() const { return problem_; }
+  bool held() const { return held_; }
+
+ private:
+  bool printed() const { return options_.commit == Options::Commit::printed; }
+  void write_rows(bool push);
+  bool solve(Frame& frame);
+  void take_solution();
+  bool solve_lazily(Frame& frame);
+  bool presses() const;
+  double longest(std::span<const Vec<double, 6>> ways) const;  // m, that a point of a god object goes at most
+  double constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const;
+  void damp(Frame& frame);
+  void slow_down();
+  void bound();
+  bool go_freely();
+  void candidate(double part, Frame& frame);
+  double sweep(Frame& frame);
+
+  const Options options_;
+  GodObjects objects_;
+  Skeleton skeleton_;
+  Contacts encounters_;
+  Assembler assembler_;
+  AnySolver solver_;
+  Problem problem_;
+  Solution solution_;
+  WarmStart warm_;
+  Vector z_u_;
+  std::vector<Pose<double>> pose_, target_, end_,
+      solved_at_;                         // target_: of all bodies of the scene, as assembly wants it
+  std::vector<Vec<double, 6>> way_;       // m, rad: to the candidate
+  std::vector<Vec<double, 6>> screw_;     // m, rad: to the present end, by god object
+  std::vector<Vec<double, 6>> last_way_;  // m, rad: that was gone last
+  double allowed_ = 0;                    // m, the most that a pressing cluster moves in a sub-step
+  double pace_ = 0;                       // m, that it always may
+  double caution_ = 1;                    // part of it that it may after it turned back or was held
+  bool done_ = false, held_ = false, solved_ = false, pushed_ = false, leg_ = false, free_ = false, blocked_ = false,
+       bent_ = false;
+  bool counted_ = false;  // contacts of this frame, at its first look
+  int sub_step_ = 0;
+};
+
+}  // namespace zwang::god

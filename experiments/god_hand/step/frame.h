@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <zwang/core/model/pose.h>
+#include <zwang/core/referee/measure.h>
+
+namespace zwang::god {
+
+// A contact that was a row of the frame's last solve.
+struct FrameContact {
+  int body = 0, object = -1;   // god object; object of the surroundings, or -1 - other god object
+  Vec3 point = Vec3::Zero();   // m, world, on the god object's surface at the frame's end
+  Vec3 normal = Vec3::Zero();  // unit, toward the god object
+  double gap = 0;              // m, when it became a row
+  double push = 0;             // N, on the object: lambda k_f dt^2, capped
+};
+
+// Where the time of a frame went: thread CPU seconds.
+struct StageTimes {
+  double physics = 0, resolution = 0, assembly = 0, solve = 0, collision = 0, other = 0;
+  double total() const { return physics + resolution + assembly + solve + collision + other; }
+};
+
+// Everything that is known of one simulated frame. Lengths in m, angles in rad.
+struct Frame {
+  long number = 0;
+  double time = 0;                        // s
+  std::vector<Pose<double>> target, god;  // of all god objects, hand after hand
+  std::vector<Pose<double>> loose;        // of the loose objects, in the order of the surroundings
+  std::vector<FrameContact> contacts;
+
+  double gap = 1;            // smallest, of a god object to anything; negative: penetration
+  double target_depth = 0;   // of the target's deepest body inside (0: outside)
+  double separation = 0;     // largest gap of a joint
+  double limit = 0;          // rad, largest violation of a joint limit
+  double distance = 0;       // largest, of a god object to its target
+  double lost_slide = 0;     // tangential motion lost at frictionless contacts in this frame, m
+  double jitter = 0;         // largest second difference of a god object's position beyond its target's, m
+  double work = 0;           // J, done on loose objects in this frame
+  double impulse_error = 0;  // relative: impulse received by objects plus the hand's scaled one
+  double object_speed = 0;   // m/s, fastest loose object that the hand touches
+  Vec<double, 6> device = Vec<double, 6>::Zero();  // N, N m: what a haptic device would show at the first palm
+  int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
+  bool tracked = true, held = false, stuck = false, behind = false;  // behind: target through a thin part, hand not
+  Status claimed = Status::unsolved;
+  std::optional<Verdict> verified = {};  // of the worst solve of the frame; none: the referee did not look
+  StageTimes times = {};
+
+  // Back to the beginning, with the storage kept.
+  void reset() {
+    Frame fresh;
+    const auto keep = [](auto& from, auto& to) { from.clear(), to = std::move(from); };
+    keep(target, fresh.target), keep(god, fresh.god), keep(loose, fresh.loose), keep(contacts, fresh.contacts);
+    *this = std::move(fresh);
+  }
+};
+
+}  // namespace zwang::god

@@ -1,0 +1,183 @@
+#include <zwang/solvers/active_set/cholesky.h>
+
+#include <cmath>
+#include <limits>
+
+#include <zwang/solvers/common/begin.h>
+
+namespace zwang {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// Refines y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.
+bool Cholesky::Method::correct(ActiveRows& active) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const double before = y_.norm();
+    double change = infinity;
+    for (int pass = 0; pass < 3 && change > refactor_above_ * before; ++pass) {
+      auto r2 = r2_.head(active.size());
+      direction_ = -y_;
+      for (const Index i : active.rows()) active.add(i, l_[i], direction_);
+      for (Index i = 0; i < active.size(); ++i) r2[i] = w_.h[active[i]] - active.dot(active[i], y_);
+      active.correct(direction_, r2);
+      change = direction_.norm();
+      if (!std::isfinite(change) || !active.healthy()) break;
+      y_ += direction_;
+      for (Index i = 0; i < active.size(); ++i) l_[active[i]] += r2[i];
+    }
+    if (change <= std::max(refactor_above_ * std::max(before, y_.norm()), std::numeric_limits<double>::min()))
+      return true;
+    if (!active.refactor()) return false;
+    y_.setZero();
+    l_.setZero();
+  }
+  return false;
+}
+
+void Cholesky::Method::drop(ActiveRows& active, Index position) {
+  set_aside_[at(active[position])] = 0;
+  l_[active[position]] = 0;
+  active.drop(position);
+}
+
+// The equality rows, then `guess`: those of them that keep a positive multiplier make a point the method may start
+// from.
+void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline) {
+  active.reset(w_, deadline);
+  set_aside_.assign(at(w_.rows()), 0);
+  y_.setZero(w_.size());
+  l_.setZero(w_.rows());
+  for (Index i = 0; i < w_.rows(); ++i)
+    if (w_.equality[at(i)]) {
+      active.append(i);
+      set_aside_[at(i)] = 1;
+    }
+  for (const Index i : guess)
+    if (!w_.equality[at(i)] && active.accepts(active.append(i))) set_aside_[at(i)] = 1;
+}
+
+Index Cholesky::Method::most_violated(const ActiveRows& active) const {
+  const double length = y_.norm();
+  Index row = -1;
+  double worst = 16 * std::numeric_limits<double>::epsilon();
+  for (Index i = 0; i < w_.rows(); ++i) {
+    if (set_aside_[at(i)]) continue;
+    const double relative = (w_.h[i] - active.dot(i, y_)) / (w_.magnitude[i] + length);
+    if (relative > worst) {
+      worst = relative;
+      row = i;
+    }
+  }
+  return row;
+}
+
+Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& active, const SolveOptions& options,
+                                                 const Deadline& deadline, Solution& s) {
+  const auto keeps = [&](Index i) { return w_.equality[at(active[i])] || l_[active[i]] >= 0; };
+  for (bool dropped = true; dropped;) {
+    if (!correct(active)) return Step::stuck;
+    dropped = false;
+    for (Index i = active.size(); i-- > 0;)
+      if (!keeps(i)) {
+        drop(active, i);
+        dropped = true;
+      }
+  }
+  for (;;) {
+    const Index r = most_violated(active);
+    if (r < 0) return Step::optimal;
+    double entered = 0;
+    for (bool full = false; !full;) {
+      if (deadline.passed() || s.iterations >= options.max_iterations) {
+        s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
+        return Step::limit;
+      }
+      ++s.iterations;
+      auto rate = rate_.head(active.size());
+      direction_ = w_.Gt.col(r);
+      active.combine(direction_, rate);
+      const double share = active.size() < w_.size() ? direction_.norm() : 0;
+      if (active.undecided(share) || !active.healthy()) return Step::stuck;
+
+      // How far until r holds, and until the first multiplier reaches zero.
+      const double whole = active.accepts(share) ? (w_.h[r] - active.dot(r, y_)) / (share * share) : infinity;
+      double partial = infinity;
+      Index leaving = -1;
+      for (Index i = 0; i < active.size(); ++i) {
+        if (w_.equality[at(active[i])] || rate[i] <= 1e-13) continue;
+        const double reach = std::max(l_[active[i]], 0.0) / rate[i];
+        if (reach < partial) {
+          partial = reach;
+          leaving = i;
+        }
+      }
+      const double step = std::min(whole, partial);
+      if (step == infinity) return Step::optimal;  // no row can give way: the polish proves it
+      y_ += step * direction_;
+      for (Index i = 0; i < active.size(); ++i) l_[active[i]] -= step * rate[i];
+      entered += step;
+      full = whole <= partial;
+      if (!full) {
+        drop(active, leaving);
+        continue;
+      }
+      if (!active.accepts(active.append(r))) return Step::stuck;
+      set_aside_[at(r)] = 1;
+      l_[r] = entered;
+      if (!correct(active)) return Step::stuck;
+    }
+    if (options.observe) {
+      w_.primal(p, y_, s.z);
+      w_.multipliers(p, l_, s.lambda);
+      options.observe(s.iterations, s.z, s.lambda);
+    }
+  }
+}
+
+// False: the factors were too coarse for this problem.
+bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess,
+                               const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  start(active, guess, deadline);
+  const Step end = descend(p, active, options, deadline, s);
+  if (end == Step::limit) {
+    w_.primal(p, y_, s.z);
+    w_.multipliers(p, l_, s.lambda);
+    return true;
+  }
+  if (end == Step::stuck && &active == &sparse_) return false;
+  return polish_.run(p, w_, active, options.tolerance, s) != Polish::Outcome::failed &&
+         s.status != Status::solved_ill_conditioned;
+}
+
+void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
+    plain_.of(q.size(), q.rows()).solve(q, refactor_above, o, t);
+  };
+  plain_.begin();
+  if (reduce) return reduced_.solve(plain, p, options, s);
+  plain(p, options, s);
+}
+
+void Cholesky::Method::solve(const Problem& p, double refactor_above, const SolveOptions& options, Solution& s) {
+  refactor_above_ = refactor_above;
+  const Deadline deadline(options.time_limit);
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
+  storage_.require(n * m, options);
+  if (!begin(w_, p, deadline, s)) return;
+  direction_.resize(p.size());
+  rate_.resize(w_.rows());
+  r2_.resize(w_.rows());
+  if (attempt(p, sparse_, warm_rows_.find(p, w_, options.warm_start), options, deadline, s)) return;
+  s.message.clear();
+  s.redundant.clear();
+  s.margins = {};
+  storage_.require(n * m + n * most + most * most, options);
+  attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
+  s.fallback = true;
+}
+
+}  // namespace zwang

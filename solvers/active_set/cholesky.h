@@ -1,0 +1,79 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <zwang/core/problem/shape_cache.h>
+#include <zwang/solvers/active_set/cholesky_rows.h>
+#include <zwang/solvers/common/polish.h>
+#include <zwang/solvers/common/setting.h>
+#include <zwang/solvers/common/warm_rows.h>
+#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/joint_space/null_space_adapter.h>
+#include <zwang/solvers/linalg/dense_storage.h>
+
+namespace zwang {
+
+// Sparse Cholesky projection: the dual active-set method (Goldfarb & Idnani 1983, Math. Prog. 27) on the Delassus form
+//
+//   minimize 1/2 l'S l - h'l,  l_I >= 0,   S = G G',   y = G'l,
+//
+// with S_A factorized by CHOLMOD, one row added or taken out per step (its modify module is under the GPL). y is the
+// nearest point to 0 of the active rows; the most violated row r moves it by
+//
+//   l_A -= t S_A^-1 S_Ar,  l_r += t,  y += t (g_r - G_A' S_A^-1 S_Ar),
+//
+// until r holds (r enters) or a multiplier reaches zero (that row leaves).
+//
+// Forming S squares the condition number: alone, CHOLMOD's updates broke at 3e-5 between near-parallel joints and
+// solved a redundant four-bar linkage wrongly. So after every change the KKT residuals are corrected in the primal
+// space; where the correction is large the factor is built anew; and where that does not help, or the polish
+// (solvers/common/polish.h) finds the factor too coarse for its extended residuals, the same method goes on with
+// orthogonal factors from the rows found so far. Solution::fallback tells. Tried before: the polish alone from there;
+// it has no merit function, and from a set far from the solution's (a hand with many touching rows) it circled.
+struct Cholesky {
+  static constexpr const char* name = "cholesky";
+  double refactor_above = 1e-8;  // relative correction of y after a change that makes the factor be built anew
+
+  bool reduce = false;  // the few unknowns that joints leave first (reduced_problem.h), where there are any
+
+  static std::vector<Setting<Cholesky>> settings() {
+    return {{"refactor_above", &Cholesky::refactor_above, "correction of y, relative, that makes S_A be refactorized"},
+            {"reduce", &Cholesky::reduce, "solve in the few unknowns that the joints leave"}};
+  }
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  class Method {
+   public:
+    void solve(const Problem& problem, double refactor_above, const SolveOptions& options, Solution& solution);
+
+   private:
+    enum class Step { optimal, limit, stuck };
+    bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
+                 const Deadline& deadline, Solution& solution);
+    void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
+    Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
+                 Solution& solution);
+    bool correct(ActiveRows& active);
+    Index most_violated(const ActiveRows& active) const;
+    void drop(ActiveRows& active, Index position);
+
+    DenseStorage storage_;
+    Whitened w_;
+    WarmRows warm_rows_;
+    CholeskyRows sparse_;
+    QrRows orthogonal_;
+    Polish polish_;
+    Vector y_, l_, direction_, rate_, r2_;
+    double refactor_above_ = 0;
+    std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
+  };
+
+  NullSpaceAdapter reduced_;
+  ShapeCache<Method> plain_;
+};
+
+}  // namespace zwang

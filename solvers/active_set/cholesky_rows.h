@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/solvers/active_set/updated_cholesky.h>
+#include <zwang/solvers/common/active_rows.h>
+
+namespace zwang {
+
+// The active rows by sparse Cholesky on the Delassus matrix S_A = G_A G_A' of the unit rows. Its condition number is
+// the square of that of G_A, so every solution is refined with residuals in the primal space, v - G_A' t, where no
+// square has been taken, and a row whose share outside the others is below 1e-6 (rcond(S_A) near 1e-12) is left to
+// orthogonal factors unless it is an exact combination.
+class CholeskyRows : public ActiveRows {
+ public:
+  CholeskyRows() : ActiveRows(1e-6, 1e-12) {}
+
+  void reset(const Whitened& w, const Deadline& deadline) override;
+  bool refactor() override;
+  bool healthy() const override { return healthy_; }
+  double append(Index row) override;
+  double share(Index row) override;
+  void drop(Index position) override;
+  double smallest_pivot() const override { return size() ? std::sqrt(factor_.smallest_pivot()) : 1; }
+  void combine(Vector& v, Part t) override;
+  void correct(Vector& r1, Part r2) override;
+
+ private:
+  bool factor_row(Index row);
+
+  static constexpr double smallest_rcond = 1e-13;
+
+  UpdatedCholesky factor_;
+  std::vector<char> inside_;
+  std::vector<int> index_;
+  std::vector<double> value_;
+  Vector x_, rest_, part_;
+  bool healthy_ = true;
+};
+
+}  // namespace zwang

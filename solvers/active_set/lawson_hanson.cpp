@@ -1,0 +1,123 @@
+#include <zwang/solvers/active_set/lawson_hanson.h>
+
+#include <limits>
+
+namespace zwang {
+namespace {
+enum State : char { zero, passive, barred };
+}
+
+bool LawsonHanson::enter(const Columns& E, Index column) {
+  const double share = qr_.append(E.col(column), threshold);
+  if (!(share > threshold)) return false;
+  const Index last = qr_.size() - 1;
+  rotated_[last] = qr_.Q().col(last).dot(r_);
+  r_.noalias() -= rotated_[last] * qr_.Q().col(last);
+  passive_.push_back(column);
+  state_[static_cast<std::size_t>(column)] = State::passive;
+  return true;
+}
+
+void LawsonHanson::leave(std::size_t at) {
+  const Index column = passive_[at];
+  qr_.drop(static_cast<Index>(at), rotated_.data());
+  passive_.erase(passive_.begin() + static_cast<std::ptrdiff_t>(at));
+  state_[static_cast<std::size_t>(column)] = State::zero;
+  x_[column] = 0;
+  r_.noalias() += rotated_[qr_.size()] * qr_.dropped();
+}
+
+// From the feasible x to the least-squares solution on the passive set, dropping what would turn negative on the way.
+void LawsonHanson::settle(std::span<const char> free) {
+  const auto bounded = [&](Index column) { return !free[static_cast<std::size_t>(column)]; };
+  for (;;) {
+    auto trial = trial_.head(qr_.size());
+    trial = rotated_.head(qr_.size());
+    qr_.solve(trial);
+    double step = 1;
+    std::size_t blocking = passive_.size();
+    for (std::size_t i = 0; i < passive_.size(); ++i) {
+      const double x = x_[passive_[i]], next = trial[static_cast<Index>(i)];
+      if (!bounded(passive_[i]) || next > 0) continue;
+      const double reach = x > 0 ? x / (x - next) : 0;
+      if (blocking == passive_.size() || reach < step) {
+        step = reach;
+        blocking = i;
+      }
+    }
+    if (blocking == passive_.size()) step = 1;
+    for (std::size_t i = 0; i < passive_.size(); ++i) {
+      double& x = x_[passive_[i]];
+      x += step * (trial[static_cast<Index>(i)] - x);
+    }
+    if (blocking == passive_.size()) return;
+    x_[passive_[blocking]] = 0;
+    for (std::size_t i = passive_.size(); i-- > 0;)
+      if (bounded(passive_[i]) && x_[passive_[i]] <= 0) leave(i);
+  }
+}
+
+LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const char> free,
+                                       std::span<const Index> warm, const Limits& limits) {
+  const Index k = E.cols();
+  qr_.reset(E.rows(), k);
+  if (x_.size() < k)
+    for (Vector* room : {&x_, &w_, &length_, &rotated_, &trial_}) room->resize(k);
+  x_.head(k).setZero();
+  r_ = f;
+  passive_.clear();
+  dependent_.clear();
+  passive_.reserve(static_cast<std::size_t>(k));
+  dependent_.reserve(static_cast<std::size_t>(k));
+  state_.assign(static_cast<std::size_t>(k), State::zero);
+  for (Index j = 0; j < k; ++j) length_[j] = E.col(j).norm();
+
+  const auto keep_time = [&] {
+    if (limits.deadline) limits.deadline->keep();
+  };
+  for (Index j = 0; j < k; ++j) {
+    if (!free[static_cast<std::size_t>(j)]) continue;
+    keep_time();
+    if (enter(E, j)) continue;
+    dependent_.push_back(j);
+    state_[static_cast<std::size_t>(j)] = State::barred;
+  }
+  for (const Index j : warm) {
+    keep_time();
+    if (state_[static_cast<std::size_t>(j)] == State::zero) enter(E, j);
+  }
+  settle(free);
+
+  // A gradient below `noise` is what rounding leaves of zero.
+  const double noise = 8 * std::numeric_limits<double>::epsilon() * f.norm();
+  const int last = limits.iterations - iterations_;
+  for (int step = 0;; ++step) {
+    if (limits.deadline && limits.deadline->passed()) return Stop::time_limit;
+    w_.head(k).noalias() = E.transpose() * r_;
+    Index best = -1;
+    double steepest = noise;
+    for (Index j = 0; j < k; ++j)
+      if (state_[static_cast<std::size_t>(j)] == State::zero && w_[j] > steepest * length_[j]) {
+        steepest = w_[j] / length_[j];
+        best = j;
+      }
+    if (best < 0) return Stop::optimal;
+    if (step >= last) return Stop::iteration_limit;
+    ++iterations_;
+    if (!enter(E, best)) {
+      state_[static_cast<std::size_t>(best)] = State::barred;
+      continue;
+    }
+    settle(free);
+    if (state_[static_cast<std::size_t>(best)] == State::passive) {
+      for (char& s : state_)
+        if (s == State::barred) s = State::zero;
+      for (const Index j : dependent_) state_[static_cast<std::size_t>(j)] = State::barred;
+    } else {
+      state_[static_cast<std::size_t>(best)] = State::barred;
+    }
+    if (limits.each) (*limits.each)();
+  }
+}
+
+}  // namespace zwang

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/linalg/thin_qr.h>
+
+namespace zwang {
+
+// Non-negative least squares with some columns free:
+//
+//   minimize |E x - f|   subject to  x_i >= 0 except on free columns.
+//
+// The active-set method of Lawson & Hanson (Solving Least Squares Problems, 1974, ch. 23): one column enters the
+// passive set, the least-squares problem on that set is solved, and columns whose x would turn negative leave again.
+// Free columns enter first and stay. The passive columns are held as a thin QR that gains and loses columns.
+//
+// Rank-aware: a column whose part outside the passive ones is below `threshold` does not enter, and a column that
+// rounding alone brought in (its x comes out <= 0) is barred until another one has made progress. That is the
+// anti-cycling rule: every other step lowers |E x - f|, so no passive set comes back.
+class LawsonHanson {
+ public:
+  using Columns = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
+  enum class Stop { optimal, iteration_limit, time_limit };
+
+  struct Limits {
+    int iterations;                               // to add to those already counted
+    const Deadline* deadline = nullptr;           // null: none
+    const std::function<void()>* each = nullptr;  // called after every iteration; null in timed runs
+  };
+
+  double threshold = 1e-14;  // relative pivot below which a column counts as dependent
+
+  void restart() { iterations_ = 0; }  // zero the count of iterations
+
+  // `warm`: columns to try as passive first. E is N x k, f is N, free is k.
+  Stop solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
+             const Limits& limits);
+
+  auto x() const { return x_.head(std::ssize(state_)); }                // k
+  const Vector& residual() const { return r_; }                         // f - E x
+  std::span<const Index> passive() const { return passive_; }           // in the order of the QR
+  std::span<const Index> dependent_free() const { return dependent_; }  // free columns that were left out
+  int iterations() const { return iterations_; }
+
+ private:
+  bool enter(const Columns& E, Index column);
+  void leave(std::size_t at);
+  void settle(std::span<const char> free);
+
+  ThinQr qr_;
+  Vector r_;
+  Vector x_, w_, length_, rotated_, trial_;  // room for the most columns there were
+  std::vector<Index> passive_, dependent_;
+  std::vector<char> state_;  // 0 zero, 1 passive, 2 barred
+  int iterations_ = 0;
+};
+
+}  // namespace zwang

@@ -1,0 +1,162 @@
+#include <zwang/solvers/active_set/nnls.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/solvers/common/begin.h>
+
+namespace zwang {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// The equality rows' own solution y_E, and what is left of the other rows in the null space of G_E:
+// g~ = (I - QQ') g, h~ = h - g . y_E. A row that lies in the span of the equality rows is left to the polish.
+void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& deadline) {
+  const Index n = p.size(), k = rows_.rows();
+  active_.reset(rows_, deadline);
+  column_.clear();
+  column_.reserve(at(k));
+  free_.clear();
+  if (project)
+    for (Index i = 0; i < k; ++i)
+      if (rows_.equality[at(i)]) active_.append(i);
+  const Index e = active_.size();
+  work_.resize(std::min(n, k));
+  auto t = work_.head(e);
+  for (Index i = 0; i < e; ++i) t[i] = rows_.h[active_[i]];
+  active_.qr().solve_transposed(t);
+  y_E_.setZero(n);
+  y_E_.noalias() += active_.qr().Q() * t;
+
+  E_.resize(n + 1, k);
+  h_.resize(k);
+  length_.resize(k);
+  for (Index i = 0; i < k; ++i) {
+    if (project && rows_.equality[at(i)]) continue;
+    deadline.keep();
+    const Index j = static_cast<Index>(column_.size());
+    auto g = E_.col(j).head(n);
+    g = rows_.Gt.col(i);
+    t.noalias() = active_.qr().Q().transpose() * g;
+    g.noalias() -= active_.qr().Q() * t;
+    length_[j] = g.norm();
+    if (!(length_[j] > 1e-13)) continue;
+    g /= length_[j];
+    h_[j] = (rows_.h[i] - rows_.Gt.col(i).dot(y_E_)) / length_[j];
+    column_.push_back(i);
+    free_.push_back(rows_.equality[at(i)]);
+  }
+}
+
+// The last iterate: y and the unit multipliers, into the solution.
+void Nnls::Method::write_iterate(const Problem& p, Solution& s) {
+  const Index n = p.size(), e = active_.size();
+  const Vector& r = least_squares_.residual();
+  unit_.setZero(rows_.rows());
+  y_ = y_E_;
+  if (r.size() == n + 1 && r[n] > 0) {
+    y_.noalias() -= (sigma_ / r[n]) * r.head(n);
+    for (const Index j : least_squares_.passive())
+      unit_[column_[at(j)]] = sigma_ * least_squares_.x()[j] / (r[n] * length_[j]);
+  }
+  // G_E' lambda_E = y - G_I' lambda_I, in the least-squares sense.
+  auto t = work_.head(e);
+  rest_ = y_;
+  rest_.noalias() -= rows_.Gt * unit_;
+  t.noalias() = active_.qr().Q().transpose() * rest_;
+  active_.qr().solve(t);
+  for (Index i = 0; i < e; ++i) unit_[active_[i]] = t[i];
+  rows_.primal(p, y_, s.z);
+  rows_.multipliers(p, unit_, s.lambda);
+}
+
+// Finds the active set. False when the solution is already complete: a limit was met, or the rows are infeasible.
+bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                  Solution& s) {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const Index n = p.size(), columns = static_cast<Index>(column_.size());
+  f_.setZero(n + 1);
+  f_[n] = 1;
+  sigma_ = 0;
+  for (Index j = 0; j < columns; ++j) sigma_ = std::max(sigma_, free_[at(j)] ? std::abs(h_[j]) : h_[j]);
+  if (sigma_ == 0) return true;  // the equality rows' solution violates nothing
+
+  std::function<void()> observe;
+  if (options.observe)
+    observe = [&] {
+      write_iterate(p, s);
+      options.observe(least_squares_.iterations(), s.z, s.lambda);
+    };
+  const LawsonHanson::Limits limits{options.max_iterations, &deadline, observe ? &observe : nullptr};
+  least_squares_.restart();
+  constexpr int rounds = 12;
+  for (int round = 0; round < rounds; ++round) {
+    for (Index j = 0; j < columns; ++j) E_(n, j) = std::max(h_[j] / sigma_, -1e100);
+    const auto stop = least_squares_.solve(E_.leftCols(columns), f_, free_, warm_, limits);
+    s.iterations = least_squares_.iterations();
+    if (stop != LawsonHanson::Stop::optimal) {
+      write_iterate(p, s);
+      s.status = stop == LawsonHanson::Stop::time_limit ? Status::time_limit : Status::iteration_limit;
+      return false;
+    }
+    const Vector& r = least_squares_.residual();
+    warm_.assign(least_squares_.passive().begin(), least_squares_.passive().end());
+
+    // r = 0 up to rounding: the passive columns carry a Farkas vector, if it holds.
+    if (r.norm() <= 50 * eps * std::max(1.0, least_squares_.x().lpNorm<1>())) {
+      const Index e = active_.size();
+      unit_.setZero(rows_.rows());
+      for (const Index j : warm_) unit_[j] = std::abs(least_squares_.x()[j]) / length_[j];
+      std::sort(warm_.begin(), warm_.end(),
+                [&](Index a, Index b) { return unit_[a] > unit_[b] || (unit_[a] == unit_[b] && a < b); });
+      for (Index& j : warm_) j = column_[at(j)];
+      if (polish_.certify(p, rows_, active_, warm_, s)) return false;
+      while (active_.size() > e) active_.drop(active_.size() - 1);
+      return true;
+    }
+    const double growth = r.head(n).norm() / r[n];
+    if (!(growth > 8)) break;
+    sigma_ *= growth;
+  }
+  for (Index& j : warm_) j = column_[at(j)];
+  return true;
+}
+
+void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
+  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
+    plain_.of(q.size(), q.rows()).solve(q, project, o, t);
+  };
+  plain_.begin();
+  if (reduce) return reduced_.solve(plain, p, options, s);
+  plain(p, options, s);
+}
+
+void Nnls::Method::solve(const Problem& p, bool project, const SolveOptions& options, Solution& s) {
+  const Deadline deadline(options.time_limit);
+  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n + 1, m);
+  storage_.require(2 * (n + 1) * m + 2 * (n + 1 + most) * most, options);
+  if (!begin(rows_, p, deadline, s)) return;
+  eliminate(p, project, deadline);
+  warm_.clear();
+  warm_.reserve(at(rows_.rows()));
+  for (const Index i : warm_rows_.find(p, rows_, options.warm_start)) {
+    const auto place = std::lower_bound(column_.begin(), column_.end(), i);
+    if (place != column_.end() && *place == i) warm_.push_back(place - column_.begin());
+  }
+  if (!least_distance(p, options, deadline, s)) return;
+  for (const Index i : warm_) active_.append(i);
+  polish_.run(p, rows_, active_, options.tolerance, s);
+  // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).
+  if (s.status == Status::numerical_failure && options.warm_start) {
+    SolveOptions cold = options;
+    cold.warm_start = nullptr;
+    cold.time_limit = deadline.left();
+    solve(p, project, cold, s);
+    s.fallback = true;
+  }
+}
+
+}  // namespace zwang

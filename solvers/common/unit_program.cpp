@@ -1,0 +1,104 @@
+#include <zwang/solvers/common/unit_program.h>
+
+#include <algorithm>
+
+#include <zwang/solvers/common/begin.h>
+
+namespace zwang {
+
+bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  storage_.require(static_cast<double>(problem.size()) * static_cast<double>(problem.rows()), options);
+  if (!begin(whitened_, problem, deadline, solution)) return false;
+  const Index n = whitened_.size(), k = whitened_.rows();
+  free_ = whitened_.free;
+
+  // Only what is violated at z_u sets the scale: a far-away inactive row must not.
+  double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
+  for (Index i = 0; i < k; ++i) largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
+  int exponent = 0;
+  if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
+  sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+  constexpr double out_of_reach = -1e100;
+  h_ = (whitened_.h / sigma_).cwiseMax(out_of_reach);
+  free_ /= sigma_;
+
+  Index nonzeros = 0;
+  for (Index i = 0; i < k; ++i) nonzeros += (whitened_.Gt.col(i).array() != 0).count();
+  G_.resize(k, n);
+  G_.reserve(nonzeros);
+  for (Index i = 0; i < k; ++i) {
+    G_.startVec(i);
+    for (Index j = 0; j < n; ++j)
+      if (const double g = whitened_.Gt(j, i); g != 0) G_.insertBack(i, j) = g;
+  }
+  G_.finalize();
+  return true;
+}
+
+double UnitProgram::dot(Index i, const Vector& y) const {
+  double sum = 0;
+  for (Rows::InnerIterator it(G_, i); it; ++it) sum += it.value() * y[it.col()];
+  return sum;
+}
+
+void UnitProgram::add(Index i, double amount, Vector& y) const {
+  for (Rows::InnerIterator it(G_, i); it; ++it) y[it.col()] += amount * it.value();
+}
+
+void UnitProgram::motion(const Vector& lambda, Vector& y) const {
+  y.setZero(size());
+  for (Index i = 0; i < rows(); ++i)
+    if (lambda[i] != 0) add(i, lambda[i], y);
+}
+
+void UnitProgram::slack(const Vector& y, Vector& slack) const {
+  slack.resize(rows());
+  for (Index i = 0; i < rows(); ++i) slack[i] = dot(i, y) - h_[i];
+}
+
+void UnitProgram::project(Vector& lambda) const {
+  for (Index i = 0; i < rows(); ++i)
+    if (!is_equality(i)) lambda[i] = std::max(0.0, lambda[i]);
+}
+
+double UnitProgram::scale(const Vector& y) const {
+  return std::max({free_.norm(), (free_ + y).norm(), std::numeric_limits<double>::min()});
+}
+
+double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
+
+// Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
+void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) const {
+  lambda.setZero(rows());
+  if (!warm || warm->key.empty()) return;
+  const std::size_t count = std::min(warm->key.size(), static_cast<std::size_t>(warm->lambda.size()));
+  std::size_t next = 0;
+  for (Index i = 0; i < rows(); ++i) {
+    const RowKey& key = problem.key[static_cast<std::size_t>(problem_row(i))];
+    for (std::size_t tried = 0; tried < count; ++tried) {
+      const std::size_t j = (next + tried) % count;
+      if (warm->key[j] != key) continue;
+      lambda[i] = whitened_.unit_multiplier(i, warm->lambda[static_cast<Index>(j)]) / sigma_;
+      next = j + 1;
+      break;
+    }
+  }
+  project(lambda);
+}
+
+void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {
+  scaled_y_ = sigma_ * y;
+  whitened_.primal(problem, scaled_y_, solution.z);
+  scaled_lambda_ = sigma_ * lambda;
+  if (lambda.size() == rows())
+    whitened_.multipliers(problem, scaled_lambda_, solution.lambda);
+  else
+    solution.empty_lambda();
+}
+
+void UnitProgram::write_certificate(const Problem& problem, const Vector& u, Solution& solution) const {
+  whitened_.multipliers(problem, u, solution.zero_certificate(problem.rows()));
+}
+
+}  // namespace zwang

@@ -1,0 +1,51 @@
+#include <zwang/solvers/first_order/dual_iteration.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace zwang {
+
+bool DualIteration::begin() {
+  auto& [program, lambda, y, marked, drift, motion, sharpening] = work_;
+  if (!program.build(problem_, options_, solution_)) return false;
+  program.warm_multipliers(problem_, options_.warm_start, lambda);
+  program.motion(lambda, y);
+  marked.setZero(program.rows());
+  solution_.status = Status::iteration_limit;
+  return true;
+}
+
+bool DualIteration::goes_on(int limit) {
+  if (runs_off()) {
+    solution_.status = Status::infeasible;
+    work_.sharpening.run(work_.program, work_.drift);
+    work_.program.write_certificate(problem_, work_.drift, solution_);
+    return false;
+  }
+  if (solution_.iterations >= std::min(limit, options_.max_iterations)) return false;
+  if (deadline_.passed()) {
+    solution_.status = Status::time_limit;
+    return false;
+  }
+  return true;
+}
+
+// On a problem without a solution lambda runs off along a Farkas vector, while y settles. Looked for after 16, 32, 64,
+// ... steps.
+bool DualIteration::runs_off() {
+  const auto steps = static_cast<unsigned>(solution_.iterations);
+  if (steps < 16 || !std::has_single_bit(steps)) return false;
+  work_.drift = work_.lambda - work_.marked;
+  if (proves_infeasible(work_.program, work_.drift, work_.motion)) return true;
+  work_.marked = work_.lambda;
+  return false;
+}
+
+void DualIteration::step_done() {
+  ++solution_.iterations;
+  if (!options_.observe) return;
+  work_.program.write(problem_, work_.y, work_.lambda, solution_);
+  options_.observe(solution_.iterations, solution_.z, solution_.lambda);
+}
+
+}  // namespace zwang

@@ -1,0 +1,48 @@
+#include <zwang/solvers/first_order/pgs.h>
+
+#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/first_order/stop.h>
+
+namespace zwang {
+
+std::vector<Setting<Pgs>> Pgs::settings() {
+  return {{"relaxation", &Pgs::relaxation, "step on each row as a share of the exact one, 0 < relaxation < 2"},
+          {"max_sweeps", &Pgs::max_sweeps, "sweeps over all rows before giving up"}};
+}
+
+void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  auto& [dual, before] = work;
+  DualIteration iteration(dual, problem, options, solution);
+  if (!iteration.begin()) return;
+  UnitProgram& program = dual.program;
+  Vector &lambda = dual.lambda, &y = dual.y;
+  LinearConvergenceEstimate contraction;
+  while (iteration.goes_on(max_sweeps)) {
+    before = y;
+    double largest = 0;
+    for (Index i = 0; i < program.rows(); ++i) {
+      double updated = lambda[i] + relaxation * (program.h()[i] - program.dot(i, y));
+      if (!program.is_equality(i)) updated = std::max(0.0, updated);
+      const double step = updated - lambda[i];
+      largest = std::max(largest, std::abs(step));
+      lambda[i] = updated;
+      if (step != 0) program.add(i, step, y);
+    }
+    contraction.record((y - before).norm());
+    iteration.step_done();
+
+    const double scale = program.scale(y), tolerance = options.tolerance * scale;
+    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+    if (largest <= tolerance && contraction.distance_to_go(rounding * scale) <= tolerance) {
+      program.motion(lambda, y);
+      if (natural_residual(program, y, lambda) <= options.tolerance) {
+        solution.status = Status::solved;
+        break;
+      }
+    }
+  }
+  program.motion(lambda, y);
+  program.write(problem, y, lambda, solution);
+}
+
+}  // namespace zwang

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/joint_space/inverse_factor.h>
+#include <zwang/solvers/linalg/tolerances.h>
+
+namespace zwang {
+
+// The climb of goldfarb_idnani.h on a small dense problem in double, laid out for the machine:
+//
+//   minimize 1/2 |v|^2   subject to  A v >= b   (rows of A at most 1 long)
+//
+// The same decisions and tolerances, other storage: columns padded to eight lanes; an inverse for a factor
+// (inverse_factor.h); A also by rows, so that the scan over all slacks runs along lanes; A Q carried along, which is
+// what moves the slacks, and the first half of an entering row's split. This is for clear problems: the caller turns to
+// the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row contradicts others.
+//
+// Rows may be admitted at any time, and take part from the next climb on: a caller that finds rows violated by the
+// optimum of those it has admitted goes on from there, and is exact at the end (reduced_active_set.cpp).
+class DenseDualActiveSet {
+ public:
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  static constexpr double rank_tolerance = tolerances::rank * epsilon,
+                          violation_tolerance = tolerances::violation * epsilon;
+
+  // No rows, and room for `room` of `freedom` entries; allocates only when the room must grow.
+  void reset(Index freedom, Index room);
+  // One more row a . v >= b; magnitude is what, with |v|, a violation of it is small against. The caller writes a into
+  // the padded() entries it gets.
+  double* admit(double b, double magnitude);
+  double fixed_length = 0;  // the length of what the equality rows took away
+
+  // The optimum of these rows alone, as far as they are clearly independent and their multipliers not negative: a warm
+  // start.
+  void start_from(std::span<const Index> rows);
+
+  enum class End { optimal, contradiction, iteration_limit, time_limit };
+  // Up to the optimum of the rows admitted, from the present active set.
+  End climb(int& iterations, int most_iterations, const Deadline& deadline);
+  // Where the refined v and multipliers of the same active set change a decision: false, and the next climb goes on.
+  // As long as rows have been admitted that met no climb, v is not looked at, and multipliers alone decide.
+  bool has_climbed() const { return scanned_ == rows_; }
+  bool accept(const Vector& v, const Vector& u);
+
+  Index freedom() const { return freedom_; }
+  Index rows() const { return rows_; }
+  Index padded() const { return padded_; }
+  auto row(Index j) const { return A_.col(j); }  // padded
+  double b(Index j) const { return b_[j]; }
+  const std::vector<Index>& active() const { return active_; }
+  bool is_active(Index j) const { return state_[static_cast<std::size_t>(j)] == State::active; }
+  bool is_retired(Index j) const { return state_[static_cast<std::size_t>(j)] == State::retired; }
+  const Vector& v() const { return v_; }                   // padded
+  const Vector& u() const { return u_; }                   // first active().size()
+  const InverseFactor& factor() const { return factor_; }  // of the active rows, for the refinement
+  // The length of row j outside the active ones; then how far its multiplier can grow until an active row gives way to
+  // it (infinity: none does).
+  double share(Index j) { return factor_.split(A_.col(j).data()); }
+  double room() {
+    const Block block = blocking();
+    return block.row < 0 ? std::numeric_limits<double>::infinity() : block.step;
+  }
+  double smallest_accepted = 1, largest_rejected = 0;
+
+ private:
+  enum class State : char { resting, active, retired };
+
+  struct Block {
+    Index row = -1;  // place in active(), or -1
+    double step = 0;
+  };
+
+  Index size() const { return factor_.size(); }
+  void set(Index j, State state);
+  void scan();
+  void carry();
+  void append(Index p, double multiplier, double length);
+  void drop(Index j);
+  void refresh();
+  bool restore_dual_feasibility();
+  Index most_violated();
+  Block blocking();
+  double split(Index p);
+
+  Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
+  lanes::Columns A_, At_, AQ_;
+  Index scanned_ = 0, carried_ = 0;  // rows that At_ and slack_ hold; rows of A Q
+  InverseFactor factor_;
+  Vector b_, magnitude_, v_, u_, slack_, along_, rest_;
+  Vector out_;  // of a row: 0 while it rests, else infinite; what is added to its slack when the worst is looked for
+  Vector key_;
+  std::vector<Index> active_, retired_;
+  std::vector<State> state_;
+};
+
+}  // namespace zwang

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cmath>
+#include <cstring>
+
+#include <zwang/core/problem/types.h>
+
+// Products of small dense matrices whose columns are padded to whole vectors of eight doubles. The sums of four such
+// vectors (a hand's 26 unknowns) stay in registers and do not wait for each other. Include it where the compiler may
+// contract a * b + c and roots set no errno (solvers/CMakeLists.txt).
+namespace zwang::lanes {
+
+constexpr Index width = 8;
+using Lanes = Vec<double, width>;
+using Pack = Eigen::Array<double, width, 1>;  // the same number of eight bodies or joints, one a lane
+using Four = Vec<double, 4 * width>;
+using Columns = Matrix;
+
+inline Index round_up(Index size) { return (size + width - 1) / width * width; }
+inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
+inline auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
+
+// The processor's own roots, where they set no errno: Eigen's of eight doubles are approximations, a digit short.
+template <class Eight>
+Eight root(const Eight& x) {
+  double entries[width];
+  std::memcpy(entries, x.data(), sizeof entries);
+  for (double& own : entries) own = std::sqrt(own);
+  return Eigen::Map<const Eight>(entries);
+}
+
+// part<vectors>(k) for four vectors of rows at a time from `begin` to `end`, and for the one, two or three that are
+// left: one vector after the other would wait for its own sums.
+template <class Part>
+void in_parts(Index begin, Index end, Part&& part) {
+  for (; begin + 4 * width <= end; begin += 4 * width) part.template operator()<4>(begin);
+  const Index left = end - begin;
+  if (left == 3 * width) part.template operator()<3>(begin);
+  if (left == 2 * width) part.template operator()<2>(begin);
+  if (left == width) part.template operator()<1>(begin);
+}
+
+inline double dot(const double* x, const double* y, Index padded) {
+  if (padded == Four::SizeAtCompileTime) return Eigen::Map<const Four>(x).dot(Eigen::Map<const Four>(y));
+  Lanes sum = at(x, 0).cwiseProduct(at(y, 0));
+  for (Index k = width; k < padded; k += width) sum += at(x, k).cwiseProduct(at(y, k));
+  return sum.sum();
+}
+
+// y += scale x.
+inline void add(double scale, const double* x, double* y, Index padded) {
+  for (Index k = 0; k < padded; k += width) at(y, k) += scale * at(x, k);
+}
+
+// y = A'x over `count` columns.
+inline void multiply_transposed(const Columns& A, Index count, const double* x, double* y, Index padded) {
+  if (padded == Four::SizeAtCompileTime) {
+    const Four own = Eigen::Map<const Four>(x);
+    for (Index j = 0; j < count; ++j) y[j] = own.dot(Eigen::Map<const Four>(A.col(j).data()));
+  } else {
+    for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
+  }
+}
+
+// y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise.
+template <int sign, int vectors>
+void accumulate_part(const Columns& A, Index count, const double* x, double* y, Index k) {
+  using Part = Vec<double, vectors * width>;
+  Eigen::Map<Part> target(y + k);
+  Part sum = target;
+  const double* column = A.data() + k;
+  for (Index j = 0; j < count; ++j, column += A.rows()) sum += sign * x[j] * Eigen::Map<const Part>(column);
+  target = sum;
+}
+inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+  in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<1, vectors>(A, count, x, y, k); });
+}
+inline void subtract(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+  in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<-1, vectors>(A, count, x, y, k); });
+}
+
+// Rotates neighbouring columns from `first` on, one pair after the other: (l, r) becomes (c l - s r, s l + c r), and r
+// is the l of the next pair, kept in registers. Rows from 0 to `rows`.
+template <int vectors>
+void rotate_part(Columns& A, Index first, Index pairs, const double* c, const double* s, Index k) {
+  using Part = Vec<double, vectors * width>;
+  double* column = A.col(first).data() + k;
+  Part left = Eigen::Map<const Part>(column);
+  for (Index j = 0; j < pairs; ++j, column += A.rows()) {
+    const Part right = Eigen::Map<const Part>(column + A.rows());
+    Eigen::Map<Part>{column} = c[j] * left - s[j] * right;
+    left = s[j] * left + c[j] * right;
+  }
+  Eigen::Map<Part>{column} = left;
+}
+inline void rotate(Columns& A, Index first, Index pairs, const double* c, const double* s, Index rows) {
+  in_parts(0, rows, [&]<int vectors>(Index k) { rotate_part<vectors>(A, first, pairs, c, s, k); });
+}
+
+}  // namespace zwang::lanes

@@ -1,0 +1,249 @@
+#include <zwang/solvers/linalg/sparse_qr.h>
+
+#include <SuiteSparseQR.hpp>
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include <zwang/solvers/linalg/library_memory.h>
+#include <zwang/solvers/linalg/tolerances.h>
+
+namespace zwang {
+namespace {
+
+using Long = SuiteSparse_long;
+
+constexpr Index few_unknowns = 200, few_rows = 16;  // below, reflections in dense columns are as quick
+constexpr double dense_share = 0.05;                // of entries
+constexpr double operations_per_second = 2e9;       // less than a slow core does, against the time that is left
+constexpr Index together = 64;                      // rows that are reduced at once
+
+using Answer = Eigen::Map<const Matrix>;
+
+}  // namespace
+
+struct SparseQr::Factors {
+  LibraryMemory memory;
+  cholmod_common common{};
+  SuiteSparseQR_factorization<double>* qr = nullptr;
+  std::vector<Long> begin, row, known_begin, known_row;  // of G_E' by columns; those of the kept analysis
+  std::vector<double> value;
+  Index known_n = -1;
+  double work = 0;         // operations, by the analysis
+  Vector rotated, all, x;  // storage of the calls below
+  Matrix some, rest;
+
+  Factors() {
+    const LibraryMemory::Use use(memory);
+    cholmod_l_start(&common);
+    common.print = 0;
+  }
+  ~Factors() {
+    const LibraryMemory::Use use(memory);
+    forget();
+    cholmod_l_finish(&common);
+  }
+  Factors(const Factors&) = delete;
+  Factors& operator=(const Factors&) = delete;
+
+  void forget() {
+    if (qr) SuiteSparseQR_free(&qr, &common);
+    known_n = -1;
+  }
+  // The columns as the library sees them.
+  cholmod_sparse columns(Index n) {
+    cholmod_sparse A{};
+    A.nrow = static_cast<std::size_t>(n);
+    A.ncol = begin.size() - 1;
+    A.nzmax = row.size();
+    A.p = begin.data();
+    A.i = row.data();
+    A.x = value.data();
+    A.itype = CHOLMOD_LONG;
+    A.xtype = CHOLMOD_REAL;
+    A.dtype = CHOLMOD_DOUBLE;
+    A.sorted = A.packed = 1;
+    return A;
+  }
+  // `call` on X, whose columns lie `stride` apart, and `take` on its answer.
+  template <class Call, class Take>
+  void apply(Call&& call, const double* x, Index rows, Index columns, Index stride, Take&& take) {
+    const LibraryMemory::Use use(memory);
+    cholmod_dense X{};
+    X.nrow = static_cast<std::size_t>(rows);
+    X.ncol = static_cast<std::size_t>(columns);
+    X.d = static_cast<std::size_t>(stride);
+    X.nzmax = X.d * X.ncol;
+    X.x = const_cast<double*>(x);
+    X.xtype = CHOLMOD_REAL;
+    X.dtype = CHOLMOD_DOUBLE;
+    const auto free = [this](cholmod_dense* Y) { cholmod_l_free_dense(&Y, &common); };
+    const std::unique_ptr<cholmod_dense, decltype(free)> Y(call(&X), free);
+    if (!Y) throw std::bad_alloc();
+    take(Answer(static_cast<const double*>(Y->x), static_cast<Index>(Y->nrow), static_cast<Index>(Y->ncol)));
+  }
+  template <class Take>
+  void multiply(int side, const double* x, Index n, Index columns, Index stride, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_qmult<double>(side, qr, X, &common); }, x, n, columns, stride,
+          take);
+  }
+  template <class Take>
+  void solve(int system, const double* x, Index n, Index columns, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_solve<double>(system, qr, X, &common); }, x, n, columns, n,
+          take);
+  }
+};
+
+SparseQr::SparseQr() = default;
+SparseQr::~SparseQr() = default;
+SparseQr::SparseQr(SparseQr&&) noexcept = default;
+SparseQr& SparseQr::operator=(SparseQr&&) noexcept = default;
+SparseQr::SparseQr(const SparseQr&) {}
+SparseQr& SparseQr::operator=(const SparseQr& other) {
+  if (this != &other) *this = SparseQr();
+  return *this;
+}
+
+// False where the rows are not sparse.
+bool SparseQr::load(const Matrix& Gt, const std::vector<Index>& rows) {
+  Factors& f = *factors_;
+  const auto most = static_cast<std::size_t>(dense_share * static_cast<double>(Gt.rows() * std::ssize(rows)));
+  f.begin.assign(1, 0);
+  f.row.clear();
+  f.value.clear();
+  for (const Index i : rows) {
+    const auto g = Gt.col(i);
+    for (Index at = 0; at < g.size(); ++at) {
+      if (g[at] == 0) continue;
+      f.row.push_back(at);
+      f.value.push_back(g[at]);
+    }
+    if (f.row.size() > most) return false;
+    f.begin.push_back(static_cast<Long>(f.row.size()));
+  }
+  return true;
+}
+
+bool SparseQr::factorize(const Matrix& Gt, const std::vector<Index>& rows, double tolerance, const Deadline& deadline) {
+  holds_ = false;
+  deadline_ = deadline;
+  n_ = Gt.rows();
+  if (n_ < few_unknowns || std::ssize(rows) < few_rows) return false;
+  if (!factors_) factors_ = std::make_unique<Factors>();
+  Factors& f = *factors_;
+  if (!load(Gt, rows)) return false;
+  deadline.keep();
+
+  const LibraryMemory::Use use(f.memory);
+  cholmod_sparse A = f.columns(n_);
+  if (!f.qr || f.known_n != n_ || f.begin != f.known_begin || f.row != f.known_row) {
+    f.forget();
+    f.qr = SuiteSparseQR_symbolic<double>(SPQR_ORDERING_AMD, true, &A, &f.common);
+    if (!f.qr) return false;
+    f.known_n = n_;
+    f.work = f.common.SPQR_flopcount_bound;
+    f.known_begin = f.begin;
+    f.known_row = f.row;
+  }
+  const auto n = static_cast<double>(n_), m = static_cast<double>(rows.size());
+  const double in_dense_columns = 2 * std::min(n, m) * n * m;
+  if (f.work > std::min(in_dense_columns, operations_per_second * deadline.left())) return false;
+  if (!SuiteSparseQR_numeric<double>(tolerance, &A, f.qr, &f.common)) return false;
+  deadline.keep();
+
+  list_columns();
+  estimate_smallest();
+  if (!(smallest_ >= tolerances::clear_pivot)) return false;
+  measure_rejected(Gt, rows);
+  return holds_ = true;
+}
+
+// Column k of R is row Q1fill[k]; Rmap tells the accepted ones in a matrix that is short of rank.
+void SparseQr::list_columns() {
+  const SuiteSparseQR_factorization<double>& qr = *factors_->qr;
+  order_.clear();
+  place_.clear();
+  rejected_.clear();
+  for (Index k = 0; k < qr.nacols; ++k) {
+    const Index row = qr.Q1fill ? qr.Q1fill[k] : k;
+    if (qr.Rmap && qr.Rmap[k] >= qr.rank) {
+      rejected_.push_back(row);
+      continue;
+    }
+    order_.push_back(row);
+    place_.push_back(k);
+  }
+}
+
+void SparseQr::multiply(bool transposed, Eigen::Ref<Vector> x) const {
+  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, x.data(), n_, 1, n_,
+                     [&](const Answer& y) { x.head(n_) = y.col(0); });
+}
+
+void SparseQr::reduce(const Matrix& Gt, std::span<const Index> columns, Matrix& A) const {
+  const auto free = n_ - static_cast<Index>(order_.size()), m = static_cast<Index>(columns.size());
+  Matrix& some = factors_->some;
+  some.resize(n_, together);
+  A.resize(free, m);
+  for (Index first = 0; first < m; first += together) {
+    deadline_.keep();
+    const Index count = std::min(together, m - first);
+    for (Index j = 0; j < count; ++j) some.col(j) = Gt.col(columns[static_cast<std::size_t>(first + j)]);
+    factors_->multiply(SPQR_QTX, some.data(), n_, count, n_,
+                       [&](const Answer& y) { A.middleCols(first, count) = y.bottomRows(free); });
+  }
+}
+
+void SparseQr::solve(Eigen::Ref<Vector> w) const {
+  Vector& rotated = factors_->rotated;
+  rotated.setZero(n_);
+  rotated.head(w.size()) = w;
+  factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, 1, [&](const Answer& y) {
+    for (Index k = 0; const Index place : place_) w[k++] = y(place, 0);
+  });
+}
+
+void SparseQr::solve_transposed(Vector& w) const {
+  Vector& all = factors_->all;
+  all.setZero(factors_->qr->nacols);
+  for (Index k = 0; const Index place : place_) all[place] = w[k++];
+  factors_->solve(SPQR_RTX_EQUALS_B, all.data(), all.size(), 1, [&](const Answer& y) { w = y.col(0).head(w.size()); });
+}
+
+void SparseQr::express(const Matrix& X, Matrix& W) const {
+  W.resize(std::ssize(place_), X.cols());
+  factors_->multiply(SPQR_QTX, X.data(), n_, X.cols(), X.rows(), [&](const Answer& rotated) {
+    factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, X.cols(), [&](const Answer& y) {
+      for (Index k = 0; const Index place : place_) W.row(k++) = y.row(place);
+    });
+  });
+}
+
+// What the accepted rows leave of a rejected one.
+void SparseQr::measure_rejected(const Matrix& Gt, const std::vector<Index>& rows) {
+  largest_rejected_ = 0;
+  if (rejected_.empty()) return;
+  dropped_.clear();
+  for (const Index k : rejected_) dropped_.push_back(rows[static_cast<std::size_t>(k)]);
+  reduce(Gt, dropped_, factors_->rest);
+  largest_rejected_ = factors_->rest.colwise().norm().maxCoeff();
+}
+
+// Inverse iteration with R'R from alternating signs: a few steps come within a small factor, which error() allows for.
+void SparseQr::estimate_smallest() {
+  constexpr int steps = 4;
+  smallest_ = 1;
+  if (order_.empty()) return;
+  Vector& x = factors_->x;
+  x.resize(static_cast<Index>(order_.size()));
+  for (Index k = 0; k < x.size(); ++k) x[k] = (k * 7 % 5 < 2 ? -1 : 1) * (1 + 0.1 * static_cast<double>(k % 3));
+  for (int step = 0; step < steps; ++step) {
+    x.normalize();
+    solve_transposed(x);
+    solve(x);
+    const double length = x.norm();
+    smallest_ = std::isfinite(length) ? std::min(smallest_, 1 / std::sqrt(length)) : 0;
+  }
+}
+
+}  // namespace zwang

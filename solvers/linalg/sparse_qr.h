@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <zwang/core/problem/deadline.h>
+
+namespace zwang {
+
+// G_E' = Q [R; 0] of sparse unit rows in no special order of bodies, by SuiteSparseQR (Davis, Algorithm 915, 2011): for
+// rows whose orthogonal factors stay sparse, where equality_elimination.h works through dense columns.
+//
+// Its columns are ordered for fill, not for rank: a row is dropped where less than a tolerance is left of it when its
+// turn comes. That finds exactly dependent rows, and can hide nearly dependent ones, so the smallest singular value of
+// R is estimated, and anything less than clear is refused: reflections with pivots then decide.
+//
+// The analysis is kept as long as the pattern of the rows is, and the library's memory between calls
+// (library_memory.h): a second factorization of the same shape allocates nothing.
+class SparseQr {
+ public:
+  SparseQr();
+  ~SparseQr();
+  SparseQr(SparseQr&&) noexcept;
+  SparseQr& operator=(SparseQr&&) noexcept;
+  // A copy has no factors yet.
+  SparseQr(const SparseQr& other);
+  SparseQr& operator=(const SparseQr& other);
+
+  // Row i is column rows[i] of Gt (n x k), of length 1; one that has at most `tolerance` left is rejected. False where
+  // that does not pay (few or dense rows, more work than in dense columns, more than there is time for) or is not
+  // clear.
+  bool factorize(const Matrix& Gt, const std::vector<Index>& rows, double tolerance, const Deadline& deadline);
+
+  bool holds() const { return holds_; }  // the last factorization was taken, and not dropped
+  void drop() { holds_ = false; }
+  const std::vector<Index>& order() const { return order_; }        // accepted, as positions in `rows`, in R's order
+  const std::vector<Index>& rejected() const { return rejected_; }  // likewise
+  double smallest_accepted() const { return smallest_; }            // estimate of R's smallest singular value
+  double largest_rejected() const { return largest_rejected_; }     // length outside the accepted rows
+
+  // x := Q'x and x := Q x over the first n entries, the range first; A := N'G of columns of Gt.
+  void rotate(Eigen::Ref<Vector> x) const { multiply(true, x); }
+  void rotate_back(Eigen::Ref<Vector> x) const { multiply(false, x); }
+  void reduce(const Matrix& Gt, std::span<const Index> columns, Matrix& A) const;
+  // w := R^-1 w and w := R^-T w over the first rank entries.
+  void solve(Eigen::Ref<Vector> w) const;
+  void solve_transposed(Vector& w) const;
+  // W := R^-1 of the range of Q'X, column by column; X has n rows or more.
+  void express(const Matrix& X, Matrix& W) const;
+
+ private:
+  struct Factors;
+
+  bool load(const Matrix& Gt, const std::vector<Index>& rows);
+  void multiply(bool transposed, Eigen::Ref<Vector> x) const;
+  void list_columns();
+  void measure_rejected(const Matrix& Gt, const std::vector<Index>& rows);
+  void estimate_smallest();
+
+  std::unique_ptr<Factors> factors_;
+  bool holds_ = false;
+  Deadline deadline_;
+  Index n_ = 0;
+  std::vector<Index> order_, place_, rejected_;  // place_: of an accepted row among R's columns, dropped ones included
+  std::vector<Index> dropped_;                   // the rejected as columns of Gt
+  double smallest_ = 1, largest_rejected_ = 0;
+};
+
+}  // namespace zwang
