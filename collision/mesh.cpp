@@ -1,5 +1,6 @@
 #include <zwang/collision/mesh.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>

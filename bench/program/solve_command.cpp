@@ -10,7 +10,6 @@
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
-#include <zwang/constraints/units.h>
 #include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang {
@@ -52,10 +51,9 @@ void print(const Result& r) {
                         report::scientific(k.complementarity) + "   gap " + report::scientific(k.gap) +
                         "   (M-norm, unit rows, relative)");
   if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + report::scientific(k.primal));
-  for (std::size_t i = 0; i < r.worst_by_type.size(); ++i)
-    line("", r.worst_by_type[i].type + ": " + report::scientific(r.worst_by_type[i].violation) + " " +
-                 std::string(row_unit(r.worst_by_type_rows[i])) + ", " +
-                 report::scientific(r.worst_by_type[i].relative) + " relative, at " + r.worst_by_type_rows[i]);
+  for (const Result::WorstRow& worst : r.worst_by_type)
+    line("", worst.type + ": " + report::scientific(worst.violation) + " " + worst.unit + ", " +
+                 report::scientific(worst.relative) + " relative, at " + worst.name);
   if (!r.conflicting.empty()) {
     std::string names;
     for (std::size_t i = 0; i < std::min<std::size_t>(r.conflicting.size(), 8); ++i)

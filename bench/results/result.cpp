@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include <zwang/constraints/units.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang {
@@ -30,23 +29,10 @@ Json numbers(const Vector& v) {
   return all;
 }
 
-// "range gap 1.2e-03" in a solver's message.
-double range_gap(const std::string& message) {
-  const std::string words = "range gap ";
-  const auto at = message.find(words);
-  return at == std::string::npos ? Result::unknown : std::strtod(message.c_str() + at + words.size(), nullptr);
-}
-
 }  // namespace
 
 bool lies(Status claimed, Verdict verdict) {
   return (claimed == Status::solved || claimed == Status::infeasible) && verdict == Verdict::wrong;
-}
-
-std::string row_name(const Instance& instance, Index i) {
-  if (i < 0) return {};
-  const auto row = static_cast<std::size_t>(i);
-  return row < instance.origin.size() ? instance.origin[row] : "row " + std::to_string(i);
 }
 
 Result describe(const Instance& instance) {
@@ -74,28 +60,29 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.metrics = measure(instance.problem, solution, instance.reference ? &*instance.reference : nullptr, r.tolerance);
   r.worst_row = row_name(instance, r.metrics.worst_row);
   if (solution.z.size() == instance.problem.size() && solution.z.allFinite() && solution.z.size() > 0)
-    r.worst_by_type = worst_by_type(instance, solution.z);
-  for (const TypeResidual& t : r.worst_by_type) r.worst_by_type_rows.push_back(row_name(instance, t.row));
+    for (TypeResidual& worst : worst_by_type(instance, solution.z)) {
+      const auto row = static_cast<std::size_t>(worst.row);
+      const std::string unit = row < instance.origin.size() ? instance.origin[row].unit : "";
+      r.worst_by_type.push_back({std::move(worst), row_name(instance, worst.row), unit});
+    }
   for (const Index i : r.metrics.conflicting) r.conflicting.push_back(row_name(instance, i));
   r.iterations = solution.iterations;
   r.margins = solution.margins;
   r.redundant = solution.redundant.size();
   r.fallback = solution.fallback;
   r.message = solution.message;
-  r.range_gap = range_gap(r.message);
+  r.range_gap = solution.range_gap;
 }
 
 std::string to_json(const Result& r, const Solution* with) {
   const Metrics& k = r.metrics;
   Json types = Json::array(), feasible = nullptr;
-  for (std::size_t i = 0; i < r.worst_by_type.size(); ++i) {
-    const TypeResidual& t = r.worst_by_type[i];
-    types.push_back({{"type", t.type},
-                     {"violation", number(t.violation)},
-                     {"relative", number(t.relative)},
-                     {"unit", row_unit(r.worst_by_type_rows[i])},
-                     {"row", r.worst_by_type_rows[i]}});
-  }
+  for (const Result::WorstRow& worst : r.worst_by_type)
+    types.push_back({{"type", worst.type},
+                     {"violation", number(worst.violation)},
+                     {"relative", number(worst.relative)},
+                     {"unit", worst.unit},
+                     {"row", worst.name}});
   if (r.feasible != Result::Feasible::unknown) feasible = r.feasible == Result::Feasible::yes;
   Json line = {{"problem", r.problem},
                {"family", r.family},

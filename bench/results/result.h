@@ -32,8 +32,10 @@ struct Result {
   Status claimed = Status::unsolved;
   Metrics metrics = {};
   std::string worst_row = {};
-  std::vector<TypeResidual> worst_by_type = {};
-  std::vector<std::string> worst_by_type_rows = {};  // their names
+  struct WorstRow : TypeResidual {
+    std::string name, unit;
+  };
+  std::vector<WorstRow> worst_by_type = {};
   std::vector<std::string> conflicting = {};
   // the cost, s of thread CPU time
   double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;
@@ -51,9 +53,6 @@ struct Result {
 
 // Says solved of a wrong z, or infeasible of a feasible problem (or the reverse).
 bool lies(Status claimed, Verdict verdict);
-
-// The name of row i for people: its origin, or "row 17".
-std::string row_name(const Instance& instance, Index i);
 
 // The parts of a result that the problem alone decides, and the referee's.
 Result describe(const Instance& instance);

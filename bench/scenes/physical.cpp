@@ -22,7 +22,7 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
   Instance instance;
   Assembler assembler;
   assembler.assemble(scene, z_u, options, instance.problem);
-  instance.origin = assembler.origin(scene);
+  instance.origin = assembler.origin(scene, instance.problem);
   return instance;
 }
 

@@ -152,7 +152,9 @@ Instance random_rows(const Knobs& knobs) {
     rows.push_back(std::move(row));
     p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
     p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
-    instance.origin.push_back(numbered(equality ? "equality/" : "contact/", i - first) + (redundant ? " (a sum)" : ""));
+    instance.origin.push_back({.type = equality ? "equality" : "contact",
+                               .label = std::to_string(i - first) + (redundant ? " (a sum)" : ""),
+                               .unit = equality ? "" : "m/s^2"});
   }
   p.J.resize(m, n);
   p.J.setFromTriplets(J.begin(), J.end());

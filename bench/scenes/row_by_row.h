@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,14 +26,15 @@ class RowByRow {
   }
 
   // Rows are keyed 1, 2, 3, ... unless `key` says otherwise.
-  void add(RowKind kind, const Vector& row, double c, std::string origin, std::uint64_t key = 0) {
+  void add(RowKind kind, const Vector& row, double c, const std::string& origin, std::uint64_t key = 0) {
     const int i = static_cast<int>(c_.size());
     for (Index j = 0; j < row.size(); ++j)
       if (row[j] != 0) entries_.emplace_back(i, static_cast<int>(j), row[j]);
     c_.push_back(c);
     instance_.problem.kind.push_back(kind);
     instance_.problem.key.push_back({key > 0 ? key : static_cast<std::uint64_t>(i) + 1, 0});
-    instance_.origin.push_back(std::move(origin));
+    RowOrigin& written = instance_.origin.emplace_back(parse_row_origin(origin));
+    if (written.type == "contact" || written.type == "ball_joint") written.unit = "m/s^2";
   }
 
   Instance finish() {

@@ -1,5 +1,7 @@
 #include <zwang/bench/timing/neutral_kernel.h>
 
+#include <Eigen/QR>
+
 #include <zwang/bench/timing/solve_service.h>
 
 namespace zwang {

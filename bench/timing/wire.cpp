@@ -117,6 +117,7 @@ void put(Outgoing& out, const SolveReply& a) {
   out.put(s.margins.smallest_accepted);
   out.put(s.margins.largest_rejected);
   out.put(s.fallback);
+  out.put(s.range_gap);
   out.put(s.message);
   out.put(a.seconds);
   out.put(a.allocations);
@@ -141,6 +142,7 @@ SolveReply get_answer(Incoming& in) {
   s.margins.smallest_accepted = in.get<double>();
   s.margins.largest_rejected = in.get<double>();
   s.fallback = in.get<bool>();
+  s.range_gap = in.get<double>();
   s.message = in.get_all<std::string>();
   a.seconds = in.get<double>();
   a.allocations = in.get<double>();

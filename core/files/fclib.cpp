@@ -72,11 +72,11 @@ void add_rows(const Directions& d, Instance& instance) {
     for (Sparse::InnerIterator it(from, column); it; ++it)
       entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(it.row()), factor * it.value());
   };
-  const auto finish_row = [&](RowKind kind, RowKey key, double right, std::string origin) {
+  const auto finish_row = [&](RowKind kind, RowKey key, double right, const std::string& origin) {
     c.push_back(right);
     p.kind.push_back(kind);
     p.key.push_back(key);
-    instance.origin.push_back(std::move(origin));
+    instance.origin.push_back(parse_row_origin(origin, kind == RowKind::equality ? "" : "m/s^2"));
   };
   for (Index i = 0; i < e; ++i) {
     add_column(d.equality, i, 1);

@@ -17,6 +17,14 @@ std::vector<std::string> texts_or_none(const hdf5::Group& group, const std::stri
   return group.has_data(name) ? group.read_strings(name) : std::vector<std::string>();
 }
 
+// One text a row, or none at all.
+std::vector<std::string> names_of_rows(const hdf5::Group& group, const std::string& name, const Problem& p) {
+  std::vector<std::string> all = texts_or_none(group, name);
+  if (!all.empty() && all.size() != p.kind.size())
+    group.fail(name, "holds " + std::to_string(all.size()) + " names; expected " + std::to_string(p.kind.size()));
+  return all;
+}
+
 std::size_t length(const hdf5::Group& group, const std::string& name) {
   const std::vector<std::size_t> shape = group.shape(name);
   if (shape.size() != 1) group.fail(name, "has " + std::to_string(shape.size()) + " dimensions; expected 1");
@@ -106,9 +114,9 @@ Instance read_own(const hdf5::Group& group) {
   instance.knob = text_or(group, "knob", "");
   if (group.has_data("knob_value")) instance.knob_value = group.read_one<double>("knob_value");
   if (group.has_data("seed")) instance.seed = group.read_one<std::uint64_t>("seed");
-  instance.origin = texts_or_none(group, "origin");
-  if (!instance.origin.empty() && instance.origin.size() != p.kind.size())
-    group.fail("origin", "holds " + std::to_string(instance.origin.size()) + " names; expected " + std::to_string(m));
+  const std::vector<std::string> origin = names_of_rows(group, "origin", p), unit = names_of_rows(group, "unit", p);
+  for (std::size_t i = 0; i < origin.size(); ++i)
+    instance.origin.push_back(parse_row_origin(origin[i], unit.empty() ? "" : unit[i]));
   std::ranges::move(texts_or_none(group, "notes"), std::back_inserter(instance.notes));
   if (group.has_group("reference")) instance.reference = read_reference(group.group("reference"), n, m);
   return instance;
@@ -139,7 +147,13 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   write_text(group, "knob", instance.knob);
   group.write_one("knob_value", instance.knob_value);
   group.write_one("seed", instance.seed);
-  if (!instance.origin.empty()) group.write_strings("origin", instance.origin);
+  std::vector<std::string> origin, unit;
+  for (const RowOrigin& of_row : instance.origin) {
+    origin.push_back(to_string(of_row));
+    unit.push_back(of_row.unit);
+  }
+  if (!origin.empty()) group.write_strings("origin", origin);
+  if (!origin.empty()) group.write_strings("unit", unit);
   if (!instance.notes.empty()) group.write_strings("notes", instance.notes);
   if (!instance.reference) return;
   const Reference& r = *instance.reference;

@@ -22,9 +22,9 @@ void give_pattern(const std::vector<int>& start, const std::vector<int>& index, 
   std::copy(index.begin(), index.end(), A.innerIndexPtr());
 }
 
-std::string name_of(const Scene& scene, const ActiveConstraint& a) {
+RowOrigin origin_of(const Scene& scene, const ActiveConstraint& a) {
   const ConstraintList& list = *scene.lists()[static_cast<std::size_t>(a.list)];
-  return std::string(list.type()) + "/" + list.label(a.item);
+  return {.type = std::string(list.type()), .label = list.label(a.item)};
 }
 
 }  // namespace
@@ -135,22 +135,26 @@ void Assembler::assemble(const Scene& scene, const Vector& z_u, const AssembleOp
   }
 }
 
-std::vector<std::string> Assembler::origin(const Scene& scene) const {
-  std::vector<std::string> names;
-  names.reserve(row_of_.size());
+std::vector<RowOrigin> Assembler::origin(const Scene& scene, const Problem& problem) const {
+  std::vector<RowOrigin> all;
+  all.reserve(row_of_.size());
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     const ActiveConstraint& a = active_[row_of_[i]];
-    names.push_back(name_of(scene, a));
-    if (a.rows > 1) names.back() += " [" + std::to_string(pattern_.key[i].row) + "]";
+    RowOrigin origin = origin_of(scene, a);
+    if (a.rows > 1) origin.row = static_cast<int>(pattern_.key[i].row);
+    origin.unit = "rad/s^2";
+    for (decltype(problem.J)::InnerIterator entry(problem.J, static_cast<Index>(i)); entry; ++entry)
+      if (entry.col() < bodies_ && entry.col() % 6 < 3 && entry.value() != 0) origin.unit = "m/s^2";
+    all.push_back(std::move(origin));
   }
-  return names;
+  return all;
 }
 
 std::vector<std::string> Assembler::skipped(const Scene& scene) const {
   std::vector<std::string> names;
   for (const RowPlace& place : place_)
     if (place.row == RowPlace::nowhere)
-      names.push_back(name_of(scene, active_[static_cast<std::size_t>(&place - place_.data())]));
+      names.push_back(constraint_name(origin_of(scene, active_[static_cast<std::size_t>(&place - place_.data())])));
   return names;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <zwang/core/model/scene.h>
-#include <zwang/core/problem/problem.h>
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 
@@ -32,8 +32,9 @@ class Assembler {
  public:
   void assemble(const Scene& scene, const Vector& z_u, const AssembleOptions& options, Problem& problem);
 
-  // The names of the rows of the last problem, "type/label" or, of several rows, "type/label [row]".
-  std::vector<std::string> origin(const Scene& scene) const;
+  // Who wrote each row of the last problem. A row that shifting a body changes is a length, one that only turning a
+  // body changes is an angle (or a sine).
+  std::vector<RowOrigin> origin(const Scene& scene, const Problem& problem) const;
   // The names of the constraints that were left out of the last problem.
   std::vector<std::string> skipped(const Scene& scene) const;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include <zwang/core/problem/types.h>
 
 #include <unsupported/Eigen/AutoDiff>

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
@@ -19,6 +20,20 @@ struct Reference {
   std::string method = {};  // "mpfr 100 digits", "CGAL exact", "closed form", "known answer", "file", ...
 };
 
+// Who wrote a row, and its unit. In files and in results it reads "type/label", or "type/label [row]" where the
+// constraint has several rows.
+struct RowOrigin {
+  std::string type = {};   // "contact"
+  std::string label = {};  // "box 3 on box 2"
+  int row = -1;            // within the constraint; -1: its only one
+  std::string unit = {};   // of J z - c, "m/s^2" or "rad/s^2"; "" where it is not known
+  friend bool operator==(const RowOrigin&, const RowOrigin&) = default;
+};
+
+std::string constraint_name(const RowOrigin& origin);  // "type/label"
+std::string to_string(const RowOrigin& origin);
+RowOrigin parse_row_origin(std::string_view text, std::string unit = {});
+
 // A problem together with what names it, what made it, and what is known about it.
 struct Instance {
   Problem problem = {};
@@ -26,12 +41,12 @@ struct Instance {
   std::string knob = {};    // the parameter that is swept in this family, or ""
   double knob_value = 0;
   std::uint64_t seed = 0;
-  std::vector<std::string> origin = {};  // m names "type/label" or "type/label [row]"; empty when nobody named them
-  std::vector<std::string> notes = {};   // what a reader changed or assumed, one line each
+  std::vector<RowOrigin> origin = {};   // m; empty when nobody named them
+  std::vector<std::string> notes = {};  // what a reader changed or assumed, one line each
   std::optional<Reference> reference = {};
 };
 
-// "type" of an origin name: the part before the slash ("contact/box 3 on box 2" -> "contact").
-inline std::string origin_type(const std::string& origin) { return origin.substr(0, origin.find('/')); }
+// The name of row i: its origin, or "row 17" where nobody named it; "" for -1.
+std::string row_name(const Instance& instance, Index i);
 
 }  // namespace zwang

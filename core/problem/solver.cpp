@@ -39,7 +39,7 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
   };
   if (const std::string reason = bad_input(problem); !reason.empty()) return give_up(Status::bad_input, reason);
   try {
-    solve_(problem, options, solution);
+    method_->solve(problem, options, solution);
   } catch (const Stopped& stopped) {
     return give_up(stopped.status, stopped.message);
   } catch (const std::bad_alloc&) {

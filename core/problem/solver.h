@@ -4,6 +4,7 @@
 #include <concepts>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,8 +36,7 @@ struct Margins {
   double largest_rejected = std::numeric_limits<double>::quiet_NaN();   // relative pivot, 0 = exactly dependent
 };
 
-// Resizes a vector of an answer that is empty where there is none; the storage of an empty one waits here. A copy of
-// the answer has its own.
+// Resizes a vector of a solution and keeps its storage while the vector is empty. Not shared by copies of the solution.
 class Spare {
  public:
   Spare() = default;
@@ -52,6 +52,7 @@ class Spare {
 };
 
 struct Solution {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   Status status = Status::unsolved;
   Vector z = {};                      // n; empty when the method gives none
   Vector lambda = {};                 // m multipliers, [N] or [N m]; empty when the method gives none
@@ -59,8 +60,11 @@ struct Solution {
   Vector certificate = {};            // m, when infeasible: u with u_I >= 0, J'u = 0, c'u > 0 (Farkas)
   std::vector<Index> redundant = {};  // rows that were dropped as consistent combinations of others
   Margins margins = {};
-  bool fallback = false;     // a slower, safer path was taken
-  std::string message = {};  // the method's own words, for people
+  bool fallback = false;            // a slower, safer path was taken
+  std::string_view handed_to = {};  // the name of the solver that took over; empty: none did
+  double range_gap = unknown;       // |J k - c| / |c|, of nnls_paper
+  double prepare_s = unknown;       // s of CPU time inside the solve that restating the problem took
+  std::string message = {};         // the method's own words, for people
   struct {
     Spare z, lambda, certificate;
   } spare = {};
@@ -75,9 +79,11 @@ struct Solution {
     redundant.clear();
     margins = {};
     fallback = false;
+    handed_to = {};
+    range_gap = prepare_s = unknown;
     message.clear();
   }
-  // As z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
+  // z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
   void empty_z() { spare.z.set_zero(z, 0); }
   void empty_lambda() { spare.lambda.set_zero(lambda, 0); }
   Vector& zero_certificate(Index m) {
@@ -127,35 +133,61 @@ concept Solver = std::copyable<S> && requires(S s, const Problem& p, const Solve
 
 // Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
 // a backend sees it. Stopped and std::bad_alloc become a status with one line; what else a backend throws is passed on.
-// The half-made workspace is thrown away each time.
+// After an exception the workspace is built anew.
 class AnySolver {
  public:
   template <class S>
     requires(!std::same_as<S, AnySolver> && Solver<S>)
-  AnySolver(S s) : name_(S::name) {
-    if constexpr (requires(const S& t, const Problem& p) {
-                    { t.supports(p) } -> std::same_as<std::string>;
-                  })
-      supports_ = [s](const Problem& p) { return s.supports(p); };
-    solve_ = [fresh = s, s = std::move(s)](const Problem& p, const SolveOptions& o, Solution& out) mutable {
-      try {
-        s.solve(p, o, out);
-      } catch (...) {
-        s = S(fresh);
-        throw;
-      }
-    };
+  AnySolver(S s) : method_(std::make_unique<MethodOf<S>>(std::move(s))) {}
+  AnySolver(const AnySolver& other) : method_(other.method_->clone()) {}
+  AnySolver(AnySolver&&) = default;
+  AnySolver& operator=(AnySolver other) {
+    method_ = std::move(other.method_);
+    return *this;
   }
 
-  std::string_view name() const { return name_; }
-  std::string supports(const Problem& p) const { return supports_ ? supports_(p) : std::string(); }
+  std::string_view name() const { return method_->name(); }
+  std::string supports(const Problem& problem) const { return method_->supports(problem); }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   Solution solve(const Problem& problem, const SolveOptions& options = {});
 
  private:
-  std::string_view name_;
-  std::function<std::string(const Problem&)> supports_;
-  std::function<void(const Problem&, const SolveOptions&, Solution&)> solve_;
+  struct Method {
+    virtual ~Method() = default;
+    virtual std::unique_ptr<Method> clone() const = 0;
+    virtual std::string_view name() const = 0;
+    virtual std::string supports(const Problem& problem) const = 0;
+    virtual void solve(const Problem& problem, const SolveOptions& options, Solution& solution) = 0;
+  };
+
+  template <class S>
+  struct MethodOf final : Method {
+    explicit MethodOf(S s) : settings(std::move(s)), solver(std::make_unique<S>(settings)) {}
+    MethodOf(const MethodOf& other) : settings(other.settings), solver(std::make_unique<S>(*other.solver)) {}
+    std::unique_ptr<Method> clone() const override { return std::make_unique<MethodOf>(*this); }
+    std::string_view name() const override { return S::name; }
+    std::string supports([[maybe_unused]] const Problem& problem) const override {
+      if constexpr (requires {
+                      { settings.supports(problem) } -> std::same_as<std::string>;
+                    })
+        return settings.supports(problem);
+      else
+        return {};
+    }
+    void solve(const Problem& problem, const SolveOptions& options, Solution& solution) override {
+      try {
+        solver->solve(problem, options, solution);
+      } catch (...) {
+        solver = std::make_unique<S>(settings);
+        throw;
+      }
+    }
+
+    S settings;  // with a workspace that was never used
+    std::unique_ptr<S> solver;
+  };
+
+  std::unique_ptr<Method> method_;
 };
 
 }  // namespace zwang

@@ -16,7 +16,7 @@ std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& 
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const std::string type = k < instance.origin.size() ? origin_type(instance.origin[k]) : "row";
+    const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
     double violation = 0, relative = 0;
     if (!gauge.is_vacuous(i)) {
       const double slack = gauge.slack(i, d).hi;
@@ -36,8 +36,7 @@ std::vector<std::string> constraint_names(const Instance& instance, const std::v
   std::vector<std::string> names;
   for (const Index row : rows) {
     const auto k = static_cast<std::size_t>(row);
-    std::string name = k < instance.origin.size() ? instance.origin[k] : "row " + std::to_string(row);
-    if (const auto place = name.rfind(" ["); place != std::string::npos && name.back() == ']') name.resize(place);
+    std::string name = k < instance.origin.size() ? constraint_name(instance.origin[k]) : row_name(instance, row);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
   }
   return names;

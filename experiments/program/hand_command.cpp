@@ -22,7 +22,7 @@ struct Section {
 std::vector<Section> sections(const Instance& instance) {
   std::vector<Section> all;
   for (Index i = 0; i < instance.problem.rows(); ++i) {
-    const std::string type = origin_type(instance.origin[static_cast<std::size_t>(i)]);
+    const std::string& type = instance.origin[static_cast<std::size_t>(i)].type;
     if (all.empty() || all.back().type != type) all.push_back({type, i, 0});
     ++all.back().rows;
   }

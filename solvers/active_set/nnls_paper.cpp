@@ -64,9 +64,9 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
   storage_.require(2 * n * m + (n + m + 2 * most) * most, options);
   if (!begin(rows_, p, deadline, s)) return;
-  const double gap = find_s(p, deadline, s);
+  s.range_gap = find_s(p, deadline, s);
   char text[32];
-  std::snprintf(text, sizeof text, "range gap %.1e", gap);
+  std::snprintf(text, sizeof text, "range gap %.1e", s.range_gap);
   s.message = text;
 
   const auto write = [&] {

@@ -20,8 +20,8 @@ namespace zwang {
 //
 // Kept, to show where the published method fails: k exists only where c lies in range(J). Elsewhere k is the
 // least-squares solution, so the method silently solves the problem with J k in place of c, and claims success. An
-// infeasible problem looks the same. Every solution's message says how far off that is:
-// "range gap 1.2e-03" = |J k - c| / |c|, in the rows' own units (0 for c = 0, where k = 0 serves).
+// infeasible problem looks the same. Solution::range_gap says how far off that is: |J k - c| / |c|, in the rows' own
+// units (0 for c = 0, where k = 0 serves).
 // Where k exists the method is right.
 struct NnlsPaper {
   static constexpr const char* name = "nnls_paper";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/QR>
 #include <vector>
 
 #include <zwang/solvers/common/session.h>

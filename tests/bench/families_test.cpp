@@ -1,6 +1,8 @@
 #include <zwang/bench/scenes/families.h>
 
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <iomanip>
@@ -175,7 +177,7 @@ TEST(RandomRows, KnobsDoWhatTheySay) {
   EXPECT_GE((in.reference->lambda.array() != 0).count(), 299);
   const Vector mass = Matrix(in.problem.M).diagonal();
   EXPECT_GE(mass.maxCoeff() / mass.minCoeff(), std::exp2(19));
-  const auto is_sum = [](const std::string& origin) { return origin.ends_with("(a sum)"); };
+  const auto is_sum = [](const RowOrigin& origin) { return origin.label.ends_with("(a sum)"); };
   EXPECT_GT(std::ranges::count_if(in.origin, is_sum), 100);
   EXPECT_LT(std::ranges::count_if(in.origin, is_sum), 200);
   EXPECT_EQ(make_scenes("random(m=0)").at(0).problem.rows(), 0);

@@ -5,6 +5,10 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/constraints/prismatic_joint.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/constraints/rope.h>
 #include <zwang/core/model/motion.h>
 
 namespace zwang {
@@ -48,13 +52,54 @@ TEST_F(TwoBodies, EqualityRowsComeFirstAndRowsAreNamed) {
   assembler.assemble(scene, z_u, {}, problem);
   const std::vector<std::string> names{"ball_joint/elbow [0]", "ball_joint/elbow [1]", "ball_joint/elbow [2]",
                                        "contact/a on ground"};
-  EXPECT_EQ(assembler.origin(scene), names);
+  std::vector<std::string> written;
+  for (const RowOrigin& origin : assembler.origin(scene, problem)) written.push_back(to_string(origin));
+  EXPECT_EQ(written, names);
   EXPECT_TRUE(problem.is_equality(0) && problem.is_equality(2) && !problem.is_equality(3));
   EXPECT_EQ(problem.key[0].constraint, problem.key[2].constraint);
   EXPECT_EQ(problem.key[2].row, 2u);
   EXPECT_NE(problem.key[3].constraint, problem.key[2].constraint);
   require_matching_sizes(problem);
   EXPECT_EQ(bad_input(problem), "");
+}
+
+TEST_F(TwoBodies, RowsThatShiftingABodyChangesAreLengthsTheOthersAngles) {
+  scene = Scene();
+  scene.add(body_at({0, 0, 0}, Motion::fixed));
+  scene.add(body_at({0, 0, 1}));
+  scene.add(body_at({2, 0, 1}));
+  scene.add(RevoluteJoint{.bodies = {1, 2}}, "elbow");
+  scene.add(PrismaticJoint{.bodies = {0, 1}}, "rail");
+  scene.add(JointLimit{.bodies = {1, 2}}, "lower");
+  scene.add(Rope{{{1, 2}}}, "leash");
+  scene.add(SoftBall{{{2, 0}}, Vec3(0, 0.5, 0)}, "spring");
+  assembler.assemble(scene, z_u, {}, problem);
+  std::map<std::string, std::string> units;
+  for (const RowOrigin& origin : assembler.origin(scene, problem)) units[origin.type] += origin.unit[0];
+  const std::map<std::string, std::string> expected{{"revolute_joint", "mmmrr"},
+                                                    {"prismatic_joint", "mmrrr"},
+                                                    {"joint_limit", "r"},
+                                                    {"rope", "m"},
+                                                    {"soft_ball", "mmm"}};
+  EXPECT_EQ(units, expected);
+}
+
+TEST(RowOrigin, ReadsAsItIsWritten) {
+  for (const std::string text : {"contact/box 3 on box 2", "ball_joint/elbow [2]", "row 17", "", "contact/a [b]",
+                                 "contact/[3]", "contact/a/b [12]", "contact/a [-1]", "contact/ (a sum)"})
+    EXPECT_EQ(to_string(parse_row_origin(text)), text);
+  EXPECT_EQ(parse_row_origin("ball_joint/left elbow [2]", "m/s^2"),
+            (RowOrigin{"ball_joint", "left elbow", 2, "m/s^2"}));
+  EXPECT_EQ(parse_row_origin("contact/a [b]"), (RowOrigin{"contact", "a [b]"}));
+  EXPECT_EQ(parse_row_origin("row 17"), (RowOrigin{"row 17"}));
+}
+
+TEST(RowOrigin, NamesARowByItsNumberWhereNobodyNamedIt) {
+  Instance instance;
+  EXPECT_EQ(row_name(instance, 3), "row 3");
+  EXPECT_EQ(row_name(instance, -1), "");
+  instance.origin = {{"contact", "a"}, {"weld", "b", 5}};
+  EXPECT_EQ(row_name(instance, 1), "weld/b [5]");
 }
 
 TEST_F(TwoBodies, RowsAreTheConstraintsDerivativesInTheColumnsOfTheirBodies) {

@@ -62,7 +62,8 @@ TEST(Certificate, NamesTheConflictingRowsLargestPartFirst) {
   const Problem p = dense_problem(J, (Vector(4) << -1, 2, 1, -1).finished(), std::vector(4, RowKind::inequality));
   const Metrics m = claim_infeasible(p, (Vector(4) << 0, 0.2, 2, 1e-14).finished());
   EXPECT_EQ(m.conflicting, (std::vector<Index>{2, 1})) << "parts |u_i| |G_i| are 2 and 1";
-  Instance instance{.problem = p, .origin = {"contact/a", "contact/b [1]", "limit/elbow", "contact/c"}};
+  Instance instance{.problem = p,
+                    .origin = {{"contact", "a"}, {"contact", "b", 1}, {"limit", "elbow"}, {"contact", "c"}}};
   EXPECT_EQ(constraint_names(instance, m.conflicting), (std::vector<std::string>{"limit/elbow", "contact/b"}));
   instance.origin.clear();
   EXPECT_EQ(constraint_names(instance, {3, 3}), (std::vector<std::string>{"row 3"}));
@@ -87,7 +88,7 @@ TEST(Redundancy, WorstRowOfEachTypeInItsOwnUnit) {
   Matrix J(3, 2);
   J << 2, 0, 0, 1, 0, 4;
   const Problem p = dense_problem(J, Vec3(3, 1, 8), std::vector(3, RowKind::inequality));
-  const Instance instance{.problem = p, .origin = {"limit/x", "contact/y", "contact/z"}};
+  const Instance instance{.problem = p, .origin = {{"limit", "x"}, {"contact", "y"}, {"contact", "z"}}};
   const std::vector<TypeResidual> worst = worst_by_type(instance, Vec<double, 2>(1, 0.5));
   ASSERT_EQ(worst.size(), 2u);
   EXPECT_EQ(worst[0].type, "contact");

@@ -52,7 +52,7 @@ inline Instance awkward() {
   in.knob = "ratio";
   in.knob_value = 0.1;
   in.seed = ~std::uint64_t{0};
-  in.origin = {"ball_joint/elbow", "contact/Würfel 3 [0]", ""};
+  in.origin = {{"ball_joint", "elbow", -1, ""}, {"contact", "Würfel 3", 0, "m/s^2"}, {}};
   in.notes = {"first", "second note"};
   in.reference = Reference{.z = p.z_u, .lambda = p.c.cwiseMax(-1), .bound = 1e-14, .method = "closed form"};
   return in;

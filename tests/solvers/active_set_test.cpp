@@ -1,6 +1,7 @@
 // What the active-set methods promise beyond the contract: digits on ill-conditioned rows, certificates at tiny gaps,
 // and the truths of the stored problems.
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,7 @@
 #include <zwang/solvers/linalg/sparse_qr.h>
 
 #include <gtest/gtest.h>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <numeric>

@@ -96,7 +96,7 @@ inline Instance chain(Index n) {
     p.J.insert(i, i) = 1;
     p.J.insert(i, i + 1) = -1;
     p.key.push_back({1, static_cast<std::uint32_t>(i)});
-    instance.origin.push_back("rod/" + std::to_string(i));
+    instance.origin.push_back({"rod", std::to_string(i)});
   }
   p.J.makeCompressed();
   p.c = Vector::Zero(n - 1);

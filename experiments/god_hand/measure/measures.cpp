@@ -1,5 +1,6 @@
 #include <zwang/experiments/god_hand/measure/measures.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace zwang::god {

@@ -1,6 +1,7 @@
 #include <zwang/experiments/god_hand/run/display_mesh.h>
 
 #include <meshoptimizer.h>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

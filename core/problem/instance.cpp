@@ -1,0 +1,40 @@
+#include <zwang/core/problem/instance.h>
+
+#include <charconv>
+
+namespace zwang {
+
+std::string constraint_name(const RowOrigin& origin) {
+  return origin.label.empty() ? origin.type : origin.type + "/" + origin.label;
+}
+
+std::string to_string(const RowOrigin& origin) {
+  std::string name = constraint_name(origin);
+  if (origin.row >= 0) name.append(" [").append(std::to_string(origin.row)).append("]");
+  return name;
+}
+
+RowOrigin parse_row_origin(std::string_view text, std::string unit) {
+  RowOrigin origin;
+  origin.unit = std::move(unit);
+  if (const auto open = text.rfind(" ["); open != std::string_view::npos && text.ends_with(']')) {
+    const char* const last = text.data() + text.size() - 1;
+    const auto [end, error] = std::from_chars(text.data() + open + 2, last, origin.row);
+    if (error == std::errc{} && end == last && origin.row >= 0)
+      text = text.substr(0, open);
+    else
+      origin.row = -1;
+  }
+  const auto slash = text.find('/');
+  origin.type = text.substr(0, slash);
+  if (slash != std::string_view::npos) origin.label = text.substr(slash + 1);
+  return origin;
+}
+
+std::string row_name(const Instance& instance, Index i) {
+  if (i < 0) return {};
+  const auto row = static_cast<std::size_t>(i);
+  return row < instance.origin.size() ? to_string(instance.origin[row]) : "row " + std::to_string(i);
+}
+
+}  // namespace zwang
