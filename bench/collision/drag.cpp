@@ -6,7 +6,7 @@
 
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/core/problem/mix_bits.h>
 #include <zwang/solvers/registry.h>

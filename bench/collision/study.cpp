@@ -7,7 +7,7 @@
 #include <zwang/bench/collision/bullet_sweep.h>
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
 
 namespace zwang {
 namespace {

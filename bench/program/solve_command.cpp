@@ -62,7 +62,8 @@ void print(const Result& r) {
          names + (r.conflicting.size() > 8 ? ", ..." : "") + "   (certificate " + report::scientific(k.farkas) + ")");
   }
   line("time", report::duration(r.solve_s) + " (quartiles " + report::duration(r.solve_s_q1) + ", " +
-                   report::duration(r.solve_s_q3) + ", " + std::to_string(r.repetitions) + " repetitions)   set-up " +
+                   report::duration(r.solve_s_q3) + ", " + std::to_string(r.repetitions) + " repetitions)   of it " +
+                   report::duration(r.prepare_s) + " to prepare the problem's form   set-up " +
                    report::duration(r.setup_s) + "   " + std::to_string(r.iterations) + " iterations");
   if (!r.message.empty()) line("message", r.message);
 }

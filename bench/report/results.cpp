@@ -60,7 +60,8 @@ Result parse_result(const json& line) {
   read(line, "z_error", r.z_error, "z_bound", r.z_bound, "primal", r.primal, "stationarity", r.stationarity, "gap",
        r.gap, "range_gap", r.range_gap);
   read(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
-       "kernel_s", r.kernel_s, "allocations", r.allocations, "iterations", r.iterations, "repetitions", r.repetitions);
+       "prepare_s", r.prepare_s, "kernel_s", r.kernel_s, "allocations", r.allocations, "iterations", r.iterations,
+       "repetitions", r.repetitions);
   if (r.family.empty()) r.family = r.problem;
   if (const auto it = line.find("feasible"); it != line.end() && it->is_boolean()) r.feasible = it->get<bool>();
   for (const json& row : line.value("worst_by_type", json::array())) {

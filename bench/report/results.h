@@ -30,6 +30,7 @@ struct Result {
   long n = 0, m = 0, equalities = 0;
   double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
   double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;  // [s]
+  double prepare_s = unknown;    // of solve_s: bringing the problem into the method's form
   double kernel_s = unknown;     // the neutral kernel in the same batch
   double allocations = unknown;  // of one warm solve
   double range_gap = unknown;    // nnls_paper: |J k - c| / |c|

@@ -115,6 +115,7 @@ std::string to_json(const Result& r, const Solution* with) {
                {"solve_s", number(r.solve_s)},
                {"solve_s_q1", number(r.solve_s_q1)},
                {"solve_s_q3", number(r.solve_s_q3)},
+               {"prepare_s", number(r.prepare_s)},
                {"kernel_s", number(r.kernel_s)},
                {"allocations", number(r.allocations)},
                {"repetitions", r.repetitions},

@@ -39,7 +39,8 @@ struct Result {
   std::vector<std::string> conflicting = {};
   // the cost, s of thread CPU time
   double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;
-  double kernel_s = unknown;  // the neutral kernel's median in the same batch
+  double prepare_s = unknown;  // of solve_s: bringing the problem into the method's form
+  double kernel_s = unknown;   // the neutral kernel's median in the same batch
   double allocations = unknown;
   int repetitions = 0;
   // the solver's own words

@@ -58,6 +58,8 @@ Result to_result(Result r, const Instance& instance, const Run& run, const Timed
   r.tolerance = run.tolerance;
   judge(r, instance, timed.solution);
   r.repetitions = static_cast<int>(timed.samples.size());
+  const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;
+  if (prepare_s > 0) r.prepare_s = prepare_s;
   if (!timed.samples.empty()) {
     const Quartiles q = quartiles(timed.samples);
     r.solve_s = q.median;

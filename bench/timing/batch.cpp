@@ -129,6 +129,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     call.fresh = false;
     t.solution = std::move(first.solution);
     t.first_s = first.seconds;
+    t.first_prepare_s = first.prepare_s;
     if (t.solution.status == Status::time_limit) gave_up[runs[i].solver] = runs[i].tolerance;
     if (!has_answer(t) || (limits.repetitions == 0 && t.first_s > limits.budget)) continue;
     const SolveReply warm = desk.run(problem, runs[i], call, &interrupted);
@@ -159,6 +160,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
           return;
         }
         state.SetIterationTime(answer.seconds);
+        timed[i].prepare_s.push_back(answer.prepare_s);
       }
     };
     benchmark::RegisterBenchmark(std::to_string(i).c_str(), sample)

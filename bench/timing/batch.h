@@ -42,7 +42,9 @@ struct Timed {
   Solution solution = {};
   double first_s = 0;
   std::vector<double> samples = {};
-  double allocations = 0;  // heap blocks a solve asks for once it is warm
+  double first_prepare_s = 0;          // of first_s: bringing the problem into the method's form
+  std::vector<double> prepare_s = {};  // likewise of each repetition
+  double allocations = 0;              // heap blocks a solve asks for once it is warm
 };
 
 // fraction: of the batch, 0..1. Never called while a clock runs.

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
+#include <zwang/core/problem/preparation.h>
 #include <zwang/core/problem/solver.h>
 
 namespace zwang {
@@ -34,6 +35,7 @@ struct Iterate {
 struct SolveReply {
   Solution solution = {};
   double seconds = 0;                  // CPU time of one solve
+  double prepare_s = 0;                // of that, what brought the problem into the method's form
   double allocations = 0;              // heap blocks that one solve asked for
   std::vector<Iterate> iterates = {};  // at the rungs, when observed
 };

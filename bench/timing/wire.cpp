@@ -120,6 +120,7 @@ void put(Outgoing& out, const SolveReply& a) {
   out.put(s.range_gap);
   out.put(s.message);
   out.put(a.seconds);
+  out.put(a.prepare_s);
   out.put(a.allocations);
   out.put(a.iterates.size());
   for (const Iterate& it : a.iterates) {
@@ -145,6 +146,7 @@ SolveReply get_answer(Incoming& in) {
   s.range_gap = in.get<double>();
   s.message = in.get_all<std::string>();
   a.seconds = in.get<double>();
+  a.prepare_s = in.get<double>();
   a.allocations = in.get<double>();
   a.iterates.resize(in.get<std::size_t>());
   for (Iterate& it : a.iterates) {

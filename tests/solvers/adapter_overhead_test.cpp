@@ -11,7 +11,7 @@
 #include <algorithm>
 
 #include <zwang/bench/scenes/catalog.h>
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/solvers/registry.h>
 
 namespace {

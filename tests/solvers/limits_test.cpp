@@ -8,7 +8,7 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/child.h>
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/problem/memory.h>
 #include <zwang/solvers/registry.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/bench/timing/cpu_clock.h>
+#include <zwang/core/problem/cpu_clock.h>
 
 namespace zwang::god {
 
