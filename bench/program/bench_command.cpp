@@ -24,7 +24,7 @@ std::string counts(const Tally& t) {
   if (t.unsupported > 0) text += ", " + grouped(t.unsupported) + " not applicable";
   if (t.lies > 0)
     text += "   (" + grouped(t.lies) + (t.lies == 1 ? " of them was" : " of them were") +
-            " claimed as success: see the first table)";
+            " claimed as success: see the table of false claims)";
   return text;
 }
 

@@ -161,7 +161,7 @@ void read_conditions(const json& about, Run& run) {
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
   for (const json& line : about.value("solvers", json::array())) {
     SolverInfo& s = run.solvers.emplace_back();
-    read(line, "name", s.name, "method", s.method, "limits", s.limits, "foreign", s.foreign);
+    read(line, "name", s.name, "method", s.method, "limits", s.limits, "foreign", s.foreign, "exact", s.exact);
   }
 }
 

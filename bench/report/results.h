@@ -45,6 +45,7 @@ struct Result {
   bool claims_solved() const { return claimed == "solved"; }
   // Says it has the answer (or that there is none), and the referee finds the opposite.
   bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }
+  bool is_right() const { return verified == "solved" || verified == "infeasible, proven"; }
   bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
 };
 
@@ -81,6 +82,7 @@ struct SequenceTimes {
 struct SolverInfo {
   std::string name = {}, method = {}, limits = {};
   bool foreign = false;
+  bool exact = false;      // its answer does not depend on the tolerance
   std::string style = {};  // the name that picks its colour: two runs of one solver share it ("" = name)
   bool second = false;     // of the second of two runs
 };

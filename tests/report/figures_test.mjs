@@ -3,6 +3,8 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
+import '../../bench/report/page/charts.js';
+import '../../bench/report/page/labels.js';
 
 const here = new URL('.', import.meta.url).pathname;
 const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);
@@ -20,4 +22,14 @@ try {
   assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
 } finally {
   fs.rmSync(dir, {recursive: true, force: true});
+}
+
+// Names of points that coincide stand apart, inside the box, and off what is drawn there.
+const box = {left: 0, right: 400, top: 0, bottom: 200}, wall = Array.from({length: 40}, (_, i) => ({x: 110 + i, y: 100}));
+const labels = zwang_labels.place(Array.from({length: 8}, (_, i) => ({x: 100, y: 100, text: `solver_${i}`})), wall, box);
+assert.equal(labels.length, 8);
+for (const {rect} of labels) {
+  assert.ok(rect.left >= 0 && rect.right <= 400 && rect.top >= 0 && rect.bottom <= 200);
+  assert.ok(!wall.some(p => p.x > rect.left && p.x < rect.right && p.y > rect.top && p.y < rect.bottom), 'no name covers the wall');
+  assert.equal(labels.filter(other => other.rect.left < rect.right && rect.left < other.rect.right && other.rect.top < rect.bottom && rect.top < other.rect.bottom).length, 1);
 }

@@ -1,5 +1,6 @@
 // node make_results.mjs DIR [CASE]: a SYNTHETIC run folder for tests of the report. Nothing in it was ever measured.
-// CASE: full (default), later (the same with other times and one more solver), empty, one, undecided, torn.
+// CASE: full (default), later (the same with other times and one more solver), crowd (16 solvers), atlas (stability families
+// alone), speed, empty, one, undecided, torn.
 import fs from 'node:fs';
 
 const [dir, kind = 'full'] = process.argv.slice(2);
@@ -14,6 +15,9 @@ const solvers = [
   ['nlopt:algorithm=cobyla', true, 1e-4, 2e-2, 2.4, 1.2], ['pgs', false, 1e-6, 1e-5, 1.1, 2.4], ['apgd', false, 1e-9, 3e-5, 1.1, 1.6],
   ['bullet_dantzig', true, 1e-8, 4e-5, 2.1, 1], ['bullet_pgs', true, 1e-4, 8e-6, 1, 2.2],
 ];
+if (kind === 'crowd')
+  for (const name of ['newton', 'projected_gradient', 'nlopt:algorithm=mma', 'nlopt:algorithm=ccsaq', 'mujoco_newton']) solvers.push([name, false, 1e-7, 3e-4, 1.5, 1.3]);
+const exact = ['nnls', 'nnls_paper', 'cholesky', 'dual_active_set'];
 if (kind === 'later') solvers.push(['mine', false, 1e-13, 1.5e-5, 1.5, 1]);
 const tolerances = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14];
 
@@ -33,7 +37,8 @@ add('WEAK', 'eps', [1, 2 ** -8, 2 ** -16, 2 ** -24, 2 ** -32, 2 ** -40, 0], () =
 
 fs.mkdirSync(dir, {recursive: true});
 const chosen_solvers = kind === 'one' ? solvers.slice(3, 4) : kind === 'empty' ? [] : solvers;
-const chosen_problems = kind === 'one' ? problems.slice(3, 4) : problems;
+const stability = ['MR', 'NPE', 'LOOP', 'INC', 'WEAK'];
+const chosen_problems = kind === 'one' ? problems.slice(3, 4) : kind === 'atlas' ? problems.filter(p => stability.includes(p.family)) : problems;
 const lines = [], traces = [];
 chosen_problems.forEach((p, at) => {
   const in_sweep = problems.filter(q => q.family === p.family).indexOf(p);
@@ -68,7 +73,7 @@ chosen_problems.forEach((p, at) => {
         natural: error, scale: 9.8, farkas: null, setup_s: seconds && seconds / 3, solve_s: seconds, solve_s_q1: seconds && seconds * 0.95, solve_s_q3: seconds && seconds * 1.08, repetitions: 9,
         iterations: iterative ? Math.round(10 * growth ** (2 * rung)) : Math.round(p.m / 2), reference: undecided ? null : p.n <= 200 ? 'mpfr 100 digits' : 'known answer',
         reference_bound: 1e-30, worst_row: `${type} 3 of body 2`, worst_by_type: error === null ? [] : [{type, violation: 9.8 * error / 3, relative: error / 3, row: `${type} 3 of body 2`}],
-        rank: p.m, smallest_pivot: 0.1, largest_rejected_pivot: 0, redundant: 0, conflicting: [], fallback: false, range_gap, message: '', batch: at,
+        rank: p.m, smallest_pivot: 0.1, largest_rejected_pivot: 0, redundant: 0, conflicting: [], fallback: false, range_gap, message: '', batch: at, kernel_s: 5e-5, allocations: 0,
       });
       if (kind === 'full' && [2, 8].includes(at) && rung === 6 && claimed !== 'unsupported')
         for (let k = 0; k <= (iterative ? 300 : 14); ++k) {
@@ -80,9 +85,11 @@ chosen_problems.forEach((p, at) => {
 const text = rows => rows.map(row => JSON.stringify(row) + '\n').join('');
 fs.writeFileSync(`${dir}/results.jsonl`, kind === 'torn' ? text(lines).slice(0, -40) : text(lines));
 if (traces.length) fs.writeFileSync(`${dir}/traces.jsonl`, text(traces));
+if (kind === 'speed')
+  fs.writeFileSync(`${dir}/speed.jsonl`, text([{kind: 'assembly', scene: 'hand', contacts: 64, n: 96, m: 134, allocations: 0, assemble_s: 5e-6, islands_s: 4e-6, kernel_s: 5e-5}]));
 fs.writeFileSync(`${dir}/run.json`, JSON.stringify({
   version: '0.1.0', suite: 'synthetic', command: './zwang bench (synthetic)', started: '2000-01-01T00:00:00Z', finished: null, seed: 1, commit: kind === 'later' ? 'feedface00000000' : 'cafebabe00000000', dirty: true,
   compiler: 'none', flags: '-O3', build_type: 'Release', cpu: 'synthetic', cores: 2, libraries: {Eigen: '3.4.0', Ipopt: '3.11.9'}, tolerances,
-  solvers: chosen_solvers.map(([name, foreign]) => ({name, method: `the method of ${name}`, limits: '', foreign, exact: false})), problems: chosen_problems.length,
+  solvers: chosen_solvers.map(([name, foreign]) => ({name, method: `the method of ${name}`, limits: '', foreign, exact: exact.includes(name)})), problems: chosen_problems.length,
   notes: ['Synthetic: no figure in this run was measured.'],
 }));

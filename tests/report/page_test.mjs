@@ -32,6 +32,8 @@ try {
   await fits_a_phone_in_the_dark();
   for (const kind of ['empty', 'one', 'undecided', 'torn']) await explains_what_is_missing(kind);
   await sets_two_runs_side_by_side();
+  await draws_fourteen_of_sixteen();
+  await opens_with_the_picture_of_its_suite();
 } finally {
   await browser.close();
   fs.rmSync(folder, {recursive: true, force: true});
@@ -42,12 +44,28 @@ async function browses_a_full_run() {
   await page.evaluate('zwang_page.draw_all()');
   assert.equal(await page.evaluate('document.title'), 'zwang: synthetic suite');
   for (const name of charts) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink`);
-  const first_heading = await page.evaluate(`document.querySelector('main table').closest('section').id`);
-  assert.equal(first_heading, 'claims', 'the first table is the one of false claims');
-  const first_row = await page.evaluate(`document.querySelector('#claims tbody tr').innerText`);
+  assert.equal(await page.evaluate(`document.querySelector('main [data-chart]').dataset.chart`), 'work-precision', 'the page opens with speed against accuracy');
+  assert.equal(await page.evaluate(`document.querySelector('main table').closest('[data-table]').dataset.table`), 'claim-counts', 'the first table counts false claims');
+  const counts = await page.evaluate(`[...document.querySelectorAll('[data-table=claim-counts] tbody tr')].map(tr => [tr.cells[0].textContent, Number(tr.cells[1].textContent)])`);
+  assert.ok(counts.length >= 2 && counts.length <= 11, 'a row for each solver with a false claim');
+  assert.ok(counts.every(([, n], i) => i === 0 || n <= counts[i - 1][1]), 'the most false claims first');
+  assert.deepEqual(await page.evaluate(`[...document.querySelectorAll('#claims details')].map(x => x.open)`), [false, false], 'the long tables are folded');
+  const first_row = await page.evaluate(`document.querySelector('[data-table=claims] tbody tr').textContent`);
   assert.match(first_row, /solved|infeasible/);
+
+  // An exact solver is one point, and every solver has its name in the chart, inside the plot.
+  const drawn = await page.evaluate(`zwang_page.views['work-precision'].data('rows')`);
+  assert.equal(drawn.filter(row => row.solver === 'dual_active_set' && row.drawn === 'ok').length, 1);
+  assert.ok(drawn.filter(row => row.solver === 'pgs' && row.drawn === 'ok').length > 2);
+  const labels = drawn.filter(row => row.part === 'label');
+  assert.deepEqual(labels.map(row => row.solver).sort(), [...new Set(drawn.map(row => row.solver))].sort());
+  assert.match(labels.find(row => row.solver === 'dual_active_set').text, /^dual_active_set, [\d.]+ [nµm]?s$/);
+  for (const label of labels) assert.ok(label.x > 2e-20 && label.x < 60, `${label.solver} is named inside the plot`);
   assert.match(await page.evaluate(`document.querySelector('#claims tr.command code').textContent`), /^\.\/zwang solve \S+\.h5 --solver \S+ --tolerance 1e-\d+$/);
 
+  await page.evaluate(`zwang_page.choose(new Set(['nnls', 'pgs']))`);
+  assert.equal(await page.evaluate('location.hash'), '#solvers=nnls,pgs');
+  await page.evaluate(`zwang_page.choose(new Set([...document.querySelectorAll('.chip[data-solver]')].map(chip => chip.dataset.solver)))`);
   const chip = `document.querySelector('.chip[data-solver=nnls]')`;
   assert.ok((await page.evaluate(solvers_in('work-precision'))).includes('nnls'));
   await page.evaluate(`(${chip}.click(), ${settled})`);
@@ -111,7 +129,7 @@ async function explains_what_is_missing(kind) {
   const page = await browser.open_page(report_of(kind));
   await page.evaluate('zwang_page.draw_all()');
   const text = await page.evaluate('document.body.innerText');
-  const bare = await page.evaluate(`[...document.querySelectorAll('[data-chart], [data-table]')].filter(x => x.innerText.trim() === '' && !x.querySelector('canvas')).map(x => x.outerHTML)`);
+  const bare = await page.evaluate(`[...document.querySelectorAll('[data-chart], [data-table]')].filter(x => x.textContent.trim() === '' && !x.querySelector('canvas')).map(x => x.outerHTML)`);
   assert.deepEqual(bare, [], `${kind}: each empty chart and table says why`);
   if (kind === 'empty') assert.match(text, /holds no results/);
   if (kind === 'one') assert.match(text, /none of the stability families/);
@@ -132,4 +150,34 @@ async function sets_two_runs_side_by_side() {
   assert.ok(await page.evaluate(ink('work-precision')) > 0.005);
   await is_quiet(page, 'zwang_page');
   await page.close();
+}
+
+async function draws_fourteen_of_sixteen() {
+  const page = await browser.open_page(report_of('crowd'));
+  await page.evaluate('zwang_page.draw_all()');
+  assert.equal((await page.evaluate(solvers_in('profile'))).length, 14);
+  assert.match(await page.evaluate(`document.getElementById('left-out').textContent`), /^Charts show the 14 solvers .* Tables show all 16\.$/);
+  assert.equal(await page.evaluate(`document.querySelectorAll('[data-table=solvers] tbody tr').length`), 16);
+  const marks = await page.evaluate(`[...document.querySelectorAll('.chip[aria-pressed=true] path')].map(path => path.getAttribute('d'))`);
+  assert.equal(new Set(marks).size, 14, 'each has a shape of its own, for grey print');
+  await is_quiet(page, 'zwang_page');
+  await page.close();
+  const chosen = await browser.open_page(`${folder}/crowd/report.html`, {hash: 'solvers=newton,mujoco_newton,unheard_of'});
+  await chosen.evaluate('zwang_page.draw_all()');
+  assert.deepEqual((await chosen.evaluate(solvers_in('profile'))).sort(), ['mujoco_newton', 'newton']);
+  await is_quiet(chosen, 'zwang_page');
+  await chosen.close();
+}
+
+async function opens_with_the_picture_of_its_suite() {
+  for (const [kind, first] of [['atlas', ['sweep']], ['speed', ['speed-ratios', 'speed-exponents']]]) {
+    const page = await browser.open_page(report_of(kind));
+    await page.evaluate('zwang_page.draw_all()');
+    assert.deepEqual(await page.evaluate(`[...document.querySelectorAll('main [data-chart]')].slice(0, ${first.length}).map(x => x.dataset.chart)`), first);
+    for (const name of first) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink`);
+    const tables = await page.evaluate(`[...document.querySelectorAll('main [data-table]')].map(x => x.dataset.table)`);
+    assert.ok(kind === 'speed' ? tables[0] === 'claim-counts' : tables.indexOf('claim-counts') > tables.indexOf('break-points'), `${tables}`);
+    await is_quiet(page, 'zwang_page');
+    await page.close();
+  }
 }

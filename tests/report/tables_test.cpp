@@ -29,6 +29,23 @@ TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
   EXPECT_EQ(table.rows[1].cells[4].text, "solved, ill-conditioned");
 }
 
+TEST(Tables, FalseClaimsAreCountedBySolver) {
+  report::Run all;
+  all.solvers = {{.name = "honest"}, {.name = "s"}, {.name = "t"}};
+  all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),
+                 run("p", "s", 1e-10, 1e-2, 1, "solved", "wrong"), run("p", "t", 1e-12, 1e-3, 1, "solved", "wrong"),
+                 run("q", "t", 1e-12, 1e-1, 1, "solved", "wrong"),
+                 run("q", "honest", 1e-2, 1e-1, 1, "iteration limit", "wrong")};
+  const Table table = claim_counts_table(all);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0].solver, "t");
+  EXPECT_EQ(table.rows[0].cells[1].value, 2);
+  EXPECT_EQ(table.rows[0].cells[3].value, 2);
+  EXPECT_EQ(table.rows[0].cells[4].value, 1e-1);
+  EXPECT_EQ(table.rows[1].cells[1].value, 1);
+  EXPECT_EQ(table.rows[1].cells[5].value, 1) << "flagged, but wrong";
+}
+
 TEST(Tables, FilesEscapeWhatTheirFormatReads) {
   const Table table{"t", "", {{"a_b"}, {"x, y", true}}, {{"", "", {{"50 %"}, {"2.0 us", 2e-6}}, ""}}};
   EXPECT_EQ(to_csv(table), "a_b,\"x, y\"\n50 %,2e-06\n");

@@ -31,6 +31,7 @@ const parts = collision ? {
   '/*{page.css}*/': read('page.css'),
   '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
   '/*{charts.js}*/': inline(read('charts.js')),
+  '/*{labels.js}*/': inline(read('labels.js')),
   '/*{table.js}*/': inline(read('table.js')),
   '/*{page.js}*/': `const SPECS = ${inline(JSON.stringify(specs))};\n${inline(read('page.js'))}`,
 };

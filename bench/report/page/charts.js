@@ -1,31 +1,37 @@
 // What the page and the figures for print share: colours, label expressions, chart specs and the rows they draw.
 (() => {
-  // Fourteen colours that stay apart for colour-blind readers too; the first seven are drawn solid, the next dashed. A
-  // third seven has the colours of the first, dotted and with other shapes.
+  // Fourteen colours that stay apart for colour-blind readers too. In grey print the marker's shape and the dash tell
+  // solvers apart: fourteen shapes, and neighbours differ in their dash.
   const palette = {
     light: ['#4b2bd7', '#019bc2', '#923f67', '#ea8883', '#6e4604', '#819808', '#9553ff',
             '#21bfbb', '#623391', '#96acfe', '#7a742f', '#b06c81', '#4d6fb7', '#a3c003'],
     dark: ['#7f7af5', '#52abca', '#c27a9b', '#ed9d98', '#b08a5a', '#94a84d', '#a377fd',
            '#62c9c5', '#9a78cc', '#a8bafd', '#aba568', '#cf9aa9', '#7d9be0', '#b2cb58'],
   };
-  const dashes = [[1, 0], [6, 3], [2, 3]];
-  const shapes = ['circle', 'square', 'triangle-up', 'diamond', 'triangle-down', 'cross', 'triangle-right'];
+  const dashes = [[1, 0], [7, 3], [2, 2.5], [9, 3, 2, 3], [14, 4]];
+  const shapes = [
+    'M.9,0A.9,.9,0,1,1,-.9,0A.9,.9,0,1,1,.9,0Z', 'M-.8,-.8L.8,-.8L.8,.8L-.8,.8Z', 'M0,-1L1,.8L-1,.8Z', 'M0,-1.1L1.1,0L0,1.1L-1.1,0Z', 'M0,1L-1,-.8L1,-.8Z',
+    'M-.35,-1L.35,-1L.35,-.35L1,-.35L1,.35L.35,.35L.35,1L-.35,1L-.35,.35L-1,.35L-1,-.35L-.35,-.35Z', 'M1,0L-.8,-1L-.8,1Z',
+    'M0,-1.2L.3,-.4L1.1,-.37L.48,.15L.7,.97L0,.5L-.7,.97L-.48,.15L-1.1,-.37L-.3,-.4Z', 'M-1,-1L1,-1L-1,1L1,1Z', 'M-1,0L.8,-1L.8,1Z',
+    'M-1,-.55L-.55,-1L0,-.45L.55,-1L1,-.55L.45,0L1,.55L.55,1L0,.45L-.55,1L-1,.55L-.45,0Z', 'M-.4,-1.1L.4,-1.1L.4,1.1L-.4,1.1Z', 'M-1,-1L1,1L1,-1L-1,1Z', 'M-1.1,-.4L1.1,-.4L1.1,.4L-1.1,.4Z',
+  ];
   const themes = {
     light: {background: '#ffffff', ink: '#1b1f24', muted: '#57606a', grid: '#e4e7eb', empty: '#eceef1', wrong: '#d6001c'},
     dark: {background: '#14171c', ink: '#e6e9ee', muted: '#9aa4b1', grid: '#2b3038', empty: '#23272e', wrong: '#ff5c63'},
   };
 
-  // Colour, dash and shape of each solver, the same in every chart. Of two runs, the second is dashed.
+  // Colour, dash and shape of each solver, the same in every chart; those shown by default come first, so that they differ.
+  // Of two runs, the second is dashed.
   function styles(solvers, theme) {
-    const order = [...new Set(solvers.map(s => s.style))];
+    const order = [...new Set([...solvers.filter(s => s.shown), ...solvers].map(s => s.style))];
     const two_runs = solvers.some(s => s.second);
     return solvers.map(s => {
       const i = order.indexOf(s.style);
       return {
         name: s.name,
         color: palette[theme][i % 14],
-        dash: dashes[two_runs ? (s.second ? 1 : 0) : Math.floor(i / 7) % 3],
-        shape: shapes[(i + 3 * Math.floor(i / 14)) % 7],
+        dash: dashes[two_runs ? (s.second ? 1 : 0) : i % 5],
+        shape: shapes[(i + 3 * Math.floor(i / 14)) % 14],
       };
     });
   }
@@ -73,6 +79,21 @@
     return typeof node === 'string' && node[0] === '$' && node.slice(1) in values ? values[node.slice(1)] : node;
   }
 
+  // The layers that write solvers' names into a chart (labels.js): leader lines, and the text on a halo.
+  const label_layers = c => {
+    const text = {type: 'text', fontSize: 11, align: {expr: 'datum.align'}, dx: {expr: 'datum.shift'}, baseline: 'middle', tooltip: null};
+    const drawn = {transform: [{filter: "datum.part === 'label'"}]};
+    const encoding = (color, focused = 1) => ({
+      text: {field: 'text'}, color: {value: color}, opacity: {condition: {test: "focus === '' || datum.solver === focus", value: focused}, value: 0.15},
+    });
+    return {
+      LEADERS: {transform: [{filter: "datum.part === 'label' && datum.far"}], mark: {type: 'rule', strokeWidth: 0.8, tooltip: null},
+                encoding: {x2: {field: 'from_x'}, y2: {field: 'from_y'}, color: {value: c.muted}}},
+      HALOS: {...drawn, mark: {...text, stroke: c.background, strokeWidth: 3}, encoding: encoding(c.background, 0.8)},
+      NAMES: {...drawn, mark: text, encoding: encoding(c.ink)},
+    };
+  };
+
   const config = (theme, font) => {
     const c = themes[theme];
     return {
@@ -96,7 +117,7 @@
     const c = themes[theme];
     const out = filled(template, {
       SOLVERS: style.map(s => s.name), COLORS: style.map(s => s.color), DASHES: style.map(s => s.dash), SHAPES: style.map(s => s.shape),
-      WRONG: c.wrong, EMPTY: c.empty, BACKGROUND: c.background, DARK: theme === 'dark', ...words,
+      WRONG: c.wrong, EMPTY: c.empty, BACKGROUND: c.background, MUTED: c.muted, ...label_layers(c), ...words,
     });
     out.data = {name: 'rows', values: rows};
     out.config = config(theme, font);
@@ -126,14 +147,39 @@
     return unpacked.get(name);
   }
 
-  // One run, or the median over a family, ready to draw: errors below 1e-17 (0 is exact) sit at the left edge, runs
-  // without an answer in the strip at the right. Among medians, a run that has none is a dot off the line.
-  function placed(row, among_medians) {
+  // Two strips beside the axis of errors hold what has no place on it: errors from 0 to 1e-17 at the left, runs without
+  // an answer at the right. Across a strip x means nothing, so its columns only keep markers apart.
+  const exact_columns = [-18.0, -18.6, -19.2, -17.4], columns_apart = 1.25;
+  function into_columns(rows) {
+    const lowest = exact_columns.map(() => 0);  // the time of each column's last marker
+    return [...rows].sort((a, b) => a.time - b.time).map(row => {
+      const free = lowest.findIndex(time => row.time > columns_apart * time);
+      const column = free < 0 ? lowest.indexOf(Math.min(...lowest)) : free;
+      lowest[column] = row.time;
+      return {...row, x: 10 ** exact_columns[column]};
+    });
+  }
+
+  // Runs, or medians over a family, ready to draw. An exact solver's answer does not depend on the tolerance: of its right
+  // runs, or medians, the tightest tolerance stands for all. Among medians, a run that has none is a dot off the line.
+  function placed(rows, data, among_medians) {
+    const exact = new Set(data.solvers.filter(s => s.exact).map(s => s.name));
+    const lanes = new Map(data.solvers.map((s, i) => [s.name, 10 ** (0.75 + 0.9 * i / data.solvers.length)]));
+    const drawn = rows.map(row => ({...placed_one(row, among_medians, lanes.get(row.solver)), exact: exact.has(row.solver)}));
+    const key = row => `${row.family} ${row.solver}`, stands_for_all = row => row.exact && row.drawn === 'ok';
+    const tightest = {};
+    for (const row of drawn.filter(stands_for_all)) if (!(tightest[key(row)]?.tolerance <= row.tolerance)) tightest[key(row)] = row;
+    const kept = drawn.filter(row => !stands_for_all(row) || tightest[key(row)] === row);
+    const in_strip = row => row.x <= 1e-17;
+    const families = [...new Set(kept.map(row => row.family))];
+    return [...kept.filter(row => !in_strip(row)), ...families.flatMap(family => into_columns(kept.filter(row => in_strip(row) && row.family === family)))];
+  }
+  function placed_one(row, among_medians, lane) {
     const in_strip = row.drawn === 'failed' || row.error === null;
     return {
       ...row,
       drawn: among_medians && row.level === 'lone' ? 'lone' : row.drawn,
-      x: in_strip ? 20 : Math.min(Math.max(row.error, 1e-17), 3),
+      x: in_strip ? lane : Math.min(row.error, 3),
       error_text: row.error === null ? 'unknown' : (row.drawn === 'undecided' ? '≤ ' : '') + scientific(row.error),
       time_text: duration(row.time) + (row.q1 === null ? '' : `  [${duration(row.q1)}, ${duration(row.q3)}]`),
       tolerance_text: scientific(row.tolerance),
@@ -151,15 +197,28 @@
     .map(row => ({...row, x: Math.max(row[axis], axis === 'time' ? 1e-9 : 1), y: Math.max(row[state.measure], 1e-17),
                   value_text: scientific(row[state.measure]), time_text: duration(row.time)}));
 
+  // A table's rows by names of its columns: {family: cell, ...}.
+  function table_rows(data, id, columns) {
+    const table = data.tables[id];
+    if (!table) return [];
+    const at = Object.entries(columns).map(([key, name]) => [key, table.columns.findIndex(column => column.name === name)]);
+    return table.rows.map(row => ({...Object.fromEntries(at.map(([key, i]) => [key, row.cells[i]])), solver: row.solver}));
+  }
+  const speed_rows = data => table_rows(data, 'speed', {family: 'family', size: 'size', time: 'time', ratio: 'x ours', verified: 'verified', error: 'worst z_error'})
+    .filter(row => row.ratio.value !== undefined);
+  const speed_families = data => [...new Set(speed_rows(data).map(row => row.family.text))];
+  const sizes_of = (data, family) => {
+    const sizes = new Map(speed_rows(data).filter(row => row.family.text === family).map(row => [row.size.text, row.size.value ?? 0]));
+    return [...sizes.keys()].sort((a, b) => sizes.get(a) - sizes.get(b));
+  };
+
   // The rows each chart draws, from everything the page holds and what its reader chose.
   const rows = {
-    'work-precision': (data, state) => all_rows(data, 'work-precision')
+    'work-precision': (data, state) => placed(all_rows(data, 'work-precision')
       .filter(row => state.on.has(row.solver) && row.family === state.family)
-      .filter(row => state.problem ? row.problem === state.problem && row.level !== 'median' : row.level !== 'run' || row.drawn !== 'ok')
-      .map(row => placed(row, !state.problem)),
-    'families': (data, state) => all_rows(data, 'work-precision')
-      .filter(row => state.on.has(row.solver) && (row.level !== 'run' || row.drawn !== 'ok'))
-      .map(row => placed(row, true)),
+      .filter(row => state.problem ? row.problem === state.problem && row.level !== 'median' : row.level !== 'run' || row.drawn !== 'ok'), data, !state.problem),
+    'families': (data, state) => placed(all_rows(data, 'work-precision')
+      .filter(row => state.on.has(row.solver) && (row.level !== 'run' || row.drawn !== 'ok')), data, true),
     'profile': (data, state) => all_rows(data, 'profile')
       .filter(row => row.kind === 'ratio' && state.on.has(row.solver) && row.family === state.group && row.level === state.level)
       .map(row => ({...row, share_text: `${Math.round(100 * row.share)} %`})),
@@ -174,13 +233,25 @@
       ...all_rows(data, 'fit').filter(row => state.on.has(row.solver) && row.family === state.sweep).map(row => ({...row, part: 'fit'})),
     ],
     'sweep': (data, state) => all_rows(data, 'sweep')
-      .filter(row => state.on.has(row.solver))
+      .filter(row => state.listed.has(row.solver))
       .map(row => ({...row, log_error: row.error === null ? null : Math.log10(Math.min(Math.max(row.error, 1e-16), 1)),
                     error_text: scientific(row.error)})),
     'range-gap': (data, state) => all_rows(data, 'range-gap')
       .filter(row => state.on.has(row.solver))
       .map(row => ({...row, x: Math.max(row.gap, 1e-17), y: Math.max(row.error, 1e-17), drawn: row.claimed === 'solved' && row.verified === 'wrong' ? 'wrong' : 'ok',
                     gap_text: scientific(row.gap), error_text: scientific(row.error)})),
+    'speed-ratios': (data, state) => {
+      const sizes = sizes_of(data, state.size_family);
+      return speed_rows(data).filter(row => row.family.text === state.size_family && state.on.has(row.solver)).map(row => ({
+        solver: row.solver, position: sizes.indexOf(row.size.text), ratio: row.ratio.value, size_text: row.size.text, time_text: row.time.text.replace(' us', ' µs'),
+        verified: row.verified.text, error_text: row.error.text, right: row.verified.tone === 'good', bound: row.ratio.text.startsWith('>'), ratio_text: row.ratio.text.replace(/x$/, '×'),
+      }));
+    },
+    'speed-exponents': (data, state) =>
+      table_rows(data, 'speed-exponents', {family: 'family', solver: 'solver', sizes: 'sizes', exponent: 'exponent p', error: '2 s.e.'})
+        .filter(row => state.listed.has(row.solver))
+        .map(row => ({solver: row.solver, family: `${row.family.text}, ${row.sizes.text}`, exponent: row.exponent.value, text: row.exponent.text,
+                      low: row.exponent.value - (row.error.value ?? 0), high: row.exponent.value + (row.error.value ?? 0)})),
     'stages': data => all_rows(data, 'stages').filter(row => row.time !== null)
       .map(row => ({...row, microseconds: 1e6 * row.time, time_text: duration(row.time), share_text: `${Math.round(100 * row.share)} %`})),
   };
@@ -189,8 +260,12 @@
   const words = {
     'convergence-iteration': (data, state) => ({MEASURE: measures[state.measure]}),
     'convergence-time': (data, state) => ({MEASURE: measures[state.measure]}),
+    'speed-ratios': (data, state) => {
+      const sizes = sizes_of(data, state.size_family);
+      return {POSITIONS: sizes.map((_, i) => i), SIZE_LABELS: `${JSON.stringify(sizes)}[datum.value]`};
+    },
     'scaling': (data, state) => ({SIZE: `${all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'} (number)`}),
   };
 
-  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, all_rows, measures, scientific, duration, superscript};
+  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, all_rows, speed_families, measures, scientific, duration, superscript};
 })();

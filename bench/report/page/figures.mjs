@@ -4,12 +4,14 @@ import fs from 'node:fs';
 import * as vega from 'vega';
 import * as vega_lite from 'vega-lite';
 import './charts.js';
+import './labels.js';
 import {use_font} from './font.mjs';
 
 const [data_file, out, ...formats] = process.argv.slice(2);
 const here = new URL('.', import.meta.url).pathname;
 const data = JSON.parse(fs.readFileSync(data_file, 'utf8'));
-const {register, spec, rows, words, all_rows} = zwang_charts;
+const {register, spec, rows, words, all_rows, speed_families} = zwang_charts;
+const {labelled} = zwang_labels;
 const font = 'Liberation Sans';
 use_font(vega, font);
 register(vega);
@@ -28,20 +30,24 @@ const figures = [
   ...distinct('convergence', 'problem').flatMap((trace, i) => ['iteration', 'time'].map(axis =>
     [`convergence-${axis}`, `convergence-${axis}${i ? '-' + file_name(trace) : ''}`, `Convergence: ${trace}`, {trace}])),
   ...distinct('scaling', 'family').map(sweep => ['scaling', `scaling-${file_name(sweep)}`, `Scaling: ${sweep}`, {sweep}]),
+  ...speed_families(data).map(size_family => ['speed-ratios', `speed-ratios-${file_name(size_family)}`, `Time over that of dual_active_set: ${size_family}`, {size_family}]),
+  ['speed-exponents', 'speed-exponents', 'Exponents of the time over the size', {}],
   ['sweep', 'break-points', 'Stability families, benign to hard', {}],
   ['range-gap', 'range-gap', 'Error against the range gap', {}],
   ['stages', 'stages', 'Where the time of dual_active_set goes', {}],
 ];
 
+const shown = new Set(data.solvers.filter(s => s.shown).map(s => s.name));
 const logger = vega.logger(vega.Error);
 for (const [chart, name, title, choices] of figures) {
-  const state = {on: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
+  const state = {on: shown, listed: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
   const drawn = rows[chart](data, state);
   if (drawn.length === 0) continue;
   const template = JSON.parse(fs.readFileSync(`${here}../charts/${chart}.vl.json`, 'utf8'));
+  const labels = labelled(chart, drawn, {width: template.width, height: template.height});
   const options = {font, title: {text: title, subtitle: data.circumstances},
-                   words: {FAMILIES: data.families, COLUMNS: chart === 'sweep' ? 2 : 3, SWEEP_WIDTH: 230, FACET_WIDTH: 212, LIGHT: true, ...words[chart]?.(data, state)}};
-  const compiled = vega_lite.compile(spec(template, drawn, data.solvers, options), {logger}).spec;
+                   words: {FAMILIES: data.families, COLUMNS: chart === 'families' ? 3 : 2, SWEEP_WIDTH: 230, FACET_WIDTH: 212, LIGHT: true, ...words[chart]?.(data, state), ...labels.words}};
+  const compiled = vega_lite.compile(spec(template, labels.rows, data.solvers, options), {logger}).spec;
   const view = new vega.View(vega.parse(compiled), {renderer: 'none', logger});
   const svg = `${out}/${name}.svg`;
   fs.writeFileSync(svg, await view.toSVG());

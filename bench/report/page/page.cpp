@@ -4,11 +4,13 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
 #include <zwang/bench/report/page/charts.h>
 #include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/sweeps.h>
 
 // page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, lies in the program itself:
 // writing a report needs neither Node nor a file beside the program.
@@ -71,6 +73,35 @@ json to_json(const Table& table) {
   return {{"note", table.note}, {"columns", columns}, {"rows", rows}};
 }
 
+constexpr std::size_t drawn_by_default = 14;  // as many as there are marker shapes and colours
+
+// The solvers that charts show until a reader chooses: those that got most runs right. Both versions of a solver count
+// as two, and stay together.
+std::set<std::string> styles_shown(const Run& run) {
+  std::map<std::string, std::string> style_of;
+  std::map<std::string, long> right, versions;
+  std::vector<std::string> order;
+  for (const SolverInfo& s : run.solvers) {
+    const std::string& style = style_of[s.name] = s.style.empty() ? s.name : s.style;
+    if (++versions[style] == 1) order.push_back(style);
+  }
+  for (const Result& r : run.results) right[style_of[r.solver]] += r.is_right();
+  std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) { return right[a] > right[b]; });
+  std::set<std::string> shown;
+  std::size_t drawn = 0;
+  for (const std::string& style : order)
+    if (drawn + versions[style] <= drawn_by_default) drawn += versions[style], shown.insert(style);
+  return shown;
+}
+
+// The section whose picture answers the question of the run's suite.
+std::string opening(const Run& run) {
+  if (!run.assembly.empty() || !run.sequences.empty()) return "speed-ratios";
+  const auto families = families_of(run.results);
+  return !families.empty() && std::all_of(families.begin(), families.end(), is_stability_family) ? "break-points"
+                                                                                                 : "work-precision";
+}
+
 }  // namespace
 
 std::vector<std::string> headline(const Run& run) {
@@ -103,7 +134,7 @@ std::vector<std::string> headline(const Run& run) {
   std::vector<std::string> lines = {
       counts + ".", total == 0 ? "No run claimed success, or infeasibility, where the referee found the opposite."
                                : counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") +
-                                     " wrong (" + lies + "): see the first table."};
+                                     " wrong (" + lies + "): see the table of false claims."};
   if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
   if (!run.torn.empty()) lines.push_back(run.torn);
   return lines;
@@ -111,9 +142,16 @@ std::vector<std::string> headline(const Run& run) {
 
 std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables) {
   json solvers = json::array();
-  for (const SolverInfo& s : run.solvers)
-    solvers.push_back(
-        {{"name", s.name}, {"method", s.method}, {"style", s.style.empty() ? s.name : s.style}, {"second", s.second}});
+  const std::set<std::string> shown = styles_shown(run);
+  for (const SolverInfo& s : run.solvers) {
+    const std::string style = s.style.empty() ? s.name : s.style;
+    solvers.push_back({{"name", s.name},
+                       {"method", s.method},
+                       {"style", style},
+                       {"second", s.second},
+                       {"exact", s.exact},
+                       {"shown", shown.contains(style)}});
+  }
   json all;
   for (const Table& table : tables) all[table.id] = to_json(table);
   std::string circumstances;
@@ -122,6 +160,7 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
       circumstances += (circumstances.empty() ? "" : ", ") + (name == "commit" || name == "seed" ? name + " " : "") +
                        (name == "commit" ? value.substr(0, 12) : value);
   const json about = {{"title", text.title},
+                      {"opening", opening(run)},
                       {"headline", text.headline},
                       {"circumstances", circumstances},
                       {"notes", notes(run)},

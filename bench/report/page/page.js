@@ -1,7 +1,8 @@
 // The page: chips and selectors drive every chart and table; all data lies in the page itself.
 (() => {
   'use strict';
-  const {styles, register, spec, rows, words, all_rows, measures, scientific} = zwang_charts;
+  const {styles, register, spec, rows, words, all_rows, speed_families, measures, scientific} = zwang_charts;
+  const {labelled} = zwang_labels;
   const {element, typeset, table} = zwang_tables;
   const data = JSON.parse(document.getElementById('data').textContent);
   const all = selector => [...document.querySelectorAll(selector)];
@@ -11,7 +12,8 @@
   const names = data.solvers.map(s => s.name);
   const drawn_families = distinct('work-precision', 'family');
   const state = {
-    on: new Set(names),
+    on: new Set(data.solvers.filter(s => s.shown).map(s => s.name)),  // drawn in charts
+    listed: new Set(names),                                            // in tables and heat maps: all, until a reader chooses
     focus: '',
     theme: matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light',
     family: drawn_families.includes('hand') ? 'hand' : drawn_families[0] ?? '',
@@ -21,6 +23,7 @@
     trace: distinct('convergence', 'problem').sort((a, b) => b.startsWith('hand(') - a.startsWith('hand('))[0] ?? '',
     measure: 'z_error',
     sweep: distinct('scaling', 'family')[0] ?? '',
+    size_family: speed_families(data)[0] ?? '',
   };
   const views = {};
   const errors = [];
@@ -36,6 +39,8 @@
       'profile': 'No problem of this family has an achieved error that small: there is no reference, or every run missed it.',
       'convergence-iteration': 'The run holds no traces of this measure for the solvers shown; ./zwang bench --trace records them.',
       'scaling': 'No family of this run sweeps its size over three values or more, for the solvers shown.',
+      'speed-ratios': 'No solver of this family has a time to compare.',
+      'speed-exponents': 'No solver solved three sizes of a family.',
       'sweep': 'This run holds none of the stability families (docs/stability.md).',
       'range-gap': 'No run shown reports a range gap together with a measured error.',
     };
@@ -47,7 +52,7 @@
     const width = holder.clientWidth;
     return {
       FAMILIES: data.families,
-      COLUMNS: name === 'sweep' ? columns_of(width, 370) : columns_of(width, 228),
+      COLUMNS: name !== 'families' ? columns_of(width, 370) : columns_of(width, 228),
       FACET_WIDTH: Math.floor((width - 75) / columns_of(width, 228)) - 14,
       SWEEP_WIDTH: Math.min(230, width - 150),
       LIGHT: state.theme === 'light',
@@ -55,14 +60,22 @@
     };
   }
 
-  const shown_spec = {};
+  // The rows of a chart, solvers' names among them, and the words of its spec.
+  function prepared(name, holder) {
+    const drawn = rows[name](data, state);
+    if (drawn.length === 0) return {rows: drawn, words: {}};
+    const labels = labelled(name, drawn, {width: holder.clientWidth - 75, height: SPECS[name].height});
+    return {rows: labels.rows, words: {...placeholders(name, holder), ...labels.words}};
+  }
+
+  const shown_words = {};
   async function draw(name) {
     const holder = document.querySelector(`[data-chart="${name}"]`);
-    const drawn = rows[name](data, state);
+    const drawn = prepared(name, holder);
     views[name]?.finalize();
     delete views[name];
     holder.replaceChildren();
-    if (drawn.length === 0) {
+    if (drawn.rows.length === 0) {
       holder.append(element('p', {className: 'reason', textContent: reason(name)}));
       return;
     }
@@ -72,9 +85,9 @@
     const zooms = ['work-precision', 'convergence-iteration', 'convergence-time', 'scaling'].includes(name);
     holder.append(plot, element('div', {className: 'tools'}, button('SVG', () => save(name, 'svg')), button('PNG', () => save(name, 'png')),
       ...(zooms ? ['drag to pan, Alt+wheel to zoom, double-click to reset'] : []), code));
-    const options = {theme: state.theme, words: placeholders(name, holder), width: 'container'};
-    shown_spec[name] = JSON.stringify(options.words);
-    const result = await vegaEmbed(plot, spec(SPECS[name], drawn, data.solvers, options),
+    const options = {theme: state.theme, words: drawn.words, width: 'container'};
+    shown_words[name] = JSON.stringify(drawn.words);
+    const result = await vegaEmbed(plot, spec(SPECS[name], drawn.rows, data.solvers, options),
       {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, logLevel: vega.Error, tooltip: {theme: state.theme}});
     const view = views[name] = result.view;
     view.signal('focus', state.focus);
@@ -95,9 +108,9 @@
   async function update(name) {
     const holder = document.querySelector(`[data-chart="${name}"]`);
     if (!holder?.dataset.seen) return;
-    const drawn = rows[name](data, state);
-    if (!views[name] || drawn.length === 0 || shown_spec[name] !== JSON.stringify(placeholders(name, holder))) return draw(name);
-    await views[name].change('rows', vega.changeset().remove(() => true).insert(drawn)).runAsync();
+    const drawn = prepared(name, holder);
+    if (!views[name] || drawn.rows.length === 0 || shown_words[name] !== JSON.stringify(drawn.words)) return draw(name);
+    await views[name].change('rows', vega.changeset().remove(() => true).insert(drawn.rows)).runAsync();
   }
 
   async function save(name, format) {
@@ -137,7 +150,8 @@
       const chip = element('button', {className: 'chip', ariaPressed: String(state.on.has(s.name)), title: data.solvers.find(x => x.name === s.name).method});
       chip.dataset.solver = s.name;
       chip.style.setProperty('--chip', s.color);
-      chip.innerHTML = `<svg viewBox="0 0 22 10" aria-hidden="true"><line x1="0" x2="22" y1="5" y2="5" stroke="${s.color}" stroke-width="3.2" stroke-dasharray="${s.dash[0] === 1 ? '' : s.dash.join(' ')}"/></svg>`;
+      chip.innerHTML = `<svg viewBox="0 0 30 12" aria-hidden="true"><line x1="0" x2="30" y1="6" y2="6" stroke="${s.color}" stroke-width="2" stroke-dasharray="${s.dash[1] ? s.dash.join(' ') : ''}"/>
+        <path d="${s.shape}" transform="translate(15 6) scale(4.4)" fill="${s.color}"/></svg>`;
       chip.append(s.name);
       chip.onclick = event => {
         const only = event.detail === 2 || event.altKey;
@@ -151,10 +165,20 @@
     holder.onpointerleave = () => set_focus('');
   }
   function choose(on) {
-    state.on = on;
+    state.on = state.listed = on;
+    location.replace(`#${chosen_by_hash}${[...on].map(encodeURIComponent).join(',')}`);
+    document.getElementById('left-out').hidden = true;
     for (const chip of all('.chip[data-solver]')) chip.ariaPressed = String(on.has(chip.dataset.solver));
     tables();
     return update_all();
+  }
+
+  // A choice of solvers in the address: #solvers=nnls,pgs
+  const chosen_by_hash = 'solvers=';
+  function read_hash() {
+    if (!location.hash.startsWith(`#${chosen_by_hash}`)) return;
+    const wanted = location.hash.slice(1 + chosen_by_hash.length).split(',').map(decodeURIComponent);
+    state.on = state.listed = new Set(names.filter(name => wanted.includes(name)));
   }
 
   const options = {
@@ -169,6 +193,7 @@
     trace: () => distinct('convergence', 'problem').map(p => [p, p]),
     measure: () => Object.entries(measures).map(([key, label]) => [key, label.replace(/ \(1\)$/, '')]),
     sweep: () => distinct('scaling', 'family').map(f => [f, f]),
+    size_family: () => speed_families(data).map(f => [f, f]),
   };
   function selectors() {
     for (const select of all('select[data-state]')) {
@@ -201,6 +226,7 @@
   document.title = data.title;
   document.querySelector('h1').textContent = data.title;
   document.getElementById('headline').append(...data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''})));
+  document.getElementById('claims').before(document.getElementById(data.opening));
   for (const section of all('main > section[data-short]')) {
     const holder = section.querySelector('[data-table]');
     const needed = section.dataset.needs ?? (section.querySelector('[data-chart]') ? undefined : holder?.dataset.table);
@@ -214,6 +240,11 @@
   notes.append(...data.notes.map(note => element('li', {textContent: note})));
   if (!data.notes.length) notes.replaceWith(element('p', {className: 'reason', textContent: 'The run holds no notes.'}));
   document.getElementById('theme').onclick = () => set_theme(state.theme === 'dark' ? 'light' : 'dark');
+  read_hash();
+  const left_out = names.filter(name => !state.on.has(name));
+  if (left_out.length && state.listed.size > state.on.size)
+    document.getElementById('left-out').textContent =
+      `Charts show the ${state.on.size} solvers that got most runs right; click ${left_out.slice(0, 4).join(', ')}${left_out.length > 4 ? ', ...' : ''} to add one. Tables show all ${names.length}.`;
   selectors();
   set_theme(state.theme);
 
@@ -232,7 +263,7 @@
   addEventListener('resize', () => {
     if (Math.abs(innerWidth - width) < 40) return;
     width = innerWidth;
-    for (const name of ['families', 'sweep']) if (views[name]) guarded(name, draw(name));
+    for (const name of ['work-precision', 'families', 'sweep', 'speed-ratios', 'speed-exponents']) if (views[name]) guarded(name, draw(name));
   });
 
   // For tests and the curious: everything drawn at once, and what is on the page.

@@ -28,7 +28,7 @@
     if (content.note) holder.append(element('p', {className: content.rows.length ? 'note' : 'reason', textContent: typeset(content.note)}));
     const group = holder.dataset.group ? state[holder.dataset.group] || 'all' : '';
     const has_group = group && content.rows.some(row => row.group === group);
-    let shown = content.rows.filter(row => (!row.solver || state.on.has(row.solver)) && (!has_group || row.group === group));
+    let shown = content.rows.filter(row => (!row.solver || state.listed.has(row.solver)) && (!has_group || row.group === group));
     if (!shown.length) {
       if (content.rows.length) holder.append(element('p', {className: 'reason', textContent: 'Nothing to show for the solvers and the family chosen.'}));
       return;

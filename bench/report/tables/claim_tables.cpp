@@ -40,6 +40,67 @@ std::string tolerance_range(const std::set<double>& tolerances) {
 
 }  // namespace
 
+Table claim_counts_table(const Run& run) {
+  Table table{"claim-counts",
+              "",
+              {{"solver"},
+               {"false claims", true},
+               {"of runs", true},
+               {"on problems", true},
+               {"worst error", true},
+               {"flagged but wrong", true},
+               {"infeasible, unproven", true},
+               {"families with false claims"}},
+              {}};
+  struct Count {
+    int runs = 0, lies = 0, flagged = 0, unproven = 0;
+    const Result* worst = nullptr;
+    std::set<std::string> problems = {}, families = {};
+  };
+  std::map<std::string, Count> counts;
+  for (const Result& r : run.results) {
+    Count& count = counts[r.solver];
+    ++count.runs;
+    const int found = gravity(r);
+    count.flagged += found == 1;
+    count.unproven += found == 2;
+    if (found != 0) continue;
+    ++count.lies;
+    count.problems.insert(r.problem);
+    count.families.insert(r.family);
+    const auto size = [](const Result* x) { return std::isfinite(x->error()) ? x->error() : -1; };
+    if (!count.worst || size(&r) > size(count.worst)) count.worst = &r;
+  }
+  std::vector<std::string> order = names(run);
+  std::erase_if(
+      order, [&counts](const std::string& s) { return counts[s].lies + counts[s].flagged + counts[s].unproven == 0; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&counts](const auto& a, const auto& b) { return counts[a].lies > counts[b].lies; });
+  for (const std::string& solver : order) {
+    const Count& c = counts[solver];
+    std::string families;
+    for (const std::string& family : c.families) families += (families.empty() ? "" : ", ") + family;
+    table.rows.push_back({solver,
+                          "",
+                          {{solver},
+                           count_cell(c.lies, "bad"),
+                           count_cell(c.runs),
+                           count_cell(static_cast<int>(c.problems.size())),
+                           c.worst ? error_cell(*c.worst) : Cell{},
+                           count_cell(c.flagged, "warn"),
+                           count_cell(c.unproven, "warn"),
+                           {families}},
+                          ""});
+  }
+  table.note =
+      table.rows.empty()
+          ? "No run made a claim that the referee rejects."
+          : "False: the solver claims an answer (or that none exists) and the referee finds it wrong. Flagged "
+            "but wrong: it said that its answer may be off, and it is. Solvers that are not listed made no such "
+            "claim.";
+  return table;
+}
+
 Table claims_table(const Run& run) {
   Table table{"claims", "", {}, {}};
   table.columns = {{"solver"},  {"problem"},  {"tolerances asked"},  {"runs", true},

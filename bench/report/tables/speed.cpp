@@ -55,9 +55,8 @@ std::vector<std::pair<Size, BySolver>> by_size(const Run& run) {
     ++t.problems;
     t.unsupported += r.is_blank();
     t.lies += r.lies();
-    const bool right = r.verified == "solved" || r.verified == "infeasible, proven";
-    t.right += right;
-    if (!right) t.verdict = r.verified, t.message = r.message;
+    t.right += r.is_right();
+    if (!r.is_right()) t.verdict = r.verified, t.message = r.message;
     if (std::isfinite(r.error())) t.error.push_back(r.error()), t.bound = t.bound || !std::isfinite(r.z_error);
     if (r.repetitions == 0 || r.is_blank()) continue;
     t.stopped = t.stopped || r.claimed == "time limit";

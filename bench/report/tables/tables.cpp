@@ -111,9 +111,11 @@ Table conditions_table(const Run& run) {
 }
 
 std::vector<Table> all_tables(const Run& run) {
-  std::vector<Table> tables = {claims_table(run),    accuracy_table(run), means_table(run),      break_point_table(run),
-                               exponent_table(run),  verdict_table(run),  worst_row_table(run),  range_gap_table(run),
-                               reference_table(run), solver_table(run),   conditions_table(run), stability_table(run)};
+  std::vector<Table> tables = {claim_counts_table(run), claims_table(run),      accuracy_table(run),
+                               means_table(run),        break_point_table(run), exponent_table(run),
+                               verdict_table(run),      worst_row_table(run),   range_gap_table(run),
+                               reference_table(run),    solver_table(run),      conditions_table(run),
+                               stability_table(run)};
   if (!run.assembly.empty() || !run.sequences.empty())
     for (Table& table :
          std::vector{speed_table(run), speed_exponent_table(run), sequence_table(run), assembly_table(run)})
