@@ -100,6 +100,8 @@ struct Run {
   std::vector<SequenceTimes> sequences;  // likewise
   std::vector<StageTimes> stages;        // likewise
   std::string torn;                      // "" or what was left out: a line cut off by a killed run
+
+  bool is_of_speed() const { return suite == "speed" || !assembly.empty() || !sequences.empty(); }
 };
 
 // Reads DIR/results.jsonl, and DIR/run.json, DIR/traces.jsonl and DIR/speed.jsonl where they exist. A torn last line (a

@@ -47,11 +47,12 @@ async function shows_a_run() {
   const page = await browser.open_page(report_of(results));
   await page.evaluate(settled);
   assert.equal(await page.evaluate('document.title'), 'zwang: collision suite');
+  assert.equal(await page.evaluate(`document.querySelector('main .chart').id`), 'frames', 'the page opens with frame times');
   assert.deepEqual(await page.evaluate(`[...document.querySelectorAll('#headline p')].map(p => p.textContent)`), results.headline);
   assert.ok(await page.evaluate(marks('pairs')) >= engines.length * pairs.length, 'a point for every engine and pair');
   assert.ok(await page.evaluate(marks('frames')) >= 3 * results.frames.length, 'line, bar and tick for every run');
-  const legend = await page.evaluate(`document.querySelector('#pairs svg').textContent`);
-  for (const engine of engines) assert.ok(legend.includes(engine), `${engine} in the legend`);
+  const words = await page.evaluate(`document.querySelector('#pairs svg').textContent`);
+  for (const engine of engines) assert.ok(words.includes(engine), `${engine} is named in the chart`);
 
   const pair_rows = await page.evaluate(rows('pair-table'));
   assert.equal(pair_rows.length, pairs.length);

@@ -47,18 +47,24 @@
 
   const engines = ['zwang', 'fcl', 'bullet'];
   const motions = {sliding: 'sliding at 0.2 mm', pressing: 'pressing at 0.2 mm', passing: 'passing at 2 mm'};
+  const largest = {from: Math.min(...data.pairs.map(p => p.triangles)), to: Math.max(...data.pairs.map(p => p.triangles))};
   draw('pairs', data.pairs.flatMap(p => engines.map(engine => ({engine, triangles: p.triangles, time: 1e6 * p.times[engine], motion: motions[p.motion]}))), {
     height: 320, width: 300,
     facet: {column: {field: 'motion', title: null, sort: Object.values(motions), header: {labelFontSize: 13, labelFontWeight: 600}}},
     spec: {
       height: 300, width: 300,
-      mark: {type: 'line', point: {size: 60, filled: true}, tooltip: true},
       encoding: {
-        x: {field: 'triangles', type: 'quantitative', scale: {type: 'log'}, title: 'triangles', axis: {values: [1e3, 1e4, 1e5, 1e6], format: '~s'}},
+        x: {field: 'triangles', type: 'quantitative', scale: {type: 'log', domain: [largest.from, 4 * largest.to], nice: false}, title: 'triangles',
+            axis: {values: [1e3, 1e4, 1e5, 1e6], format: '~s'}},
         y: {field: 'time', type: 'quantitative', scale: {type: 'log'}, title: 'time of a query (µs)', axis: {values: [1, 10, 100, 1e3, 1e4, 1e5], format: '~s'}},
-        color: {field: 'engine', type: 'nominal', scale: {domain: engines, range: ['#4b2bd7', '#019bc2', '#923f67']}, title: null},
-        shape: {field: 'engine', type: 'nominal', scale: {domain: engines}, title: null},
+        color: {field: 'engine', type: 'nominal', scale: {domain: engines, range: ['#4b2bd7', '#019bc2', '#923f67']}, legend: null},
       },
+      layer: [
+        {mark: {type: 'line', tooltip: null}, encoding: {strokeDash: {field: 'engine', type: 'nominal', scale: {domain: engines, range: [[1, 0], [7, 3], [2, 2.5]]}, legend: null}}},
+        {mark: {type: 'point', size: 60, filled: true, opacity: 1, tooltip: true}, encoding: {shape: {field: 'engine', type: 'nominal', scale: {domain: engines}, legend: null}}},
+        {transform: [{filter: `datum.triangles === ${largest.to}`}], mark: {type: 'text', align: 'left', dx: 8, fontSize: 12, tooltip: null},
+         encoding: {text: {field: 'engine'}, color: {value: '#1b1f24'}}},
+      ],
     },
   });
   table('pair-table', [
@@ -77,6 +83,7 @@
   draw('frames', bars, {
     height: 22 * bars.length,
     layer: [
+      {data: {values: [{ms: 1}]}, mark: {type: 'rule', color: '#57606a', strokeDash: [5, 3]}, encoding: {x: x('ms')}},
       {mark: {type: 'rule', color: '#57606a'}, encoding: {y, x: x('median'), x2: {field: 'worst'}}},
       {mark: {type: 'bar', height: 11, color: '#4b2bd7', tooltip: true}, encoding: {y, x: x('median'), x2: {field: 'p99'}}},
       {mark: {type: 'tick', color: '#ea8883', thickness: 3, size: 16}, encoding: {y, x: x('touching_median')}},

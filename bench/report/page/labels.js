@@ -10,16 +10,17 @@
   const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
   // Greedy point labelling: for each anchor {x, y, text} the nearest place inside the box that covers no label and as few
-  // of the occupied points as possible. All in pixels; each label gets {at_x, at_y, align, far}.
-  function place(anchors, occupied, box) {
+  // of the occupied points as possible; to_right: no label stands left of its anchor. All in pixels; each label gets
+  // {at_x, at_y, align, far}.
+  function place(anchors, occupied, box, to_right = false) {
     const crowd = a => anchors.filter(b => Math.hypot(a.x - b.x, a.y - b.y) < 60).length;
     const labels = [];
     for (const anchor of [...anchors].sort((a, b) => crowd(b) - crowd(a) || a.y - b.y)) {
       const width = glyph * anchor.text.length;
       let best = null;
       for (const reach of reaches)
-        for (const angle of reach === 0 ? [0] : angles)
-          for (const side of [1, -1]) {
+        for (const angle of reach === 0 ? [0] : to_right ? angles.filter(a => Math.cos(a) > -0.01) : angles)
+          for (const side of to_right ? [1] : [1, -1]) {
             const at_x = anchor.x + reach * Math.cos(angle), at_y = anchor.y + reach * Math.sin(angle);
             const near = at_x + side * gap, far = near + side * width;
             const rect = {left: Math.min(near, far), right: Math.max(near, far), top: at_y - half_line, bottom: at_y + half_line};
@@ -56,13 +57,13 @@
       domains: rows => [[2e-20, 60], wider(range(rows.map(row => row.time)), 1.6, 1.6)],
       text: row => row.exact && row.drawn === 'ok' ? `${row.solver}, ${duration(row.time)}` : row.solver,
     },
-    'profile': {x: 'at', y: 'share', linear_y: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
-    'data-profile': {x: 'at', y: 'share', linear_y: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
+    'profile': {x: 'at', y: 'share', linear_y: true, to_right: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
+    'data-profile': {x: 'at', y: 'share', linear_y: true, to_right: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
     'convergence-iteration': {x: 'x', y: 'y', order: by('x')},
     'convergence-time': {x: 'x', y: 'y', order: by('x')},
-    'scaling': {x: 'size', y: 'time', line: row => row.part === 'point', order: by('size')},
+    'scaling': {x: 'size', y: 'time', to_right: true, line: row => row.part === 'point', order: by('size')},
     'speed-ratios': {
-      x: 'position', y: 'ratio', linear_x: true, order: by('position'),
+      x: 'position', y: 'ratio', linear_x: true, to_right: true, order: by('position'),
       domains: (rows, width) => [with_margin([-0.2, Math.max(1, ...rows.map(row => row.position)) + 0.1], false, width), wider(range(rows.map(row => row.ratio)), 1.6, 1.6)],
     },
   };
@@ -90,7 +91,7 @@
       const row = last(joined) ?? [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
       anchors.push({...pixel(row), row, text: text(row)});
     }
-    const labels = place(anchors, occupied, {left: 0, right: width, top: 4, bottom: height - 4}).map(label => ({
+    const labels = place(anchors, occupied, {left: 0, right: width, top: 4, bottom: height - 4}, chart.to_right).map(label => ({
       solver: label.row.solver, part: 'label', drawn: 'label', text: label.text, align: label.align, far: label.far, shift: label.align === 'left' ? gap : -gap,
       [x]: across.value(label.at_x), [y]: up.value(height - label.at_y), from_x: label.row[x], from_y: label.row[y],
     }));

@@ -96,7 +96,7 @@ std::set<std::string> styles_shown(const Run& run) {
 
 // The section whose picture answers the question of the run's suite.
 std::string opening(const Run& run) {
-  if (!run.assembly.empty() || !run.sequences.empty()) return "speed-ratios";
+  if (run.is_of_speed()) return "speed-ratios";
   const auto families = families_of(run.results);
   return !families.empty() && std::all_of(families.begin(), families.end(), is_stability_family) ? "break-points"
                                                                                                  : "work-precision";

@@ -116,7 +116,7 @@ std::vector<Table> all_tables(const Run& run) {
                                verdict_table(run),      worst_row_table(run),   range_gap_table(run),
                                reference_table(run),    solver_table(run),      conditions_table(run),
                                stability_table(run)};
-  if (!run.assembly.empty() || !run.sequences.empty())
+  if (run.is_of_speed())
     for (Table& table :
          std::vector{speed_table(run), speed_exponent_table(run), sequence_table(run), assembly_table(run)})
       tables.push_back(std::move(table));
