@@ -1,17 +1,13 @@
 #include <zwang/collision/mesh_file.h>
 
-#include <openssl/evp.h>
-#include <zlib.h>
-
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <assimp/ProgressHandler.hpp>
-#include <fstream>
-#include <memory>
+#include <cstring>
 
+#include <zwang/core/files/isolated.h>
 #include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang::collision {
@@ -19,56 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, std::string why) {
-  std::replace(why.begin(), why.end(), '\n', ' ');
-  while (!why.empty() && why.back() == ' ') why.pop_back();
-  throw BadFile(file.string() + ": " + why);
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+  throw BadFile(file.string() + ": " + one_line(why));
 }
 
 // assimp calls what it reads from memory "$$$___magic___$$$.stl".
-std::string without_stand_in(std::string text) {
+std::string without_placeholder(std::string text) {
   const std::size_t at = text.find("$$$___magic___$$$"), end = std::min(text.size(), text.find(' ', at));
   return at == std::string::npos ? text : text.replace(at, end - at, "it");
 }
 
-std::string lower(std::string text) {
-  for (char& ch : text)
-    if (ch >= 'A' && ch <= 'Z') ch = static_cast<char>(ch - 'A' + 'a');
-  return text;
-}
-
-std::string read_bytes(const fs::path& file) {
-  if (fs::is_directory(file)) refuse(file, "a folder, not a file");
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) refuse(file, "no such file, or not readable");
-  std::string bytes(static_cast<std::size_t>(in.tellg()), '\0');
-  in.seekg(0);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) refuse(file, "cannot be read to its end");
-  if (bytes.empty()) refuse(file, "0 bytes");
-  return bytes;
-}
-
-std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, 32> digest;
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("SHA-256 is not available");
-  std::string text;
-  for (const unsigned char byte : digest)
-    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
-}
-
-struct Bar final : Assimp::ProgressHandler {
-  const MeshFileOptions& options;
-  explicit Bar(const MeshFileOptions& o) : options(o) {}
-  bool Update(float fraction) override {
-    if (options.progress) options.progress(0.5 * std::clamp(static_cast<double>(fraction), 0.0, 1.0), "reading");
-    return true;
-  }
-};
-
-// Meshes hang on nodes, each node moved against its parent.
+// Meshes belong to nodes, and each node is placed relative to its parent.
 void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>& to_parent, double unit, Mesh& mesh) {
   const aiMatrix4x4t<double> to_root = to_parent * aiMatrix4x4t<double>(node.mTransformation);
   for (unsigned int m = 0; m < node.mNumMeshes; ++m) {
@@ -90,6 +47,50 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
   for (unsigned int c = 0; c < node.mNumChildren; ++c) append(scene, *node.mChildren[c], to_root, unit, mesh);
 }
 
+
+// What assimp makes of a file's contents, one mesh.
+Mesh parse(const fs::path& file, const std::string& kind, bool beside, const std::string& bytes, double unit) {
+  if (kind == ".ply" && bytes.find("end_header") == std::string::npos)
+    refuse(file, "cut within its header; expected a line end_header");
+  Assimp::Importer importer;
+  constexpr unsigned int steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
+  const aiScene* scene = beside ? importer.ReadFile(file.string(), steps)
+                                : importer.ReadFileFromMemory(bytes.data(), bytes.size(), steps, kind.c_str() + 1);
+  if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_placeholder(importer.GetErrorString()));
+  Mesh mesh;
+  append(*scene, *scene->mRootNode, aiMatrix4x4t<double>(), unit, mesh);
+  return mesh;
+}
+
+// A mesh as one block of bytes, for the way out of the child process.
+std::string to_bytes(const Mesh& mesh) {
+  const std::uint64_t vertices = mesh.vertices.size();
+  const std::size_t first = sizeof vertices, second = first + vertices * sizeof(Vec3);
+  std::string bytes(second + mesh.triangles.size() * sizeof(mesh.triangles[0]), '\0');
+  std::memcpy(bytes.data(), &vertices, sizeof vertices);
+  std::memcpy(bytes.data() + first, mesh.vertices.data(), second - first);
+  std::memcpy(bytes.data() + second, mesh.triangles.data(), bytes.size() - second);
+  return bytes;
+}
+
+Mesh from_bytes(const std::string& bytes) {
+  std::uint64_t vertices;
+  std::memcpy(&vertices, bytes.data(), sizeof vertices);
+  const std::size_t first = sizeof vertices, second = first + vertices * sizeof(Vec3);
+  Mesh mesh;
+  mesh.vertices.resize(vertices);
+  mesh.triangles.resize((bytes.size() - second) / sizeof(mesh.triangles[0]));
+  std::memcpy(static_cast<void*>(mesh.vertices.data()), bytes.data() + first, second - first);
+  std::memcpy(mesh.triangles.data(), bytes.data() + second, bytes.size() - second);
+  return mesh;
+}
+
+// Far more than a sound file needs: the slowest format takes a second for 10 MB, the most wasteful 30 bytes a byte.
+IsolationLimits limits_of(const StoredFile& file) {
+  const double bytes = static_cast<double>(file.bytes.size()) * (file.packed() ? 8 : 1);
+  return {.seconds = 5 + bytes / 1e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(80 * bytes)};
+}
+
 }  // namespace
 
 double metres_per(std::string_view unit) {
@@ -104,59 +105,35 @@ double metres_per(std::string_view unit) {
                               " (m, cm, mm, um, in, ft)");
 }
 
-std::string inflated(const fs::path& file, const std::string& bytes) {
-  constexpr std::size_t most = std::size_t{4} << 30;
-  z_stream stream = {};
-  if (inflateInit2(&stream, 15 + 16) != Z_OK) refuse(file, "zlib cannot start");
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  std::string out;
-  for (int status = Z_OK; status != Z_STREAM_END;) {
-    const std::size_t have = out.size();
-    if (have >= most) refuse(file, "inflates to more than 4 GB");
-    out.resize(std::max<std::size_t>(2 * have, 4 * bytes.size() + 4096));
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + have);
-    stream.avail_out = static_cast<uInt>(out.size() - have);
-    status = inflate(&stream, Z_NO_FLUSH);
-    out.resize(out.size() - stream.avail_out);
-    if (status != Z_OK && status != Z_STREAM_END) refuse(file, "not a whole gzip file");
+MeshName parse_mesh_name(const std::string& name) {
+  const std::size_t at = name.rfind('@');
+  std::error_code ignored;
+  if (at == std::string::npos || fs::exists(name, ignored)) return {name};
+  try {
+    return {name.substr(0, at), metres_per(name.substr(at + 1))};
+  } catch (const std::invalid_argument& wrong) {
+    throw BadFile(name + ": " + wrong.what());
   }
-  return out;
-}
-
-StoredFile read_stored(const fs::path& file) {
-  std::string bytes = read_bytes(file), hash = sha256(bytes);
-  return {file, std::move(bytes), std::move(hash)};
 }
 
 MeshFile read_mesh(const StoredFile& stored, const MeshFileOptions& options) {
-  const fs::path& file = stored.path;
-  MeshFile out;
-  const bool packed = lower(file.extension().string()) == ".gz";
-  const std::string unpacked = packed ? inflated(file, stored.bytes) : std::string();
-  const std::string& bytes = packed ? unpacked : stored.bytes;
-  const std::string kind = lower((packed ? file.stem() : file).extension().string());
   constexpr std::array<std::string_view, 6> kinds{".stl", ".obj", ".ply", ".gltf", ".glb", ".dxf"};
+  const std::string kind = stored.kind();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    refuse(file, "meshes are .stl, .obj, .ply, .gltf, .glb or .dxf, or one of them with .gz");
-
-  Assimp::Importer importer;
-  importer.SetProgressHandler(new Bar(options));  // the importer deletes it
-  constexpr unsigned int steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
-  // A glTF's buffers lie in files beside it, so that one is read from its place.
-  const aiScene* scene = kind == ".gltf" && !packed
-                             ? importer.ReadFile(file.string(), steps)
-                             : importer.ReadFileFromMemory(bytes.data(), bytes.size(), steps, kind.c_str() + 1);
-  if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_stand_in(importer.GetErrorString()));
-  append(*scene, *scene->mRootNode, aiMatrix4x4t<double>(), options.unit, out.mesh);
-  importer.FreeScene();
-  if (out.mesh.triangles.empty()) refuse(file, "no triangles in it");
+    refuse(stored.path, "meshes are .stl, .obj, .ply, .gltf, .glb or .dxf, or one of them with .gz");
+  if (options.progress) options.progress(0, "reading");
+  const std::string bytes = isolated(stored.path, limits_of(stored), [&] {
+    // A glTF's buffers lie in files beside it, so that one is read from its place.
+    const bool beside = kind == ".gltf" && !stored.packed();
+    return to_bytes(parse(stored.path, kind, beside, unpacked(stored, std::size_t{4} << 30), options.unit));
+  });
+  MeshFile out{.mesh = from_bytes(bytes), .report = {}};
+  if (out.mesh.triangles.empty()) refuse(stored.path, "no triangles in it");
   if (options.progress) options.progress(0.5, "welding");
   try {
     out.report = clean(out.mesh, options.weld);
   } catch (const std::invalid_argument& bad) {
-    refuse(file, bad.what());
+    refuse(stored.path, bad.what());
   }
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include <zwang/collision/mesh.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
 
 namespace zwang::collision {
 
@@ -19,15 +20,12 @@ struct MeshFileOptions {
 // "mm" -> 0.001. Throws std::invalid_argument with the nearest name.
 double metres_per(std::string_view unit);
 
-// A file's bytes as they are stored, and their SHA-256 in hexadecimal. Throws BadFile.
-struct StoredFile {
-  std::filesystem::path path = {};
-  std::string bytes = {};
-  std::string sha256 = {};
+// "gear.stl@mm": a file and the unit of its coordinates, without @ metres. Throws BadFile for an unknown unit.
+struct MeshName {
+  std::filesystem::path file = {};
+  double unit = 1;  // m
 };
-StoredFile read_stored(const std::filesystem::path& file);
-// The contents of a gzip file. Throws BadFile.
-std::string inflated(const std::filesystem::path& file, const std::string& bytes);
+MeshName parse_mesh_name(const std::string& name);
 
 struct MeshFile {
   Mesh mesh = {};
@@ -35,7 +33,8 @@ struct MeshFile {
 };
 
 // STL, OBJ, PLY, glTF/GLB, DXF, each also as .gz. Node transforms are applied, polygons cut into triangles, points and
-// lines passed over. Throws BadFile, one line: the file and what is wrong with it.
+// lines skipped. assimp parses in a child process (core/files/isolated.h), with time and memory in proportion to the
+// file's size. Throws BadFile, one line: the file and what is wrong with it.
 MeshFile read_mesh(const StoredFile& file, const MeshFileOptions& options = {});
 inline MeshFile read_mesh(const std::filesystem::path& file, const MeshFileOptions& options = {}) {
   return read_mesh(read_stored(file), options);

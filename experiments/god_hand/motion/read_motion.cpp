@@ -1,6 +1,7 @@
 #include <algorithm>
 
-#include <zwang/collision/mesh_file.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/motion/retarget.h>
@@ -10,11 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower(std::string text) {
-  for (char& ch : text)
-    if (ch >= 'A' && ch <= 'Z') ch = static_cast<char>(ch - 'A' + 'a');
-  return text;
-}
+constexpr std::size_t longest = 256 << 20;  // bytes of text, unpacked: hours of a recording
 
 // Between the keys of a recording, the median [s].
 double usual_pause(const Track& track) {
@@ -30,12 +27,8 @@ double usual_pause(const Track& track) {
 
 Motion read_motion(const fs::path& file) {
   const auto refuse = [&](const std::string& why) { throw BadFile(file.string() + ": " + why); };
-  fs::path name = file;
-  const collision::StoredFile stored = collision::read_stored(file);
-  const bool packed = lower(name.extension().string()) == ".gz";
-  const std::string text = packed ? collision::inflated(file, stored.bytes) : stored.bytes;
-  if (packed) name = name.stem();
-  const std::string kind = lower(name.extension().string());
+  const StoredFile stored = read_stored(file);
+  const std::string kind = stored.kind(), text = unpacked(stored, longest);
   if (kind == ".lz")
     refuse("packed by LZString, which is not read here: LZString.decompressFromBase64 of its text is the JSON to give");
   if (kind != ".json" && kind != ".csv")
@@ -52,7 +45,7 @@ Motion read_motion(const fs::path& file) {
     else
       motion = plain_motion(table);
   }
-  motion.name = name.stem().string();
+  motion.name = (stored.packed() ? file.stem() : file).stem().string();
   motion.notes.insert(motion.notes.end(), recording.notes.begin(), recording.notes.end());
   for (const RecordedTrack& track : recording.hands) {
     motion.hands.push_back(retarget(track, fit_model(track)));

@@ -131,14 +131,7 @@ Surroundings files_scene(const std::string& files) {
     const std::string item = files.substr(first, end - first);
     first = end + 1;
     if (item.empty()) throw BadFile("'" + files + "': a file name is missing");
-    const std::size_t at = item.rfind('@');
-    double unit = 1;
-    if (at != std::string::npos) try {
-        unit = collision::metres_per(item.substr(at + 1));
-      } catch (const std::invalid_argument& e) {
-        throw BadFile(item + ": " + e.what());
-      }
-    const fs::path file = item.substr(0, at);
+    const auto [file, unit] = collision::parse_mesh_name(item);
     TreePointer& tree = known[item];
     if (!tree) tree = load(file, unit);
     const double width = (tree->high() - tree->low()).maxCoeff();

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace zwang {
+
+// A file's bytes as they are stored, and their SHA-256 in hexadecimal.
+struct StoredFile {
+  std::filesystem::path path = {};
+  std::string bytes = {};
+  std::string sha256 = {};
+
+  // The extension in lower case, ".gz" left out: ".stl" of part.STL.gz.
+  std::string kind() const;
+  bool packed() const;  // by its name: .gz
+};
+
+// Throws BadFile, also for what is no regular file (a folder, a pipe, a device) and for an empty one.
+StoredFile read_stored(const std::filesystem::path& file);
+
+// The contents: the bytes, or what they unpack to. Throws BadFile where that is no gzip or more than `most` bytes.
+std::string unpacked(const StoredFile& file, std::size_t most);
+
+// One line of at most 300 characters without control characters, for what a library or a file says.
+std::string one_line(std::string text);
+
+}  // namespace zwang
