@@ -47,7 +47,6 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
   for (unsigned int c = 0; c < node.mNumChildren; ++c) append(scene, *node.mChildren[c], to_root, unit, mesh);
 }
 
-
 // What assimp makes of a file's contents, one mesh.
 Mesh parse(const fs::path& file, const std::string& kind, bool beside, const std::string& bytes, double unit) {
   if (kind == ".ply" && bytes.find("end_header") == std::string::npos)

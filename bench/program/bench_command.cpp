@@ -45,7 +45,7 @@ void add_options(CLI::App& options, Asked& asked) {
   options
       .add_option("--suite", s.suite,
                   "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes), "
-                  "speed (ten minutes) or collision (six)")
+                  "speed (ten minutes) or collision (six minutes)")
       ->group("What is run");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
       ->group("What is run");
@@ -113,7 +113,9 @@ int bench_command(std::vector<std::string> words) {
   settings.terminal = isatty(STDERR_FILENO) == 1;
 
   // scene -> assemble -> problem
-  const Plan plan = make_plan(std::move(asked.suite));
+  const Plan plan = asked.resume.empty()
+                        ? make_plan(std::move(asked.suite))
+                        : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
   const std::size_t solvers = plan.runs.size() / plan.options.tolerances.size();
   const bool own = asked.resume.empty() && (options.count("--scenes") > 0 || options.count("--problems") > 0);

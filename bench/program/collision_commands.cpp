@@ -50,9 +50,8 @@ int mesh_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   const collision::MeshName mesh = collision::parse_mesh_name(name);
   if (!unit.empty() && mesh.file != name) throw std::invalid_argument(name + " has its unit: --unit would be another");
-  collision::MeshFileOptions how{.unit = unit.empty() ? mesh.unit : collision::metres_per(unit),
-                                 .weld = weld,
-                                 .cache = collision::tree_cache()};
+  collision::MeshFileOptions how{
+      .unit = unit.empty() ? mesh.unit : collision::metres_per(unit), .weld = weld, .cache = collision::tree_cache()};
   Progress bar(true);
   if (isatty(STDERR_FILENO) == 1)
     how.progress = [&](double fraction, std::string_view stage) { bar.show(fraction, std::string(stage), -1); };

@@ -42,8 +42,8 @@ void require_same_conditions(const fs::path& directory, const std::string& recor
   const Json here = Json::parse(fixed_conditions()), stored = Json::parse(record);
   for (const auto& [name, value] : here.items())
     if (const Json was = stored.value(name, Json()); was != value)
-      throw std::invalid_argument(directory.string() + " cannot go on, " + therefore + ": its " + name + " is " +
-                                  was.dump() + ", now it is " + value.dump());
+      throw BadFile(directory.string() + " cannot go on, " + therefore + ": its " + name + " is " + was.dump() +
+                    ", now it is " + value.dump());
 }
 
 bool holds_run(const fs::path& directory) {

@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <string>
 
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
+
 namespace zwang {
 
 // DIR/run.json, which every run keeps: how it is written, read back and held against the program that would go on.
@@ -14,11 +17,24 @@ std::string fixed_conditions();
 // `kind`: "run", "simulated run", for the message. Throws BadFile where there is no record, or none of JSON.
 std::string load_record(const std::filesystem::path& directory, const std::string& kind);
 
+// What `read` makes of the record in this folder. Whatever is wrong with its values is a BadFile, also where the same
+// value typed as an option would be wrong use.
+template <class Read>
+auto from_record(const std::filesystem::path& directory, Read read) {
+  try {
+    return read();
+  } catch (const BadFile&) {
+    throw;
+  } catch (const std::exception& wrong) {
+    throw BadFile((directory / "run.json").string() + ": " + one_line(wrong.what()));
+  }
+}
+
 // Replaces the file in one step: a killed run leaves the old one or the new one. Throws BadFile.
 void replace_record(const std::filesystem::path& directory, const std::string& record);
 
-// Throws std::invalid_argument when the run of this record was begun under other conditions; `therefore`: "its times
-// would not compare".
+// Throws BadFile when the run of this record was begun under other conditions; `therefore`: "its times would not
+// compare".
 void require_same_conditions(const std::filesystem::path& directory, const std::string& record,
                              const std::string& therefore);
 

@@ -85,12 +85,14 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
 
 RunRecord read_run_record(const std::filesystem::path& directory) {
   const Json j = load(directory);
-  RunRecord record;
-  record.command = j.at("command");
-  record.started = j.at("started");
-  if (j.at("finished").is_string()) record.finished = j.at("finished");
-  record.notes = j.at("notes").get<std::vector<std::string>>();
-  return record;
+  return from_record(directory, [&j] {
+    RunRecord record;
+    record.command = j.at("command");
+    record.started = j.at("started");
+    if (j.at("finished").is_string()) record.finished = j.at("finished");
+    record.notes = j.at("notes").get<std::vector<std::string>>();
+    return record;
+  });
 }
 
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
@@ -98,23 +100,21 @@ SuiteOptions options_to_resume(const std::filesystem::path& directory, const Sui
   const Json j = load(directory);
   require_same_conditions(directory, j.dump(), "its times would not compare");
   const Json options = j.at("options"), asked = to_json(typed);
+  if (!options.is_object()) throw BadFile((directory / "run.json").string() + ": its options are no object");
   for (const std::string& name : given)
     if (const Json stored = options.value(name, Json()); stored != asked.at(name))
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
                                   stored.dump() + ", not " + asked.at(name).dump());
-  try {
-    return options_from(options);
-  } catch (const Json::exception&) {
-    throw BadFile((directory / "run.json").string() + ": written by another version of zwang");
-  }
+  return from_record(directory, [&options] { return options_from(options); });
 }
 
 void require_same_problems(const std::filesystem::path& directory, const Plan& plan) {
-  const auto stored = load(directory).at("problem_sha256").get<std::vector<std::string>>();
+  const auto stored =
+      from_record(directory, [&] { return load(directory).at("problem_sha256").get<std::vector<std::string>>(); });
   for (std::size_t i = 0; i < plan.instances.size(); ++i)
     if (i >= stored.size() || stored[i] != problem_sha256(plan.instances[i].problem))
-      throw std::invalid_argument(directory.string() + " cannot go on: problem " + plan.instances[i].problem.name +
-                                  " is no longer what it was");
+      throw BadFile(directory.string() + " cannot go on: problem " + plan.instances[i].problem.name +
+                    " is no longer what it was");
 }
 
 }  // namespace zwang

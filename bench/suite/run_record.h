@@ -19,13 +19,13 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
                       const RunRecord& record);
 RunRecord read_run_record(const std::filesystem::path& directory);
 
-// The options of the run in this folder. Throws std::invalid_argument when it cannot go on because it was made by
-// another commit, compiler, build or CPU, or because an option typed now (`given`: the names of those) differs from
-// the stored one; BadFile when the folder holds no run.
+// The options of the run in this folder. Throws std::invalid_argument when an option typed now (`given`: the names of
+// those) differs from the stored one; BadFile when the folder holds no run, or one of another commit, compiler, build
+// or CPU.
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
                                const std::vector<std::string>& given);
 
-// Throws std::invalid_argument when the plan's problems are not the ones that the run in this folder began with.
+// Throws BadFile when the plan's problems are not the ones that the run in this folder began with.
 void require_same_problems(const std::filesystem::path& directory, const Plan& plan);
 
 }  // namespace zwang

@@ -3,9 +3,9 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -110,7 +110,7 @@ int wait_for(pid_t child, double seconds) {
   using Clock = std::chrono::steady_clock;
   int status = -1;
   try {
-    const Descriptor watched(pidfd_open(child, 0), "no handle of a child process");
+    const Descriptor watched(static_cast<int>(syscall(SYS_pidfd_open, child, 0)), "no handle of a child process");
     const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
     for (pollfd ending{watched.number, POLLIN, 0};;) {
       const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();

@@ -200,10 +200,11 @@ int simulate_command(std::vector<std::string> words) {
     directory = new_directory(typed.out, "./zwang simulate --resume");
   }
   const god::Record stored = record;
-  const god::Stage stage = god::set_up(record);
+  const god::Stage stage =
+      resume ? from_record(directory, [&record] { return god::set_up(record); }) : god::set_up(record);
   if (resume && (stored.motion != record.motion || stored.surroundings != record.surroundings))
-    throw std::invalid_argument(directory.string() + " cannot go on: its " +
-                                (stored.motion != record.motion ? "motion" : "scene") + " is no longer what it was");
+    throw BadFile(directory.string() + " cannot go on: its " + (stored.motion != record.motion ? "motion" : "scene") +
+                  " is no longer what it was");
   std::printf("%s\n", head_line(record, stage).c_str());
   std::fflush(stdout);
 

@@ -23,6 +23,7 @@ import bases
 DEADLINE = 10  # s
 SANITIZED = 99  # exit code of a program that a sanitizer stopped
 
+PROGRESS = re.compile(r"\d+ % ")
 NUMBER = re.compile(rb"-?\d+(\.\d*)?([eE][-+]?\d+)?")
 NUMBERS = [b"0", b"-1", b"1", b"255", b"65536", b"2147483647", b"-2147483648", b"4294967295", b"18446744073709551615",
            b"1e308", b"-1e308", b"1e-308", b"1e999", b"nan", b"inf", b"null", b"", b"99999999999999999999999", b"0.5"]
@@ -116,7 +117,7 @@ def run(program, words, folder):
 
 def fault(code, errors):
     """What is wrong with how the program ended; "" where nothing is."""
-    lines = [line for line in errors.split("\n") if line]
+    lines = [line for line in errors.split("\n") if line and not PROGRESS.match(line)]
     if code is None:
         return f"still busy after {DEADLINE} s"
     if code not in (0, 3):

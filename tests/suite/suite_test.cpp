@@ -193,7 +193,7 @@ TEST(Resume, RefusesAnotherProblemAndOtherOptions) {
   run_suite(plan("all_active"), in(folder.path), tests::never);
   Plan other = plan("all_active");
   other.instances[1].problem.c[0] = 1;
-  EXPECT_THROW(run_suite(other, in(folder.path), tests::never), std::invalid_argument);
+  EXPECT_THROW(run_suite(other, in(folder.path), tests::never), BadFile);
 
   SuiteOptions typed;
   typed.suite = "full";
@@ -212,7 +212,7 @@ TEST(Resume, RefusesAnotherCommit) {
   try {
     options_to_resume(folder.path, {}, {});
     FAIL() << "another commit was accepted";
-  } catch (const std::invalid_argument& wrong) {
+  } catch (const BadFile& wrong) {
     EXPECT_NE(std::string(wrong.what()).find("its commit is \"another\""), std::string::npos) << wrong.what();
   }
 }

@@ -134,6 +134,11 @@ Record read_record(const std::filesystem::path& directory) {
                .frames = j.at("frames"),
                .audit = j.at("audit")};
     each_option(r.asked.options, Read{j.at("options")});
+    const Options& o = r.asked.options;  // what the command line would not take
+    if (!(o.dt >= 1e-5 && o.dt <= 1 && o.tolerance >= 1e-16 && o.tolerance <= 1 && o.force_stiffness >= 0 &&
+          o.force_cap >= 0 && o.gap > 0 && o.activation > 0 && o.sub_steps >= 1 && o.sub_steps <= 100 &&
+          o.verify >= 0 && r.asked.share >= 0 && r.asked.share <= 1 && r.asked.frames > 0))
+      throw std::invalid_argument("an option is out of its range");
     r.title = j.at("title");
     r.hands = j.at("hands");
     r.loose = j.at("loose");
