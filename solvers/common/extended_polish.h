@@ -21,7 +21,7 @@ enum class PolishOutcome { solved, infeasible, failed };
 // problem's own M, J, c in Real (long double or DoubleDouble), corrections from the double factors of the active unit
 // rows (active_rows.h). So rounding in the whitening does not reach the answer, and z is right to its last bits as long
 // as cond(G_A) eps < 1. "Ill-conditioned" is said where rounding in Real, over the smallest pivot, may have moved z
-// by more than was asked for (extended_polish_doubt.h), not where a pivot is small. Then every row and multiplier is
+// by more than was asked for (doubt_active, doubt_others), not where a pivot is small. Then every row and multiplier is
 // checked in the same precision. A violated row is added, a negative multiplier dropped, and a violated row that
 // depends on the active ones either takes the place of one of them (Goldfarb & Idnani's partial step) or yields a
 // Farkas certificate, refined in the same way.

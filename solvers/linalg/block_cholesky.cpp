@@ -1,15 +1,240 @@
 #include <zwang/solvers/linalg/block_cholesky.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include <zwang/solvers/linalg/dense_front.h>
+#include <zwang/solvers/linalg/elimination_order.h>
 
 namespace zwang {
 namespace {
 
+constexpr int group_size = 6;
 constexpr int long_front = 500;  // rows: to fill it takes milliseconds, far more than a look at the clock
 
+int column_end(const BlockCholesky::SparseMatrix& M, Index j) {
+  return M.isCompressed() ? M.outerIndexPtr()[j + 1] : M.outerIndexPtr()[j] + M.innerNonZeroPtr()[j];
+}
+
 }  // namespace
+
+bool BlockCholesky::same_pattern(const SparseMatrix& M, const SparseRows& rows) const {
+  if (M_begin_.size() != at(M.cols()) + 1 || row_begin_ != rows.begin || row_column_ != rows.column) return false;
+  for (Index j = 0; j < M.cols(); ++j) {
+    const int begin = M.outerIndexPtr()[j], end = column_end(M, j);
+    const int mine = M_begin_[at(j)], length = M_begin_[at(j) + 1] - mine;
+    if (mine != begin || length != end - begin) return false;
+    if (!std::equal(M.innerIndexPtr() + begin, M.innerIndexPtr() + end, M_index_.begin() + mine)) return false;
+  }
+  return true;
+}
+
+void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
+                            const Deadline& deadline) {
+  valid_ = false;
+  if (same_pattern(M, rows)) return;
+  row_begin_.clear();  // no pattern is known until all of it is
+  group_columns(M, rows);
+  build_fronts(M, rows, options, deadline);
+  row_begin_ = rows.begin;
+  row_column_ = rows.column;
+  // A matrix with gaps between its columns is analyzed at every call.
+  M_begin_.assign(1, 0);
+  M_index_.clear();
+  for (Index j = 0; j < M.cols(); ++j) {
+    M_index_.insert(M_index_.end(), M.innerIndexPtr() + M.outerIndexPtr()[j], M.innerIndexPtr() + column_end(M, j));
+    M_begin_.push_back(static_cast<int>(M_index_.size()));
+  }
+}
+
+// group_of_, with loose columns at -1; groups are numbered without gaps.
+void BlockCholesky::group_columns(const SparseMatrix& M, const SparseRows& rows) {
+  const Index n = M.cols();
+  std::vector<char> tied(at(n), 0);
+  for (const int j : rows.column) tied[at(j)] = 1;
+  for (Index j = 0; j < n; ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it)
+      if (it.row() != j) tied[at(j)] = 1;
+  group_of_.assign(at(n), -1);
+  group_begin_.assign(1, 0);
+  for (Index j = 0; j < n; ++j) {
+    if (j % group_size == 0 && group_begin_.back() > 0) group_begin_.push_back(group_begin_.back());
+    if (!tied[at(j)]) continue;
+    if (group_begin_.size() == 1) group_begin_.push_back(0);
+    ++group_begin_.back();
+  }
+  // Groups with nothing in them are taken out again.
+  group_begin_.erase(std::unique(group_begin_.begin(), group_begin_.end()), group_begin_.end());
+  int count = 0, group = 0;
+  for (Index j = 0; j < n; ++j) {
+    if (!tied[at(j)]) continue;
+    if (count == group_begin_[at(group) + 1]) ++group;
+    group_of_[at(j)] = group;
+    ++count;
+  }
+}
+
+void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
+                                 const Deadline& deadline) {
+  const int groups = static_cast<int>(group_begin_.size()) - 1;
+  double pairs = 0;
+  for (int i = 0; i < rows.rows(); ++i) {
+    const double entries = std::min(rows.begin[at(i) + 1] - rows.begin[at(i)], groups);
+    pairs += entries * entries;
+  }
+  storage_.require(pairs * sizeof(int) / sizeof(double), options);
+  Lists near(at(groups));
+  std::vector<int> met;
+  const auto tie = [&] {
+    sort_unique(met);
+    for (const int a : met)
+      for (const int b : met)
+        if (a != b) near[at(a)].push_back(b);
+  };
+  for (int i = 0; i < rows.rows(); ++i) {
+    met.clear();
+    for (int p = rows.begin[at(i)]; p < rows.begin[at(i) + 1]; ++p) met.push_back(group_of_[at(rows.column[at(p)])]);
+    tie();
+  }
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) {
+      if (it.row() == j) continue;
+      met = {group_of_[at(j)], group_of_[at(it.row())]};
+      tie();
+    }
+  for (auto& list : near) sort_unique(list);
+  const Elimination e = eliminate(near, deadline);
+
+  // Positions: group after group.
+  std::vector<int> width(at(groups)), first(at(groups) + 1, 0), rank(at(groups));
+  for (int k = 0; k < groups; ++k) {
+    const int g = e.order[at(k)];
+    rank[at(g)] = k;
+    width[at(k)] = group_begin_[at(g) + 1] - group_begin_[at(g)];
+    first[at(k) + 1] = first[at(k)] + width[at(k)];
+  }
+  column_.assign(at(first.back()), -1);
+  position_.assign(at(M.cols()), -1);
+  std::vector<int> filled(first.begin(), first.end() - 1);
+  for (Index j = 0; j < M.cols(); ++j)
+    if (const int g = group_of_[at(j)]; g >= 0) {
+      const int p = filled[at(rank[at(g)])]++;
+      column_[at(p)] = static_cast<int>(j);
+      position_[at(j)] = p;
+    }
+
+  // Fronts: a group joins the front of its last child where that costs few zeros.
+  struct Range {
+    int begin, end;
+    double zeros;
+  };
+  std::vector<Range> ranges;
+  const auto rest_of = [&](int k) {
+    int sum = 0;
+    for (const int i : e.below[at(k)]) sum += width[at(i)];
+    return sum;
+  };
+  for (int k = 0; k < groups; ++k) {
+    ranges.push_back({k, k + 1, 0});
+    while (ranges.size() > 1) {
+      const Range &a = ranges[ranges.size() - 2], &b = ranges.back();
+      if (e.parent(a.end - 1) != b.begin || b.end != k + 1) break;
+      const int own_a = first[at(a.end)] - first[at(a.begin)], own_b = first[at(b.end)] - first[at(b.begin)];
+      const int own = own_a + own_b, rest = rest_of(k);
+      const double zeros = a.zeros + b.zeros + static_cast<double>(own_a) * (own_b + rest - rest_of(a.end - 1));
+      const double share = zeros / (own * (0.5 * (own + 1) + rest));
+      if (own > 12 && share > (own <= 24 ? 0.3 : own <= 48 ? 0.1 : 0.05)) break;
+      const Range merged{a.begin, b.end, zeros};
+      ranges.pop_back();
+      ranges.back() = merged;
+    }
+  }
+
+  front_.assign(ranges.size() + 1, {});
+  index_.clear();
+  front_of_.assign(column_.size(), -1);
+  std::size_t panels = 0, rests = 0, largest = 0;
+  int tallest = 0;
+  for (std::size_t f = 0; f < ranges.size(); ++f) {
+    Front& front = front_[f];
+    front.first = first[at(ranges[f].begin)];
+    front.own = first[at(ranges[f].end)] - front.first;
+    front.index = index_.size();
+    for (const int k : e.below[at(ranges[f].end - 1)])
+      for (int p = first[at(k)]; p < first[at(k) + 1]; ++p) index_.push_back(p);
+    const int rest = static_cast<int>(index_.size() - front.index);
+    front.size = front.own + rest;
+    front.stride = (Index(front.size) + DenseFront::lanes - 1) / DenseFront::lanes * DenseFront::lanes;
+    front.panel = panels;
+    front.rest = rests;
+    panels += at(front.stride) * at(front.own);
+    rests += at(rest) * at(rest);
+    largest = std::max(largest, at(front.stride) * at(front.size));
+    tallest = std::max(tallest, rest);
+    for (int p = front.first; p < front.first + front.own; ++p) front_of_[at(p)] = static_cast<int>(f);
+  }
+  front_.back().index = index_.size();
+  storage_.require(static_cast<double>(panels) + static_cast<double>(rests) + static_cast<double>(largest), options);
+  panel_.assign(panels, 0);
+  rest_.assign(rests, 0);
+  work_.assign(largest, 0);
+  gathered_.assign(at(tallest), 0);
+
+  const int count = static_cast<int>(ranges.size());
+  const auto local = [&](int f, int p) {
+    const Front& front = front_[at(f)];
+    if (p < front.first + front.own) return p - front.first;
+    const auto begin = index_.begin() + static_cast<std::ptrdiff_t>(front.index);
+    return front.own + static_cast<int>(std::lower_bound(begin, begin + (front.size - front.own), p) - begin);
+  };
+  into_parent_.resize(index_.size());
+  Lists children(ranges.size()), rows_of(ranges.size());
+  part_.assign(ranges.size(), 0);
+  parts_ = 0;
+  for (int f = count - 1; f >= 0; --f) {
+    Front& front = front_[at(f)];
+    if (front.size > front.own) front.parent = front_of_[at(index_[front.index])];
+    for (int r = 0; r < front.size - front.own; ++r)
+      into_parent_[front.index + at(r)] = local(front.parent, index_[front.index + at(r)]);
+    part_[at(f)] = front.parent < 0 ? parts_++ : part_[at(front.parent)];
+  }
+  for (int f = 0; f < count; ++f)
+    if (front_[at(f)].parent >= 0) children[at(front_[at(f)].parent)].push_back(f);
+
+  // What is added into each front: its rows and its share of M.
+  front_of_row_.assign(at(rows.rows()), -1);
+  local_.resize(rows.column.size());
+  for (int i = 0; i < rows.rows(); ++i) {
+    int lowest = size();
+    for (int p = rows.begin[at(i)]; p < rows.begin[at(i) + 1]; ++p)
+      lowest = std::min(lowest, position_[at(rows.column[at(p)])]);
+    const int f = front_of_[at(lowest)];
+    front_of_row_[at(i)] = f;
+    rows_of[at(f)].push_back(i);
+    for (int p = rows.begin[at(i)]; p < rows.begin[at(i) + 1]; ++p)
+      local_[at(p)] = local(f, position_[at(rows.column[at(p)])]);
+  }
+  child_.clear();
+  row_list_.clear();
+  mass_.clear();
+  for (int f = 0; f <= count; ++f) {
+    Front& front = front_[at(f)];
+    front.child = child_.size();
+    front.row = row_list_.size();
+    front.mass = mass_.size();
+    if (f == count) break;
+    child_.insert(child_.end(), children[at(f)].begin(), children[at(f)].end());
+    row_list_.insert(row_list_.end(), rows_of[at(f)].begin(), rows_of[at(f)].end());
+    for (int c = 0; c < front.own; ++c) {
+      const int j = column_[at(front.first + c)];
+      for (int p = M.outerIndexPtr()[j]; p < column_end(M, j); ++p)
+        if (const int row = position_[at(M.innerIndexPtr()[p])]; row >= front.first + c)
+          mass_.push_back({local(f, row), c, p});
+    }
+  }
+  weight_.assign(at(rows.rows()), 0);
+  dirty_.assign(ranges.size(), 1);
+}
 
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,
                               std::span<const double> weight, const Deadline& deadline) {

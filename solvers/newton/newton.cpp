@@ -2,14 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <zwang/solvers/common/begin.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double largest_penalty = 1e10;
+constexpr int most_steps = 300;
+constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 
 }  // namespace
 
@@ -86,6 +92,285 @@ void Newton::write(const Problem& p, Solution& s) const {
   s.lambda.setZero(p.rows());
   for (Index i = 0; i < rows_.rows(); ++i)
     s.lambda[rows_.row[at(i)]] = rows_.multiplier(i, is_equality(i) ? far_l_[i] : std::max(far_l_[i], Real(0)));
+}
+
+// slack_, term_ and the weights of the rows in the max, at d.
+void Newton::weigh(double s) {
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    slack_[i] = h_[i] - row_dot(i, d_);
+    term_[i] = l_[i] + s * slack_[i];
+    weight_[i] = is_equality(i) || term_[i] > 0 ? s : 0;
+  }
+}
+
+// All rows near z_u held as if they were equality rows: in a wall almost all of them push in the end, and from d = 0
+// the method takes ten steps and more to find that out. Kept when holding them pulls at few; else d = 0, l = 0.
+bool Newton::start(const Problem& p, const Deadline& deadline) {
+  constexpr double strong = 1e6;
+  for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
+  if (!factorize(p, deadline)) return false;
+  double last = infinity, length = infinity;
+  for (int pass = 0; pass < 3; ++pass) {
+    last = length;
+    multiply_mass(p, d_, product_);
+    step_ = -product_;
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      if (weight_[i] == 0) continue;
+      slack_[i] = h_[i] - row_dot(i, d_);
+      add_row(i, l_[i] + strong * slack_[i], step_);
+    }
+    factor_.solve(step_);
+    d_ += step_;
+    length = mass_norm(p, step_);
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) l_[i] += strong * (slack_[i] - row_dot(i, step_));
+  }
+  force_.setZero();
+  double pull = 0, push = 0;
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    push += std::max(l_[i], 0.0);
+    if (is_equality(i) || l_[i] >= 0) continue;
+    pull -= l_[i];
+    l_[i] = 0;
+  }
+  if (!(pull <= 0.25 * push)) {
+    d_.setZero();
+    l_.setZero();
+    return false;
+  }
+  s_ = strong;
+  rate_ = last > 0 ? length / last : 0;
+  return true;
+}
+
+// The step of each part to where its derivative along step_ vanishes: a piecewise linear, increasing function, so
+// Newton's method within a bracket ends after a few of its pieces. True when all parts take the whole step.
+bool Newton::line_search(double s) {
+  for (Search& part : search_) part = {.high = infinity};
+  for (Index j = 0; j < step_.size(); ++j) {
+    Search& part = search_[at(factor_.part_of_position(static_cast<int>(j)))];
+    part.linear += product_[j] * d_[j];  // product_ = M step
+    part.quadratic += product_[j] * step_[j];
+    part.zero += force_[j] * step_[j];  // -derivative at 0
+  }
+  int open = static_cast<int>(search_.size());
+  for (int round = 0; round < 60 && open > 0; ++round) {
+    for (Search& part : search_) {
+      part.derivative = part.linear + part.step * part.quadratic;
+      part.slope = part.quadratic;
+    }
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      Search& part = search_[at(factor_.part_of_row(static_cast<int>(i)))];
+      if (part.done) continue;
+      const double term = term_[i] - s * part.step * change_[i];
+      if (!is_equality(i) && !(term > 0)) continue;
+      part.derivative -= term * change_[i];
+      part.slope += s * change_[i] * change_[i];
+    }
+    for (Search& part : search_) {
+      if (part.done) continue;
+      part.done = std::abs(part.derivative) <= 1e-9 * std::abs(part.zero) || !(part.slope > 0);
+      if (part.done) {
+        --open;
+        continue;
+      }
+      (part.derivative > 0 ? part.high : part.low) = part.step;
+      const double newton = part.step - part.derivative / part.slope;
+      if (newton > part.low && newton < part.high)
+        part.step = newton;
+      else
+        part.step = part.high < infinity ? 0.5 * (part.low + part.high) : 2 * part.step;
+    }
+  }
+  bool whole = true;
+  for (const Search& part : search_) whole = whole && part.step == 1;
+  return whole;
+}
+
+// Until a step of l moves d by less than `close`, relative.
+Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline,
+                            Solution& s) {
+  double last_move = infinity;
+  for (;;) {
+    start_ = d_;
+    double length = infinity;
+    bool settled = false;
+    while (!settled) {
+      weigh(s_);
+      multiply_mass(p, d_, product_);
+      force_ = -product_;
+      for (Index i = 0; i < rows_.rows(); ++i)
+        if (weight_[i] != 0) add_row(i, term_[i], force_);
+      const bool may_go_on = s.iterations < most_steps && s.iterations < options.max_iterations;
+      const bool factorized = may_go_on && factorize(p, deadline);
+      if (deadline.passed() || s.iterations >= options.max_iterations) {
+        s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
+        return End::limit;
+      }
+      if (!factorized) return End::stuck;
+      ++s.iterations;
+      step_ = force_;
+      factor_.solve(step_);
+      for (Index i = 0; i < rows_.rows(); ++i) change_[i] = row_dot(i, step_);
+      multiply_mass(p, step_, product_);
+      length = std::sqrt(std::max(0.0, product_.dot(step_)));
+      const bool whole = line_search(s_);
+      for (Index j = 0; j < step_.size(); ++j)
+        step_[j] *= search_[at(factor_.part_of_position(static_cast<int>(j)))].step;
+      d_ += step_;
+      scale_ = std::max(rows_.free_length, mass_norm(p, d_));
+      if (!std::isfinite(length)) return End::stuck;
+      bool same = whole;
+      for (Index i = 0; i < rows_.rows() && same; ++i)
+        same = is_equality(i) || (weight_[i] != 0) == (term_[i] - s_ * change_[i] > 0);
+      settled = same || length <= 1e-5 * std::min(last_move, scale_) || length <= 1e-13 * scale_;
+      if (options.observe) {
+        far_d_ = d_.cast<Real>();
+        far_l_ = term_.cast<Real>();
+        for (Index i = 0; i < rows_.rows(); ++i)
+          if (weight_[i] == 0) far_l_[i] = 0;
+        write(p, s);
+        options.observe(s.iterations, s.z, s.lambda);
+      }
+    }
+    double gain = 0;  // h'u of the step u of l
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      const double before = l_[i], term = before + s_ * (h_[i] - row_dot(i, d_));
+      l_[i] = is_equality(i) ? term : std::max(0.0, term);
+      if (is_equality(i) || l_[i] > before) gain += (l_[i] - before) * h_[i];
+    }
+    step_ = d_ - start_;
+    const double move = mass_norm(p, step_);
+    if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
+    if (move <= close * scale_)
+      return gain >= 1e8 * reach_ * move && certify(p, deadline, s) ? End::infeasible : End::settled;
+    if (move > 0.1 * last_move) s_ = std::min(10 * s_, largest_penalty);
+    last_move = move;
+  }
+}
+
+// far_force_ = J'l - M d and violation_ = h - G d of the problem's stored doubles.
+void Newton::extended_force(const Problem& p) {
+  far_force_.setZero();
+  for (const MassEntry& e : mass_) far_force_[e.row] -= Real(p.M.valuePtr()[e.from]) * far_d_[e.column];
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    const Real norm = rows_.norm[i], l = far_l_[i] / norm;
+    Real sum = 0;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows_.row[at(i)]); it; ++it) {
+      if (it.value() == 0) continue;
+      const int j = factor_.position(static_cast<int>(it.col()));
+      sum += Real(it.value()) * far_d_[j];
+      far_force_[j] += Real(it.value()) * l;
+    }
+    violation_[i] = rows_.h[i] - sum / norm;
+  }
+}
+
+bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  far_d_ = d_.cast<Real>();
+  far_l_ = l_.cast<Real>();
+  for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
+  double last = std::numeric_limits<double>::infinity(), length = last, worst = 0;
+  bool changed = true;
+  for (int pass = 0; pass < 40; ++pass) {
+    if (deadline.passed()) return false;
+    extended_force(p);
+    // Rows leave and enter.
+    bool now_changed = false;
+    for (Index i = 0; i < rows_.rows(); ++i) {
+      if (is_equality(i)) continue;
+      const double size = rows_.magnitude[i] + scale_;
+      if (weight_[i] != 0 && far_l_[i] + Real(s_) * violation_[i] < -1e-15L * scale_) {
+        weight_[i] = 0;
+        now_changed = true;
+      } else if (weight_[i] == 0 && violation_[i] > tolerances::wide_violation * real_eps * size) {
+        weight_[i] = s_;
+        now_changed = true;
+      }
+      if (weight_[i] == 0 && far_l_[i] != 0) {
+        for (int e = rows_.g.begin[at(i)]; e < rows_.g.begin[at(i) + 1]; ++e)
+          far_force_[place_[at(e)]] -= far_l_[i] * Real(rows_.g.value[at(e)]);
+        far_l_[i] = 0;
+      }
+    }
+    worst = 0;
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0)
+        worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
+    if (!now_changed && !changed && length <= 1e-17 * scale_ && worst <= 8 * static_cast<double>(real_eps)) {
+      write(p, s);
+      s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
+      const double mu = (1 / std::clamp(rate_, 1e-16, 1.0) - 1) / s_;
+      const double error = length + worst * scale_ / std::sqrt(std::max(mu, 1e-300));
+      s.status = error <= accepted_error(options.tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
+      return true;
+    }
+    changed = now_changed;
+    if (changed || pass == 0) {
+      if (!factorize(p, deadline)) return false;
+      if (changed) ++s.iterations;
+    }
+    step_ = far_force_.cast<double>();
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
+    factor_.solve(step_);
+    far_d_ += step_.cast<Real>();
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) far_l_[i] += Real(s_) * (violation_[i] - Real(row_dot(i, step_)));
+    last = length;
+    length = mass_norm(p, step_);
+    if (!std::isfinite(length)) return false;
+    if (!changed && last < std::numeric_limits<double>::infinity() && last > 1e-15 * scale_) rate_ = length / last;
+  }
+  return false;
+}
+
+// Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
+// vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction as in
+// the polish, and the vector is judged as the referee will see it: rounded to double.
+bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
+  far_d_.setZero();
+  for (Index i = 0; i < rows_.rows(); ++i)
+    far_l_[i] = is_equality(i) ? h_[i] - row_dot(i, d_) : weight_[i] != 0 ? std::max(0.0, h_[i] - row_dot(i, d_)) : 0;
+  const Real least = 1e-9L * far_l_.lpNorm<Eigen::Infinity>();
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    if (std::abs(far_l_[i]) <= least) far_l_[i] = 0;
+    weight_[i] = far_l_[i] != 0 ? s_ : 0;
+  }
+  if (!factorize(p, deadline)) return false;
+  for (int pass = 0; pass < 12; ++pass) {
+    extended_force(p);
+    step_ = far_force_.cast<double>();
+    factor_.solve(step_);
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) far_l_[i] -= Real(s_) * row_dot(i, step_);
+  }
+  Real work = 0, noise = 0, weight = 0;
+  double reach = reach_;
+  whole_.setZero(p.size());
+  certificate_.setZero(p.rows());
+  for (Index i = 0; i < rows_.rows(); ++i) {
+    if (!is_equality(i) && far_l_[i] < 0) far_l_[i] = 0;
+    double& u = certificate_[rows_.row[at(i)]];
+    u = static_cast<double>(far_l_[i] / Real(rows_.norm[i]));
+    far_l_[i] = Real(u) * Real(rows_.norm[i]);
+    work += far_l_[i] * rows_.h[i];
+    noise += std::abs(far_l_[i]) * Real(rows_.magnitude[i]);
+    weight += std::abs(far_l_[i]);
+    if (u != 0) reach = std::max(reach, std::abs(h_[i]));
+  }
+  extended_force(p);
+  for (int j = 0; j < factor_.size(); ++j) whole_[factor_.column(j)] = static_cast<double>(far_force_[j] / noise);
+  if (p.size() > 0) rows_.factor.solve_lower(whole_);
+  // More than the rows' own rounding is a way to meet them, however far away: solvers/common/polish.cpp.
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
+  if (whole_.norm() <= rounding && work > 8 * real_eps * noise &&
+      static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * whole_.norm()) {
+    s.zero_certificate(p.rows()) = certificate_;
+    s.status = Status::infeasible;
+    return true;
+  }
+  return false;
 }
 
 void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
