@@ -24,7 +24,7 @@ bool CholeskyRows::refactor() {
   std::fill(inside_.begin(), inside_.end(), char(0));
   healthy_ = factor_.reset(w_->rows());
   for (const Index row : rows_) healthy_ = healthy_ && factor_row(row);
-  return healthy_ && (rows_.empty() || factor_.rcond() >= smallest_rcond);
+  return healthy_ && (rows_.empty() || factor_.rcond() >= tolerances::gram_rcond);
 }
 
 // Column `row` of S over the rows that are in.
@@ -70,7 +70,7 @@ double CholeskyRows::append(Index row) {
   const double part = size() < w_->size() ? share(row) : 0;
   if (!accepts(part)) return part;
   rows_.push_back(row);
-  if (factor_row(row) && factor_.rcond() >= smallest_rcond) return part;
+  if (factor_row(row) && factor_.rcond() >= tolerances::gram_rcond) return part;
   // The update failed where the row itself is sound: once more from scratch, else hand it back.
   if (refactor()) return part;
   rows_.pop_back();
@@ -82,7 +82,7 @@ void CholeskyRows::drop(Index position) {
   const Index row = (*this)[position];
   forget(position);
   inside_[static_cast<std::size_t>(row)] = 0;
-  if (!factor_.remove(row) || (size() > 0 && factor_.rcond() < smallest_rcond)) refactor();
+  if (!factor_.remove(row) || (size() > 0 && factor_.rcond() < tolerances::gram_rcond)) refactor();
 }
 
 void CholeskyRows::combine(Vector& v, Part t) {

@@ -4,16 +4,17 @@
 
 #include <zwang/solvers/active_set/updated_cholesky.h>
 #include <zwang/solvers/common/active_rows.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
 // The active rows by sparse Cholesky on the Delassus matrix S_A = G_A G_A' of the unit rows. Its condition number is
 // the square of that of G_A, so every solution is refined with residuals in the primal space, v - G_A' t, where no
-// square has been taken, and a row whose share outside the others is below 1e-6 (rcond(S_A) near 1e-12) is left to
-// orthogonal factors unless it is an exact combination.
+// square has been taken, and a row of which little is outside the others is left to orthogonal factors unless it is an
+// exact combination.
 class CholeskyRows : public ActiveRows {
  public:
-  CholeskyRows() : ActiveRows(1e-6, 1e-12) {}
+  CholeskyRows() : ActiveRows(tolerances::gram_share, tolerances::gram_dependent) {}
 
   void reset(const Whitened& w, const Deadline& deadline) override;
   bool refactor() override;
@@ -27,8 +28,6 @@ class CholeskyRows : public ActiveRows {
 
  private:
   bool factor_row(Index row);
-
-  static constexpr double smallest_rcond = 1e-13;
 
   UpdatedCholesky factor_;
   std::vector<char> inside_;

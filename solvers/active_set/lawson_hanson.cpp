@@ -89,7 +89,7 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
   settle(free);
 
   // A gradient below `noise` is what rounding leaves of zero.
-  const double noise = 8 * std::numeric_limits<double>::epsilon() * f.norm();
+  const double noise = tolerances::violation * std::numeric_limits<double>::epsilon() * f.norm();
   const int last = limits.iterations - iterations_;
   for (int step = 0;; ++step) {
     if (limits.deadline && limits.deadline->passed()) return Stop::time_limit;

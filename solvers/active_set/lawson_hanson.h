@@ -7,6 +7,7 @@
 
 #include <zwang/solvers/first_order/stop.h>
 #include <zwang/solvers/linalg/thin_qr.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -32,7 +33,7 @@ class LawsonHanson {
     const std::function<void()>* each = nullptr;  // called after every iteration; null in timed runs
   };
 
-  double threshold = 1e-14;  // relative pivot below which a column counts as dependent
+  double threshold = tolerances::dependent_column;  // relative pivot of a column
 
   void restart() { iterations_ = 0; }  // zero the count of iterations
 

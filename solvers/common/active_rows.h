@@ -5,6 +5,7 @@
 
 #include <zwang/solvers/common/whiten.h>
 #include <zwang/solvers/linalg/thin_qr.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -138,7 +139,7 @@ class QrRows : public ActiveRows {
   }
 
  private:
-  static constexpr double rounding = 20 * std::numeric_limits<double>::epsilon();
+  static constexpr double rounding = tolerances::share_rounding * std::numeric_limits<double>::epsilon();
 
   ThinQr qr_;
   Vector part_;

@@ -8,6 +8,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/common/equality_elimination.h>
 #include <zwang/solvers/common/wide_rows.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -34,7 +35,7 @@ class DroppedRows {
   bool is_in_doubt(const Rows& rows, Index j, Index dropped, const VectorX<Wide>& z, const Scalar& far) const;
   // What rounding of the wider scalar leaves of column j.
   Scalar rounding(Index j) const {
-    return Scalar(64 * std::numeric_limits<Wide>::epsilon() * (1 + mu_.col(j).template lpNorm<1>()));
+    return Scalar(tolerances::rank * std::numeric_limits<Wide>::epsilon() * (1 + mu_.col(j).template lpNorm<1>()));
   }
 
   RowSum<Scalar> sum_;
@@ -84,7 +85,7 @@ bool DroppedRows<Scalar>::is_in_doubt(const Rows& rows, Index j, Index dropped, 
   const UnitRest<Scalar> own = rest_of(rows.problem, rows.whitened, rows.equalities[dropped], z);
   const Wide hidden = std::numeric_limits<Wide>::epsilon() * own.terms;
   if (rho_[j] > rounding(j)) return Scalar(abs(own.violation) + hidden) > far * rho_[j];
-  return abs(own.violation) > Wide(8) * (hidden + mu_.col(j).cwiseAbs().dot(off_));
+  return abs(own.violation) > Wide(tolerances::violation) * (hidden + mu_.col(j).cwiseAbs().dot(off_));
 }
 
 template <class Scalar>

@@ -11,6 +11,7 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/linalg/sparse_qr.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -104,7 +105,7 @@ class EqualityElimination {
   bool is_sparse() const { return has_sparse && sparse_.holds(); }
 
   static constexpr Index block = 8;
-  static constexpr double threshold = 0.25;
+  static constexpr double threshold = tolerances::pivot_choice;
   static constexpr bool has_sparse = std::is_same_v<Scalar, double>;
   using Mask = std::vector<std::uint64_t>;
 

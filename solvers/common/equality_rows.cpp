@@ -6,6 +6,7 @@
 #include <span>
 
 #include <zwang/solvers/common/farkas.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -52,7 +53,7 @@ bool EqualityRows::clearly_independent(const UnitProgram& program) {
   G.finalize();
   Gram& gram = gram_.open();
   gram.S = G * G.transpose();
-  return gram.factorize() && gram.factor.vectorD().minCoeff() > 1e-10;
+  return gram.factorize() && gram.factor.vectorD().minCoeff() > tolerances::clear_squared_share;
 }
 
 void EqualityRows::factorize(const UnitProgram& program) {

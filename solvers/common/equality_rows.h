@@ -5,6 +5,7 @@
 
 #include <zwang/solvers/common/session.h>
 #include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -13,10 +14,10 @@ namespace zwang {
 // before it counts as a combination of them.
 class EqualityRows {
  public:
-  static constexpr double dependent = 1e-12;
+  static constexpr double dependent = tolerances::rival_dependent;
 
   // A sparse LDL' of G_E G_E', far cheaper than the QR: its pivots are the squared distances of the rows to those
-  // before them. True when none is below 1e-10.
+  // before them. True when none is small.
   bool clearly_independent(const UnitProgram& program);
 
   void factorize(const UnitProgram& program);

@@ -1,23 +1,23 @@
 #include <zwang/solvers/common/farkas.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
 bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion) {
   program.project(u);
-  const double gain = program.h().dot(u), rounding = 1e-14 * program.h().cwiseProduct(u).lpNorm<1>();
+  const double gain = program.h().dot(u), rounding = tolerances::proof_rounding * program.h().cwiseProduct(u).lpNorm<1>();
   if (!(gain > rounding) || !std::isfinite(gain)) return false;
   program.motion(u, motion);
-  return gain >= 1e8 * program.reach() * motion.norm();
+  return gain >= tolerances::referee_reach * program.reach() * motion.norm();
 }
 
 // The shortest correction by the QR factors of its equations, one for each unknown, those that depend on others left
 // out. Tried before: Eigen's complete orthogonal decomposition, whose solve allocates.
 void Sharpening::run(const UnitProgram& program, Vector& u) {
   constexpr Index most_entries = 1000000;
-  constexpr double dependent = 1e-7;
   sharp_ = u;
   support_.clear();
-  const double least = 1e-6 * (u.size() > 0 ? u.lpNorm<Eigen::Infinity>() : 0.0);
+  const double least = tolerances::sharp_part * (u.size() > 0 ? u.lpNorm<Eigen::Infinity>() : 0.0);
   for (Index i = 0; i < u.size(); ++i) {
     if (std::abs(u[i]) > least)
       support_.push_back(i);
@@ -34,7 +34,7 @@ void Sharpening::run(const UnitProgram& program, Vector& u) {
   qr_.reset(count, n);
   unknown_.clear();
   for (Index k = 0; k < n; ++k)
-    if (qr_.append(equations_.col(k), dependent) > dependent) unknown_.push_back(k);
+    if (qr_.append(equations_.col(k), tolerances::sharp_pivot) > tolerances::sharp_pivot) unknown_.push_back(k);
   correction_.resize(count);
   part_.resize(std::min(n, count));
   auto part = part_.head(qr_.size());

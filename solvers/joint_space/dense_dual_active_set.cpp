@@ -163,10 +163,9 @@ bool DenseDualActiveSet::restore_dual_feasibility() {
 }
 
 void DenseDualActiveSet::start_from(std::span<const Index> rows) {
-  constexpr double clear = 1e-7;
   for (const Index j : rows) {
     if (size() == freedom_) break;
-    if (const double length = split(j); length > clear) append(j, 0, length);
+    if (const double length = split(j); length > tolerances::warm_share) append(j, 0, length);
   }
   refresh();
   restore_dual_feasibility();

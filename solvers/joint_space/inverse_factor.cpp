@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <zwang/solvers/linalg/tolerances.h>
 namespace zwang {
 
 using lanes::at;
@@ -34,7 +35,7 @@ double InverseFactor::split_off(const double* a) {
   lanes::subtract(Q_, size_, d_.data(), rest, 0, padded_);
   length_ = std::sqrt(lanes::dot(rest, rest, padded_));
   // Kahan's criterion: one pass leaves eps / shortening of Q in the rest.
-  if (length_ * length_ < 0.5 * lanes::dot(a, a, padded_)) {
+  if (length_ * length_ < tolerances::orthogonalize_again * lanes::dot(a, a, padded_)) {
     lanes::multiply_transposed(Q_, size_, rest, again_.data(), padded_);
     lanes::subtract(Q_, size_, again_.data(), rest, 0, padded_);
     for (Index j = 0; j < size_; ++j) d_[j] += again_[j];

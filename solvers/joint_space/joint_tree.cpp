@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <zwang/solvers/joint_space/joint_blocks.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -121,7 +122,8 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     q[k].take(x, k);
     C[k] = x;
     const double pivot = least(Scalar(abs(q[k].beta)));
-    if (!(pivot > clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
+    if (!(pivot > tolerances::clear_joint_pivot))
+      return refuse("rows of one joint that are nearly dependent on its child");
     smallest_pivot_ = std::min(smallest_pivot_, pivot);
   }
   Square<Scalar> Q;

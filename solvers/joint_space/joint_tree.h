@@ -33,9 +33,6 @@ class JointTree {
   using Block = BodyRows::Block;
   using Motion = Mat<double, BodyRows::lanes, Eigen::Dynamic>;  // lanes x bodies
 
-  // A pivot below this leaves too few digits to decide over contact rows; the careful path does.
-  static constexpr double clear_pivot = 1e-5;
-
   bool factorize(const BodyRows& rows);
   std::string_view reason() const { return reason_; }  // why factorize() refused
 

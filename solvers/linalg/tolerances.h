@@ -2,27 +2,129 @@
 
 #include <limits>
 
-// What more than one native solver decides by. Lengths and pivots are of unit rows.
-
+// What the native solvers decide by, each with its reason. No other literal tolerance decides anything
+// (tests/structure/literals.cmake). Lengths, pivots and shares are of unit rows. A share is the length of a unit row
+// outside the span of others: 1 orthogonal, 0 dependent. "In epsilons" means of the scalar at hand.
 namespace zwang::tolerances {
 
-// In epsilons of the scalar: what is left of a row that depends on others. Unit rows come out of whitening with an
-// error of a few epsilons; so do remainders that should be zero.
+// Rounding, in epsilons.
+
+// What is left of a row that depends on others. Unit rows come out of whitening with an error of a few epsilons, and so
+// do remainders that should be zero.
 inline constexpr int rank = 64;
-// In epsilons of the scalar, of the terms of a row: a violation. With 64, contradictions of 2^-42 (families GAP, INC)
-// pass as feasible; with 8 those of 2^-45 and less still do.
+// Of the terms of a row: a violation. With 64, contradictions of 2^-42 (families GAP, INC) pass as feasible; with 8
+// those of 2^-45 and less still do.
 inline constexpr int violation = 8;
-// In epsilons of the wider scalar that answers are refined in: a violation of a row that is not active.
+// A violation of a row outside the active set, in the wider scalar that answers are refined in: the answer carries the
+// errors of all active rows.
 inline constexpr int wide_violation = 32;
+// As `violation`, for a point that corrections in double keep up to date (cholesky).
+inline constexpr int gram_violation = 16;
+// With a hundred digits, instead of all of these: more digits than doubles can ask for. No row of theirs is meant to
+// differ by less, while masses of a condition of 1e10 take ten digits, and rows that nearly repeat each other 13 each.
+inline constexpr double hundred_digits = 1e-70;
+// A refinement has ended where the next correction, about change^2 / size, is below this part of an epsilon.
+inline constexpr double refined = 1.0 / 32;
+// The rank decision of QrRows: between `violation` and `rank`, since two orthogonalizations leave little.
+inline constexpr int share_rounding = 20;
+// The least squares of NNLS end in r = 0: f = e_(n+1) is a combination of the passive columns.
+inline constexpr int zero_residual = 50;
+// A correction of the extended polish that is nothing to z; what is left of a multiplier of a proof.
+inline constexpr int extended_change = 10, extended_multiplier = 16;
+// The smallest pivot may be larger than the smallest singular value by about this factor.
+inline constexpr int pivot_margin = 4;
+
+// Pivots and shares.
 
 // Fast paths leave problems with smaller pivots to careful ones.
 inline constexpr double clear_pivot = 1e-6;
+// The same for the six rows of one joint, whose pivots multiply along a chain of joints.
+inline constexpr double clear_joint_pivot = 1e-5;
 // A dropped row of which more is left was not dropped by rounding alone: exactly dependent ones leave up to 2.4e-15 on
 // 300 random hands.
 inline constexpr double clear_rest = 4e-15;
+// A row of a warm start with a smaller share is left to the method itself: the guess may be wrong.
+inline constexpr double warm_share = 1e-7;
+// Factors of S_A see the square of the condition number: below the first share they cannot tell a row from a
+// combination (rcond near 1e-12), below the second it is one. Below this rcond of S_A corrections no longer contract.
+inline constexpr double gram_share = 1e-6, gram_dependent = 1e-12, gram_rcond = 1e-13;
+// What projecting out the equality rows leaves of a row in their span.
+inline constexpr double projected_out = 1e-13;
+// Columns of a least-squares problem (NNLS) that are dependent: closer than any row of doubles means to be.
+inline constexpr double dependent_column = 1e-14;
+// Relative size of a reflection's pivot among those that are large enough: strict pivoting would couple all of a hand.
+inline constexpr double pivot_choice = 0.25;
+// Columns of the equations of a Farkas vector that are left out of its correction; and the parts of a vector, relative
+// to the largest, that take part in it.
+inline constexpr double sharp_pivot = 1e-7, sharp_part = 1e-6;
+// For rivals, which need clearly independent equality rows: squared share by LDL', share by QR.
+inline constexpr double clear_squared_share = 1e-10, rival_dependent = 1e-12;
 
-// A contradiction counts where every motion that met the rows would be so many times as long as the longest there is:
-// the referee's 1e8 (core/referee/certificate.h), and as much again for the rounding between.
-inline constexpr double out_of_reach = 2e8;
+// The extended polish (solvers/common/extended_polish.h).
+
+// The least part in a combination with which an active row can leave for it; smaller ones are rounding of poses that
+// agree only nearly. Rows of a proof's support with a larger share join the active ones.
+inline constexpr double exchange_part = 1e-9, certain_share = 1e-9;
+// Where the refinement does not converge, the weakest contact with a smaller pivot leaves.
+inline constexpr double weak_pivot = 1e-10;
+// As double factors see a share: larger ones need no combination in extended precision.
+inline constexpr double clear_share = 1e-12;
+// Of the motion: what obeying a row would move z by without anybody noticing.
+inline constexpr double needless = 1e-13;
+// Of its terms: a dependent row that is violated by less is left out, by more contradicts the others.
+inline constexpr double dependent_violation = 1e-13;
+// Of the motion: a multiplier this negative moves z by less.
+inline constexpr double pull = 1e-15;
+// Rows that hold with equality to this part of their terms, and have less than this share, are named redundant.
+inline constexpr double touching = 1e-12, redundant_share = 1e-10;
+// A correction this large relative to the one before is no contraction; it is good enough below this part of the
+// motion.
+inline constexpr double no_contraction = 0.3, stalled = 1e-6;
+
+// Fast path of jointed bodies (solvers/joint_space/joint_space_active_set.h).
+
+// What the joints leave of a row that they determine: noise that a method would take for a row.
+inline constexpr double reduced_to_nothing = 1e-13;
+// What rounding mostly leaves of a row that the others determine exactly. More goes to the careful path.
+inline constexpr double exact_share = 1e-16;
+// A slack, of its terms, that rounding in double leaves no doubt about.
+inline constexpr double clear_slack = 1e-12;
+// Kahan's criterion: below this part of its squared length a remainder is orthogonalized once more.
+inline constexpr double orthogonalize_again = 0.5;
+
+// Steps.
+
+// A multiplier that falls more slowly with the step never reaches zero.
+inline constexpr double falling = 1e-13;
+// NNLS changes its unit of length where |y| has outgrown it by this factor.
+inline constexpr double outgrown = 8;
+// In units of the largest violation: rows farther away than this cannot matter, and must not overflow.
+inline constexpr double horizon = 1e100;
+
+// Newton's method (solvers/newton/newton.h); lengths relative to the motion.
+
+// The polish is tried once a step of the multipliers moves d by less than the first, and again after the second.
+inline constexpr double newton_close[] = {1e-5, 1e-9};
+// An inner problem is solved when its step is this part of the last outer one, or nothing at all.
+inline constexpr double newton_inner = 1e-5, newton_nothing = 1e-13;
+// The line search ends where its derivative has fallen by this factor.
+inline constexpr double newton_line_search = 1e-9;
+// The penalty grows tenfold where an outer step shrinks by less than this factor, up to a largest penalty; all near
+// rows held take a penalty of their own, and are kept where they pull with less than a quarter of what they push.
+inline constexpr double newton_slow = 0.1, newton_largest_penalty = 1e10, newton_hold = 1e6, newton_few_pull = 0.25;
+// The polish ends with a correction this small; larger ones than the second tell the rate of convergence.
+inline constexpr double newton_polished = 1e-17, newton_telling = 1e-15;
+// Bounds that keep the estimate of the smallest eigenvalue finite.
+inline constexpr double newton_least_rate = 1e-16, newton_least_eigenvalue = 1e-300;
+// Of the largest: smaller violations have no part in a Farkas vector.
+inline constexpr double newton_part = 1e-9;
+
+// Contradictions.
+
+// The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the
+// longest there is (core/referee/certificate.cpp). The solvers ask for as much again, for the rounding between.
+inline constexpr double referee_reach = 1e8, out_of_reach = 2 * referee_reach;
+// Of the sum of its terms: h'u of a proof that rounding could have made.
+inline constexpr double proof_rounding = 1e-14;
 
 }  // namespace zwang::tolerances
