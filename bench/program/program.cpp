@@ -18,6 +18,7 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/solvers/linalg/library_memory.h>
 
 namespace zwang {
 namespace {
@@ -82,6 +83,8 @@ int program(int count, char** arguments, const Extensions& extensions) {
   const std::vector<Command> commands = all_commands(extensions);
   // Before any library looks: one BLAS thread, since solvers are compared on one core.
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) setenv(name, "1", 1);
+
+  LibraryMemory::install();  // solvers are timed in second solves, which then allocate nothing
 
   std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.empty() || words[0] == "--help" || words[0] == "-h" || words[0] == "help") {

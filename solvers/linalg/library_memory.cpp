@@ -76,16 +76,13 @@ struct LibraryHooks {
       std::free(block);
   }
 
-  LibraryHooks() {
-    SuiteSparse_config.malloc_func = allocate;
-    SuiteSparse_config.calloc_func = allocate_zeros;
-    SuiteSparse_config.realloc_func = reallocate;
-    SuiteSparse_config.free_func = release;
-  }
 };
 
-namespace {
-[[maybe_unused]] const LibraryHooks hooks;  // before anything is allocated by what would be freed by another
+void LibraryMemory::install() {
+  SuiteSparse_config.malloc_func = LibraryHooks::allocate;
+  SuiteSparse_config.calloc_func = LibraryHooks::allocate_zeros;
+  SuiteSparse_config.realloc_func = LibraryHooks::reallocate;
+  SuiteSparse_config.free_func = LibraryHooks::release;
 }
 
 LibraryMemory::Use::Use(LibraryMemory& memory) : before_(in_use) { in_use = &memory; }

@@ -6,10 +6,17 @@ namespace zwang {
 
 // Memory that SuiteSparse's libraries have given back and will ask for again: they allocate and free in every call.
 //
-// One for each factorization, used by one thread at a time; what a Use covers is met from blocks kept before. Blocks go
-// back to the system with it, so that all of the library's objects made under it have to be freed before.
+// Only where the host asks for it, by install(): the libraries' allocator belongs to the whole process. Without that a
+// Use does nothing, and every sparse factorization allocates.
+//
+// One for each factorization, used by one thread at a time; inside a Use the libraries get blocks that were kept before.
+// It returns its blocks to the system at its end: free the libraries' objects made in a Use before.
 class LibraryMemory {
  public:
+  // Replaces SuiteSparse's allocator, for good. Call it once, before the process makes its first solver or other object
+  // of SuiteSparse: what was allocated before may not be freed after.
+  static void install();
+
   LibraryMemory() = default;
   ~LibraryMemory();
   LibraryMemory(const LibraryMemory&) = delete;

@@ -16,7 +16,7 @@ namespace zwang {
 // R is estimated, and anything less than clear is refused: reflections with pivots then decide.
 //
 // The analysis is kept as long as the pattern of the rows is, and the library's memory between calls
-// (library_memory.h): a second factorization of the same shape allocates nothing.
+// (library_memory.h), where the host has installed it: a second factorization of the same shape allocates nothing then.
 class SparseQr {
  public:
   SparseQr();

@@ -11,10 +11,14 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/common/equality_elimination.h>
+#include <zwang/solvers/linalg/library_memory.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
+
+// Before the first solver: a program that counts allocations asks for SuiteSparse's to be kept.
+[[maybe_unused]] const bool keeps_library_memory = (LibraryMemory::install(), true);
 
 constexpr double tolerance = 1.4e-14;
 
