@@ -70,6 +70,7 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.margins = solution.margins;
   r.redundant = solution.redundant.size();
   r.fallback = solution.fallback;
+  r.handed_to = solution.handed_to;
   r.message = solution.message;
   r.range_gap = solution.range_gap;
 }
@@ -131,6 +132,7 @@ std::string to_json(const Result& r, const Solution* with) {
                {"redundant", r.redundant},
                {"conflicting", r.conflicting},
                {"fallback", r.fallback},
+               {"handed_to", r.handed_to},
                {"range_gap", number(r.range_gap)},
                {"message", r.message},
                {"batch", r.batch}};

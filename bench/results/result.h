@@ -48,6 +48,7 @@ struct Result {
   Margins margins = {};
   std::size_t redundant = 0;
   bool fallback = false;
+  std::string handed_to = {};  // the solver that gave the answer in place of this one
   double range_gap = unknown;  // |J k - c| / |c| of nnls_paper
   std::string message = {};
 };

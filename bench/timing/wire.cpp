@@ -118,6 +118,7 @@ void put(Outgoing& out, const SolveReply& a) {
   out.put(s.margins.largest_rejected);
   out.put(s.fallback);
   out.put(s.range_gap);
+  out.put(s.handed_to);
   out.put(s.message);
   out.put(a.seconds);
   out.put(a.prepare_s);
@@ -144,6 +145,7 @@ SolveReply get_answer(Incoming& in) {
   s.margins.largest_rejected = in.get<double>();
   s.fallback = in.get<bool>();
   s.range_gap = in.get<double>();
+  s.handed_to = in.get_all<std::string>();
   s.message = in.get_all<std::string>();
   a.seconds = in.get<double>();
   a.prepare_s = in.get<double>();

@@ -60,11 +60,11 @@ struct Solution {
   Vector certificate = {};            // m, when infeasible: u with u_I >= 0, J'u = 0, c'u > 0 (Farkas)
   std::vector<Index> redundant = {};  // rows that were dropped as consistent combinations of others
   Margins margins = {};
-  bool fallback = false;            // a slower, safer path was taken
-  std::string_view handed_to = {};  // the name of the solver that took over; empty: none did
-  double range_gap = unknown;       // |J k - c| / |c|, of nnls_paper
-  double prepare_s = unknown;       // s of CPU time inside the solve that restating the problem took
-  std::string message = {};         // the method's own words, for people
+  bool fallback = false;       // a slower, safer path was taken
+  std::string handed_to = {};  // the solver that gave this answer in place of the one asked, "" where none did
+  double range_gap = unknown;  // |J k - c| / |c|, of nnls_paper
+  double prepare_s = unknown;  // s of CPU time inside the solve that restating the problem took
+  std::string message = {};    // the method's own words, for people
   struct {
     Spare z, lambda, certificate;
   } spare = {};
@@ -79,7 +79,7 @@ struct Solution {
     redundant.clear();
     margins = {};
     fallback = false;
-    handed_to = {};
+    handed_to.clear();
     range_gap = prepare_s = unknown;
     message.clear();
   }

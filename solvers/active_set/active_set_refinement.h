@@ -8,6 +8,7 @@
 #include <zwang/solvers/common/equality_elimination.h>
 #include <zwang/solvers/common/wide_rows.h>
 #include <zwang/solvers/linalg/orthogonal_updates.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -34,20 +35,25 @@ class ActiveSetRefinement {
     std::span<const Index> active_rows;    // whitened row of each active inequality row, in the factor's order
   };
 
+  bool keep_first = false;
+
   // False when the corrections do not contract: the factors are too ill-conditioned for the scalar.
   // Past the deadline it ends after two passes.
   bool solve(const BasicProblem<Scalar>& problem, const Factors& f, const Deadline& deadline);
 
-  VectorX<Wide> z, lambda;  // n; m, zero outside the active set
-  VectorX<Scalar> y;        // padded n: Q (z - z_u) 2^-exponent
-  VectorX<Scalar> mu;       // multipliers of the active inequality rows (first q), on unit rows
-  VectorX<Scalar> v;        // free part of Q'y
-  Scalar remaining{0};      // estimate of the correction that another pass would make to y
+  VectorX<Wide> z, lambda;              // n; m, zero outside the active set
+  VectorX<Wide> first_z, first_lambda;  // of the first pass: what the factors give by themselves
+  Scalar first_error{0};                // |y| between that and the last pass
+  VectorX<Scalar> y;                    // padded n: Q (z - z_u) 2^-exponent
+  VectorX<Scalar> mu;                   // multipliers of the active inequality rows (first q), on unit rows
+  VectorX<Scalar> v;                    // free part of Q'y
+  Scalar remaining{0};                  // estimate of the correction that another pass would make to y
 
  private:
   void compute_residuals(const BasicProblem<Scalar>& problem, const Factors& f);
   Scalar correct(const Factors& f);
 
+  VectorX<Scalar> first_y_;
   VectorX<Wide> force_;                      // n: M (z_u - z) + J'lambda
   VectorX<Scalar> rho_, sigma_E_, sigma_I_;  // whitened residuals
   VectorX<Scalar> step_, rest_, dv_, s_w_, s_v_, mu_E_, mu_I_;
@@ -158,10 +164,16 @@ bool ActiveSetRefinement<Scalar>::solve(const BasicProblem<Scalar>& p, const Fac
   for (int pass = 0; pass < passes; ++pass) {
     compute_residuals(p, f);
     const Scalar change = correct(f);
+    if (keep_first && pass == 0) {
+      first_z = z;
+      first_lambda = lambda;
+      first_y_ = y;
+    }
+    if (keep_first) first_error = (y - first_y_).norm();
     const Scalar size = y.norm() + f.whitened.free.norm();
     remaining = pass > 0 && change < last ? Scalar(change * (change / last)) : change;
     // The next correction would be about change^2 / size.
-    if (pass > 0 && change * change <= epsilon / Scalar(32) * size * size) return true;
+    if (pass > 0 && change * change <= epsilon * Scalar(tolerances::refined) * size * size) return true;
     if (pass > 1 && (change > last / Scalar(2) || deadline.passed())) return false;
     last = change;
   }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <zwang/solvers/common/begin.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -63,7 +64,7 @@ void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, c
 Index Cholesky::Method::most_violated(const ActiveRows& active) const {
   const double length = y_.norm();
   Index row = -1;
-  double worst = 16 * std::numeric_limits<double>::epsilon();
+  double worst = tolerances::gram_violation * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < w_.rows(); ++i) {
     if (set_aside_[at(i)]) continue;
     const double relative = (w_.h[i] - active.dot(i, y_)) / (w_.magnitude[i] + length);
@@ -108,7 +109,7 @@ Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& a
       double partial = infinity;
       Index leaving = -1;
       for (Index i = 0; i < active.size(); ++i) {
-        if (w_.equality[at(active[i])] || rate[i] <= 1e-13) continue;
+        if (w_.equality[at(active[i])] || rate[i] <= tolerances::falling) continue;
         const double reach = std::max(l_[active[i]], 0.0) / rate[i];
         if (reach < partial) {
           partial = reach;
@@ -116,7 +117,12 @@ Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& a
         }
       }
       const double step = std::min(whole, partial);
-      if (step == infinity) return Step::optimal;  // no row can give way: the polish proves it
+      if (step == infinity) {  // no row can leave
+        proof_.setZero(w_.rows());
+        proof_[r] = 1;
+        for (Index i = 0; i < active.size(); ++i) proof_[active[i]] = -rate[i];
+        return Step::contradiction;
+      }
       y_ += step * direction_;
       for (Index i = 0; i < active.size(); ++i) l_[active[i]] -= step * rate[i];
       entered += step;
@@ -143,27 +149,38 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
                                const SolveOptions& options, const Deadline& deadline, Solution& s) {
   start(active, guess, deadline);
   const Step end = descend(p, active, options, deadline, s);
-  if (end == Step::limit) {
+  if (end == Step::limit || !polishes_) {
     w_.primal(p, y_, s.z);
     w_.multipliers(p, l_, s.lambda);
-    return true;
   }
+  if (end == Step::limit) return true;
   if (end == Step::stuck && &active == &sparse_) return false;
+  if (!polishes_ && end == Step::contradiction) {
+    if (polish_.certify(p, w_, proof_, s)) return true;
+    s.status = Status::numerical_failure;
+    s.message = "a row contradicts the active ones, but not provably";
+    return false;
+  }
+  if (!polishes_) {
+    polish_.judge(p, w_, active, options.tolerance, s);
+    return s.status == Status::solved;
+  }
   return polish_.run(p, w_, active, options.tolerance, s) != Polish::Outcome::failed &&
          s.status != Status::solved_ill_conditioned;
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
-    plain_.of(q.size(), q.rows()).solve(q, refactor_above, o, t);
+    plain_.of(q.size(), q.rows()).solve(q, *this, o, t);
   };
   plain_.begin();
-  if (reduce) return reduced_.solve(plain, p, options, s);
+  if (reduce) return reduced_.solve(plain, p, options, polish, s);
   plain(p, options, s);
 }
 
-void Cholesky::Method::solve(const Problem& p, double refactor_above, const SolveOptions& options, Solution& s) {
-  refactor_above_ = refactor_above;
+void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const SolveOptions& options, Solution& s) {
+  refactor_above_ = settings.refactor_above;
+  polishes_ = settings.polish;
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
   storage_.require(n * m, options);

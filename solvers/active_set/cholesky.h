@@ -36,11 +36,14 @@ struct Cholesky {
   static constexpr const char* name = "cholesky";
   double refactor_above = 1e-8;  // relative correction of y after a change that makes the factor be built anew
 
-  bool reduce = false;  // the few unknowns that joints leave first (reduced_problem.h), where there are any
+  bool reduce = false;  // the few unknowns that joints leave first (null_space_adapter.h), where there are any
+  bool polish = true;   // off: y and lambda as the steps leave them
 
   static std::vector<Setting<Cholesky>> settings() {
     return {{"refactor_above", &Cholesky::refactor_above, "correction of y, relative, that makes S_A be refactorized"},
-            {"reduce", &Cholesky::reduce, "solve in the few unknowns that the joints leave"}};
+            {"reduce", &Cholesky::reduce, "solve in the few unknowns that the joints leave"},
+            {"polish", &Cholesky::polish,
+             "solve the active rows again in extended precision (off: the method's own answer)"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
@@ -48,10 +51,10 @@ struct Cholesky {
  private:
   class Method {
    public:
-    void solve(const Problem& problem, double refactor_above, const SolveOptions& options, Solution& solution);
+    void solve(const Problem& problem, const Cholesky& settings, const SolveOptions& options, Solution& solution);
 
    private:
-    enum class Step { optimal, limit, stuck };
+    enum class Step { optimal, contradiction, limit, stuck };
     bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
                  const Deadline& deadline, Solution& solution);
     void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
@@ -68,7 +71,9 @@ struct Cholesky {
     QrRows orthogonal_;
     Polish polish_;
     Vector y_, l_, direction_, rate_, r2_;
+    Vector proof_;  // of a contradiction, on unit rows
     double refactor_above_ = 0;
+    bool polishes_ = true;
     std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
   };
 

@@ -40,21 +40,24 @@ void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, S
 void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
-  if (reduced_.of(problem.size(), JointGraph::kind(problem)).solve(problem, options, solution)) return;
+  JointSpaceActiveSet& reduced = reduced_.of(problem.size(), JointGraph::kind(problem));
+  reduced.polish = polish;
+  if (reduced.solve(problem, options, solution)) return;
   SolveOptions rest = options;
   rest.time_limit = deadline.left();
   solve_carefully(problem, rest, solution);
 }
 
 void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  careful_.own(problem.size(), problem.rows()).solve(problem, reduce, options, solution);
+  careful_.own(problem.size(), problem.rows()).solve(problem, *this, options, solution);
 }
 
-void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const SolveOptions& options,
+void DualActiveSet::Careful::solve(const Problem& problem, const DualActiveSet& settings, const SolveOptions& options,
                                    Solution& solution) {
   const Deadline deadline(options.time_limit);
   solution.reset(problem.size(), problem.rows());
-  method_.sparse = sparse;
+  method_.sparse = settings.reduce;
+  method_.polish = settings.polish;
   solution.status = method_.solve(problem, options);
   solution.iterations = method_.iterations;
   if (solution.status == Status::bad_input) {
@@ -64,7 +67,10 @@ void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const So
     return;
   }
   if (solution.status == Status::infeasible) {
-    if (method_.proof_in_doubt)
+    if (method_.proof_in_doubt && !settings.polish) {
+      solution.status = Status::numerical_failure;
+      solution.message = "the rows contradict each other, but not provably";
+    } else if (method_.proof_in_doubt)
       judge_again(problem, options.tolerance, deadline, solution);
     else
       solution.zero_certificate(problem.rows()) = method_.certificate;
@@ -80,8 +86,12 @@ void DualActiveSet::Careful::solve(const Problem& problem, bool sparse, const So
                         .largest_rejected = method_.largest_rejected};
     const double limit = accepted_error(options.tolerance);
     if (!method_.contracted || method_.largest_rejected > tolerances::clear_rest || method_.error(problem) > limit ||
-        method_.leaves_in_doubt(problem, limit))
-      judge_again(problem, options.tolerance, deadline, solution);
+        method_.leaves_in_doubt(problem, limit)) {
+      if (settings.polish)
+        judge_again(problem, options.tolerance, deadline, solution);
+      else
+        solution.status = Status::solved_ill_conditioned;
+    }
   }
   if (solution.status == Status::infeasible) {
     solution.empty_z();

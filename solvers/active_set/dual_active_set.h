@@ -20,11 +20,15 @@ extern template class GoldfarbIdnani<double>;
 struct DualActiveSet {
   static constexpr std::string_view name = "dual_active_set";
 
-  bool reduce = true;  // the fast path of jointed bodies (reduced_active_set.h) first
+  bool reduce = true;  // the fast path of jointed bodies (joint_space_active_set.h) first
+
+  bool polish = true;  // off: the answer of the factors in double, not refined
 
   static std::vector<Setting<DualActiveSet>> settings() {
     return {{"reduce", &DualActiveSet::reduce,
-             "solve in the few unknowns that the joints leave; a sparse QR where no joints say what hangs together"}};
+             "solve in the few unknowns that the joints leave; a sparse QR where no joints say what hangs together"},
+            {"polish", &DualActiveSet::polish,
+             "refine in extended precision, exchange rows in doubt (off: the method's own answer)"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
@@ -33,8 +37,7 @@ struct DualActiveSet {
   // The path that decides ranks row by row.
   class Careful {
    public:
-    // `sparse`: a sparse QR of the equality rows where it pays.
-    void solve(const Problem& problem, bool sparse, const SolveOptions& options, Solution& solution);
+    void solve(const Problem& problem, const DualActiveSet& settings, const SolveOptions& options, Solution& solution);
 
    private:
     void write(const Problem& problem, Solution& solution) const;

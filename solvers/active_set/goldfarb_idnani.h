@@ -42,10 +42,11 @@ class GoldfarbIdnani {
   Status solve(const BasicProblem<Scalar>& problem, const SolveOptions& options);
 
   bool sparse = false;  // a sparse QR of the equality rows where it pays
+  bool polish = true;   // off: the answer is that of the factors; the refinement only tells its error
 
   // The answer: n; m; m when infeasible.
-  const VectorX<Wide>& z() const { return refinement_.z; }
-  const VectorX<Wide>& lambda() const { return refinement_.lambda; }
+  const VectorX<Wide>& z() const { return polish ? refinement_.z : refinement_.first_z; }
+  const VectorX<Wide>& lambda() const { return polish ? refinement_.lambda : refinement_.first_lambda; }
   VectorX<Scalar> certificate;
   std::vector<Index> redundant;
   int iterations = 0;
@@ -74,10 +75,8 @@ class GoldfarbIdnani {
   static Scalar epsilon() { return std::numeric_limits<Scalar>::epsilon(); }
   static Scalar rank_tolerance() { return rounding(tolerances::rank); }
   static Scalar violation_tolerance() { return rounding(tolerances::violation); }
-  // A hundred digits are more than doubles can ask for: no row of theirs is meant to differ by 1e-70, while masses of
-  // a condition of 1e10 take ten digits, and rows that nearly repeat each other one after the other 13 each.
   static Scalar rounding(int epsilons) {
-    if constexpr (std::numeric_limits<Scalar>::digits10 > 80) return Scalar(1e-70);
+    if constexpr (std::numeric_limits<Scalar>::digits10 > 80) return Scalar(tolerances::hundred_digits);
     return Scalar(epsilons) * epsilon();
   }
 
@@ -224,7 +223,6 @@ void GoldfarbIdnani<Scalar>::reduce_inequalities() {
 // dropped again, so a bad guess costs time only.
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const WarmStart& warm) {
-  const Scalar clear(1e-7);
   const std::size_t known = std::min(warm.key.size(), static_cast<std::size_t>(warm.lambda.size()));
   std::vector<Index>& sorted = active_rows_;
   sorted.clear();
@@ -236,7 +234,7 @@ void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const War
     const auto at =
         std::lower_bound(sorted.begin(), sorted.end(), key, [&](Index a, const RowKey& k) { return warm.key[a] < k; });
     if (at == sorted.end() || warm.key[*at] != key || !(warm.lambda[*at] > 0)) continue;
-    if (!(updates_.split(A_.col(j)) > clear)) continue;
+    if (!(updates_.split(A_.col(j)) > Scalar(tolerances::warm_share))) continue;
     updates_.append();
     active_.push_back(j);
     state_[j] = active;
@@ -417,7 +415,8 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   for (Index i = 0; i < p.rows(); ++i)
     if (certificate[i] != Scalar(0)) sum_.add(p, i, Wide(certificate[i]) / Wide(shortest));
   const Scalar rest = std::max(length, sum_.length(whitened_)) + violation_tolerance();
-  proof_in_doubt = proof < Scalar(tolerances::out_of_reach) * reach * rest || length > Scalar(8) * epsilon() * weight;
+  proof_in_doubt = proof < Scalar(tolerances::out_of_reach) * reach * rest ||
+                   length > Scalar(tolerances::violation) * epsilon() * weight;
   return true;
 }
 
@@ -430,6 +429,7 @@ void GoldfarbIdnani<Scalar>::list_active_rows() {
 template <class Scalar>
 bool GoldfarbIdnani<Scalar>::solve_active_set(const BasicProblem<Scalar>& p) {
   list_active_rows();
+  refinement_.keep_first = !polish;
   return refinement_.solve(p, {whitened_, elimination_, updates_, equality_rows_, active_rows_}, deadline_);
 }
 
@@ -442,7 +442,7 @@ void GoldfarbIdnani<Scalar>::refine(const BasicProblem<Scalar>& p) {
 
 template <class Scalar>
 UnitRest<Scalar> GoldfarbIdnani<Scalar>::rest(const BasicProblem<Scalar>& p, Index i) const {
-  return rest_of(p, whitened_, i, z());
+  return rest_of(p, whitened_, i, refinement_.z);
 }
 
 // A pivot of 1e-13 harms only where there is rounding to amplify: a four-bar linkage at rest or a wedge whose numbers
@@ -460,8 +460,10 @@ Scalar GoldfarbIdnani<Scalar>::error(const BasicProblem<Scalar>& p) const {
   for (Index j = 0; j < updates_.size(); ++j) negative = std::max(negative, Scalar(-refinement_.mu[j]));
   const Scalar size = std::max(Scalar(refinement_.y.norm()), Scalar(whitened_.free.norm()));
   if (!(size > Scalar(0))) return Scalar(0);
-  constexpr int margin = 4;  // the smallest pivot may be larger than the smallest singular value
-  return Scalar((refinement_.remaining + Scalar(margin) * sqrt(square) / smallest_accepted + negative) / size);
+  const Scalar own = polish ? Scalar(0) : refinement_.first_error;
+  return Scalar(
+      (own + refinement_.remaining + Scalar(tolerances::pivot_margin) * sqrt(square) / smallest_accepted + negative) /
+      size);
 }
 
 // A row that is violated by v, or by what rounding hides, and has a share rho outside the active ones would move z by
@@ -477,7 +479,8 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
   const Scalar far = limit * std::max(Scalar(length), Scalar(whitened_.free.norm()));
   for (const Index k : elimination_.rejected())
     if (violated(abs(rest(p, equalities_[k]).violation), equalities_[k])) return true;
-  if (dropped_.in_doubt({p, whitened_, elimination_, equalities_, equality_rows_}, z(), far, deadline_)) return true;
+  if (dropped_.in_doubt({p, whitened_, elimination_, equalities_, equality_rows_}, refinement_.z, far, deadline_))
+    return true;
   for (std::size_t j = 0; j < state_.size(); ++j) {
     if (state_[j] == active) continue;
     const UnitRest<Scalar> own = rest(p, inequalities_[j]);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <zwang/solvers/common/begin.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -43,7 +44,7 @@ void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& dea
     t.noalias() = active_.qr().Q().transpose() * g;
     g.noalias() -= active_.qr().Q() * t;
     length_[j] = g.norm();
-    if (!(length_[j] > 1e-13)) continue;
+    if (!(length_[j] > tolerances::projected_out)) continue;
     g /= length_[j];
     h_[j] = (rows_.h[i] - rows_.Gt.col(i).dot(y_E_)) / length_[j];
     column_.push_back(i);
@@ -51,30 +52,34 @@ void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& dea
   }
 }
 
+// The equality rows' part of unit_, from the others': G_E' lambda_E = y - G_I' lambda_I, in the least-squares sense.
+void Nnls::Method::balance(const Vector& y) {
+  auto t = work_.head(active_.size());
+  rest_ = y;
+  rest_.noalias() -= rows_.Gt * unit_;
+  t.noalias() = active_.qr().Q().transpose() * rest_;
+  active_.qr().solve(t);
+  for (Index i = 0; i < active_.size(); ++i) unit_[active_[i]] = t[i];
+}
+
 // The last iterate: y and the unit multipliers, into the solution.
 void Nnls::Method::write_iterate(const Problem& p, Solution& s) {
-  const Index n = p.size(), e = active_.size();
+  const Index n = p.size();
   const Vector& r = least_squares_.residual();
   unit_.setZero(rows_.rows());
   y_ = y_E_;
-  if (r.size() == n + 1 && r[n] > 0) {
+  if (sigma_ > 0 && r.size() == n + 1 && r[n] > 0) {
     y_.noalias() -= (sigma_ / r[n]) * r.head(n);
     for (const Index j : least_squares_.passive())
       unit_[column_[at(j)]] = sigma_ * least_squares_.x()[j] / (r[n] * length_[j]);
   }
-  // G_E' lambda_E = y - G_I' lambda_I, in the least-squares sense.
-  auto t = work_.head(e);
-  rest_ = y_;
-  rest_.noalias() -= rows_.Gt * unit_;
-  t.noalias() = active_.qr().Q().transpose() * rest_;
-  active_.qr().solve(t);
-  for (Index i = 0; i < e; ++i) unit_[active_[i]] = t[i];
+  balance(y_);
   rows_.primal(p, y_, s.z);
   rows_.multipliers(p, unit_, s.lambda);
 }
 
 // Finds the active set. False when the solution is already complete: a limit was met, or the rows are infeasible.
-bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options, const Deadline& deadline, bool polish,
                                   Solution& s) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const Index n = p.size(), columns = static_cast<Index>(column_.size());
@@ -94,7 +99,7 @@ bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options,
   least_squares_.restart();
   constexpr int rounds = 12;
   for (int round = 0; round < rounds; ++round) {
-    for (Index j = 0; j < columns; ++j) E_(n, j) = std::max(h_[j] / sigma_, -1e100);
+    for (Index j = 0; j < columns; ++j) E_(n, j) = std::max(h_[j] / sigma_, -tolerances::horizon);
     const auto stop = least_squares_.solve(E_.leftCols(columns), f_, free_, warm_, limits);
     s.iterations = least_squares_.iterations();
     if (stop != LawsonHanson::Stop::optimal) {
@@ -106,9 +111,18 @@ bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options,
     warm_.assign(least_squares_.passive().begin(), least_squares_.passive().end());
 
     // r = 0 up to rounding: the passive columns carry a Farkas vector, if it holds.
-    if (r.norm() <= 50 * eps * std::max(1.0, least_squares_.x().lpNorm<1>())) {
-      const Index e = active_.size();
+    if (r.norm() <= tolerances::zero_residual * eps * std::max(1.0, least_squares_.x().lpNorm<1>())) {
       unit_.setZero(rows_.rows());
+      if (!polish) {
+        for (const Index j : warm_) unit_[column_[at(j)]] = least_squares_.x()[j] / length_[j];
+        y_.setZero(n);
+        balance(y_);
+        if (polish_.certify(p, rows_, unit_, s)) return false;
+        s.status = Status::numerical_failure;
+        s.message = "the least squares end without a residual, and without a proof that there is no solution";
+        return false;
+      }
+      const Index e = active_.size();
       for (const Index j : warm_) unit_[j] = std::abs(least_squares_.x()[j]) / length_[j];
       std::sort(warm_.begin(), warm_.end(),
                 [&](Index a, Index b) { return unit_[a] > unit_[b] || (unit_[a] == unit_[b] && a < b); });
@@ -118,7 +132,7 @@ bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options,
       return true;
     }
     const double growth = r.head(n).norm() / r[n];
-    if (!(growth > 8)) break;
+    if (!(growth > tolerances::outgrown) || round + 1 == rounds) break;
     sigma_ *= growth;
   }
   for (Index& j : warm_) j = column_[at(j)];
@@ -127,34 +141,38 @@ bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options,
 
 void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
-    plain_.of(q.size(), q.rows()).solve(q, project, o, t);
+    plain_.of(q.size(), q.rows()).solve(q, *this, o, t);
   };
   plain_.begin();
-  if (reduce) return reduced_.solve(plain, p, options, s);
+  if (reduce) return reduced_.solve(plain, p, options, polish, s);
   plain(p, options, s);
 }
 
-void Nnls::Method::solve(const Problem& p, bool project, const SolveOptions& options, Solution& s) {
+void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n + 1, m);
   storage_.require(2 * (n + 1) * m + 2 * (n + 1 + most) * most, options);
   if (!begin(rows_, p, deadline, s)) return;
-  eliminate(p, project, deadline);
+  eliminate(p, settings.project, deadline);
   warm_.clear();
   warm_.reserve(at(rows_.rows()));
   for (const Index i : warm_rows_.find(p, rows_, options.warm_start)) {
     const auto place = std::lower_bound(column_.begin(), column_.end(), i);
     if (place != column_.end() && *place == i) warm_.push_back(place - column_.begin());
   }
-  if (!least_distance(p, options, deadline, s)) return;
+  if (!least_distance(p, options, deadline, settings.polish, s)) return;
+  if (!settings.polish) write_iterate(p, s);
   for (const Index i : warm_) active_.append(i);
-  polish_.run(p, rows_, active_, options.tolerance, s);
+  if (settings.polish)
+    polish_.run(p, rows_, active_, options.tolerance, s);
+  else
+    polish_.judge(p, rows_, active_, options.tolerance, s);
   // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).
   if (s.status == Status::numerical_failure && options.warm_start) {
     SolveOptions cold = options;
     cold.warm_start = nullptr;
     cold.time_limit = deadline.left();
-    solve(p, project, cold, s);
+    solve(p, settings, cold, s);
     s.fallback = true;
   }
 }

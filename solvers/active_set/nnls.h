@@ -26,16 +26,19 @@ namespace zwang {
 // started with the passive set of the one before. With sigma fixed at the largest violation the method broke at mass
 // ratios of 4e9; unscaled it breaks near |y| = 1e5.
 //
-// The answer itself comes from solvers/common/polish.h, on the rows that came out active.
+// The answer itself comes from solvers/common/polish.h, on the rows that came out active; with polish=off it is the y
+// and lambda above.
 struct Nnls {
   static constexpr const char* name = "nnls";
-  bool reduce = false;  // the few unknowns that joints leave first (reduced_problem.h), where there are any
+  bool reduce = false;  // the few unknowns that joints leave first (null_space_adapter.h), where there are any
   bool project = true;  // project the equality rows out first (orthogonally) instead of carrying them as free columns
+  bool polish = true;   // off: y and lambda as the least squares leave them
 
   static std::vector<Setting<Nnls>> settings() {
     return {
         {"reduce", &Nnls::reduce, "solve in the few unknowns that the joints leave"},
-        {"project", &Nnls::project, "project the equality rows out first (off: free columns of the least squares)"}};
+        {"project", &Nnls::project, "project the equality rows out first (off: free columns of the least squares)"},
+        {"polish", &Nnls::polish, "solve the active rows again in extended precision (off: the method's own answer)"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
@@ -43,12 +46,13 @@ struct Nnls {
  private:
   class Method {
    public:
-    void solve(const Problem& problem, bool project, const SolveOptions& options, Solution& solution);
+    void solve(const Problem& problem, const Nnls& settings, const SolveOptions& options, Solution& solution);
 
    private:
     void eliminate(const Problem& problem, bool project, const Deadline& deadline);
-    bool least_distance(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+    bool least_distance(const Problem& problem, const SolveOptions& options, const Deadline& deadline, bool polish,
                         Solution& solution);
+    void balance(const Vector& y);
     void write_iterate(const Problem& problem, Solution& solution);
 
     DenseStorage storage_;

@@ -50,42 +50,53 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   z_u_length_ = static_cast<double>(ldexp(sqrt(std::max(square, Real(0))), -w.exponent));
 }
 
-// False when neither the corrections of z nor the forces that the multipliers leave unbalanced shrink: the factors no
-// longer describe the rows. (Looking at z alone took a dependent row with a pivot of 1.5e-14 and a multiplier of 4e17
-// for solved.)
+// What the residuals at (z_, l_) ask for: of y in r1_, of the multipliers in r2_. Returns its length: that of y, or of
+// the forces that the multipliers leave unbalanced. (Looking at z alone took a dependent row with a pivot of 1.5e-14
+// and a multiplier of 4e17 for solved.)
 template <class Real>
-bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& active) {
-  using std::ldexp, std::sqrt;
+double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRows& active) {
+  using std::ldexp;
   const Index n = p.size(), a = active.size();
   auto r2 = r2_.head(a);
+  force_.setZero();
+  for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
+  for (Index j = 0; j < n; ++j) {
+    const Real d = ldexp(z_[j] - Real(p.z_u[j]), -w.exponent);
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
+  }
+  r1_ = force_.template cast<double>();
+  if (n > 0) w.factor.solve_lower(r1_);
+  for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
+  const double unbalanced = r1_.norm();
+  active.correct(r1_, r2);
+  return std::max(r1_.norm(), unbalanced);
+}
+
+template <class Real>
+void ExtendedPolish<Real>::measure(const ActiveRows& active) {
+  using std::sqrt;
+  Real square = 0;
+  for (const Index i : active.rows()) square += l_[i] * b_[i];  // |y|^2 = l'b at the solution
+  length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
+  scale_ = std::max(z_u_length_, length_);
+}
+
+// False when the corrections do not shrink: the factors no longer describe the rows.
+template <class Real>
+bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& active) {
+  using std::ldexp;
   double last = std::numeric_limits<double>::infinity();
   constexpr int most_steps = 60;
   for (int step = 0; step < most_steps; ++step) {
-    force_.setZero();
-    for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
-    for (Index j = 0; j < n; ++j) {
-      const Real d = ldexp(z_[j] - Real(p.z_u[j]), -w.exponent);
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
-    }
-    r1_ = force_.template cast<double>();
-    if (n > 0) w.factor.solve_lower(r1_);
-    for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
-
-    const double unbalanced = r1_.norm();
-    active.correct(r1_, r2);
-    for (Index i = 0; i < a; ++i) l_[active[i]] += Real(r2[i]);
-    const double length = std::max(r1_.norm(), unbalanced);
-    if (n > 0) w.factor.solve_upper(r1_);
-    for (Index j = 0; j < n; ++j) z_[j] += ldexp(Real(r1_[j]), w.exponent);
-
-    Real square = 0;
-    for (const Index i : active.rows()) square += l_[i] * b_[i];  // |y|^2 = l'b at the solution
-    length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
-    scale_ = std::max(z_u_length_, length_);
+    const double length = correction(p, w, active);
+    for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]);
+    if (p.size() > 0) w.factor.solve_upper(r1_);
+    for (Index j = 0; j < p.size(); ++j) z_[j] += ldexp(Real(r1_[j]), w.exponent);
+    measure(active);
     error_ = length;
     if (!std::isfinite(length)) return false;
-    if (length <= 10 * real_eps * scale_) return true;
-    if (step > 1 && length > 0.3 * last) return length <= 1e-6 * scale_;
+    if (length <= tolerances::extended_change * real_eps * scale_) return true;
+    if (step > 1 && length > tolerances::no_contraction * last) return length <= tolerances::stalled * scale_;
     last = length;
   }
   return true;
@@ -98,11 +109,11 @@ void ExtendedPolish<Real>::remove(ActiveRows& active, Index position) {
   active.drop(position);
 }
 
-// The active row with the most negative multiplier, or active.size(). One of 1e-15 s moves z by less than that.
+// The active row with the most negative multiplier, or active.size().
 template <class Real>
 Index ExtendedPolish<Real>::pulling_row(const Whitened& w, const ActiveRows& active) const {
   Index leaving = active.size();
-  Real most = -1e-15 * scale_;
+  Real most = -tolerances::pull * scale_;
   for (Index i = 0; i < active.size(); ++i)
     if (!w.equality[at(active[i])] && l_[active[i]] < most) {
       most = l_[active[i]];
@@ -150,26 +161,51 @@ double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& 
   }
 }
 
-// Joints that a weld repeats agree to the rounding of their poses only; the contacts then take a share of 1e-17 in the
-// combination, of either sign. What has the wrong sign and cannot give way in exchange() is cut off: the proof is
-// judged without it. u = +-(e_row - mu) proves infeasibility when u_I >= 0 and h'u / |G'u| is beyond any motion of this
-// problem: the referee's bound. It is judged after rounding to double, so of three normalizations the one that rounds
-// best is kept (rows in small integers then give integers).
-// |G'u| beyond row_rounding of sum |u_i| is not the rounding of the rows, but a way to meet them, however far away. A
-// wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46
-// times as long, and the referee's 1e8 alone would call it contradicting.
+// Whether certificate_ proves that there is no z: h'u / |G'u| is beyond any motion of this problem, by the referee's
+// bound. |G'u| beyond row_rounding of sum |u_i| is not the rounding of the rows, but a way to meet them, however far
+// away. A wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is
+// 2^46 times as long, and the referee's 1e8 alone would call it contradicting.
+template <class Real>
+bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution& s) {
+  using std::abs;
+  constexpr double row_rounding = tolerances::violation * std::numeric_limits<double>::epsilon();
+  Real work = 0, noise = 0, weight = 0;
+  force_.setZero();
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (certificate_[w.row[at(i)]] == 0) continue;
+    const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
+    work += u * b_[i];
+    noise += abs(u) * Real(w.magnitude[i]);
+    weight += abs(u);
+    add_row(p, w, i, u, force_);
+  }
+  r1_ = (force_ / noise).template cast<double>();
+  w.factor.solve_lower(r1_);
+  const double reach = std::max({z_u_length_, w.h.template lpNorm<Eigen::Infinity>()});
+  const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
+  const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
+  if (!parallel || !(work > tolerances::violation * real_eps * noise) ||
+      static_cast<double>(work / noise) < tolerances::out_of_reach * reach * rest)
+    return false;
+  s.zero_certificate(p.rows()) = certificate_;
+  return true;
+}
+
+// The combination mu_ of a violated row as a proof, u = +-(e_row - mu). Joints that a weld repeats agree to the
+// rounding of their poses only; the contacts then have a part of 1e-17 in the combination, of either sign. What has the
+// wrong sign and cannot leave in exchange() is cut off. The proof is judged after rounding to double, so of three
+// normalizations the one that rounds best is kept (rows in small integers then give integers).
 template <class Real>
 bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
   using std::abs;
-  constexpr double row_rounding = 8 * std::numeric_limits<double>::epsilon();
   const Real sign = violation(p, w, row) < 0 ? -1 : 1;
   const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
   Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
   for (Index i = 0; i < active.size(); ++i) {
     Real& mu = mu_[i];
     const bool wrong = !w.equality[at(active[i])] && sign * mu > 0;
-    if (wrong && abs(mu) >= giving) return false;
-    if (wrong || abs(mu) <= 16 * real_eps) mu = 0;
+    if (wrong && abs(mu) >= tolerances::exchange_part) return false;
+    if (wrong || abs(mu) <= tolerances::extended_multiplier * real_eps) mu = 0;
     if (mu == 0) continue;
     const Real u = abs(multiplier(active[i], mu));
     smallest = std::min(smallest, u);
@@ -180,27 +216,7 @@ bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRow
     certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, Real(1)) / unit);
     for (Index i = 0; i < active.size(); ++i)
       certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
-    Real work = 0, noise = 0, weight = 0;
-    force_.setZero();
-    const auto add = [&](Index i) {
-      const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
-      work += u * b_[i];
-      noise += abs(u) * Real(w.magnitude[i]);
-      weight += abs(u);
-      add_row(p, w, i, u, force_);
-    };
-    add(row);
-    for (const Index i : active.rows()) add(i);
-    r1_ = (force_ / noise).template cast<double>();
-    w.factor.solve_lower(r1_);
-    const double reach = std::max({z_u_length_, w.h.lpNorm<Eigen::Infinity>()});
-    const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
-    const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
-    if (parallel && work > 8 * real_eps * noise &&
-        static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest) {
-      s.zero_certificate(p.rows()) = certificate_;
-      return true;
-    }
+    if (proves(p, w, s)) return true;
   }
   return false;
 }
@@ -212,7 +228,7 @@ Real ExtendedPolish<Real>::give_way(const Whitened& w, const ActiveRows& active,
   leaving = active.size();
   for (Index i = 0; i < active.size(); ++i) {
     const Real rate = sign * mu_[i];
-    if (w.equality[at(active[i])] || rate < giving) continue;
+    if (w.equality[at(active[i])] || rate < tolerances::exchange_part) continue;
     const Real step = std::max(l_[active[i]], Real(0)) / rate;
     if (step < shortest) {
       shortest = step;
@@ -239,7 +255,7 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& ac
                                    Solution& s) {
   prepare(p, w);
   for (const Index i : support) {
-    if (active.share(i) > 1e-9 && active.accepts(active.append(i))) continue;
+    if (active.share(i) > tolerances::certain_share && active.accepts(active.append(i))) continue;
     express(p, w, active, i);
     if (farkas(p, w, active, i, s)) {
       s.status = Status::infeasible;
@@ -263,8 +279,7 @@ template <class Real>
 void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
   double square = 0;
   for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
-  constexpr int margin = 4;  // the smallest pivot may be larger than the smallest singular value
-  error_ += margin * std::sqrt(square) / active.smallest_pivot();
+  error_ += tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot();
 }
 
 // What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
@@ -285,19 +300,19 @@ double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, cons
 // enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
 template <class Real>
 Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active) {
-  constexpr double clear_share = 1e-12;  // as double factors see it
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
     if (!(most > 0)) continue;
-    const double share = active.share(i), needless = 1e-13 * scale_;
-    if (share > clear_share && static_cast<double>(most) <= needless * share) continue;
+    const double share = active.share(i), needless = tolerances::needless * scale_;
+    if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
     const double rho = express(p, w, active, i);
     const double weight = 1 + mu_.head(active.size()).template cast<double>().template lpNorm<1>();
-    const bool combination = !(rho > 64 * real_eps * weight);
-    const double over = static_cast<double>(sign * v) - 8 * rounding;
-    const bool violated = over > 0 && (combination || over > needless * rho) && over > 8 * inherited(p, w, active);
+    const bool combination = !(rho > tolerances::rank * real_eps * weight);
+    const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
+    const bool violated =
+        over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(p, w, active);
     if (violated && state_[at(i)] == State::outside) return i;
     if (combination && !violated) continue;
     double far = static_cast<double>(most) / rho;
@@ -323,7 +338,8 @@ template <class Real>
 void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s) {
   using std::abs;
   for (Index i = 0; i < w.rows(); ++i)
-    if (state_[at(i)] == State::outside && abs(violation(p, w, i)) <= 1e-12 * (Real(w.magnitude[i]) + length_))
+    if (state_[at(i)] == State::outside &&
+        abs(violation(p, w, i)) <= tolerances::touching * (Real(w.magnitude[i]) + length_))
       state_[at(i)] = State::ignored;
   s.redundant.reserve(at(w.rows()) + w.idle.size());
   s.redundant.assign(w.idle.begin(), w.idle.end());
@@ -332,7 +348,7 @@ void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, A
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] != State::ignored) continue;
     const double share = active.share(i);
-    if (share > 1e-10) continue;
+    if (share > tolerances::redundant_share) continue;
     s.redundant.push_back(w.row[at(i)]);
     s.margins.largest_rejected =
         std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
@@ -341,18 +357,59 @@ void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, A
 }
 
 template <class Real>
+bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, const Vector& unit, Solution& s) {
+  prepare(p, w);
+  const double largest = unit.lpNorm<Eigen::Infinity>();
+  certificate_.setZero(p.rows());
+  for (Index i = 0; i < w.rows(); ++i)
+    if (w.equality[at(i)] || unit[i] > 0) certificate_[w.row[at(i)]] = unit[i] / largest / w.row_norm[i];
+  if (!(largest > 0) || !proves(p, w, s)) return false;
+  s.status = Status::infeasible;
+  return true;
+}
+
+// A row outside that is violated by more than is accepted, or a multiplier that pulls as much, refutes the answer. Less
+// is an error over the row's share.
+template <class Real>
+void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
+  using std::abs;
+  prepare(p, w);
+  z_ = s.z.cast<Real>();
+  for (Index i = 0; i < w.rows(); ++i) l_[i] = Real(w.unit_multiplier(i, s.lambda[w.row[at(i)]]));
+  for (const Index i : active.rows()) state_[at(i)] = State::inside;
+  measure(active);
+  error_ = correction(p, w, active);
+  const double accepted = accepted_error(tolerance);
+  Real worst = accepted;
+  bool holds = std::isfinite(error_) && violated_row(p, w, worst) < 0;
+  for (const Index i : active.rows()) holds = holds && (w.equality[at(i)] || l_[i] >= -accepted * scale_);
+  if (!holds) {
+    s.status = Status::numerical_failure;
+    s.message = "the method's own answer does not meet the conditions of optimality";
+    return;
+  }
+  doubt_active(p, w, active);
+  for (Index i = doubt_others(p, w, active); i >= 0; i = doubt_others(p, w, active)) {
+    const double share = std::max(active.share(i), std::numeric_limits<double>::min());
+    error_ = std::max(error_, std::min(scale_, static_cast<double>(abs(violation(p, w, i))) / share));
+    state_[at(i)] = State::ignored;
+  }
+  name_redundant(p, w, active, s);
+  s.status = error_ <= accepted * scale_ ? Status::solved : Status::solved_ill_conditioned;
+}
+
+template <class Real>
 PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance,
                                         Solution& s) {
   // Where the refinement does not converge, a contact this near to a combination of the others gives way: its
   // neighbours do what it did, and where they do not, it is found violated again and judged as dependent.
-  constexpr double coarse = 1e-10;
   prepare(p, w);
   for (const Index i : active.rows()) state_[at(i)] = State::inside;
   const Index rounds = 20 + 2 * w.rows();
   for (Index round = 0; round < rounds; ++round) {
     if (round > 0) s.fallback = true;
     if (!refine(p, w, active)) {
-      const Index weakest = active.coarsen(coarse);
+      const Index weakest = active.coarsen(tolerances::weak_pivot);
       if (weakest >= 0) {
         remove(active, weakest);
         continue;
@@ -393,7 +450,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       return Outcome::infeasible;
     }
     if (exchange(w, active, entering)) continue;
-    if (worst > 1e-13) {
+    if (worst > tolerances::dependent_violation) {
       s.message = "a row that depends on others to rounding contradicts them, but not provably";
       break;
     }

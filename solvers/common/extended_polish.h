@@ -42,20 +42,29 @@ class ExtendedPolish {
   bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
                Solution& solution);
 
+  // For methods that stand alone (polish=off), whose answers are judged and not changed:
+  // The status that the z and lambda in `solution` deserve with these active rows. The first correction of the
+  // refinement is computed, not made: its length is the error of z.
+  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+  // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
+  bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
+
  private:
   using RealVector = VectorX<Real>;
   enum State : char { outside, inside, ignored };
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-  static constexpr double giving = 1e-9;  // the least share in a combination by which an active row can give way to it
   static constexpr double real_eps = std::is_same_v<Real, long double> ? 0x1p-63 : 0x1p-102;
 
   void prepare(const Problem& p, Whitened& w);
   void add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const;
+  double correction(const Problem& p, Whitened& w, ActiveRows& active);
+  void measure(const ActiveRows& active);
   bool refine(const Problem& p, Whitened& w, ActiveRows& active);
   Index pulling_row(const Whitened& w, const ActiveRows& active) const;
   Index violated_row(const Problem& p, const Whitened& w, Real& worst) const;
   double express(const Problem& p, Whitened& w, ActiveRows& active, Index row);
   bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
+  bool proves(const Problem& p, const Whitened& w, Solution& s);
   bool exchange(const Whitened& w, ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position);
   double inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const;

@@ -7,10 +7,6 @@
 namespace zwang {
 namespace {
 
-// What rounding mostly leaves of a row that the others determine exactly. More goes to the careful path.
-constexpr double exact_share = 1e-16;
-// A slack that rounding in double leaves no doubt about.
-constexpr double clear_slack = 1e-12;
 constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
 
 }  // namespace
@@ -72,7 +68,6 @@ bool JointSpaceActiveSet::prepare(const Problem& p) {
 // A row that the joints leave nothing of is noise, which a method would take for a row: it is idle (c = -Inf), and
 // finish() judges it.
 void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
-  constexpr double nothing = 1e-13;
   if (!place_.empty()) form_.form_basis();
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) take(j);
   const Index f = climb_.freedom(), m = climb_.rows();
@@ -98,7 +93,7 @@ void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
       J.innerIndexPtr()[entries] = static_cast<int>(k);
       J.valuePtr()[entries++] = a[k];
     }
-    reduced.c[j] = a.norm() > nothing ? climb_.b(j) : -std::numeric_limits<double>::infinity();
+    reduced.c[j] = a.norm() > tolerances::reduced_to_nothing ? climb_.b(j) : -std::numeric_limits<double>::infinity();
     reduced.key[static_cast<std::size_t>(j)] =
         p.key[static_cast<std::size_t>(form_.rows().row[static_cast<std::size_t>(i)])];
   }
@@ -139,20 +134,30 @@ bool JointSpaceActiveSet::climb(const SolveOptions& options, const Deadline& dea
 bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
                                  Solution& solution) {
   if (!climb(options, deadline, active, solution.iterations)) return false;
+  const double limit = accepted_error(options.tolerance);
   constexpr int rounds = 8;
   for (int round = 0;; ++round) {
     begin_from_climb();
+    if (!polish) {
+      own_y_ = y_;
+      point_.write(form_.rows(), solution.z, solution.lambda);
+    }
     if (!refine()) return refuse("the refinement does not contract");
     if (climb_.has_climbed()) form_.reduce(y_, v_);
     if (climb_.accept(v_, mu_)) {
-      if (rest_holds(accepted_error(options.tolerance))) break;
+      if (rest_holds(limit)) break;
       if (!take_violated()) return refuse("a row violated by less than rounding in double");
     }
     if (round == rounds) return refuse("decisions that rounding makes");
     if (!settle(options, deadline, solution.iterations)) return false;
   }
 
-  point_.write(form_.rows(), solution.z, solution.lambda);
+  if (polish) {
+    point_.write(form_.rows(), solution.z, solution.lambda);
+  } else {
+    own_y_ -= y_;
+    if (!(own_y_.norm() <= limit * std::max(y_.norm(), form_.rows().free_norm))) return refuse("an inaccurate answer");
+  }
   for (const Index i : form_.inequalities()) {
     double& own = solution.lambda[form_.rows().row[static_cast<std::size_t>(i)]];
     own = std::max(0.0, own);
@@ -254,7 +259,7 @@ bool JointSpaceActiveSet::refine() {
     const double change = correct();
     const double size = y_.norm() + form_.rows().free_norm;
     // The next correction would be about change^2 / size.
-    if (change * change <= std::numeric_limits<double>::epsilon() / 32 * size * size) return true;
+    if (change * change <= std::numeric_limits<double>::epsilon() * tolerances::refined * size * size) return true;
   }
   return false;
 }
@@ -269,7 +274,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (is_active(j)) continue;
     const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
     const double size = rows.magnitude[i] + length;
-    if (rows.dot(i, y_) - rows.h[i] > clear_slack * size) continue;
+    if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * size) continue;
     const double violation = point_.violation(rows, i);
     if (violation > rounding * size) return false;
     const double most = violation + fine * size;
@@ -277,7 +282,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     take(j);
     const double share = climb_.share(place_[static_cast<std::size_t>(j)]), allowed = limit * far;
     if (most <= allowed * share || share * climb_.room() <= allowed) continue;
-    if (share > exact_share || violation > rounding * point_.terms(rows, i)) return false;
+    if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }
   return true;
 }

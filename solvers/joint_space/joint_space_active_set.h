@@ -24,6 +24,8 @@ class JointSpaceActiveSet {
   bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   std::string_view reason() const { return reason_; }
 
+  bool polish = true;  // off: the climb's point as it is; the refinement only tells its error
+
   // The same in steps, for another method in between (reduced_problem.h) and for a clock (bench/timing/stages.h).
   // prepare() eliminates the joints; state() writes the reduced problem, its storage reused; climb() goes from active
   // rows of that one to the optimum in double; finish() does, refines it, and adds to the iterations.
@@ -66,7 +68,7 @@ class JointSpaceActiveSet {
   std::vector<std::pair<double, Index>> violated_;  // slack, inequality row
   std::vector<Index> column_, start_, listed_;      // of a row of form_ among its inequalities; warm rows; active rows
   BodyPoint point_;
-  Motion y_, step_, rest_, rho_;
+  Motion y_, own_y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;
   std::string_view reason_;
 };

@@ -15,7 +15,7 @@ bool NullSpaceAdapter::Reduction::prepare(const Problem& problem, const SolveOpt
   return true;
 }
 
-// A step of the climb from the method's active rows is one that the method missed: a fallback, counted.
+// Iterations are the method's. Where the climb has to go on from its active rows, the answer is the dual method's.
 bool NullSpaceAdapter::Reduction::recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                                           Solution& solution) {
   if (part_.status != Status::solved) {
@@ -26,12 +26,13 @@ bool NullSpaceAdapter::Reduction::recover(const Problem& problem, const SolveOpt
   for (Index j = 0; j < reduced_.rows(); ++j)
     if (part_.lambda[j] > 0) pushing_.push_back(j);
   solution.reset(problem.size(), problem.rows());
-  solution.iterations = part_.iterations;
   if (!answer_.finish(options, deadline, pushing_, solution)) {
     reason_ = answer_.reason();
     return false;
   }
-  solution.fallback = part_.fallback || solution.iterations > part_.iterations;
+  if (solution.iterations > 0) solution.handed_to = "dual_active_set";
+  solution.fallback = part_.fallback || !solution.handed_to.empty();
+  if (solution.handed_to.empty()) solution.iterations = part_.iterations;
   return true;
 }
 

@@ -17,15 +17,15 @@ namespace zwang {
 // infeasible one among them), the method solves as given: `message` says why and `fallback` that it was so.
 class NullSpaceAdapter {
  public:
-  // plain(problem, options, solution) is the method. Islands are reduced and solved apart.
+  // plain(problem, options, solution) is the method. Islands are reduced and solved apart. `polish`: refine the answer.
   template <class Plain>
-  void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish, Solution& solution);
 
  private:
   class Reduction {
    public:
     template <class Plain>
-    void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution);
+    void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish, Solution& solution);
 
    private:
     bool prepare(const Problem& problem, const SolveOptions& options);
@@ -44,19 +44,21 @@ class NullSpaceAdapter {
 };
 
 template <class Plain>
-void NullSpaceAdapter::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, Solution& solution) {
+void NullSpaceAdapter::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish,
+                             Solution& solution) {
   constexpr Index body = 6;
   reductions_.begin();
   const auto apart = [&](const Problem& p, const SolveOptions& o, Solution& s) {
-    reductions_.of(p.size(), JointGraph::kind(p) ^ p.rows()).solve(plain, p, o, s);
+    reductions_.of(p.size(), JointGraph::kind(p) ^ p.rows()).solve(plain, p, o, polish, s);
   };
   islands_.solve_apart(apart, body, problem, options, solution);
 }
 
 template <class Plain>
-void NullSpaceAdapter::Reduction::solve(Plain&& plain, const Problem& problem, const SolveOptions& options,
+void NullSpaceAdapter::Reduction::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish,
                                         Solution& solution) {
   const Deadline deadline(options.time_limit);
+  answer_.polish = polish;
   if (prepare(problem, options)) {
     if (reduced_.size() > 0 && reduced_.rows() > 0) plain(reduced_, options, part_);
     if (recover(problem, options, deadline, solution)) return;

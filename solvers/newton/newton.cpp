@@ -13,7 +13,6 @@ namespace {
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double largest_penalty = 1e10;
 constexpr int most_steps = 300;
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 
@@ -49,7 +48,7 @@ void Newton::prepare(const Problem& p, const SolveOptions& options, const Deadli
   }
   for (Vector* v : {&d_, &step_, &force_, &product_, &work_}) v->setZero(n);
   for (Vector* v : {&l_, &slack_, &term_, &change_, &weight_}) v->setZero(k);
-  h_ = rows_.h.head(k).cwiseMax(Real(-1e100)).cast<double>();
+  h_ = rows_.h.head(k).cwiseMax(Real(-tolerances::horizon)).cast<double>();
   search_.resize(at(factor_.parts()));
   far_d_.setZero(n);
   far_force_.setZero(n);
@@ -106,7 +105,7 @@ void Newton::weigh(double s) {
 // All rows near z_u held as if they were equality rows: in a wall almost all of them push in the end, and from d = 0
 // the method takes ten steps and more to find that out. Kept when holding them pulls at few; else d = 0, l = 0.
 bool Newton::start(const Problem& p, const Deadline& deadline) {
-  constexpr double strong = 1e6;
+  constexpr double strong = tolerances::newton_hold;
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
   if (!factorize(p, deadline)) return false;
   double last = infinity, length = infinity;
@@ -133,7 +132,7 @@ bool Newton::start(const Problem& p, const Deadline& deadline) {
     pull -= l_[i];
     l_[i] = 0;
   }
-  if (!(pull <= 0.25 * push)) {
+  if (!(pull <= tolerances::newton_few_pull * push)) {
     d_.setZero();
     l_.setZero();
     return false;
@@ -169,7 +168,8 @@ bool Newton::line_search(double s) {
     }
     for (Search& part : search_) {
       if (part.done) continue;
-      part.done = std::abs(part.derivative) <= 1e-9 * std::abs(part.zero) || !(part.slope > 0);
+      part.done =
+          std::abs(part.derivative) <= tolerances::newton_line_search * std::abs(part.zero) || !(part.slope > 0);
       if (part.done) {
         --open;
         continue;
@@ -223,7 +223,8 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
       bool same = whole;
       for (Index i = 0; i < rows_.rows() && same; ++i)
         same = is_equality(i) || (weight_[i] != 0) == (term_[i] - s_ * change_[i] > 0);
-      settled = same || length <= 1e-5 * std::min(last_move, scale_) || length <= 1e-13 * scale_;
+      settled = same || length <= tolerances::newton_inner * std::min(last_move, scale_) ||
+                length <= tolerances::newton_nothing * scale_;
       if (options.observe) {
         far_d_ = d_.cast<Real>();
         far_l_ = term_.cast<Real>();
@@ -240,11 +241,12 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
       if (is_equality(i) || l_[i] > before) gain += (l_[i] - before) * h_[i];
     }
     step_ = d_ - start_;
-    const double move = mass_norm(p, step_);
+    const double move = move_ = mass_norm(p, step_);
     if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
     if (move <= close * scale_)
-      return gain >= 1e8 * reach_ * move && certify(p, deadline, s) ? End::infeasible : End::settled;
-    if (move > 0.1 * last_move) s_ = std::min(10 * s_, largest_penalty);
+      return gain >= tolerances::referee_reach * reach_ * move && certify(p, deadline, s) ? End::infeasible
+                                                                                          : End::settled;
+    if (move > tolerances::newton_slow * last_move) s_ = std::min(10 * s_, tolerances::newton_largest_penalty);
     last_move = move;
   }
 }
@@ -266,10 +268,40 @@ void Newton::extended_force(const Problem& p) {
   }
 }
 
-bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+// The answer of descend(), its rows in the max as the active ones.
+void Newton::begin_polish() {
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
+}
+
+// Of the active rows, relative to their terms.
+double Newton::worst_violation() const {
+  double worst = 0;
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (weight_[i] != 0)
+      worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
+  return worst;
+}
+
+// step_ = H^-1 (far_force_ + s G_A' violation_).
+void Newton::extended_step() {
+  step_ = far_force_.cast<double>();
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
+  factor_.solve(step_);
+}
+
+// What a step of `length` and violations that are left say of the error in d: mu, the smallest eigenvalue, follows from
+// the rate of convergence.
+Status Newton::claim(double length, double worst, double tolerance) const {
+  const double mu = (1 / std::clamp(rate_, tolerances::newton_least_rate, 1.0) - 1) / s_;
+  const double error = length + worst * scale_ / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
+  return error <= accepted_error(tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
+}
+
+bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  begin_polish();
   double last = std::numeric_limits<double>::infinity(), length = last, worst = 0;
   bool changed = true;
   for (int pass = 0; pass < 40; ++pass) {
@@ -280,7 +312,7 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadlin
     for (Index i = 0; i < rows_.rows(); ++i) {
       if (is_equality(i)) continue;
       const double size = rows_.magnitude[i] + scale_;
-      if (weight_[i] != 0 && far_l_[i] + Real(s_) * violation_[i] < -1e-15L * scale_) {
+      if (weight_[i] != 0 && far_l_[i] + Real(s_) * violation_[i] < -Real(tolerances::pull) * scale_) {
         weight_[i] = 0;
         now_changed = true;
       } else if (weight_[i] == 0 && violation_[i] > tolerances::wide_violation * real_eps * size) {
@@ -293,16 +325,12 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadlin
         far_l_[i] = 0;
       }
     }
-    worst = 0;
-    for (Index i = 0; i < rows_.rows(); ++i)
-      if (weight_[i] != 0)
-        worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
-    if (!now_changed && !changed && length <= 1e-17 * scale_ && worst <= 8 * static_cast<double>(real_eps)) {
+    worst = worst_violation();
+    if (!now_changed && !changed && length <= tolerances::newton_polished * scale_ &&
+        worst <= tolerances::violation * static_cast<double>(real_eps)) {
       write(p, s);
       s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
-      const double mu = (1 / std::clamp(rate_, 1e-16, 1.0) - 1) / s_;
-      const double error = length + worst * scale_ / std::sqrt(std::max(mu, 1e-300));
-      s.status = error <= accepted_error(options.tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
+      s.status = claim(length, worst, options.tolerance);
       return true;
     }
     changed = now_changed;
@@ -310,19 +338,47 @@ bool Newton::polish(const Problem& p, const SolveOptions& options, const Deadlin
       if (!factorize(p, deadline)) return false;
       if (changed) ++s.iterations;
     }
-    step_ = far_force_.cast<double>();
-    for (Index i = 0; i < rows_.rows(); ++i)
-      if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
-    factor_.solve(step_);
+    extended_step();
     far_d_ += step_.cast<Real>();
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) far_l_[i] += Real(s_) * (violation_[i] - Real(row_dot(i, step_)));
     last = length;
     length = mass_norm(p, step_);
     if (!std::isfinite(length)) return false;
-    if (!changed && last < std::numeric_limits<double>::infinity() && last > 1e-15 * scale_) rate_ = length / last;
+    if (!changed && last < std::numeric_limits<double>::infinity() && last > tolerances::newton_telling * scale_)
+      rate_ = length / last;
   }
   return false;
+}
+
+// What d and l are worth as they stand: the first step of the polish is computed, not made. False where d or a row
+// outside the active ones is off by more than is accepted.
+bool Newton::judge(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  const double accepted = accepted_error(options.tolerance);
+  begin_polish();
+  write(p, s);
+  extended_force(p);
+  if (!factorize(p, deadline)) return false;
+  extended_step();
+  const double length = mass_norm(p, step_);
+  if (!(length <= accepted * scale_)) return false;
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (weight_[i] == 0 && violation_[i] > accepted * (rows_.magnitude[i] + scale_)) return false;
+  if (move_ > tolerances::newton_telling * scale_) rate_ = length / move_;
+  s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
+  s.status = claim(length, worst_violation(), options.tolerance);
+  return true;
+}
+
+// polish=off. True where the solution is complete.
+bool Newton::solve_alone(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+  for (double close = options.tolerance; close > tolerances::newton_nothing; close /= 10) {
+    const End end = descend(p, close, options, deadline, s);
+    if (end == End::infeasible) return true;
+    if (end != End::settled || deadline.passed()) break;
+    if (judge(p, options, deadline, s) && s.status == Status::solved) return true;
+  }
+  return s.status == Status::solved_ill_conditioned;
 }
 
 // Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
@@ -332,7 +388,7 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   far_d_.setZero();
   for (Index i = 0; i < rows_.rows(); ++i)
     far_l_[i] = is_equality(i) ? h_[i] - row_dot(i, d_) : weight_[i] != 0 ? std::max(0.0, h_[i] - row_dot(i, d_)) : 0;
-  const Real least = 1e-9L * far_l_.lpNorm<Eigen::Infinity>();
+  const Real least = Real(tolerances::newton_part) * far_l_.lpNorm<Eigen::Infinity>();
   for (Index i = 0; i < rows_.rows(); ++i) {
     if (std::abs(far_l_[i]) <= least) far_l_[i] = 0;
     weight_[i] = far_l_[i] != 0 ? s_ : 0;
@@ -363,8 +419,9 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   for (int j = 0; j < factor_.size(); ++j) whole_[factor_.column(j)] = static_cast<double>(far_force_[j] / noise);
   if (p.size() > 0) rows_.factor.solve_lower(whole_);
   // More than the rows' own rounding is a way to meet them, however far away: solvers/common/polish.cpp.
-  const double rounding = 8 * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
-  if (whole_.norm() <= rounding && work > 8 * real_eps * noise &&
+  const double rounding =
+      tolerances::violation * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
+  if (whole_.norm() <= rounding && work > tolerances::violation * real_eps * noise &&
       static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * whole_.norm()) {
     s.zero_certificate(p.rows()) = certificate_;
     s.status = Status::infeasible;
@@ -387,37 +444,36 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   rate_ = 1;
   reach_ = std::max(rows_.free_length, 1.0);
   if (!options.warm_start && hold_all) start(p, deadline);
-  for (const double close : {1e-5, 1e-9}) {
-    const End end = descend(p, close, options, deadline, s);
-    if (end == End::limit) {
-      far_d_ = d_.cast<Real>();
-      far_l_ = l_.cast<Real>();
-      write(p, s);
+  if (!polish) {
+    if (solve_alone(p, options, deadline, s)) return;
+  } else {
+    for (const double close : tolerances::newton_close) {
+      const End end = descend(p, close, options, deadline, s);
+      if (end == End::infeasible) return;
+      if (end == End::limit || end == End::stuck) break;
+      if (polish_answer(p, options, deadline, s)) return;
     }
-    if (end == End::limit || end == End::infeasible) return;
-    if (end == End::stuck) break;
-    if (polish(p, options, deadline, s)) return;
-  }
-
-  if (!deadline.passed() && p.size() * rows_.rows() <= largest_dense) {
-    SolveOptions rest = options;
-    rest.max_iterations -= s.iterations;
-    rest.time_limit = deadline.left();
-    const int steps = s.iterations;
-    exact_.solve(p, rest, s);
-    s.iterations += steps;
-    s.fallback = true;
-    return;
+    const bool at_limit = s.status == Status::iteration_limit || s.status == Status::time_limit;
+    if (!at_limit && !deadline.passed() && p.size() * rows_.rows() <= largest_dense) {
+      SolveOptions rest = options;
+      rest.time_limit = deadline.left();
+      exact_.solve(p, rest, s);
+      s.handed_to = DualActiveSet::name;
+      s.fallback = true;
+      return;
+    }
   }
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   write(p, s);
+  if (s.status == Status::iteration_limit || s.status == Status::time_limit) return;
   if (deadline.passed()) {
     s.status = Status::time_limit;
     return;
   }
   s.status = Status::numerical_failure;
-  s.message = "the rows are too close to dependent for this method, and too many for a dense one";
+  s.message = polish ? "the rows are too close to dependent for this method, and too many for a dense one"
+                     : "the rows are too close to dependent for this method alone, or contradict each other";
 }
 
 }  // namespace zwang

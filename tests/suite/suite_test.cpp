@@ -109,6 +109,7 @@ TEST(Suite, WritesEveryKeyOfTheContract) {
                                          "redundant",
                                          "conflicting",
                                          "fallback",
+                                         "handed_to",
                                          "range_gap",
                                          "message",
                                          "batch"};

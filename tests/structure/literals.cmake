@@ -1,0 +1,36 @@
+# Checks that the native solvers decide by solvers/linalg/tolerances.h alone: no literal of the kind 1e-9 or 0x1p-40
+# elsewhere. What decides nothing is listed. Run: cmake -DSOURCE_DIR=... -P literals.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# Settings, whose default is their documentation; budgets of time and storage; ranges of exponents; formats of scalars.
+set(no_decision
+  "double refactor_above = 1e-8" "double rank_threshold = 1e-12"
+  "long_tile = 1e6" "operations_per_second = 2e9" "bytes / 1e9"
+  "smallest = 0x1p-300, largest = 0x1p300" "real_eps = std::is_same_v<Real, long double>"
+  "fine = 0x1p-63" "split = 0x1p27" "never_asked_for = 0x1p28"
+  "out_of_reach = -1e100" "Real\\(1e200\\)")
+
+file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/solvers/*.h ${SOURCE_DIR}/solvers/*.cpp)
+list(FILTER files EXCLUDE REGEX "^solvers/(rivals|first_order)/|/tolerances.h$")
+list(LENGTH files count)
+if(count LESS 40)
+  message(SEND_ERROR "only ${count} files of solvers/ found in ${SOURCE_DIR}")
+endif()
+foreach(file ${files})
+  file(STRINGS ${SOURCE_DIR}/${file} lines REGEX "[^a-zA-Z_0-9.]([0-9.]+e-?[0-9]+|0x1p-?[0-9]+)")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "//.*" "" code "${line}")
+    if(NOT code MATCHES "[^a-zA-Z_0-9.]([0-9.]+e-?[0-9]+|0x1p-?[0-9]+)")
+      continue()
+    endif()
+    set(decides TRUE)
+    foreach(known ${no_decision})
+      if(code MATCHES "${known}")
+        set(decides FALSE)
+      endif()
+    endforeach()
+    if(decides)
+      message(SEND_ERROR "${file}: '${code}': a tolerance belongs in solvers/linalg/tolerances.h, with its reason")
+    endif()
+  endforeach()
+endforeach()
