@@ -1,11 +1,10 @@
 // Google Benchmark program of the collision queries: one pair by triangle count and gap, with FCL's and Bullet's
-// answers to the same, and a frame of the hand. `collision_benchmark --benchmark_filter=pair`.
+// answers to the same. `collision_benchmark --benchmark_filter=pair`.
 #include <benchmark/benchmark.h>
 
 #include <span>
 
 #include <zwang/bench/collision/bullet_sweep.h>
-#include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/collision/study.h>
 
 namespace zwang {
@@ -51,23 +50,11 @@ void pair_bullet_sweep(benchmark::State& state) {
       [&](const PairBench::Placement& p) { return sweep.time(bench.finger, p.pose, retract(p.pose, p.twist)); });
 }
 
-// The whole frame, the solve included; the counter holds the collision calls alone.
-void hand_frame(benchmark::State& state) {
-  HandDrag drag({{std::make_shared<const collision::Tree>(
-                    meshes::plate({0.4, 0.4, 0.02}, static_cast<std::size_t>(state.range(0))))}},
-                {.speed = static_cast<double>(state.range(1)) / 10});
-  for (int k = 0; k < 300; ++k) drag.step();  // until it lies on the plate
-  double collision = 0;
-  for (auto _ : state) collision += drag.step().seconds();
-  state.counters["collision"] = benchmark::Counter(collision, benchmark::Counter::kAvgIterations);
-}
-
 BENCHMARK(pair_zwang)
     ->ArgsProduct({{1000, 10000, 100000, 1000000}, {200, 2000, 20000}})
     ->ArgNames({"triangles", "gap_um"});
 BENCHMARK(pair_fcl_advancement)->ArgsProduct({{1000, 10000, 100000}, {200, 2000}})->ArgNames({"triangles", "gap_um"});
 BENCHMARK(pair_bullet_sweep)->ArgsProduct({{1000, 10000, 100000}, {200, 2000}})->ArgNames({"triangles", "gap_um"});
-BENCHMARK(hand_frame)->ArgsProduct({{10000, 100000, 1000000}, {5, 10, 20}})->ArgNames({"triangles", "dm_per_s"});
 
 }  // namespace
 }  // namespace zwang

@@ -12,6 +12,9 @@ namespace zwang::hand {
 // half its smallest width where that is less), the phalanxes capsules whose caps are centred on their joints.
 std::vector<collision::Shape> shapes(const Model& model);
 
+// A body nearer than this to something touches it.
+inline constexpr double touching = 5e-4;  // m
+
 // Its bodies that do not meet each other: those of one finger, and those that touch while the hand is straight (that
 // share a joint, the roots of neighbouring fingers).
 std::vector<std::pair<int, int>> passing(const Model& model);

@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include <zwang/bench/collision/bullet_sweep.h>
+#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
+#include <zwang/collision/world.h>
 #include <zwang/core/problem/cpu_clock.h>
 
 namespace zwang {
@@ -52,62 +54,80 @@ double gap_of(World& world) {
 
 }  // namespace
 
-DragStudy study_drag(const DragScene& scene, const DragOptions& options, const std::vector<Part>& parts,
-                     const Witness* audit, int frames) {
-  DragStudy s{.scene = scene.name, .parts = scene.parts, .speed = options.speed, .spin = options.spin};
-  for (const Part& p : parts) {
-    s.triangles += p.tree->size();
-    s.bytes_per_triangle += p.tree->bytes_per_triangle() * static_cast<double>(p.tree->size());
-  }
-  s.bytes_per_triangle /= static_cast<double>(s.triangles);
-  s.pieces = parts.size();
+HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, bool audited) {
+  HandStudy s{.scene = scene.name, .parts = scene.parts, .speed = speed, .spin = scene.spin};
+  const auto begin = std::chrono::steady_clock::now();
+  const std::unique_ptr<MovingHand> hand = start(speed);
+  const std::vector<Shape>& shapes = hand->shapes();
 
-  const auto start = std::chrono::steady_clock::now();
-  HandDrag drag(parts, options);
-  const auto look = [&](const std::vector<Pose<double>>& poses) {
-    for (std::size_t b = 0; b < drag.shapes().size(); ++b)
-      for (std::size_t p = 0; p < parts.size(); ++p)
-        s.penetrations += audit->overlaps(drag.shapes()[b], poses[b], p, poses[drag.shapes().size() + p]);
-    s.audited += static_cast<long>(drag.shapes().size());
-  };
-  if (audit)
-    drag.watch = [&](std::span<const Move> moves, double time) {
+  // Bodies and obstacles in a world of their own, for gaps that do not come from the hand itself.
+  World world;
+  for (const Shape& shape : shapes) world.add(shape, {}, {1, 2});
+  for (const Obstacle& obstacle : hand->obstacles())
+    std::visit(
+        [&](const auto& body) {
+          if constexpr (std::is_same_v<decltype(body), const Shape&>)
+            world.add(body, {}, {2, 1}, true);
+          else {
+            world.add(body, {}, {2, 1});
+            s.triangles += body->size();
+            s.bytes_per_triangle += body->bytes_per_triangle() * static_cast<double>(body->size());
+          }
+        },
+        obstacle);
+  s.bytes_per_triangle /= static_cast<double>(std::max<std::size_t>(1, s.triangles));
+  s.pieces = hand->obstacles().size();
+
+  Audit audit({shapes}, audited ? hand->obstacles() : std::vector<Obstacle>());
+  std::vector<Pose<double>> between(shapes.size());
+  if (audited)
+    hand->watch([&](std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
       double jumps = 1;
-      for (const Move& m : moves) {
-        const Shape* shape = drag.world().shape(m.collider);
-        const double way = m.twist.head<3>().norm() + m.twist.tail<3>().norm() * (shape ? shape->reach() : 0.15);
-        jumps = std::max(jumps, std::ceil(time * way / (shape ? shape->radius() : 0.006)));
+      for (std::size_t b = 0; b < shapes.size(); ++b) {
+        const Vec<double, 6> twist = twist_between(from[b], to[b]);
+        const double way = twist.head<3>().norm() + twist.tail<3>().norm() * shapes[b].reach();
+        jumps = std::max(jumps, std::ceil(way / shapes[b].radius()));
       }
-      std::vector<Pose<double>> poses;
-      for (int k = 1; k <= static_cast<int>(jumps); ++k) {
-        poses.clear();
-        for (int c = 0; c < drag.world().size(); ++c) poses.push_back(drag.world().pose(c));
-        for (const Move& m : moves)
-          poses[static_cast<std::size_t>(m.collider)] =
-              retract(drag.world().pose(m.collider), Vec<double, 6>(time * k / jumps * m.twist));
-        look(poses);
+      for (double k = 1; k <= jumps; ++k) {
+        for (std::size_t b = 0; b < shapes.size(); ++b)
+          between[b] = k == jumps ? to[b] : retract(from[b], Vec<double, 6>(k / jumps * twist_between(from[b], to[b])));
+        audit.check(between, hand->obstacle_poses());
       }
-    };
-  std::vector<double> times, touching;
-  for (int i = 0; i < frames; ++i) {
-    const DragFrame f = drag.step();
+    });
+
+  std::vector<double> times, touching, whole;
+  for (int i = 0; i < scene.frames; ++i) {
+    const HandFrame f = hand->step();
     if (i < 20) continue;  // lists grow
-    times.push_back(f.seconds());
-    if (f.touching > 0) touching.push_back(f.seconds());
-    s.touches += f.touches, s.manifold += f.manifold, s.toc += f.toc;
+    for (std::size_t b = 0; b < shapes.size(); ++b) world.place(static_cast<int>(b), hand->poses()[b]);
+    for (std::size_t k = 0; k < s.pieces; ++k)
+      world.place(static_cast<int>(shapes.size() + k), hand->obstacle_poses()[k]);
+    double gap = 1;
+    std::vector<bool> touches(shapes.size());
+    for (const collision::Touch& t : world.touches(hand::touching)) {
+      gap = std::min(gap, t.gap);
+      touches[static_cast<std::size_t>(t.a)] = true;
+    }
+    const auto bodies = std::count(touches.begin(), touches.end(), true);
+    times.push_back(f.collision());
+    whole.push_back(f.whole);
+    if (bodies > 0) touching.push_back(f.collision());
+    s.search += f.search, s.completion += f.completion, s.sweep += f.sweep;
     s.raw += f.raw, s.kept += f.kept;
     s.most_raw = std::max(s.most_raw, static_cast<double>(f.raw));
-    s.truncations += f.truncations, s.held += f.held, s.completed += f.completed, s.overlaps += f.overlap;
-    s.change = std::max(s.change, f.change);
-    s.gap = std::min(s.gap, f.gap);
-    s.body_frames += static_cast<long>(drag.shapes().size());
-    s.touching += f.touching;
+    s.truncations += std::max(0, f.sub_steps - 1), s.held += f.held, s.completed += f.completed;
+    s.overlaps += gap <= 0;
+    s.gap = std::min(s.gap, gap);
+    s.body_frames += static_cast<long>(shapes.size());
+    s.touching += bodies;
   }
+  s.audited = audit.checked(), s.penetrations = audit.found();
   s.frames = static_cast<int>(times.size());
-  for (double* mean : {&s.touches, &s.manifold, &s.toc, &s.raw, &s.kept}) *mean /= s.frames;
+  for (double* mean : {&s.search, &s.completion, &s.sweep, &s.raw, &s.kept}) *mean /= s.frames;
   s.median = quantile(times, 0.5), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
   s.worst = quantile(times, 1), s.touching_median = quantile(touching, 0.5);
-  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  s.whole_median = quantile(whole, 0.5), s.whole_p99 = quantile(whole, 0.99);
+  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return s;
 }
 

@@ -1,32 +1,31 @@
 #pragma once
 
-#include <cstdint>
-
-#include <zwang/bench/collision/drag_scenes.h>
-#include <zwang/bench/collision/witness.h>
+#include <zwang/bench/collision/moving_hand.h>
 
 namespace zwang {
 
-// A run of the dragged hand: figures over its frames. Times [s] are thread CPU time of the collision calls.
-struct DragStudy {
+// A run of a moving hand: figures over its frames. Times [s] are thread CPU time of the collision calls, but for
+// `whole`.
+struct HandStudy {
   std::string scene, parts;
   double speed = 0, spin = 0;
   std::size_t triangles = 0, pieces = 0;
   double bytes_per_triangle = 0;
   int frames = 0;
   double median = 0, touching_median = 0, p95 = 0, p99 = 0, worst = 0;
-  double touches = 0, manifold = 0, toc = 0;  // s, means of the parts
-  double raw = 0, kept = 0, most_raw = 0;     // contacts per frame
-  long truncations = 0, held = 0, completed = 0, overlaps = 0;
-  double change = 0;  // m, the largest motion of a body in one frame that lazy completion took back
-  double gap = 1;     // m, the smallest committed
-  long body_frames = 0, touching = 0, audited = 0, penetrations = 0;  // audited: poses, those between frames included
-  double seconds = 0;                                                 // wall clock, all in
+  double whole_median = 0, whole_p99 = 0;         // s, of everything that a frame does
+  double search = 0, completion = 0, sweep = 0;   // s, means
+  double raw = 0, kept = 0, most_raw = 0;         // contacts per frame
+  long truncations = 0, held = 0, completed = 0;  // truncations: sub-steps that go on after a time of contact
+  long overlaps = 0;                              // frames that end with a gap that is not positive
+  double gap = 1;                                 // m, the smallest at a frame's end
+  long body_frames = 0, touching = 0;             // touching: nearer than 0.5 mm to an obstacle
+  long audited = 0, penetrations = 0;             // poses, those between frames included; of these: that overlap
+  double seconds = 0;                             // wall clock, all in
 };
 
-// audit: null for none. Every committed pose is looked at, and as many between as keep the steps below a body's radius.
-DragStudy study_drag(const DragScene& scene, const DragOptions& options, const std::vector<Part>& parts,
-                     const Witness* audit, int frames);
+// `audited`: FCL sees every committed pose, and as many between two as keep the steps below a body's radius.
+HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, bool audited);
 
 // One pair, many placements: a finger (a capsule) at a gap over a bumpy sphere, moving 1 mm.
 struct PairStudy {

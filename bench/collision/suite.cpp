@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json to_json(const DragStudy& s) {
+json to_json(const HandStudy& s) {
   return {{"scene", s.scene},
           {"parts", s.parts},
           {"speed", s.speed},
@@ -29,9 +29,11 @@ json to_json(const DragStudy& s) {
           {"p95", s.p95},
           {"p99", s.p99},
           {"worst", s.worst},
-          {"touches", s.touches},
-          {"manifold", s.manifold},
-          {"toc", s.toc},
+          {"whole_median", s.whole_median},
+          {"whole_p99", s.whole_p99},
+          {"touches", s.search},
+          {"manifold", s.completion},
+          {"toc", s.sweep},
           {"raw", s.raw},
           {"most_raw", s.most_raw},
           {"kept", s.kept},
@@ -39,7 +41,6 @@ json to_json(const DragStudy& s) {
           {"held", s.held},
           {"completed", s.completed},
           {"overlaps", s.overlaps},
-          {"change", s.change},
           {"gap", s.gap},
           {"body_frames", s.body_frames},
           {"touching", s.touching},
@@ -86,7 +87,7 @@ std::string printed(const char* format, auto... values) {
 struct Totals {
   long body_frames = 0, touching = 0, audited = 0, penetrations = 0;
   double gap = 1;
-  void add(const DragStudy& s) {
+  void add(const HandStudy& s) {
     body_frames += s.body_frames, touching += s.touching, audited += s.audited, penetrations += s.penetrations;
     gap = std::min(gap, s.gap);
   }
@@ -104,9 +105,8 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
   std::vector<std::string> lines;
   Progress progress(options.terminal);
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<DragScene> scenes = drag_scenes(options.data, options.cache);
-  double steps = 15, finished = 0;
-  for (const DragScene& scene : scenes) steps += 1.0 + 2.0 * static_cast<double>(scene.runs.size());
+  double steps = 12, finished = 0;
+  for (const HandScene& scene : options.hands) steps += 1.0 + 2.0 * static_cast<double>(scene.speeds.size());
   const auto next = [&](const std::string& what) {
     const double fraction = finished++ / steps;
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -128,37 +128,30 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
                     motion, 1e6 * s.ours, 1e6 * s.fcl, s.fcl / s.ours, 1e6 * s.bullet, s.bullet / s.ours));
     }
 
-  // The hand: for time, then audited.
+  // The hands: for time, then audited.
   Totals all;
-  for (const DragScene& scene : scenes) {
+  for (const HandScene& scene : options.hands) {
     if (!next(scene.name + ": loading")) return lines;
-    const std::vector<Part> parts = scene.make();
-    for (const DragOptions& run : scene.runs) {
-      if (!next(scene.name)) return lines;
-      const DragStudy s = study_drag(scene, run, parts, nullptr, scene.frames);
-      results["frames"].push_back(to_json(s));
-      write(file, results);
-      if (run.speed <= 0.5)
-        lines.push_back(
-            printed("Hand on %s at %.1f m/s: median %.2f ms (touching %.2f), p99 %.2f, worst %.2f; contacts "
-                    "%.0f -> %.0f",
-                    s.scene.c_str(), s.speed, 1e3 * s.median, 1e3 * s.touching_median, 1e3 * s.p99, 1e3 * s.worst,
-                    s.raw, s.kept));
-    }
-    std::vector<std::shared_ptr<const collision::Tree>> trees;
-    for (const Part& p : parts) trees.push_back(p.tree);
-    const Witness witness(trees);
-    for (const DragOptions& run : scene.runs) {
-      if (!next(scene.name + ": audit")) return lines;
-      const DragStudy s = study_drag(scene, run, parts, &witness, scene.frames);
-      all.add(s);
-      results["audits"].push_back(to_json(s));
-      write(file, results);
-    }
+    const HandScene::Start start = scene.load();
+    for (const bool audited : {false, true})
+      for (const double speed : scene.speeds) {
+        if (!next(scene.name + (audited ? ": audit" : ""))) return lines;
+        const HandStudy s = study_hand(scene, start, speed, audited);
+        results[audited ? "audits" : "frames"].push_back(to_json(s));
+        write(file, results);
+        if (audited)
+          all.add(s);
+        else if (speed <= 0.5)
+          lines.push_back(
+              printed("Hand on %s at %.1f m/s: median %.2f ms (touching %.2f), p99 %.2f, worst %.2f; contacts "
+                      "%.0f -> %.0f",
+                      s.scene.c_str(), s.speed, 1e3 * s.median, 1e3 * s.touching_median, 1e3 * s.p99, 1e3 * s.worst,
+                      s.raw, s.kept));
+      }
   }
   progress.clear();
   lines.push_back(
-      printed("Audit: %ld penetrations in %s body-frames (%s touching; %s poses looked at by FCL), smallest "
+      printed("Audit: %ld penetrations in %s body-frames (%s touching; %s poses checked by FCL), smallest "
               "gap %.2g um",
               all.penetrations, grouped(static_cast<std::size_t>(all.body_frames)).c_str(),
               grouped(static_cast<std::size_t>(all.touching)).c_str(),

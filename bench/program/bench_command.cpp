@@ -75,7 +75,7 @@ void add_options(CLI::App& options, Asked& asked) {
 
 }  // namespace
 
-int bench_command(std::vector<std::string> words) {
+int bench_command(std::vector<std::string> words, std::vector<HandScene> (*collision_hands)()) {
   CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
   introduce(options, "bench",
             "  ./zwang bench\n"
@@ -91,7 +91,8 @@ int bench_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   if (asked.suite.suite == "collision") {
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
-    return bench_collision(new_directory(asked.out, ""), command, stop_on_interrupt());
+    return bench_collision(new_directory(asked.out, ""), command,
+                           collision_hands ? collision_hands() : std::vector<HandScene>(), stop_on_interrupt());
   }
   asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);

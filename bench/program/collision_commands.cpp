@@ -19,15 +19,12 @@ std::filesystem::path real_data() {
   return given && *given ? std::filesystem::path(given) : std::filesystem::path(ZWANG_SOURCE_DIR) / "../shared/data";
 }
 
-int bench_collision(const std::filesystem::path& directory, const std::string& command,
+int bench_collision(const std::filesystem::path& directory, const std::string& command, std::vector<HandScene> hands,
                     const std::atomic<bool>& interrupted) {
   bool whole = false;
-  const std::vector<std::string> lines = run_collision_suite({.directory = directory,
-                                                              .data = real_data(),
-                                                              .cache = collision::tree_cache(),
-                                                              .command = command,
-                                                              .terminal = isatty(STDERR_FILENO) == 1},
-                                                             interrupted, whole);
+  const std::vector<std::string> lines = run_collision_suite(
+      {.directory = directory, .hands = std::move(hands), .command = command, .terminal = isatty(STDERR_FILENO) == 1},
+      interrupted, whole);
   for (const std::string& line : lines) std::printf("%s\n", line.c_str());
   if (!whole) std::printf("Stopped. What was finished is in %s\n", (directory / "collision.json").c_str());
   std::printf("Report: %s\n", report::write_collision_report(directory).c_str());

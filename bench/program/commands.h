@@ -9,7 +9,8 @@
 
 namespace zwang {
 
-int bench_command(std::vector<std::string> words);
+// `collision_hands`: those of the suite `collision`; null: none.
+int bench_command(std::vector<std::string> words, std::vector<HandScene> (*collision_hands)());
 int solve_command(std::vector<std::string> words);
 int solvers_command(std::vector<std::string> words);
 int scenes_command(std::vector<std::string> words);
@@ -22,7 +23,7 @@ int mesh_command(std::vector<std::string> words);
 std::filesystem::path real_data();
 
 // `bench --suite collision`.
-int bench_collision(const std::filesystem::path& directory, const std::string& command,
+int bench_collision(const std::filesystem::path& directory, const std::string& command, std::vector<HandScene> hands,
                     const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

@@ -24,8 +24,6 @@ namespace zwang {
 namespace {
 
 const std::array own_commands = {
-    Command{"bench", "Compare solvers", "run solvers on scenes or problem files, write results and a report",
-            bench_command},
     Command{"report", "Compare solvers", "charts of stored results, as a page or for a paper; two runs side by side",
             report_command},
     Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true", fuzz_command},
@@ -39,7 +37,12 @@ const std::array own_commands = {
 
 // The extensions' commands behind the comparison's.
 std::vector<Command> all_commands(const Extensions& extensions) {
-  std::vector<Command> all(own_commands.begin(), own_commands.end());
+  std::vector<Command> all = {{"bench", "Compare solvers",
+                               "run solvers on scenes or problem files, write results and a report",
+                               [hands = extensions.collision_hands](std::vector<std::string> words) {
+                                 return bench_command(std::move(words), hands);
+                               }}};
+  all.insert(all.end(), own_commands.begin(), own_commands.end());
   const auto behind = std::find_if(all.begin(), all.end(), [&](const Command& c) { return c.group != all[0].group; });
   all.insert(behind, extensions.commands.begin(), extensions.commands.end());
   return all;

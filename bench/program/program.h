@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
+
+#include <zwang/bench/collision/moving_hand.h>
 
 namespace zwang {
 
@@ -15,12 +18,13 @@ struct Command {
   std::string name;
   std::string group;
   std::string line;  // for --help
-  int (*run)(std::vector<std::string> words);
+  std::function<int(std::vector<std::string> words)> run;
 };
 
 // What a host adds to the program.
 struct Extensions {
   std::vector<Command> commands = {};
+  std::vector<HandScene> (*collision_hands)() = nullptr;  // that the collision suite times and audits
 };
 
 // The whole program: reads the command line, runs one command, returns its exit code.

@@ -1,13 +1,16 @@
 // The program `zwang`: bench/program/ and the god hand, which walks the same flow once a frame.
+#include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/program.h>
+#include <zwang/experiments/god_hand/run/collision_scenes.h>
 #include <zwang/experiments/program/commands.h>
 
 int main(int count, char** arguments) {
   return zwang::program(
       count, arguments,
-      {.commands = {
-           {"simulate", "The god hand", "a tracked hand among objects: frames, a summary, a replay in 3D",
-            zwang::simulate_command},
-           {"experiment", "The god hand", "a question of the paper, answered by a run here", zwang::experiment_command},
-           {"hand", "The god hand", "the sparsity of its problem", zwang::hand_command}}});
+      {.commands = {{"simulate", "The god hand", "a tracked hand among objects: frames, a summary, a replay in 3D",
+                     zwang::simulate_command},
+                    {"experiment", "The god hand", "a question of the paper, answered by a run here",
+                     zwang::experiment_command},
+                    {"hand", "The god hand", "the sparsity of its problem", zwang::hand_command}},
+       .collision_hands = [] { return zwang::god::collision_scenes(zwang::real_data()); }});
 }

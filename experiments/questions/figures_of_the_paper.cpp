@@ -10,7 +10,7 @@ namespace {
 constexpr const char* stage_names[] = {"collision", "solve", "assembly", "physics", "resolution", "other"};
 
 double stage(const god::StageTimes& t, std::size_t k) {
-  const double times[] = {t.collision, t.solve, t.assembly, t.physics, t.resolution, t.other};
+  const double times[] = {t.collision(), t.solve, t.assembly, t.physics, t.resolution, t.other};
   return times[k];
 }
 
@@ -23,7 +23,7 @@ Chart frame_times(const std::string& name, const std::string& title, const std::
               .log_y = true,
               .levels = std::move(levels)};
   add_series(chart, "frame", frames, [](const god::Frame& f) { return 1e3 * f.times.total(); });
-  add_series(chart, "collision", frames, [](const god::Frame& f) { return 1e3 * f.times.collision; });
+  add_series(chart, "collision", frames, [](const god::Frame& f) { return 1e3 * f.times.collision(); });
   return chart;
 }
 

@@ -94,7 +94,7 @@ Rates rates(const std::vector<god::Frame>& frames) {
   for (const god::Frame& f : frames) {
     times.push_back(f.times.total());
     whole += f.times.total();
-    collision += f.times.collision;
+    collision += f.times.collision();
   }
   return {1 / report::median(times), static_cast<double>(frames.size()) / whole,
           1 / *std::max_element(times.begin(), times.end()), collision / whole};

@@ -1,4 +1,3 @@
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/experiments/god_hand/run/run.h>
 
 #include <gtest/gtest.h>
@@ -8,7 +7,6 @@
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
-#include <zwang/experiments/god_hand/measure/audit.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 
 namespace zwang::god {
@@ -172,29 +170,6 @@ TEST(Run, RecordComesBack) {
   EXPECT_NO_THROW(require_same_program(folder.path));
   std::ofstream(folder.path / "run.json") << "{";
   EXPECT_THROW(read_record(folder.path), BadFile);
-}
-
-// A wedge of six corners, a box and a sphere, each met by a hand that is lowered into it.
-TEST(Audit, FindsAHandInsideEachKindOfObject) {
-  using collision::Shape;
-  const std::vector<Vec3> wedge = {{-0.2, -0.2, -0.02}, {0.2, -0.2, -0.02}, {-0.2, 0.2, -0.02},
-                                   {0.2, 0.2, -0.02},   {-0.2, 0, 0.03},    {0.2, 0, 0.03}};
-  for (const Shape& shape :
-       {Shape::hull(wedge, 0.002), Shape::rounded_box({0.4, 0.4, 0.06}, 0.003), Shape::sphere(0.03)}) {
-    Surroundings surroundings;
-    surroundings.objects = {{.name = "met", .pieces = {{shape}}, .mass = 1}};
-    const std::array hands = {hand::shapes(hand::standard())};
-    for (const auto& [height, inside] : {std::pair(0.04, true), {0.06, false}}) {
-      Audit audit(surroundings, hands);
-      const hand::Poses poses = hand::assemble({{0, 0, height}, Mat3::Identity()}, {});
-      Frame frame;
-      frame.god.assign(poses.begin(), poses.end());
-      frame.loose = {{}};
-      audit.look(frame);
-      EXPECT_EQ(audit.looked(), 16);
-      EXPECT_EQ(audit.found() > 0, inside) << "core " << static_cast<int>(shape.core()) << " at " << height;
-    }
-  }
 }
 
 }  // namespace

@@ -94,7 +94,12 @@ Frame frame_at(long k, double dt, const Surroundings& about) {
   f.claimed = Status::solved;
   f.verified = Verdict::solved;
   const double busy = 1 + static_cast<double>(f.kept) / 3 + 0.2 * std::sin(91.0 * f.time);
-  f.times = {4e-5 * busy, 1e-6, 1e-5 * busy, 3e-5 * busy, 8e-5 * busy, 5e-6};
+  f.times = {.physics = 4e-5 * busy,
+             .resolution = 1e-6,
+             .assembly = 1e-5 * busy,
+             .solve = 3e-5 * busy,
+             .search = 8e-5 * busy,
+             .other = 5e-6};
   f.held = k == 60;
   f.stuck = k == 90;
   f.tracked = k < 20 || k > 30;

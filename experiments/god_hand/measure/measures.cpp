@@ -19,13 +19,9 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
     : depth_(surroundings) {
   for (const hand::Model& model : models) balls_.push_back(balls(model));
   sight_.add(collision::Shape::sphere(speck));
-  for (const Object& object : surroundings.objects) {
-    auto& parts = parts_.emplace_back();
-    if (object.mesh && !object.loose()) parts.emplace_back(sight_.add(object.mesh, object.pose), Pose<double>{});
-    if (!parts.empty()) continue;
-    for (const Object::Piece& piece : object.pieces)
-      parts.emplace_back(sight_.add(piece.shape, placed(object.pose, piece.at), {}, true), piece.at);
-  }
+  parts_.resize(surroundings.objects.size());
+  for (const MetPart& part : met_parts(surroundings))
+    parts_[part.object].emplace_back(add_part(sight_, surroundings, part), part.at);
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
   for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
 }

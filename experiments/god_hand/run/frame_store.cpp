@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <zwang/core/files/problem_file.h>
+#include <zwang/experiments/god_hand/run/summary.h>
 
 namespace zwang::god {
 namespace {
@@ -33,9 +34,6 @@ constexpr std::array all_columns = {
     Column{"stuck", nullptr, nullptr, &Frame::stuck},
     Column{"behind", nullptr, nullptr, &Frame::behind},
 };
-
-constexpr std::array stages = {&StageTimes::physics, &StageTimes::resolution, &StageTimes::assembly,
-                               &StageTimes::solve,   &StageTimes::collision,  &StageTimes::other};
 
 // Shortest text that reads back as the same number; JSON has no NaN.
 template <class Number>
@@ -97,7 +95,13 @@ Frame frame_from(const nlohmann::json& j) {
     if (column.flag) frame.*column.flag = value.get<int>() != 0;
   }
   for (std::size_t k = 0; k < 6; ++k) frame.device[static_cast<Index>(k)] = number_of(j.at("device").at(k));
-  for (std::size_t k = 0; k < stages.size(); ++k) frame.times.*stages[k] = number_of(j.at("times").at(k));
+  const auto seconds = [&j](std::size_t k) { return number_of(j.at("times").at(k)); };
+  frame.times = {.physics = seconds(0),
+                 .resolution = seconds(1),
+                 .assembly = seconds(2),
+                 .solve = seconds(3),
+                 .search = seconds(4),
+                 .other = seconds(5)};
   frame.claimed = named(j.at("claimed"), Status::crashed);
   if (!j.at("verified").is_null()) frame.verified = named(j.at("verified"), Verdict::unsupported);
   for (const nlohmann::json& c : j.at("contacts")) {
@@ -189,9 +193,7 @@ void FrameWriter::write(const Frame& frame) {
     line_.append("\"").append(to_string(*frame.verified)).append("\"");
   else
     line_.append("null");
-  std::array<double, stages.size()> times;
-  for (std::size_t k = 0; k < times.size(); ++k) times[k] = frame.times.*stages[k];
-  put_all(line_, "times", times);
+  put_all(line_, "times", stages(frame.times));
   put_key(line_, "contacts");
   line_ += '[';
   for (const FrameContact& contact : frame.contacts) {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <fstream>
 
+#include <zwang/bench/collision/audit.h>
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/experiments/god_hand/measure/audit.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
@@ -24,6 +24,14 @@ std::vector<hand::Model> models_of(const Motion& motion) {
   std::vector<hand::Model> models;
   for (const Track& track : motion.hands) models.push_back(track.model);
   return models;
+}
+
+// Of all objects, the fixed ones too.
+std::vector<Pose<double>> object_poses(const Surroundings& surroundings, const Frame& frame) {
+  std::vector<Pose<double>> poses;
+  auto loose = frame.loose.begin();
+  for (const Object& object : surroundings.objects) poses.push_back(object.loose() ? *loose++ : object.pose);
+  return poses;
 }
 
 // Where a hand is when it is first seen.
@@ -95,16 +103,24 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   const std::vector<hand::Model> models = models_of(stage.motion);
   std::vector<std::vector<collision::Shape>> shapes;
   for (const hand::Model& model : models) shapes.push_back(hand::shapes(model));
-  Audit audit(stage.surroundings, shapes);
+  const std::vector<MetPart> parts = met_parts(stage.surroundings);
+  std::vector<Obstacle> obstacles;
+  for (const MetPart& part : parts) obstacles.push_back(part.body);
+  Audit audit(shapes, obstacles);
+  long first = -1;
+  std::vector<Pose<double>> poses;
   Finished out{.summary = Summary(record.asked.options.dt), .lines = {}, .replay = {}};
   const auto planned = static_cast<double>(record.asked.frames);
   read_frames(directory, [&](const Frame& frame) {
     out.summary.add(frame);
     if (!record.asked.audit) return;
-    audit.look(frame);
+    const std::vector<Pose<double>> objects = object_poses(stage.surroundings, frame);
+    poses.clear();
+    for (const MetPart& part : parts) poses.push_back(placed(objects[part.object], part.at));
+    if (audit.check(frame.god, poses) > 0 && first < 0) first = frame.number;
     progress(static_cast<double>(out.summary.frames()) / planned, "FCL looks at every frame");
   });
-  if (record.asked.audit) out.summary.set_audit(audit.looked(), audit.found(), audit.first(), audit.crossed());
+  if (record.asked.audit) out.summary.set_audit(audit.checked(), audit.found(), first, audit.crossed());
   out.lines = out.summary.lines(record);
   const auto file = directory / "summary.json";
   std::ofstream json(file);

@@ -56,7 +56,7 @@ bool finite(const Frame& frame) {
 }  // namespace
 
 std::array<double, 6> stages(const StageTimes& t) {
-  return {t.physics, t.resolution, t.assembly, t.solve, t.collision, t.other};
+  return {t.physics, t.resolution, t.assembly, t.solve, t.collision(), t.other};
 }
 
 std::string fault(const Frame& frame) {

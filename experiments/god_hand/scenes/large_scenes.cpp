@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include <zwang/bench/collision/drag_scenes.h>
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/scenes/scene_parts.h>
@@ -76,14 +75,13 @@ Surroundings engine_scene() {
 
 Surroundings detailed_scene() {
   Surroundings s{.name = "detailed"};
-  const auto parts =
-      laid_out({tree_of(meshes::gear(0.1, 0.03, 24, 400000)), tree_of(meshes::perforated({0.22, 0.2, 0.01}, 6, 450000)),
-                tree_of(meshes::bumpy_sphere(0.1, 0.004, 9, 400000))},
-               1);
+  const std::vector<TreePointer> parts = {tree_of(meshes::gear(0.1, 0.03, 24, 400000)),
+                                          tree_of(meshes::perforated({0.22, 0.2, 0.01}, 6, 450000)),
+                                          tree_of(meshes::bumpy_sphere(0.1, 0.004, 9, 400000))};
+  const std::vector<Pose<double>> poses = laid_out(parts, 1);
   for (std::size_t k = 0; k < parts.size(); ++k)
-    s.objects.push_back({.name = std::array{"gear", "perforated plate", "bumpy sphere"}[k],
-                         .mesh = parts[k].tree,
-                         .pose = parts[k].pose});
+    s.objects.push_back(
+        {.name = std::array{"gear", "perforated plate", "bumpy sphere"}[k], .mesh = parts[k], .pose = poses[k]});
   s.focus = busiest_place(s);
   return s;
 }

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <map>
 
-#include <zwang/bench/collision/drag_scenes.h>
 #include <zwang/collision/load.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/scenes/scene_parts.h>
@@ -58,9 +57,9 @@ void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
     area += size.x() * size.y();
     trees.push_back(tree);
   }
-  const std::vector<Part> laid = laid_out(trees, 1.1 * std::sqrt(area));
+  const std::vector<Pose<double>> poses = laid_out(trees, 1.1 * std::sqrt(area));
   for (std::size_t k = 0; k < parts.size(); ++k)
-    s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = laid[k].pose});
+    s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = poses[k]});
 }
 
 // The same, standing about a point.

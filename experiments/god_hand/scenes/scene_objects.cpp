@@ -146,6 +146,21 @@ Object table(const std::string& name, const Vec3& widths, const Vec3& top, std::
   return object;
 }
 
+std::vector<Pose<double>> laid_out(const std::vector<TreePointer>& parts, double row) {
+  constexpr double apart = 0.004;  // m
+  std::vector<Pose<double>> poses;
+  double x = 0, y = 0, deepest = 0;
+  for (const TreePointer& part : parts) {
+    const Vec3 size = part->high() - part->low();
+    if (x > 0 && x + size.x() > row) x = 0, y += deepest + apart, deepest = 0;
+    const Vec3 corner(x, y, 0), top(part->low().x(), part->low().y(), part->high().z());
+    poses.push_back({corner - top, Mat3::Identity()});
+    x += size.x() + apart;
+    deepest = std::max(deepest, size.y());
+  }
+  return poses;
+}
+
 void lift_clear(Surroundings& surroundings) {
   collision::World world;
   std::vector<std::size_t> owner;

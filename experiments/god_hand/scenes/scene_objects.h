@@ -43,6 +43,9 @@ Object fixed(const std::string& name, TreePointer mesh, const Vec3& position, co
 // A fixed plate, its upper side at top.z(): finely cut for hands, one box for the physics engine.
 Object table(const std::string& name, const Vec3& widths, const Vec3& top, std::size_t triangles);
 
+// Parts side by side in rows of this width [m], their tops at z = 0.
+std::vector<Pose<double>> laid_out(const std::vector<TreePointer>& parts, double row);
+
 // Lifts loose objects that overlap something, a few millimetres at most. Throws std::runtime_error, one line, naming
 // the pair, where that is not enough.
 void lift_clear(Surroundings& surroundings);

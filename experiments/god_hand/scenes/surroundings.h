@@ -2,10 +2,12 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <zwang/collision/shape.h>
 #include <zwang/collision/tree.h>
+#include <zwang/collision/world.h>
 
 namespace zwang::god {
 
@@ -28,6 +30,13 @@ struct Object {
   bool loose() const { return mass > 0; }
 };
 
+// A part of an object as a hand meets it: the mesh of a fixed object that has one, else a piece.
+struct MetPart {
+  std::size_t object;
+  Pose<double> at;  // in the object's axes
+  std::variant<collision::Shape, std::shared_ptr<const collision::Tree>> body;
+};
+
 // Objects, and where among them a hand is meant to work. z is up.
 struct Surroundings {
   std::string name = {};
@@ -35,6 +44,13 @@ struct Surroundings {
   Vec3 gravity = Vec3(0, 0, -9.81);  // m/s^2
   Vec3 focus = Vec3::Zero();         // m: the point that motions are placed about, on a surface
 };
+
+// Object after object.
+std::vector<MetPart> met_parts(const Surroundings& surroundings);
+
+// Adds it to a world as scenery, where its object is; returns the collider.
+int add_part(collision::World& world, const Surroundings& surroundings, const MetPart& part,
+             collision::Filter filter = {});
 
 // A part's pose, given in the axes of what it is `on`, in the world.
 inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {

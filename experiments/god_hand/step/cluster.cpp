@@ -132,7 +132,7 @@ bool Cluster::solve_lazily(Frame& frame) {
   while (solved) {
     int added = 0;
     {
-      const Lap lap(frame.times.collision);
+      const Lap lap(frame.times.completion);
       added = encounters_.complete(way_, options_.gap, pushed_);
     }
     if (added == 0) break;

@@ -108,7 +108,7 @@ void Cluster::candidate(double part, Frame& frame) {
 }
 
 double Cluster::sweep(Frame& frame) {
-  const Lap lap(frame.times.collision);
+  const Lap lap(frame.times.sweep);
   return encounters_.time_of_contact(screw_);
 }
 
@@ -122,7 +122,7 @@ double Cluster::propose(Frame& frame) {
     couple_to_targets(objects_.scene, target_, reaching_stiffness(options_.dt), z_u_);
   }
   {
-    const Lap lap(frame.times.collision);
+    const Lap lap(frame.times.search);
     using Choice = Contacts::Choice;
     const Choice choice = !options_.reduce_contacts ? Choice::raw : options_.lazy_contacts ? Choice::few : Choice::all;
     // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
@@ -195,7 +195,7 @@ void Cluster::commit(double toc, Frame& frame) {
     pace_ /= 2;
     return;
   }
-  const Lap lap(frame.times.collision);
+  const Lap lap(frame.times.sweep);
   for (std::size_t b = 0; b < size(); ++b) {
     last_way_[b] = screw_[b];
     objects_.scene.bodies[b].pose = pose_[b] = end_[b];

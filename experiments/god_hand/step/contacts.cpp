@@ -46,18 +46,10 @@ Contacts::Contacts(const GodObjects& objects, const Surroundings& surroundings) 
     world_.add(objects.shapes[b], objects.scene.bodies[b].pose, objects.filters[b]);
   choose_corners(objects);
   object_.assign(objects.shapes.size(), -1);
-  for (const Object& object : surroundings.objects) {
-    std::vector<Part>& parts = parts_.emplace_back();
-    const auto add = [&](int collider, const Pose<double>& at) {
-      parts.push_back({collider, at});
-      object_.push_back(static_cast<int>(parts_.size()) - 1);
-    };
-    if (object.mesh && !object.loose()) {
-      add(world_.add(object.mesh, object.pose, object_filter), {});
-      continue;
-    }
-    for (const Object::Piece& piece : object.pieces)
-      add(world_.add(piece.shape, placed(object.pose, piece.at), object_filter, true), piece.at);
+  parts_.resize(surroundings.objects.size());
+  for (const MetPart& part : met_parts(surroundings)) {
+    parts_[part.object].push_back({add_part(world_, surroundings, part, object_filter), part.at});
+    object_.push_back(static_cast<int>(part.object));
   }
   motion_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
 }

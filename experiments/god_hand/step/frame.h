@@ -20,8 +20,11 @@ struct FrameContact {
 
 // Where the time of a frame went: thread CPU seconds.
 struct StageTimes {
-  double physics = 0, resolution = 0, assembly = 0, solve = 0, collision = 0, other = 0;
-  double total() const { return physics + resolution + assembly + solve + collision + other; }
+  double physics = 0, resolution = 0, assembly = 0, solve = 0;
+  double search = 0, completion = 0, sweep = 0;  // near pairs and their rows; rows given back; times of contact
+  double other = 0;
+  double collision() const { return search + completion + sweep; }
+  double total() const { return physics + resolution + assembly + solve + collision() + other; }
 };
 
 // Everything that is known of one simulated frame. Lengths in m, angles in rad.

@@ -55,7 +55,11 @@ Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> cluste
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 
+void Simulation::watch(Watch watch) { state_->watch = std::move(watch); }
+
 const Surroundings& Simulation::surroundings() const { return state_->surroundings; }
+
+std::span<const Pose<double>> Simulation::object_poses() const { return state_->object; }
 
 std::vector<collision::Shape> Simulation::shapes() const {
   std::vector<collision::Shape> all;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,7 +33,14 @@ class Simulation {
   // The same with a pose for every god object, cluster after cluster.
   const Frame& step(std::span<const Pose<double>> targets);
 
+  // Called with every motion that is committed: number of the first god object that moves, and from where to where the
+  // cluster does, each body along retract(from, s * twist_between(from, to)).
+  using Watch =
+      std::function<void(std::size_t first, std::span<const Pose<double>> from, std::span<const Pose<double>> to)>;
+  void watch(Watch watch);
+
   const Surroundings& surroundings() const;
+  std::span<const Pose<double>> object_poses() const;  // of the surroundings, now
   // The shapes of the god objects, in the order of Frame::god.
   std::vector<collision::Shape> shapes() const;
 

@@ -137,8 +137,12 @@ void Simulation::State::step_god_objects() {
       toc_[c] = done(clusters[c]) ? 1 : clusters[c].propose(frame);
       least = std::min(least, toc_[c]);
     }
-    for (std::size_t c = 0; c < clusters.size(); ++c)
-      if (!done(clusters[c])) clusters[c].commit(options.toc_of_all ? least : toc_[c], frame);
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      if (done(clusters[c])) continue;
+      if (watch) from_.assign(clusters[c].poses().begin(), clusters[c].poses().end());
+      clusters[c].commit(options.toc_of_all ? least : toc_[c], frame);
+      if (watch) watch(first[c], from_, clusters[c].poses());
+    }
   }
 }
 

@@ -30,6 +30,7 @@ struct Simulation::State {
   std::optional<Measures> measures;
   std::vector<Pose<double>> object, object_before, god;
   std::vector<Pose<double>> wanted;  // of all god objects, where the hands are tracked now
+  Watch watch = {};
   Frame frame = {};
   long number = 0;
 
@@ -46,6 +47,7 @@ struct Simulation::State {
   std::vector<Vec<double, 6>> velocity_;  // by object, before the engine's step
   std::vector<Pose<double>> last_;        // of a cluster, its targets of the frame before
   std::vector<double> toc_;               // by cluster
+  std::vector<Pose<double>> from_;        // of a cluster, before a motion that is watched
 };
 
 }  // namespace zwang::god

@@ -1,0 +1,208 @@
+#include <zwang/experiments/god_hand/run/collision_scenes.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/experiments/god_hand/scenes/scene_objects.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/scenes/site.h>
+#include <zwang/experiments/god_hand/step/simulation.h>
+
+namespace zwang::god {
+namespace {
+
+using std::numbers::pi;
+
+// Where the target of the hand is at a time [s], at a speed [m/s].
+using Course = std::function<Target(double time, double speed)>;
+
+// Fingers bent to a share of their range, the thumb to a part of that.
+hand::Angles bent(double share, double thumb, double time, double wave) {
+  hand::Angles angles{};
+  for (int k = 0; k < hand::angles; ++k) {
+    const double pulse = 0.5 - 0.5 * std::cos(2 * pi * (0.7 + 0.05 * k) * time);
+    if (k % 4 != 1)
+      angles[static_cast<std::size_t>(k)] =
+          share * (1 - wave + wave * pulse) * (k < 4 ? thumb : 1) * hand::range(k).high;
+  }
+  return angles;
+}
+
+// How far a course with these amplitudes [m] is on at a time [rad]: its mean speed is about `speed`.
+double phase(double time, double speed, double along, double across) {
+  return speed * time / std::hypot(along, 0.7 * across);
+}
+
+// From above down to 15 mm below the surface at the focus, then on a Lissajous figure along it, the fingers curling and
+// stretching. spin: rad a frame of 1 ms, of the palm about its normal, to and fro.
+Course stroke(const Surroundings& surroundings, double reach, double spin) {
+  return [site = std::make_shared<const Site>(surroundings), reach, spin](double time, double speed) {
+    const double lowered = std::min(1.0, time / 0.15), at = phase(time, speed, reach, reach);
+    Pose<double> palm = site->flat(0.05 - 0.065 * lowered, reach * std::sin(at), reach * std::sin(0.7 * at));
+    const double turn = 0.4 * std::sin(0.3 * at) + (spin > 0 ? std::sin(spin * time / 1e-3) : 0);
+    palm.rotation = rotation(turn * site->out) * palm.rotation;
+    return Target{palm, bent(0.25, 1, time, 1)};
+  };
+}
+
+// The hand closed about a bar of 0.1 m along x, its top at z = 0, deeper than the bar lets it, and dragged along it: 13
+// of 16 bodies are pressed on something, on a flat surface it is the palm and the finger tips.
+Course grip(double time_to_close) {
+  return [time_to_close](double time, double speed) {
+    constexpr double reach = 0.18;  // m
+    const double closed = std::min(1.0, time / time_to_close), at = phase(time, speed, reach, 0);
+    const double half = hand::standard().palm_widths.z() / 2;
+    const Pose<double> palm{{reach * std::sin(at), -0.045, half - 0.03 * closed + 0.05 * (1 - closed)},
+                            rotation(0.1 * std::sin(0.3 * at) * Vec3::UnitZ()) * rotation(Vec3(-0.5, 0, 0))};
+    return Target{palm, bent(0.6 * closed, 0.3, time, 0.1)};
+  };
+}
+
+class SimulatedHand : public MovingHand {
+ public:
+  SimulatedHand(const Surroundings& surroundings, Course course, double speed)
+      : course_(std::move(course)),
+        speed_(speed),
+        target_(course_(0, speed)),
+        parts_(met_parts(surroundings)),
+        simulation_(surroundings, std::span(&hand::standard(), 1), std::span(&target_, 1), options()),
+        shapes_(simulation_.shapes()) {
+    for (const MetPart& part : parts_) obstacles_.push_back(part.body);
+    place_obstacles();
+  }
+
+  const std::vector<collision::Shape>& shapes() const override { return shapes_; }
+  const std::vector<Obstacle>& obstacles() const override { return obstacles_; }
+  void watch(Watch watch) override {
+    simulation_.watch([this, watch](std::size_t, std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
+      place_obstacles();
+      watch(from, to);
+    });
+  }
+
+  HandFrame step() override {
+    target_ = course_(static_cast<double>(++frame_) * options().dt, speed_);
+    const Frame& f = simulation_.step(std::span(&target_, 1));
+    poses_ = f.god;
+    place_obstacles();
+    return {.search = f.times.search,
+            .completion = f.times.completion,
+            .sweep = f.times.sweep,
+            .whole = f.times.total(),
+            .raw = f.raw,
+            .kept = f.kept,
+            .completed = f.completed,
+            .sub_steps = f.sub_steps,
+            .held = f.held};
+  }
+
+  std::span<const Pose<double>> poses() const override { return poses_; }
+  std::span<const Pose<double>> obstacle_poses() const override { return obstacle_poses_; }
+
+ private:
+  static Options options() { return {.verify = 0}; }
+
+  void place_obstacles() {
+    obstacle_poses_.clear();
+    for (const MetPart& part : parts_)
+      obstacle_poses_.push_back(placed(simulation_.object_poses()[part.object], part.at));
+  }
+
+  Course course_;
+  double speed_;
+  Target target_;
+  std::vector<MetPart> parts_;
+  Simulation simulation_;
+  std::vector<collision::Shape> shapes_;
+  std::vector<Obstacle> obstacles_;
+  std::vector<Pose<double>> poses_, obstacle_poses_;
+  long frame_ = 0;
+};
+
+// A scene of its own: one mesh.
+Surroundings alone(const std::string& name, const collision::Mesh& mesh) {
+  Surroundings s{.name = name};
+  s.objects = {fixed(name, tree_of(mesh), Vec3::Zero())};
+  return s;
+}
+
+// A bar along x, 0.1 m thick, its top at z = 0. `outline` [m]: radius at an angle about x and a place along it.
+Surroundings bar(const std::string& name, collision::Mesh along_z,
+                 const std::function<double(double angle, double x)>& outline) {
+  for (Vec3& p : along_z.vertices) {
+    const double angle = std::atan2(p.y(), p.x()), share = std::hypot(p.x(), p.y()) / 0.05;
+    const double radius = share * outline(angle, p.z());
+    p = {p.z(), radius * std::cos(angle), radius * std::sin(angle) - 0.05};
+  }
+  return alone(name, along_z);
+}
+
+// A sheet rolled up, without thickness.
+Surroundings tube() {
+  collision::Mesh mesh = meshes::sheet(0.6, 2 * pi * 0.05, 30000);
+  for (Vec3& p : mesh.vertices) p = {p.x(), 0.05 * std::sin(p.y() / 0.05), 0.05 * std::cos(p.y() / 0.05) - 0.05};
+  return alone("tube", mesh);
+}
+
+}  // namespace
+
+std::vector<HandScene> collision_scenes(const std::filesystem::path& data) {
+  const bool real =
+      std::filesystem::exists(data / "mesh_differential") && std::filesystem::exists(data / "mesh_factory_parts");
+  const std::filesystem::path parts = real ? data : std::filesystem::path();
+  std::vector<HandScene> scenes;
+  const auto add = [&](std::string name, std::string of, std::vector<double> speeds, int frames,
+                       std::function<Surroundings()> make, std::function<Course(const Surroundings&)> course,
+                       double spin = 0) {
+    scenes.push_back({std::move(name), std::move(of), std::move(speeds), spin, frames, [make, course] {
+                        const auto scene = std::make_shared<const Surroundings>(make());
+                        return [scene, course = course(*scene)](double speed) -> std::unique_ptr<MovingHand> {
+                          return std::make_unique<SimulatedHand>(*scene, course, speed);
+                        };
+                      }});
+  };
+  const auto named = [](const char* scene, std::filesystem::path from = {}) {
+    return [=] { return make_surroundings(scene, from); };
+  };
+  const auto stroking = [](double reach, double spin = 0) {
+    return [=](const Surroundings& s) { return stroke(s, reach, spin); };
+  };
+  const auto gripping = [](const Surroundings&) { return grip(0.15); };
+
+  add("100k triangles, 5 parts", real ? "real: a differential" : "procedural", {0.5, 1, 2}, 1000,
+      named("simple", parts), stroking(0.06));
+  add("1M triangles, 20 parts", real ? "real: differentials, gears, bolts, counter tops" : "procedural", {0.5, 1, 2},
+      1500, named("engine", parts), stroking(0.12));
+  if (real)
+    add("1M triangles, 20 procedural parts", "an engine compartment", {0.5}, 1000, named("engine"), stroking(0.12));
+  add("three parts of 400k triangles", "gear, perforated plate, bumpy sphere", {0.5, 2}, 1000, named("detailed"),
+      stroking(0.08));
+  add("wall", "20k triangles, flat", {0.5, 2}, 800, named("wall"), stroking(0.12));
+  add("sheet without thickness", "20k triangles", {1, 5}, 1200, named("plate"), stroking(0.12));
+  add(
+      "slivers", "20k triangles of 1 : 3000", {0.5, 5}, 800,
+      [] { return alone("slivers", meshes::slivers(0.3, 0.01, 20000)); }, stroking(0.1));
+  add("plate with holes", "64k triangles", {1, 5}, 500, named("holes"), stroking(0.12));
+  add("turning 0.5 rad a frame", "the five parts of 100k triangles", {1}, 500, named("simple", parts),
+      stroking(0.06, 0.5), 0.5);
+  add("loose objects", "dumbbell, mug, T, box, can and ball on a table", {0.5, 2}, 800, named("grasp"), stroking(0.15));
+  add(
+      "gripped pipe", "100k triangles, smooth", {0.5, 2}, 2500,
+      [] { return bar("pipe", meshes::pipe(0.05, 0.01, 0.6, 100000), [](double, double) { return 0.05; }); }, gripping);
+  add(
+      "gripped bumpy bar", "60k triangles", {0.5, 2}, 2500,
+      [] {
+        return bar("bumpy bar", meshes::pipe(0.05, 0.01, 0.6, 60000),
+                   [](double angle, double x) { return 0.05 * (1 + 0.05 * std::sin(6 * angle) * std::sin(120 * x)); });
+      },
+      gripping);
+  add(
+      "gripped shaft with teeth", "100k triangles", {0.5, 2}, 2500,
+      [] { return bar("shaft", meshes::gear(0.05, 0.6, 30, 100000), [](double, double) { return 0.05; }); }, gripping);
+  add("gripped tube of a sheet without thickness", "30k triangles", {1, 5}, 2500, tube, gripping);
+  return scenes;
+}
+
+}  // namespace zwang::god
