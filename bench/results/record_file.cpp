@@ -47,7 +47,7 @@ void require_same_conditions(const fs::path& directory, const std::string& recor
 }
 
 bool holds_run(const fs::path& directory) {
-  for (const char* file : {"run.json", "results.jsonl", "frames.jsonl", "collision.json"})
+  for (const char* file : {"run.json", "results.jsonl", "frames.h5", "collision.json"})
     if (fs::exists(directory / file)) return true;
   return false;
 }

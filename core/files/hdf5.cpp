@@ -61,6 +61,16 @@ H5O_type_t type_of(hid_t group, const std::string& name) {
   return found ? info.type : H5O_TYPE_UNKNOWN;
 }
 
+// How large a dataset is; empty where it is none.
+struct Extent {
+  std::vector<hsize_t> size;
+  explicit Extent(hid_t dataset) {
+    const Handle space(dataset < 0 ? -1 : H5Dget_space(dataset), H5Sclose);
+    size.resize(space < 0 ? 0 : static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+    if (!size.empty()) H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  }
+};
+
 // gzip's best ratio: what n stored bytes can grow to.
 constexpr std::uintmax_t largest_expansion = 1032;
 
@@ -92,7 +102,9 @@ struct Group::Dataset {
     n = H5Sget_simple_extent_type(space) == H5S_NULL ? 0 : 1;
     for (const hsize_t d : dims) {
       if (d != 0 && n > most / d)
-        group.fail(name, "more elements than the file can hold; expected an undamaged dataset");
+        group.fail(name,
+                   "more elements than the file can hold; expected an "
+                   "undamaged dataset");
       n *= d;
     }
     if (n > 0 && H5Dget_storage_size(id) == 0) group.fail(name, "declared but never written; expected its numbers");
@@ -118,7 +130,9 @@ Group Group::open(const std::filesystem::path& file) {
   if (H5Fis_hdf5(name.c_str()) <= 0) throw BadFile(name + ": not HDF5, or unreadable; expected an HDF5 file");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);
-  const hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access);
+  hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access);
+  if (id < 0) id = H5Fopen(name.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ,
+                           access);  // its writer was killed
   if (id < 0) throw BadFile(name + ": truncated or damaged; expected a complete HDF5 file");
   return {std::make_shared<File>(name, bytes), share(id, H5Fclose), "/"};
 }
@@ -126,8 +140,27 @@ Group Group::open(const std::filesystem::path& file) {
 Group Group::create(const std::filesystem::path& file) {
   silence();
   const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0) throw BadFile(file.string() + ": cannot be written; expected a folder that exists and may be written to");
+  if (id < 0)
+    throw BadFile(file.string() +
+                  ": cannot be written; expected a folder that "
+                  "exists and may be written to");
   return {std::make_shared<File>(file.string(), 0), share(id, H5Fclose), "/"};
+}
+
+Group Group::create_growing(const std::filesystem::path& file) {
+  silence();
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  if (id < 0)
+    throw BadFile(file.string() +
+                  ": cannot be written; expected a folder that "
+                  "exists and may be written to");
+  return {std::make_shared<File>(file.string(), 0), share(id, H5Fclose), "/"};
+}
+
+void Group::start_growing() {
+  if (H5Fstart_swmr_write(*id_) < 0) fail("", "cannot be written; expected room on the disk");
 }
 
 bool Group::has_group(const std::string& name) const { return type_of(*id_, name) == H5O_TYPE_GROUP; }
@@ -174,8 +207,10 @@ std::vector<T> Group::read(const std::string& name, std::size_t expected) const 
     fail(name, std::string("not of the right type; expected ") + (std::is_same_v<T, double> ? "numbers" : "integers"));
   std::vector<T> values(data.n);
   if (data.n > 0 && H5Dread(data.id, number_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
-                   std::to_string(data.n) + " numbers");
+    fail(name,
+         "cannot be read (damaged, or compressed by a filter that is not "
+         "installed); expected " +
+             std::to_string(data.n) + " numbers");
   return values;
 }
 
@@ -236,6 +271,81 @@ void Group::write_strings(const std::string& name, std::span<const std::string> 
 
 void Group::flush() {
   if (H5Fflush(*id_, H5F_SCOPE_GLOBAL) < 0) fail("", "cannot be written; expected room on the disk");
+}
+
+void Group::add_rows(const std::string& name, Stored type, const std::vector<std::size_t>& row) {
+  constexpr hsize_t chunk_bytes = 1 << 16, chunk_rows = 512;
+  const hid_t types[] = {H5T_IEEE_F64LE, H5T_IEEE_F32LE, H5T_STD_I32LE, H5T_STD_U8LE};
+  const hid_t disk = types[static_cast<std::size_t>(type)];
+  std::vector<hsize_t> size = {0}, chunk = {1}, most = {H5S_UNLIMITED};
+  hsize_t bytes = H5Tget_size(disk);
+  for (const std::size_t n : row) size.push_back(n), chunk.push_back(n), most.push_back(n), bytes *= n;
+  chunk[0] = std::clamp<hsize_t>(chunk_bytes / bytes, 1, chunk_rows);
+  const int rank = static_cast<int>(size.size());
+  const Handle space(H5Screate_simple(rank, size.data(), most.data()), H5Sclose),
+      settings(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(settings, false);
+  H5Pset_chunk(settings, rank, chunk.data());
+  const Handle id(H5Dcreate2(*id_, name.c_str(), disk, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose);
+  if (id < 0) fail(name, "cannot be written; expected room on the disk");
+}
+
+void Group::append_rows(const std::string& name, std::span<const double> values) {
+  const Handle id(H5Dopen2(*id_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  std::vector<hsize_t> size = Extent(id).size;
+  hsize_t numbers = 1;
+  for (std::size_t k = 1; k < size.size(); ++k) numbers *= size[k];
+  if (values.size() % numbers != 0) fail(name, "not whole rows");
+  std::vector<hsize_t> first(size.size(), 0), count = size;
+  first[0] = size[0];
+  count[0] = values.size() / numbers;
+  size[0] += count[0];
+  if (count[0] == 0) return;
+  if (H5Dset_extent(id, size.data()) < 0) fail(name, "cannot be written; expected room on the disk");
+  const Handle space(H5Dget_space(id), H5Sclose),
+      memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
+  if (H5Dwrite(id, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) < 0)
+    fail(name, "cannot be written; expected room on the disk");
+}
+
+std::vector<double> Group::read_rows(const std::string& name, std::size_t first, std::size_t count) const {
+  const Dataset data(*this, name);
+  const H5T_class_t kind = H5Tget_class(data.type);
+  if (kind != H5T_INTEGER && kind != H5T_FLOAT) fail(name, "not of the right type; expected numbers");
+  if (data.dims.empty() || first + count > data.dims[0])
+    fail(name, "too short; expected " + std::to_string(first + count) + " rows");
+  std::vector<hsize_t> from(data.dims.size(), 0), size = data.dims;
+  from[0] = first;
+  size[0] = count;
+  std::vector<double> values(data.dims[0] == 0 ? 0 : data.n / data.dims[0] * count);
+  if (values.empty()) return values;
+  const Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+  H5Sselect_hyperslab(data.space, H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr);
+  if (H5Dread(data.id, H5T_NATIVE_DOUBLE, memory, data.space, H5P_DEFAULT, values.data()) < 0)
+    fail(name, "cannot be read; expected " + std::to_string(values.size()) + " numbers");
+  return values;
+}
+
+void Group::copy_rows(const Group& from, const std::string& name, std::size_t rows) {
+  const bool copied = H5Ocopy(*from.id_, name.c_str(), *id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
+  const Handle id(copied ? H5Dopen2(*id_, name.c_str(), H5P_DEFAULT) : -1, H5Dclose);
+  std::vector<hsize_t> size = Extent(id).size;
+  if (size.empty()) from.fail(name, "missing or damaged; expected rows");
+  if (size[0] < rows) from.fail(name, "too short; expected " + std::to_string(rows) + " rows");
+  size[0] = rows;
+  if (H5Dset_extent(id, size.data()) < 0) fail(name, "cannot be written; expected room on the disk");
+}
+
+void Group::write_attribute(const std::string& dataset, const std::string& name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const char* characters = text.c_str();
+  const Handle id(
+      H5Acreate_by_name(*id_, dataset.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  if (id < 0 || H5Awrite(id, type, &characters) < 0) fail(dataset, "cannot be written; expected room on the disk");
 }
 
 template std::vector<double> Group::read(const std::string&, std::size_t) const;

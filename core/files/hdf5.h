@@ -16,6 +16,10 @@ class Group {
  public:
   static Group open(const std::filesystem::path& file);    // the root group, for reading
   static Group create(const std::filesystem::path& file);  // the root group of a new file
+  // The root group of a new file that grows while it is written: once its datasets are there and start_growing() was
+  // called, it stays readable at every moment, also when the writer is killed (HDF5's single writer, multiple readers).
+  static Group create_growing(const std::filesystem::path& file);
+  void start_growing();
 
   bool has_group(const std::string& name) const;
   bool has_data(const std::string& name) const;
@@ -44,6 +48,17 @@ class Group {
   }
   void write_strings(const std::string& dataset, std::span<const std::string> texts);
   void flush();
+
+  // Datasets that grow by rows, in chunks, for files of create_growing(). Numbers are doubles in memory and of this
+  // type on disk. `row`: the shape of a row; {}: one number.
+  enum class Stored { real, single, integer, flag };  // f64, f32, i32, u8
+  void add_rows(const std::string& dataset, Stored type, const std::vector<std::size_t>& row);
+  void append_rows(const std::string& dataset, std::span<const double> values);
+  std::vector<double> read_rows(const std::string& dataset, std::size_t first, std::size_t count) const;
+  // The first `rows` of a dataset of another file, which comes with its attributes.
+  void copy_rows(const Group& from, const std::string& dataset, std::size_t rows);
+  // Text beside a dataset, such as its unit.
+  void write_attribute(const std::string& dataset, const std::string& name, const std::string& text);
 
   // Throws BadFile("FILE: PLACE: what").
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;

@@ -1,8 +1,11 @@
 #include <zwang/experiments/god_hand/run/run.h>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <array>
+#include <csignal>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -29,7 +32,7 @@ Frame frame_of(long number) {
   f.device << x, 2 * x, 3 * x, 4 * x, 5 * x, 6 * x;
   f.target = f.god = {retract(Pose<double>{}, Vec<double, 6>(x, 0, 0, x, 1, 0)), {}};
   f.loose = {{{x, x, x}, Mat3::Identity()}};
-  f.contacts = {{1, 0, {x, 0, 1}, Vec3::UnitZ(), 2e-4, 0.5}};
+  for (int k = 0; k < number % 4; ++k) f.contacts.push_back({k, 0, {x, k + 0., 1}, Vec3::UnitZ(), 2e-4, 0.5});
   f.rows = 70;
   f.held = number % 2 == 1;
   f.claimed = Status::infeasible;
@@ -40,37 +43,57 @@ Frame frame_of(long number) {
 
 std::vector<Frame> frames_in(const fs::path& directory) {
   std::vector<Frame> frames;
-  read_frames(directory, [&](const Frame& f) { frames.push_back(f); });
+  FrameReader(directory).each([&](const Frame& f) { frames.push_back(f); });
   return frames;
 }
 
-std::string bytes_of(const fs::path& file) {
+void write_frames(const fs::path& directory, long count) {
+  FrameWriter writer(directory, 2, 1);
+  for (long k = 0; k < count; ++k) writer.write(frame_of(k));
+  writer.flush();
+}
+
+std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
 }
 
-// frames.jsonl without what was measured with a clock.
-std::string untimed(const fs::path& directory) {
-  std::istringstream lines(bytes_of(directory / "frames.jsonl"));
-  std::string all;
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t from = line.find("\"times\":["), to = line.find(']', from);
-    all += line.substr(0, from) + line.substr(to) + "\n";
+void expect_same(const std::vector<Pose<double>>& a, const std::vector<Pose<double>>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].position, b[k].position);
+    EXPECT_EQ(a[k].rotation, b[k].rotation);
   }
-  return all;
+}
+
+// To the bit, but for what was measured with a clock.
+void expect_same(const Frame& a, const Frame& b) {
+  EXPECT_EQ(a.number, b.number);
+  for (const Column& column : columns()) EXPECT_EQ(column.of(a), column.of(b)) << column.key;
+  EXPECT_EQ(a.device, b.device);
+  EXPECT_EQ(a.claimed, b.claimed);
+  EXPECT_EQ(a.verified, b.verified);
+  expect_same(a.target, b.target);
+  expect_same(a.god, b.god);
+  expect_same(a.loose, b.loose);
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    const FrameContact &c = a.contacts[k], &d = b.contacts[k];
+    EXPECT_TRUE(c.body == d.body && c.object == d.object && c.gap == d.gap && c.push == d.push);
+    EXPECT_EQ(c.point, d.point);
+    EXPECT_EQ(c.normal, d.normal);
+  }
 }
 
 TEST(FrameStore, GivesBackWhatItWasGiven) {
   const Folder folder;
-  {
-    FrameWriter writer(folder.path, 2, 1);
-    for (long k = 0; k < 5; ++k) writer.write(frame_of(k));
-  }
+  const long count = checkpoint_every + 3;  // more than are read at once
+  write_frames(folder.path, count);
   const std::vector<Frame> frames = frames_in(folder.path);
-  ASSERT_EQ(frames.size(), 5u);
-  for (long k = 0; k < 5; ++k) {
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(count));
+  for (long k = 0; k < count; ++k) {
     const Frame &f = frames[static_cast<std::size_t>(k)], g = frame_of(k);
     EXPECT_EQ(f.number, k);
     for (const Column& column : columns()) EXPECT_EQ(column.of(f), column.of(g)) << column.key;
@@ -81,42 +104,77 @@ TEST(FrameStore, GivesBackWhatItWasGiven) {
     EXPECT_EQ(f.god[0].position, g.god[0].position);
     EXPECT_LE((f.god[0].rotation - g.god[0].rotation).norm(), 1e-15);
     EXPECT_EQ(f.loose[0].position, g.loose[0].position);
-    ASSERT_EQ(f.contacts.size(), 1u);
-    EXPECT_FLOAT_EQ(static_cast<float>(f.contacts[0].point.x()), static_cast<float>(g.contacts[0].point.x()));
+    ASSERT_EQ(f.contacts.size(), g.contacts.size());
+    for (std::size_t c = 0; c < f.contacts.size(); ++c) {
+      EXPECT_EQ(f.contacts[c].body, g.contacts[c].body);
+      EXPECT_FLOAT_EQ(static_cast<float>(f.contacts[c].point.x()), static_cast<float>(g.contacts[c].point.x()));
+    }
   }
 }
 
-TEST(FrameStore, ATornEndDoesNotCountAndIsWrittenOver) {
+TEST(FrameStore, ARunWithoutLooseObjectsHasNoneOfTheirPoses) {
   const Folder folder;
-  {
+  FrameWriter writer(folder.path, 2, 0);
+  Frame frame = frame_of(0);
+  frame.loose.clear();
+  writer.write(frame);
+  writer.flush();
+  ASSERT_EQ(frames_in(folder.path).size(), 1u);
+  EXPECT_TRUE(frames_in(folder.path)[0].loose.empty());
+}
+
+// Killed after frames that were not flushed.
+TEST(FrameStore, AKilledRunKeepsWhatWasFlushedAndGoesOn) {
+  const Folder folder;
+  if (const pid_t child = fork(); child == 0) {
     FrameWriter writer(folder.path, 2, 1);
-    for (long k = 0; k < 5; ++k) writer.write(frame_of(k));
+    for (long k = 0; k < 7; ++k) {
+      writer.write(frame_of(k));
+      if (k == 4) writer.flush();
+    }
+    kill(getpid(), SIGKILL);
+  } else {
+    waitpid(child, nullptr, 0);
   }
-  std::ofstream(folder.path / "frames.jsonl", std::ios::app) << "{\"n\":5,\"t\":";
   EXPECT_EQ(frames_in(folder.path).size(), 5u);
-  fs::resize_file(folder.path / "poses.bin", fs::file_size(folder.path / "poses.bin") - 3);
-  EXPECT_EQ(frames_in(folder.path).size(), 4u);
   {
     FrameWriter writer(folder.path, 2, 1, 3);
     writer.write(frame_of(7));
+    writer.flush();
   }
   const std::vector<Frame> frames = frames_in(folder.path);
   ASSERT_EQ(frames.size(), 4u);
+  EXPECT_EQ(frames[2].number, 2);
   EXPECT_EQ(frames.back().number, 7);
+  EXPECT_EQ(frames.back().contacts.size(), frame_of(7).contacts.size());
 }
 
 TEST(FrameStore, RefusesWhatIsNoFrameAndAFrameOfAnotherRun) {
   const Folder folder;
-  FrameWriter writer(folder.path, 2, 1);
-  Frame other = frame_of(0);
-  other.loose.clear();
-  EXPECT_THROW(writer.write(other), std::logic_error);
-  for (long k = 0; k < 2; ++k) writer.write(frame_of(k));
-  writer.flush();
-  const std::string lines = bytes_of(folder.path / "frames.jsonl");
-  std::ofstream(folder.path / "frames.jsonl") << "nonsense\n" << lines;
-  EXPECT_THROW(frames_in(folder.path), BadFile);
+  {
+    FrameWriter writer(folder.path, 2, 1);
+    Frame other = frame_of(0);
+    other.loose.clear();
+    EXPECT_THROW(writer.write(other), std::logic_error);
+    for (long k = 0; k < 2; ++k) writer.write(frame_of(k));
+    writer.flush();
+  }
   EXPECT_THROW(FrameWriter(folder.path, 2, 1, 9), BadFile);
+  std::ofstream(folder.path / "frames.h5") << "nonsense";
+  EXPECT_THROW(frames_in(folder.path), BadFile);
+}
+
+TEST(FrameStore, CheckpointsComeBackToTheBit) {
+  const Folder folder;
+  EXPECT_EQ(read_checkpoint(folder.path).frames, 0);
+  const std::vector<double> state = {0.1, -0.0, 5e-324, 1.0 / 3};
+  write_checkpoint(folder.path, {1500, state});
+  const Checkpoint back = read_checkpoint(folder.path);
+  EXPECT_EQ(back.frames, 1500);
+  ASSERT_EQ(back.state.size(), state.size());
+  EXPECT_EQ(std::memcmp(back.state.data(), state.data(), state.size() * sizeof(double)), 0);
+  std::ofstream(folder.path / "checkpoint.h5") << "nonsense";
+  EXPECT_THROW(read_checkpoint(folder.path), BadFile);
 }
 
 TEST(Run, ResumedEqualsUninterruptedBitByBit) {
@@ -141,13 +199,15 @@ TEST(Run, ResumedEqualsUninterruptedBitByBit) {
   EXPECT_EQ(simulate(
                 folder.path / "stopped", record, stage, true, [](double, const std::string&) {}, never),
             record.asked.frames);
-  EXPECT_EQ(bytes_of(folder.path / "whole" / "poses.bin"), bytes_of(folder.path / "stopped" / "poses.bin"));
-  EXPECT_EQ(untimed(folder.path / "whole"), untimed(folder.path / "stopped"));
+  const std::vector<Frame> whole = frames_in(folder.path / "whole"), resumed = frames_in(folder.path / "stopped");
+  ASSERT_EQ(whole.size(), static_cast<std::size_t>(record.asked.frames));
+  ASSERT_EQ(resumed.size(), whole.size());
+  for (std::size_t k = 0; k < whole.size(); ++k) expect_same(whole[k], resumed[k]);
 
   record.asked.audit = true;
   const Finished finished = finish(folder.path / "whole", record, stage, [](double, const std::string&) {});
   EXPECT_TRUE(fs::exists(finished.replay));
-  EXPECT_NE(bytes_of(folder.path / "whole" / "summary.json").find("\"overlaps\": 0"), std::string::npos);
+  EXPECT_NE(text_of(folder.path / "whole" / "summary.json").find("\"overlaps\": 0"), std::string::npos);
 }
 
 TEST(Run, RecordComesBack) {

@@ -128,13 +128,16 @@ int main(int argc, char** argv) try {
   write_record(directory, record);
   FrameWriter writer(directory, hand::bodies, record.loose);
   Summary summary(record.asked.options.dt);
+  ShownFrames shown(frames);
   for (long k = 0; k < frames; ++k) {
     const Frame frame = frame_at(k, record.asked.options.dt, about);
     writer.write(frame);
     summary.add(frame);
+    shown.add(frame);
   }
   writer.flush();
-  std::cout << write_replay(directory, record, summary, about, std::array{hand::standard()}).string() << "\n";
+  std::cout << write_replay(directory, record, summary, shown.frames(), about, std::array{hand::standard()}).string()
+            << "\n";
   return 0;
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";

@@ -1,26 +1,29 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include <zwang/core/files/hdf5.h>
 #include <zwang/experiments/god_hand/step/frame.h>
 
 namespace zwang::god {
 
-// The frames of a run in its folder (docs/god-hand.md lists the columns):
+// The files of a run that hold frames, both HDF5 (docs/god-hand.md lists the datasets):
 //
-//   frames.jsonl  one line a frame, appended: every number of frame.h but the poses
-//   poses.bin     the poses of the same frames in double precision, records of one size
-//   checkpoint    the state of the simulation after a multiple of `checkpoint_every` frames
+//   frames.h5      a dataset for each quantity, a row for each frame; appended while the run goes on
+//   checkpoint.h5  the state of the simulation after a multiple of `checkpoint_every` frames
+//
+// A run that is killed leaves both readable, frames.h5 with all frames up to the last flush().
 
 inline constexpr long checkpoint_every = 500;  // a resumed run repeats fewer frames than this
 
-// A number of a frame under the name it has in frames.jsonl: one of the three members.
+// A number of a frame and its name in frames.h5: one of the three members.
 struct Column {
   const char* key;
+  const char* unit;
   double Frame::* number = nullptr;
   int Frame::* count = nullptr;
   bool Frame::* flag = nullptr;
@@ -35,24 +38,36 @@ class FrameWriter {
  public:
   // `keep`: so many of the frames that are in the folder already stay, the others go. bodies: god objects of all hands.
   FrameWriter(const std::filesystem::path& directory, std::size_t bodies, std::size_t loose, long keep = 0);
-  // Throws std::logic_error when the frame has other numbers of poses.
+  // Kept in memory until flush(). Throws std::logic_error when the frame has other numbers of poses.
   void write(const Frame& frame);
   void flush();  // throws BadFile when the disk is full
 
  private:
-  std::filesystem::path directory_;
+  struct Dataset {
+    std::string name;
+    std::vector<double> values;  // not yet written
+  };
   std::size_t bodies_, loose_;
-  std::ofstream lines_, poses_;
-  std::string line_;
+  hdf5::Group file_;
+  std::vector<Dataset> waiting_;  // of frames, then of contacts
 };
 
-// Visits every whole frame in order and returns their number. What a killed run left torn at the end does not count;
-// anything else that is broken throws BadFile.
-long read_frames(const std::filesystem::path& directory, const std::function<void(const Frame&)>& visit);
+// The frames of a folder, each read once. What a killed run left torn at the end does not count; anything else that is
+// broken throws BadFile.
+class FrameReader {
+ public:
+  explicit FrameReader(const std::filesystem::path& directory);
+  long frames() const { return frames_; }
+  void each(const std::function<void(const Frame&)>& visit) const;  // in order
+
+ private:
+  hdf5::Group file_;
+  long frames_ = 0;
+};
 
 struct Checkpoint {
-  long frames = 0;  // that were done; 0: from the beginning
-  std::string state = {};
+  long frames = 0;                 // that were done; 0: from the beginning
+  std::vector<double> state = {};  // of Simulation
 };
 void write_checkpoint(const std::filesystem::path& directory, const Checkpoint& checkpoint);  // in one step
 Checkpoint read_checkpoint(const std::filesystem::path& directory);                           // {} where there is none

@@ -1,9 +1,12 @@
 #include <zwang/experiments/god_hand/run/replay.h>
 
+#include <openssl/evp.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -21,17 +24,10 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
 
 std::string base64(std::string_view bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return k < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[k])) : 0u;
-    };
-    const std::uint32_t word = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    for (int k = 0; k < 4; ++k)
-      text += i + static_cast<std::size_t>(k) > bytes.size() ? '=' : digits[word >> (18 - 6 * k) & 63];
-  }
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // a zero ends it
+  text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                                                       reinterpret_cast<const unsigned char*>(bytes.data()),
+                                                       static_cast<int>(bytes.size()))));
   return text;
 }
 
@@ -60,22 +56,6 @@ enum Mark : int { untracked = 1, returned = 2, behind = 4, held = 8, stuck = 16,
 int marks(const Frame& f) {
   return (f.tracked ? 0 : untracked) | (f.returned > 0 ? returned : 0) | (f.behind ? behind : 0) | (f.held ? held : 0) |
          (f.stuck ? stuck : 0) | (fault(f).empty() ? 0 : wrong);
-}
-
-// The frames that are shown: all, or the most telling ones of `most_frames_shown` stretches of equal length.
-std::vector<Frame> shown_frames(const std::filesystem::path& directory, long total) {
-  const long places = std::min(total, most_frames_shown);
-  std::vector<Frame> shown;
-  long read = 0, place = -1;
-  read_frames(directory, [&](const Frame& frame) {
-    const long here = std::min(read++ * places / total, places - 1);
-    if (here != place)
-      shown.push_back(frame);
-    else if (marks(frame) > marks(shown.back()))
-      shown.back() = frame;
-    place = here;
-  });
-  return shown;
 }
 
 // Each mesh once, though several objects be made of it; triangles shared out by the objects' own numbers.
@@ -198,9 +178,18 @@ Json words_json(const std::vector<Frame>& frames, const Name& name) {
 
 }  // namespace
 
+void ShownFrames::add(const Frame& frame) {
+  const long places = std::min(total_, most_frames_shown), here = std::min(added_++ * places / total_, places - 1);
+  if (here != place_)
+    frames_.push_back(frame);
+  else if (marks(frame) > marks(frames_.back()))
+    frames_.back() = frame;
+  place_ = here;
+}
+
 std::filesystem::path write_replay(const std::filesystem::path& directory, const Record& record, const Summary& summary,
-                                   const Surroundings& surroundings, std::span<const hand::Model> models) {
-  const std::vector<Frame> frames = shown_frames(directory, std::max(1l, summary.frames()));
+                                   const std::vector<Frame>& frames, const Surroundings& surroundings,
+                                   std::span<const hand::Model> models) {
   if (frames.empty()) throw BadFile(directory.string() + ": no frame to show");
   const Conditions c = conditions();
   Json hands = Json::array(), bodies = Json::array();

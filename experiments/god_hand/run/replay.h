@@ -8,11 +8,24 @@
 
 namespace zwang::god {
 
-// DIR/replay.html: the run of this folder in 3D, one file that needs no network (docs/god-hand.md). Of a long run one
-// frame in every few is shown, the most telling one: a wrong one before a stuck, a held, an untracked one and the
-// first. `models`: one per hand. Throws BadFile when the frames are broken or the page cannot be written.
+// The frames of a run that its page shows: all, or of `most_frames_shown` stretches of equal length the most telling
+// ones: a wrong one before a stuck, a held, an untracked one and the first.
+class ShownFrames {
+ public:
+  explicit ShownFrames(long total) : total_(total) {}
+  void add(const Frame& frame);  // in order
+  const std::vector<Frame>& frames() const { return frames_; }
+
+ private:
+  long total_, added_ = 0, place_ = -1;
+  std::vector<Frame> frames_ = {};
+};
+
+// DIR/replay.html: these frames in 3D, one file that needs no network (docs/god-hand.md). `models`: one per hand.
+// Throws BadFile when there is no frame or the page cannot be written.
 std::filesystem::path write_replay(const std::filesystem::path& directory, const Record& record, const Summary& summary,
-                                   const Surroundings& surroundings, std::span<const hand::Model> models);
+                                   const std::vector<Frame>& frames, const Surroundings& surroundings,
+                                   std::span<const hand::Model> models);
 
 inline constexpr long most_frames_shown = 3000;
 inline constexpr std::size_t most_triangles_shown = 100000;

@@ -111,8 +111,11 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   std::vector<Pose<double>> poses;
   Finished out{.summary = Summary(record.asked.options.dt), .lines = {}, .replay = {}};
   const auto planned = static_cast<double>(record.asked.frames);
-  read_frames(directory, [&](const Frame& frame) {
+  const FrameReader reader(directory);
+  ShownFrames shown(reader.frames());
+  reader.each([&](const Frame& frame) {
     out.summary.add(frame);
+    shown.add(frame);
     if (!record.asked.audit) return;
     const std::vector<Pose<double>> objects = object_poses(stage.surroundings, frame);
     poses.clear();
@@ -127,7 +130,8 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   json << out.summary.json(record);
   json.close();
   if (!json) throw BadFile("cannot write " + file.string());
-  if (out.summary.frames() > 0) out.replay = write_replay(directory, record, out.summary, stage.surroundings, models);
+  if (out.summary.frames() > 0)
+    out.replay = write_replay(directory, record, out.summary, shown.frames(), stage.surroundings, models);
   return out;
 }
 

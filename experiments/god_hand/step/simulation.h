@@ -44,11 +44,11 @@ class Simulation {
   // The shapes of the god objects, in the order of Frame::god.
   std::vector<collision::Shape> shapes() const;
 
-  // The whole state between frames as text that restore() takes back: a run that is stopped and resumed at a checkpoint
-  // gives the same bits as one that passes through it. Caches (warm starts, the engine's manifolds) are dropped at
-  // both.
-  std::string checkpoint();
-  void restore(const std::string& checkpoint);
+  // The whole state between frames as numbers that restore() takes back: a run that is stopped and resumed at a
+  // checkpoint gives the same bits as one that passes through it. Caches (warm starts, the engine's manifolds) are
+  // dropped at both. restore() throws std::runtime_error for the state of another simulation.
+  std::vector<double> checkpoint();
+  void restore(std::span<const double> checkpoint);
 
  private:
   struct State;

@@ -17,6 +17,9 @@ struct Simulation::State {
   // Takes the clusters over; `target` has their poses already. `easy`: as target, where a hand does not touch itself.
   void build(std::vector<GodObjects> objects, std::span<const Pose<double>> easy);
   void step();
+  // Every number of the state between frames: visit(number), for writing and for reading.
+  template <class Visit>
+  void each_number(bool reading, const Visit& visit);
 
   Surroundings surroundings;
   Options options;
