@@ -25,7 +25,7 @@ std::vector<std::pair<int, int>> passing(const Model& model) {
     for (int b = 1; b < a; ++b)
       if ((a - 1) / 3 == (b - 1) / 3) pairs.emplace_back(a, b);
   const std::vector<Shape> parts = shapes(model);
-  const Poses straight = assemble({}, {}, model);
+  const Poses straight = forward_kinematics({}, {}, model);
   collision::World world;
   for (std::size_t b = 0; b < parts.size(); ++b) world.add(parts[b], straight[b]);
   for (const collision::Touch& t : world.touches(room)) pairs.emplace_back(t.a, t.b);

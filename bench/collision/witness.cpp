@@ -32,7 +32,7 @@ Pose<double> between(const Vec3& p, const Vec3& q) {
   return pose;
 }
 
-struct Solid {
+struct Primitive {
   std::shared_ptr<fcl::CollisionGeometry<double>> geometry;
   Pose<double> place;  // in the shape's axes
 };
@@ -65,10 +65,10 @@ std::shared_ptr<Model> swept_faces(std::span<const Vec3> corners, double r) {
   return model;
 }
 
-std::vector<Solid> solids(const Shape& shape) {
+std::vector<Primitive> primitives(const Shape& shape) {
   const double r = shape.radius();
   const auto corners = shape.corners();
-  std::vector<Solid> out;
+  std::vector<Primitive> out;
   if (shape.core() == Core::point) return {{std::make_shared<fcl::Sphere<double>>(r), {corners[0], Mat3::Identity()}}};
   if (shape.core() == Core::box)
     for (int k = 0; k < 3; ++k) {
@@ -93,11 +93,11 @@ Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b
 struct Witness::Models {
   std::vector<std::unique_ptr<Model>> all;
   std::vector<std::shared_ptr<const collision::Tree>> trees;
-  mutable std::map<const Shape*, std::vector<Solid>> known;
+  mutable std::map<const Shape*, std::vector<Primitive>> known;
 
-  const std::vector<Solid>& of(const Shape& shape) const {
+  const std::vector<Primitive>& of(const Shape& shape) const {
     const auto [at, fresh] = known.try_emplace(&shape);
-    if (fresh) at->second = solids(shape);
+    if (fresh) at->second = primitives(shape);
     return at->second;
   }
 };
@@ -132,10 +132,10 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t
     return false;
   fcl::CollisionRequest<double> request;
   request.gjk_solver_type = fcl::GST_LIBCCD;
-  for (const Solid& solid : models_->of(shape)) {
+  for (const Primitive& primitive : models_->of(shape)) {
     fcl::CollisionResult<double> result;
-    fcl::collide(models_->all[mesh].get(), transform(of_mesh), solid.geometry.get(),
-                 transform(times(pose, solid.place)), request, result);
+    fcl::collide(models_->all[mesh].get(), transform(of_mesh), primitive.geometry.get(),
+                 transform(times(pose, primitive.place)), request, result);
     if (result.isCollision()) return true;
   }
   return false;
@@ -147,8 +147,8 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, const Shape
   if ((pose.position - of_other.position).squaredNorm() > reach * reach) return false;
   fcl::CollisionRequest<double> request;
   request.gjk_solver_type = fcl::GST_LIBCCD;
-  for (const Solid& a : models_->of(shape))
-    for (const Solid& b : models_->of(other)) {
+  for (const Primitive& a : models_->of(shape))
+    for (const Primitive& b : models_->of(other)) {
       fcl::CollisionResult<double> result;
       fcl::collide(b.geometry.get(), transform(times(of_other, b.place)), a.geometry.get(),
                    transform(times(pose, a.place)), request, result);
@@ -162,13 +162,13 @@ Witness::Advance Witness::advance(const Shape& shape, const Pose<double>& pose, 
   fcl::DistanceRequest<double> request;
   request.distance_tolerance = 1e-9;
   request.gjk_solver_type = fcl::GST_LIBCCD;
-  const Solid& solid = models_->of(shape).front();
+  const Primitive& primitive = models_->of(shape).front();
   const double speed = twist.head<3>().norm() + twist.tail<3>().norm() * shape.reach();
   double s = 0;
   for (int steps = 1; steps <= 1000; ++steps) {
     fcl::DistanceResult<double> result;
-    const Pose<double> here = times(retract(pose, Vec<double, 6>(s * twist)), solid.place);
-    const double d = fcl::distance(models_->all[mesh].get(), Transform::Identity(), solid.geometry.get(),
+    const Pose<double> here = times(retract(pose, Vec<double, 6>(s * twist)), primitive.place);
+    const double d = fcl::distance(models_->all[mesh].get(), Transform::Identity(), primitive.geometry.get(),
                                    transform(here), request, result);
     if (d <= stop) return {s, steps};
     s += (d - stop / 2) / speed;

@@ -92,7 +92,7 @@ std::string angle_name(int angle) {
   return k == 0 ? joint + " flexion" : k == 1 ? joint + " abduction" : joint;
 }
 
-Poses assemble(const Pose<double>& palm, const Angles& angles, const Model& model) {
+Poses forward_kinematics(const Pose<double>& palm, const Angles& angles, const Model& model) {
   Poses poses;
   poses[0] = palm;
   for (std::size_t f = 0; f < 5; ++f) {

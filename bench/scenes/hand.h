@@ -55,7 +55,7 @@ inline Range range(int angle) { return standard().range(angle); }
 inline Phalanx phalanx(int body) { return standard().phalanx(body); }
 
 // Forward kinematics: every joint closed, limits ignored.
-Poses assemble(const Pose<double>& palm, const Angles& angles, const Model& model = standard());
+Poses forward_kinematics(const Pose<double>& palm, const Angles& angles, const Model& model = standard());
 
 // Adds the bodies at these poses, the 15 joints and both sides of the 20 limits, written from `reach` [rad] before they
 // are met on (0: once violated). Labels start with `prefix` ("left "). Returns the palm's id; the others follow in the

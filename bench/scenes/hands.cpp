@@ -76,13 +76,14 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
   const double drift = knobs.at("drift");
   hand::Angles angles = draw_angles(static_cast<int>(knobs.at("limits")), draw);
   const Pose<double> palm{place, rotation(draw.cube(0.5))};
-  out.god = hand::assemble(palm, angles);
+  out.god = hand::forward_kinematics(palm, angles);
   disturb(out.god, drift, draw);
 
   // The target: the palm 10 to 20 mm toward the wall, the fingers curled further, each bone off by up to 2 mm.
   for (double& angle : angles) angle += draw.uniform(0, 0.25);
   const Vec3 into_wall = palm.turn(Vec3(0, 0, -draw.uniform(0.01, 0.02)));
-  out.target = hand::assemble({place + into_wall + draw.cube(0.005), palm.rotation * rotation(draw.cube(0.1))}, angles);
+  out.target = hand::forward_kinematics(
+      {place + into_wall + draw.cube(0.005), palm.rotation * rotation(draw.cube(0.1))}, angles);
   disturb(out.target, 0.002, draw);
 
   std::vector<int> order(hand::bodies - 1);

@@ -149,8 +149,8 @@ void make_absolute(Asked& asked) {
     if (!path->empty() && fs::exists(*path)) *path = fs::absolute(*path).lexically_normal().string();
 }
 
-std::string head_line(const god::Record& record, const god::Stage& stage) {
-  const god::SceneSize size = god::size_of(stage.surroundings);
+std::string head_line(const god::Record& record, const god::Setup& setup) {
+  const god::SceneSize size = god::size_of(setup.surroundings);
   const Asked& a = record.asked;
   std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) +
                      (record.hands == 1 ? " hand, " : " hands, ") + std::to_string(size.fixed) + " fixed and " +
@@ -200,12 +200,12 @@ int simulate_command(std::vector<std::string> words) {
     directory = new_directory(typed.out, "./zwang simulate --resume");
   }
   const god::Record stored = record;
-  const god::Stage stage =
+  const god::Setup setup =
       resume ? from_record(directory, [&record] { return god::set_up(record); }) : god::set_up(record);
   if (resume && (stored.motion != record.motion || stored.surroundings != record.surroundings))
     throw BadFile(directory.string() + " cannot go on: its " + (stored.motion != record.motion ? "motion" : "scene") +
                   " is no longer what it was");
-  std::printf("%s\n", head_line(record, stage).c_str());
+  std::printf("%s\n", head_line(record, setup).c_str());
   std::fflush(stdout);
 
   fs::create_directories(directory);
@@ -221,7 +221,7 @@ int simulate_command(std::vector<std::string> words) {
   };
   const std::atomic<bool>& interrupted = stop_on_interrupt();
   long frames = record.asked.frames;
-  if (record.finished.empty()) frames = god::simulate(directory, record, stage, resume, progress, interrupted);
+  if (record.finished.empty()) frames = god::simulate(directory, record, setup, resume, progress, interrupted);
   const bool whole = frames == record.asked.frames;
   if (whole && record.finished.empty()) {
     record.finished = now_iso8601();
@@ -229,7 +229,7 @@ int simulate_command(std::vector<std::string> words) {
   }
   begun = -1;
   if (!whole) record.asked.audit = false;
-  const god::Finished finished = god::finish(directory, record, stage, progress);
+  const god::Finished finished = god::finish(directory, record, setup, progress);
   bar.clear();
   const std::string go_on = "./zwang simulate --resume " + report::shell_word(directory.string());
   if (!whole)

@@ -35,7 +35,7 @@ std::string millimetres(double metres) { return number(1e3 * metres) + " mm"; }
 // options have the same states (clusters), and as a whole. Whole motions that differ by rounding once part at the next
 // frame in which a finger may slip or not; only the first figure compares the forms.
 Findings side_by_side(const std::string& first_column, const std::vector<Variant>& variants,
-                      const god::Surroundings& surroundings, const god::Motion& motion, const Asking& asking) {
+                      const god::Surroundings& surroundings, const god::HandMotion& motion, const Asking& asking) {
   Findings found{.columns = {first_column, "assembly and solve", "whole frame", "rows", "contacts found, kept",
                              "apart within a frame (largest, median)", "over the whole motion"}};
   std::vector<god::Frame> first;
@@ -69,7 +69,7 @@ Findings growth_with_contacts(const Asking& asking) {
   const auto frames =
       play(scene, motion_for("grasp", scene, asking),
            {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}, asking, "growth");
-  // Medians over eighths of an octave, so that a rare count does not stand for itself.
+  // Medians over quarters of an octave, so that a rare count does not stand for itself.
   std::map<int, std::vector<const god::Frame*>> bins;
   for (const god::Frame& f : frames)
     if (f.kept > 0) bins[static_cast<int>(std::floor(4 * std::log2(f.kept)))].push_back(&f);
@@ -101,7 +101,7 @@ Findings growth_with_contacts(const Asking& asking) {
 
 Findings two_hands(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  const god::Motion motion = motion_for("two_hands", scene, asking);
+  const god::HandMotion motion = motion_for("two_hands", scene, asking);
   Findings found = side_by_side("two hands",
                                 {{"two clusters", {.solver = asking.solver, .verify = 0}},
                                  {"one system", {.solver = asking.solver, .clusters = false, .verify = 0}},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/questions/list.h>
@@ -15,7 +16,7 @@ Findings artificial_friction(const Asking& asking) {
       play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = 0}, asking, "slide");
   double lost = 0, way = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (frames[k].gap > 5e-4) continue;
+    if (frames[k].gap > hand::touching) continue;
     lost = std::max(lost, frames[k].lost_slide);
     way += (frames[k].target[0].position - frames[k - 1].target[0].position).norm();
   }
@@ -34,7 +35,7 @@ Findings artificial_friction(const Asking& asking) {
 }
 
 // The palm, upright, goes 0.25 m along x at 0.4 m/s: from 60 mm before the first loose object to behind it.
-static god::Motion push_at(const god::Surroundings& scene) {
+static god::HandMotion push_at(const god::Surroundings& scene) {
   const auto box =
       std::find_if(scene.objects.begin(), scene.objects.end(), [](const god::Object& o) { return o.loose(); });
   if (box == scene.objects.end()) throw std::invalid_argument(scene.name + " has no loose object to push");
@@ -52,7 +53,7 @@ static god::Motion push_at(const god::Surroundings& scene) {
 
 Findings rate_of_a_push(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("box", asking.parts);
-  const god::Motion motion = push_at(scene);
+  const god::HandMotion motion = push_at(scene);
   Findings found{.columns = {"rate", "box moved", "fastest", "fastest against the hand", "worst balance of impulses"}};
   Chart chart{.name = "rates", .title = "One push of a box at three rates", .x = "time (s)", .y = "way of the box (m)"};
   for (const double rate : {250., 500., 1000.}) {
@@ -85,7 +86,7 @@ Findings recordings(const Asking& asking) {
   for (const auto& file : files)
     for (const char* name : {"simple", "engine"}) {
       const god::Surroundings scene = god::make_surroundings(name, asking.parts);
-      god::Motion motion = god::read_motion(file);
+      god::HandMotion motion = god::read_motion(file);
       god::place(motion, scene);
       const auto frames = play(scene, motion, {.solver = asking.solver, .verify = 0}, asking, file.stem().string());
       double depth = 0, gap = 1, joints = 0, limits = 0, held = 0, stuck = 0;

@@ -12,7 +12,7 @@ namespace zwang::questions {
 
 Findings separation(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  const god::Motion motion = motion_for("grasp", scene, asking);
+  const god::HandMotion motion = motion_for("grasp", scene, asking);
   using Commit = god::Options::Commit;
   const std::pair<std::string, god::Options> variants[] = {
       {"the paper's: nnls_paper, linear step", {.solver = "nnls_paper", .commit = Commit::printed, .verify = 0}},
@@ -76,7 +76,7 @@ Findings printed_step(const Asking&) {
 
 Findings solver_swap(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  const god::Motion motion = motion_for("grasp", scene, asking);
+  const god::HandMotion motion = motion_for("grasp", scene, asking);
   Findings found{.columns = {"solver", "solve, median", "frames looked at, right", "wrong, undecided", "frames held",
                              "joints", "farthest from the first, first contact second"}};
   Chart chart{.name = "solvers",

@@ -4,16 +4,17 @@
 #include <cmath>
 #include <cstdio>
 
+#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 
 namespace zwang::questions {
 
-god::Motion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking) {
+god::HandMotion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking) {
   const std::string& wanted = asking.motion.empty() ? name : asking.motion;
   if (!std::filesystem::exists(wanted)) return god::synthetic_motion(wanted, about);
-  god::Motion motion = god::read_motion(wanted);
+  god::HandMotion motion = god::read_motion(wanted);
   god::place(motion, about);
   return motion;
 }
@@ -22,7 +23,7 @@ namespace {
 
 // What a motion asks of simulations: hands, their start, and targets by frame.
 struct Course {
-  Course(const god::Motion& motion_, const Asking& asking, double dt_) : motion(motion_), dt(dt_) {
+  Course(const god::HandMotion& motion_, const Asking& asking, double dt_) : motion(motion_), dt(dt_) {
     for (const god::Track& hand : motion.hands) {
       models.push_back(hand.model);
       targets.push_back(hand.at(0));
@@ -35,7 +36,7 @@ struct Course {
     for (std::size_t h = 0; h < targets.size(); ++h) targets[h] = motion.hands[h].at(static_cast<double>(frame) * dt);
   }
 
-  const god::Motion& motion;
+  const god::HandMotion& motion;
   double dt;
   long frames;
   std::vector<hand::Model> models;
@@ -50,7 +51,7 @@ double farthest(const god::Frame& a, const god::Frame& b) {
 
 }  // namespace
 
-std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::Motion& motion,
+std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::HandMotion& motion,
                              const god::Options& options, const Asking& asking, const std::string& what,
                              double contact) {
   Course course(motion, asking, options.dt);
@@ -70,7 +71,7 @@ std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::M
   return frames;
 }
 
-std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::Motion& motion,
+std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::HandMotion& motion,
                                         const god::Options& options, const god::Options& other, const Asking& asking,
                                         const std::string& what) {
   Course course(motion, asking, options.dt);
@@ -102,7 +103,7 @@ Rates rates(const std::vector<god::Frame>& frames) {
 
 std::size_t touching(const std::vector<god::Frame>& frames) {
   return static_cast<std::size_t>(
-      std::count_if(frames.begin(), frames.end(), [](const god::Frame& f) { return f.gap < 5e-4; }));
+      std::count_if(frames.begin(), frames.end(), [](const god::Frame& f) { return f.gap < hand::touching; }));
 }
 
 void add_series(Chart& chart, const std::string& name, const std::vector<god::Frame>& frames,

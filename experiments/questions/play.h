@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <zwang/experiments/god_hand/motion/hand_motion.h>
-#include <zwang/experiments/god_hand/step/simulation.h>
+#include <zwang/experiments/god_hand/simulation.h>
 #include <zwang/experiments/questions/question.h>
 
 namespace zwang::questions {
@@ -14,11 +14,11 @@ namespace zwang::questions {
 struct Interrupted {};
 
 // A motion by name about the surroundings, or a recording placed among them; `asking.motion` goes before `name`.
-god::Motion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking);
+god::HandMotion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking);
 
 // Simulates the motion and keeps every frame, up to `contact` seconds after the first one with contacts. Throws
 // Interrupted.
-std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::Motion& motion,
+std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::HandMotion& motion,
                              const god::Options& options, const Asking& asking, const std::string& what,
                              double contact = std::numeric_limits<double>::infinity());
 
@@ -41,7 +41,7 @@ double farthest(const std::vector<god::Frame>& a, const std::vector<god::Frame>&
 
 // In every frame of a run under `options`, its state is also taken one frame on under `other`: the farthest that a god
 // object then is from the same one of the run [m], by frame. Both need the same clusters. Throws Interrupted.
-std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::Motion& motion,
+std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::HandMotion& motion,
                                         const god::Options& options, const god::Options& other, const Asking& asking,
                                         const std::string& what);
 

@@ -95,7 +95,7 @@ TEST(Hand, AssembledPosesCloseAllJointsAndAnglesAreTheLimitsAngles) {
   Scene scene;
   Pose<double> palm;
   palm.position = {1, 2, 3};
-  hand::add(scene, hand::assemble(palm, angles));
+  hand::add(scene, hand::forward_kinematics(palm, angles));
   Assembler assembler;
   Problem problem;
   assembler.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = 1}, problem);

@@ -18,7 +18,7 @@ TEST(Audit, FindsAHandInsideEachKindOfObject) {
        {Shape::hull(wedge, 0.002), Shape::rounded_box({0.4, 0.4, 0.06}, 0.003), Shape::sphere(0.03)})
     for (const auto& [height, inside] : {std::pair(0.04, true), {0.06, false}}) {
       Audit audit({hand::shapes(hand::standard())}, {shape});
-      const hand::Poses bodies = hand::assemble({{0, 0, height}, Mat3::Identity()}, {});
+      const hand::Poses bodies = hand::forward_kinematics({{0, 0, height}, Mat3::Identity()}, {});
       const Pose<double> still;
       EXPECT_EQ(audit.check(bodies, std::span(&still, 1)) > 0, inside)
           << "core " << static_cast<int>(shape.core()) << " at " << height;
@@ -32,7 +32,7 @@ TEST(Audit, CountsHandsThatCrossApart) {
   Audit audit({shapes, shapes}, {});
   std::vector<Pose<double>> bodies;
   for (const double x : {0., 0.02}) {
-    const hand::Poses one = hand::assemble({{x, 0, 0}, Mat3::Identity()}, {});
+    const hand::Poses one = hand::forward_kinematics({{x, 0, 0}, Mat3::Identity()}, {});
     bodies.insert(bodies.end(), one.begin(), one.end());
   }
   EXPECT_EQ(audit.check(bodies, {}), 0);

@@ -59,7 +59,7 @@ std::string refusal(const std::string& content) {
 }
 
 TEST(JointTable, OwnColumnsAreTakenAsTheyAre) {
-  const Motion motion = read_motion(written("angles.csv", text(table({""}))));
+  const HandMotion motion = read_motion(written("angles.csv", text(table({""}))));
   ASSERT_EQ(motion.hands.size(), 1u);
   const Track& track = motion.hands[0];
   EXPECT_EQ(motion.name, "angles");
@@ -73,7 +73,7 @@ TEST(JointTable, OwnColumnsAreTakenAsTheyAre) {
 }
 
 TEST(JointTable, TwoHandsByPrefixInAnyOrder) {
-  const Motion motion = read_motion(written("angles.csv", text(table({"left_", "right_"}))));
+  const HandMotion motion = read_motion(written("angles.csv", text(table({"left_", "right_"}))));
   ASSERT_EQ(motion.hands.size(), 2u);
   EXPECT_FALSE(motion.hands[0].model.left);
   EXPECT_TRUE(motion.hands[1].model.left);
@@ -96,7 +96,7 @@ TEST(JointTable, NaNRowsAreHeldOver) {
   lines[5][20] = "";
   lines[6][4] = "0.1";  // a quaternion that is none
   lines[7][0] = "NaN";
-  const Motion motion = read_motion(written("angles.csv", text(lines)));
+  const HandMotion motion = read_motion(written("angles.csv", text(lines)));
   EXPECT_EQ(motion.hands[0].held_over, 3u);
   EXPECT_EQ(motion.hands[0].keys.size(), 9u);
   EXPECT_FALSE(motion.hands[0].keys[4].target.tracked);
@@ -154,7 +154,7 @@ TEST(JointTable, RealAdroitRecordingsAreFollowedWithinMillimetres) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".csv") continue;
     ++files;
-    const Motion motion = read_motion(entry.path());
+    const HandMotion motion = read_motion(entry.path());
     const Track& track = motion.hands.at(0);
     std::printf("%s: misfit %.2f mm, at most %.2f; %.3f rad beyond its limits\n", motion.name.c_str(),
                 1e3 * track.misfit_mean, 1e3 * track.misfit_most, track.beyond);

@@ -35,7 +35,7 @@ inline nlohmann::json leap_document(int frames, bool right, bool left) {
         const double s = 0.5 + 0.45 * std::sin(0.1 * n + 0.7 * static_cast<double>(a));
         angles[a] = r.low + s * (r.high - r.low);
       }
-      const hand::Poses poses = hand::assemble(palm, angles, model);
+      const hand::Poses poses = hand::forward_kinematics(palm, angles, model);
       const int id = is_left ? 8 : 7;
       hands.push_back({id, is_left ? "left" : "right", axis(palm.rotation.col(1)), axis(-palm.rotation.col(2)),
                        mm(palm * Vec3(0, 0.005, 0))});

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-Motion read(const Json& document, const std::string& name = "recording.json") {
+HandMotion read(const Json& document, const std::string& name = "recording.json") {
   return read_motion(written(name, document.dump()));
 }
 
@@ -27,7 +27,7 @@ std::string refusal(const std::string& text, const std::string& name = "bad.json
   return {};
 }
 
-void expect_sound(const Motion& motion) {
+void expect_sound(const HandMotion& motion) {
   EXPECT_FALSE(motion.hands.empty());
   for (const Track& track : motion.hands) {
     double before = -1;
@@ -46,7 +46,7 @@ void expect_sound(const Motion& motion) {
 }
 
 TEST(Leap, FindsTheHandsThatWroteIt) {
-  const Motion motion = read(leap_document(60, true, true));
+  const HandMotion motion = read(leap_document(60, true, true));
   ASSERT_EQ(motion.hands.size(), 2u);
   expect_sound(motion);
   EXPECT_NEAR(motion.duration, 59 * 0.0175 + 0.0006, 1e-9);
@@ -70,7 +70,7 @@ TEST(Leap, ReadsColumnsByNameInAnyOrder) {
 TEST(Leap, OfFewFramesASecondIsTrackedBetweenThem) {
   Json document = leap_document(20, true, false);
   for (std::size_t k = 1; k < document["frames"].size(); ++k) document["frames"][k][1] = 200000 * k;
-  const Motion motion = read(document);
+  const HandMotion motion = read(document);
   EXPECT_TRUE(motion.hands[0].at(1.1).tracked);
   document["frames"].erase(6);  // a real pause: two frames
   document["frames"].erase(6);
@@ -81,7 +81,7 @@ TEST(Leap, SortsTimesAndDropsRepeatedOnes) {
   Json document = leap_document(20, true, false);
   std::swap(document["frames"][5], document["frames"][9]);
   document["frames"][12][1] = document["frames"][11][1];
-  const Motion motion = read(document);
+  const HandMotion motion = read(document);
   expect_sound(motion);
   EXPECT_EQ(motion.hands[0].keys.size(), 19u);
   ASSERT_EQ(motion.notes.size(), 1u);
@@ -97,7 +97,7 @@ TEST(Leap, HoldsTornFramesOverAndSaysSo) {
   document["frames"][11][2] = document["frames"][11][3] = Json::array();  // not seen
   std::string text = document.dump();
   text.replace(text.find("null"), 4, "NaN");
-  const Motion motion = read_motion(written("torn.json", text));
+  const HandMotion motion = read_motion(written("torn.json", text));
   expect_sound(motion);
   const Track& track = motion.hands.at(0);
   EXPECT_EQ(track.held_over, 5u);
@@ -116,7 +116,7 @@ TEST(Leap, HoldsTornFramesOverAndSaysSo) {
 TEST(Leap, AHandMayComeLate) {
   Json document = leap_document(40, true, true);
   for (int n = 1; n <= 15; ++n) document["frames"][static_cast<std::size_t>(n)][2].erase(1);
-  const Motion motion = read(document);
+  const HandMotion motion = read(document);
   expect_sound(motion);
   EXPECT_EQ(motion.hands.at(1).held_over, 15u);
   EXPECT_NEAR(motion.hands.at(1).keys.front().time, 15 * 0.0175, 1e-9);
@@ -215,7 +215,7 @@ TEST(Leap, RealRecordingsAreFollowedWithinMillimetres) {
   int hands = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
-    const Motion motion = read_motion(entry.path());
+    const HandMotion motion = read_motion(entry.path());
     expect_sound(motion);
     for (const Track& track : motion.hands) {
       ++hands;

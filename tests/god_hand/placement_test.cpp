@@ -19,7 +19,7 @@ Surroundings slab(const Vec3& widths) {
   return s;
 }
 
-void expect_placed(const std::string& what, Motion motion, const Surroundings& about) {
+void expect_placed(const std::string& what, HandMotion motion, const Surroundings& about) {
   const double duration = motion.duration;
   const Placement placement = place(motion, about);
   const Depth depth(about);
@@ -29,7 +29,7 @@ void expect_placed(const std::string& what, Motion motion, const Surroundings& a
   EXPECT_TRUE(motion.duration == duration || std::abs(motion.duration - duration - 0.5) < 1e-12);
   for (const Track& track : motion.hands) {
     const Target start = track.at(0);
-    const hand::Poses poses = hand::assemble(start.palm, start.angles, track.model);
+    const hand::Poses poses = hand::forward_kinematics(start.palm, start.angles, track.model);
     EXPECT_LE(depth.of(poses, balls(track.model), 0.02).depth, -0.00999) << what;
     for (std::size_t k = 1; k < track.keys.size(); ++k) EXPECT_GT(track.keys[k].time, track.keys[k - 1].time);
   }
@@ -39,7 +39,8 @@ void expect_placed(const std::string& what, Motion motion, const Surroundings& a
     double deepest = 0;
     for (const Track& track : motion.hands) {
       const Target at = track.at(motion.duration * k / 300);
-      deepest = std::max(deepest, depth.of(hand::assemble(at.palm, at.angles, track.model), balls(track.model)).depth);
+      deepest = std::max(deepest,
+                         depth.of(hand::forward_kinematics(at.palm, at.angles, track.model), balls(track.model)).depth);
     }
     inside += deepest > 0 ? 1.0 / 301 : 0;
   }
@@ -53,24 +54,24 @@ TEST(Placement, AMotionIsLoweredUntilItWorks) {
 }
 
 TEST(Placement, OnAThinSheetAndOnASmallBlock) {
-  const Motion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
+  const HandMotion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
   expect_placed("sheet", motion, slab({0.5, 0.5, 0.001}));
   expect_placed("block", motion, slab({0.08, 0.08, 0.08}));
 }
 
 // A loose block on the slab makes way: the hand must go into the slab.
 TEST(Placement, LoosePartsDoNotCount) {
-  const Motion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
+  const HandMotion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
   const Surroundings firm = slab({0.5, 0.5, 0.05});
   Surroundings about = firm;
   about.objects.push_back({.name = "block",
                            .pieces = {{collision::Shape::rounded_box({0.3, 0.3, 0.06}, 0.005)}},
                            .pose = {Vec3(0.3, 0.1, 0.531), Mat3::Identity()},
                            .mass = 1});
-  Motion beside = motion, alone = motion;
+  HandMotion beside = motion, alone = motion;
   place(beside, about);
   place(alone, firm);
-  const auto end = [](const Motion& m) { return m.hands[0].keys.back().target.palm.position; };
+  const auto end = [](const HandMotion& m) { return m.hands[0].keys.back().target.palm.position; };
   EXPECT_EQ(end(beside), end(alone));
 }
 

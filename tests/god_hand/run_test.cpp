@@ -29,7 +29,7 @@ Frame frame_of(long number) {
   f.number = number;
   f.time = x;
   f.gap = -x;
-  f.device << x, 2 * x, 3 * x, 4 * x, 5 * x, 6 * x;
+  f.palm_wrench << x, 2 * x, 3 * x, 4 * x, 5 * x, 6 * x;
   f.target = f.god = {retract(Pose<double>{}, Vec<double, 6>(x, 0, 0, x, 1, 0)), {}};
   f.loose = {{{x, x, x}, Mat3::Identity()}};
   for (int k = 0; k < number % 4; ++k) f.contacts.push_back({k, 0, {x, k + 0., 1}, Vec3::UnitZ(), 2e-4, 0.5});
@@ -72,7 +72,7 @@ void expect_same(const std::vector<Pose<double>>& a, const std::vector<Pose<doub
 void expect_same(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.number, b.number);
   for (const Column& column : columns()) EXPECT_EQ(column.of(a), column.of(b)) << column.key;
-  EXPECT_EQ(a.device, b.device);
+  EXPECT_EQ(a.palm_wrench, b.palm_wrench);
   EXPECT_EQ(a.claimed, b.claimed);
   EXPECT_EQ(a.verified, b.verified);
   expect_same(a.target, b.target);
@@ -97,7 +97,7 @@ TEST(FrameStore, GivesBackWhatItWasGiven) {
     const Frame &f = frames[static_cast<std::size_t>(k)], g = frame_of(k);
     EXPECT_EQ(f.number, k);
     for (const Column& column : columns()) EXPECT_EQ(column.of(f), column.of(g)) << column.key;
-    EXPECT_EQ(f.device, g.device);
+    EXPECT_EQ(f.palm_wrench, g.palm_wrench);
     EXPECT_EQ(f.claimed, g.claimed);
     EXPECT_EQ(f.verified, g.verified);
     EXPECT_EQ(f.times.solve, g.times.solve);
@@ -182,22 +182,22 @@ TEST(Run, ResumedEqualsUninterruptedBitByBit) {
   Record record;
   record.asked = {.scene = "box", .motion = "slide", .frames = checkpoint_every + 320};
   record.asked.options.verify = false;
-  const Stage stage = set_up(record);
+  const Setup setup = set_up(record);
   const std::atomic<bool> never = false;
   for (const char* name : {"whole", "stopped"}) fs::create_directories(folder.path / name);
   EXPECT_EQ(simulate(
-                folder.path / "whole", record, stage, false, [](double, const std::string&) {}, never),
+                folder.path / "whole", record, setup, false, [](double, const std::string&) {}, never),
             record.asked.frames);
 
   // Stopped well after the checkpoint: those frames are done again.
   std::atomic<bool> now = false;
   long seen = 0;
   const long stopped = simulate(
-      folder.path / "stopped", record, stage, false,
+      folder.path / "stopped", record, setup, false,
       [&](double, const std::string&) { now = ++seen == checkpoint_every + 200; }, now);
   EXPECT_EQ(stopped, checkpoint_every + 200);
   EXPECT_EQ(simulate(
-                folder.path / "stopped", record, stage, true, [](double, const std::string&) {}, never),
+                folder.path / "stopped", record, setup, true, [](double, const std::string&) {}, never),
             record.asked.frames);
   const std::vector<Frame> whole = frames_in(folder.path / "whole"), resumed = frames_in(folder.path / "stopped");
   ASSERT_EQ(whole.size(), static_cast<std::size_t>(record.asked.frames));
@@ -205,7 +205,7 @@ TEST(Run, ResumedEqualsUninterruptedBitByBit) {
   for (std::size_t k = 0; k < whole.size(); ++k) expect_same(whole[k], resumed[k]);
 
   record.asked.audit = true;
-  const Finished finished = finish(folder.path / "whole", record, stage, [](double, const std::string&) {});
+  const Finished finished = finish(folder.path / "whole", record, setup, [](double, const std::string&) {});
   EXPECT_TRUE(fs::exists(finished.replay));
   EXPECT_NE(text_of(folder.path / "whole" / "summary.json").find("\"overlaps\": 0"), std::string::npos);
 }

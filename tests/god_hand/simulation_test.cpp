@@ -36,7 +36,7 @@ TEST(SingleBody, SlidesOnAFloorAndIsHeldUpByIt) {
     before = f.god[0].position;
     ASSERT_LE((moved - Vec3(4e-4, -2e-4, 0)).norm(), 1e-6 * moved.norm()) << k;
     ASSERT_LE(f.lost_slide, 1e-6 * moved.norm()) << k;
-    ASSERT_GT(f.device[2], 1);  // what pushes the user back up
+    ASSERT_GT(f.palm_wrench[2], 1);  // what pushes the user back up
   }
 }
 

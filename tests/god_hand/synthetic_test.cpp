@@ -35,7 +35,7 @@ Surroundings boxed() {
 
 double deepest(const Depth& depth, const Track& track, double time, double reach = 0) {
   const Target at = track.at(time);
-  return depth.of(hand::assemble(at.palm, at.angles, track.model), balls(track.model), reach).depth;
+  return depth.of(hand::forward_kinematics(at.palm, at.angles, track.model), balls(track.model), reach).depth;
 }
 
 TEST(Depth, OfBallsInBoxesHullsMeshesAndSheets) {
@@ -54,7 +54,7 @@ TEST(Depth, OfBallsInBoxesHullsMeshesAndSheets) {
   for (const double z : {0.01, -0.01}) EXPECT_NEAR(depth.distance(Vec3(-1, 0, z), 3, 1), 0.01, 1e-12);
   EXPECT_EQ(depth.distance(Vec3(5, 5, 5), 0.25), 0.25);
 
-  const hand::Poses hand = hand::assemble({Vec3(0.15, 0, 0.004), Mat3::Identity()}, {});
+  const hand::Poses hand = hand::forward_kinematics({Vec3(0.15, 0, 0.004), Mat3::Identity()}, {});
   const Depth::Deepest at = depth.of(hand, balls(hand::standard()));
   EXPECT_NEAR(at.depth, 0.015, 1e-9);  // the thumb's root lies 10 mm under the palm's middle, 9 mm thick
   EXPECT_EQ(at.object, 0);
@@ -65,7 +65,7 @@ TEST(Synthetic, StartsClearStaysWithinLimitsAndTouches) {
   for (const Surroundings& about : {slab(), boxed()}) {
     const Depth depth(about);
     for (const auto& [name, line] : synthetic_motions()) {
-      const Motion motion = synthetic_motion(name, about);
+      const HandMotion motion = synthetic_motion(name, about);
       EXPECT_TRUE(motion.duration >= 2 && motion.duration <= 4) << name;
       EXPECT_EQ(motion.hands.size(), name == "two_hands" ? 2u : 1u);
       for (const Track& track : motion.hands) {
@@ -93,7 +93,7 @@ TEST(Synthetic, StartsClearStaysWithinLimitsAndTouches) {
 
 TEST(Synthetic, PressGoesThirtyMillimetresDeep) {
   const Surroundings about = slab();
-  const Motion motion = synthetic_motion("press", about);
+  const HandMotion motion = synthetic_motion("press", about);
   EXPECT_NEAR(motion.hands[0].at(1.5).palm.position.z() - hand::standard().palm_widths.z() / 2, -0.03, 1e-12);
 }
 
@@ -120,7 +120,7 @@ TEST(Synthetic, LostAndNaNAreHeldOverAndCounted) {
   EXPECT_FALSE(lost.at(1.35).tracked);
   EXPECT_EQ(lost.at(1.49).palm.position, lost.at(1.2).palm.position);
   EXPECT_TRUE(lost.at(1.51).tracked);
-  const Motion nan = synthetic_motion("nan", slab());
+  const HandMotion nan = synthetic_motion("nan", slab());
   EXPECT_EQ(nan.hands[0].held_over, 5u);
   EXPECT_EQ(nan.notes.size(), 1u);
   EXPECT_FALSE(nan.hands[0].at(1.002).tracked);
@@ -130,7 +130,7 @@ TEST(Synthetic, AWallThatStandsIsApproachedFromItsSide) {
   Surroundings wall = {.name = "wall",
                        .objects = {{.name = "wall", .pieces = {{Shape::rounded_box({1, 0.1, 1}, 1e-3), {}}}}}};
   wall.focus = Vec3(0.1, -0.05, 0.1);
-  const Motion motion = synthetic_motion("press", wall);
+  const HandMotion motion = synthetic_motion("press", wall);
   EXPECT_LT((motion.hands[0].at(1.5).palm.position - Vec3(0.1, -0.034, 0.1)).norm(), 1e-12);
   EXPECT_LT((motion.hands[0].at(1.5).palm.rotation.col(2) + Vec3::UnitY()).norm(), 1e-12);
 }

@@ -4,7 +4,7 @@
 
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/experiments/god_hand/step/simulation.h>
+#include <zwang/experiments/god_hand/simulation.h>
 
 namespace zwang::god {
 

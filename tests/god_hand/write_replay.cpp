@@ -70,8 +70,8 @@ Frame frame_at(long k, double dt, const Surroundings& about) {
     open[i] = 0.25 + 0.3 * phase;
   }
   const Vec3 palm(0.05 * std::sin(f.time), -0.06, 0.09 - 0.03 * phase);
-  const hand::Poses target = hand::assemble({palm - sink * Vec3::UnitZ(), Mat3::Identity()}, bent);
-  const hand::Poses god = hand::assemble({palm, Mat3::Identity()}, open);
+  const hand::Poses target = hand::forward_kinematics({palm - sink * Vec3::UnitZ(), Mat3::Identity()}, bent);
+  const hand::Poses god = hand::forward_kinematics({palm, Mat3::Identity()}, open);
   f.target.assign(target.begin(), target.end());
   f.god.assign(god.begin(), god.end());
   for (const Object& object : about.objects)
@@ -90,7 +90,7 @@ Frame frame_at(long k, double dt, const Surroundings& about) {
   f.raw = static_cast<int>(8 * f.contacts.size());
   f.kept = static_cast<int>(f.contacts.size());
   f.sub_steps = 1;
-  f.device = Vec<double, 6>::Constant(300 * sink);
+  f.palm_wrench = Vec<double, 6>::Constant(300 * sink);
   f.claimed = Status::solved;
   f.verified = Verdict::solved;
   const double busy = 1 + static_cast<double>(f.kept) / 3 + 0.2 * std::sin(91.0 * f.time);

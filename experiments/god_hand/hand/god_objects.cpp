@@ -27,7 +27,8 @@ void GodObjects::pass(BodyId a, BodyId b) {
 
 BodyId add_hand(GodObjects& objects, const hand::Model& model, const Target& at, const std::string& prefix,
                 double reach) {
-  const BodyId palm = hand::add(objects.scene, hand::assemble(at.palm, at.angles, model), prefix, model, reach);
+  const BodyId palm =
+      hand::add(objects.scene, hand::forward_kinematics(at.palm, at.angles, model), prefix, model, reach);
   for (const Shape& shape : hand::shapes(model)) objects.add_shape(shape);
   for (BodyId a = palm; a < palm + hand::bodies; ++a)
     for (BodyId b = 0; b < palm; ++b) objects.pass(a, b);

@@ -6,11 +6,11 @@
 namespace zwang::god {
 namespace {
 
-constexpr double look_out = 1e-3;  // m: gaps beyond are not told apart. (Not the cluster's own distance: World would
-                                   // keep what it finds for the next frame, and nobody would pay for it.)
-constexpr double touching = 3e-4;  // m: at this gap a contact counts for sliding
-constexpr double reached = 5e-4;   // m: so near to its target a god object is there
-constexpr double speck = 1e-6;     // m
+constexpr double gap_reach = 1e-3;  // m: gaps beyond are not told apart. (Not the cluster's own distance: World would
+                                    // keep what it finds for the next frame, and nobody would pay for it.)
+constexpr double touching = 3e-4;   // m: at this gap a contact counts for sliding
+constexpr double reached = 5e-4;    // m: so near to its target a god object is there
+constexpr double speck = 1e-6;      // m
 
 }  // namespace
 
@@ -31,13 +31,13 @@ void Measures::begin(std::span<const Cluster> clusters) {
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
 }
 
-void Measures::look(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
-                    Frame& frame) {
+void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
+                       Frame& frame) {
   for (Cluster& c : clusters) {
     const std::size_t first = frame.god.size();
     frame.target.insert(frame.target.end(), c.targets().begin(), c.targets().end());
     frame.god.insert(frame.god.end(), c.poses().begin(), c.poses().end());
-    frame.gap = std::min(frame.gap, c.gap(look_out));
+    frame.gap = std::min(frame.gap, c.gap(gap_reach));
     frame.separation = std::max(frame.separation, c.skeleton().separation(c.poses()));
     frame.limit = std::max(frame.limit, c.skeleton().excess(c.poses()));
     frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
@@ -51,10 +51,10 @@ void Measures::look(std::span<Cluster> clusters, std::span<const Pose<double>> o
   const Body& palm = clusters[0].objects().scene.bodies[0];
   const Vec<double, 6> back = twist_between(frame.target[0], frame.god[0]);
   const Mat3& R = frame.god[0].rotation;
-  frame.device << options.force_stiffness * palm.mass * back.head<3>(),
+  frame.palm_wrench << options.force_stiffness * palm.mass * back.head<3>(),
       options.force_stiffness * (R * palm.inertia * R.transpose() * back.tail<3>());
   frame.jitter = jitter(frame);
-  look_inside(objects, frame);
+  measure_depth(objects, frame);
   std::swap(memory_.god[0], memory_.god[1]);
   std::swap(memory_.target[0], memory_.target[1]);
   memory_.god[1] = frame.god;
@@ -108,7 +108,7 @@ double Measures::jitter(const Frame& frame) const {
 
 // How deep the targets are in the objects, and whether one that is clear of them all lies behind one: a speck that goes
 // from the god object straight to it meets something.
-void Measures::look_inside(std::span<const Pose<double>> objects, Frame& frame) {
+void Measures::measure_depth(std::span<const Pose<double>> objects, Frame& frame) {
   for (std::size_t o = 0; o < parts_.size(); ++o)
     for (const auto& [collider, at] : parts_[o]) sight_.place(collider, placed(objects[o], at));
   for (std::size_t h = 0; h < balls_.size(); ++h) {

@@ -9,7 +9,8 @@
 
 namespace zwang::god {
 
-// What a frame shows to somebody who looks on: all of it from poses and shapes, nothing from the solver.
+// What a frame shows to somebody who looks on, from poses and shapes; of the solves only which contacts were rows, and
+// how many rows there were.
 class Measures {
  public:
   // models: of the hands, which the clusters are made of one after the other; none: god objects of other kinds.
@@ -18,7 +19,8 @@ class Measures {
   // Before the god objects move.
   void begin(std::span<const Cluster> clusters);
   // After it. objects: the poses of all.
-  void look(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options, Frame& frame);
+  void measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
+               Frame& frame);
 
   // What is kept from frame to frame: god objects and targets of the last two frames.
   struct Memory {
@@ -31,7 +33,7 @@ class Measures {
   double lost_slide(const Cluster& cluster) const;
   bool stuck(Cluster& cluster, std::size_t first) const;
   double jitter(const Frame& frame) const;
-  void look_inside(std::span<const Pose<double>> objects, Frame& frame);
+  void measure_depth(std::span<const Pose<double>> objects, Frame& frame);
 
   std::vector<std::vector<Ball>> balls_;  // by hand
   Depth depth_;

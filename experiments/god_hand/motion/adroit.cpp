@@ -110,13 +110,13 @@ Recording adroit_recording(const JointTable& table) {
   if (const std::size_t repeated = put_in_order(track.frames); repeated > 0)
     out.notes.push_back(frames(repeated, "with the step of another"));
   const auto whole = std::count_if(track.frames.begin(), track.frames.end(),
-                                   [](const RecordedTrack::Frame& f) { return f.hand.has_value(); });
+                                   [](const RecordedTrack::Sample& f) { return f.hand.has_value(); });
   if (2 * static_cast<std::size_t>(whole) < table.rows.size() || whole < 2)
     table.refuse("most rows are not whole: a number in every column expected");
   if (track.frames.back().time - track.frames.front().time > 600)
     table.refuse("more than 10 minutes: steps of 0.01 s expected");
   const double first = track.frames.front().time;
-  for (RecordedTrack::Frame& f : track.frames) f.time -= first;
+  for (RecordedTrack::Sample& f : track.frames) f.time -= first;
   if (track.beyond > 0)
     out.notes.push_back("angles up to " + std::to_string(track.beyond).substr(0, 5) +
                         " rad beyond the recorded hand's limits (" + farthest + "): held to ours");

@@ -39,7 +39,7 @@ struct Track {
 void append(Track& track, Track::Key key);
 
 // What the tracked hands do.
-struct Motion {
+struct HandMotion {
   std::string name = {};
   std::vector<Track> hands = {};        // one or two
   double duration = 0;                  // s

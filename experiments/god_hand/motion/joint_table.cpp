@@ -94,7 +94,7 @@ JointTable parse_table(const std::filesystem::path& file, const std::string& tex
   return table;
 }
 
-Motion plain_motion(const JointTable& table) {
+HandMotion plain_motion(const JointTable& table) {
   constexpr const char* palm[7] = {"palm_x", "palm_y", "palm_z", "palm_qw", "palm_qx", "palm_qy", "palm_qz"};
   std::vector<std::string> of_hand(palm, palm + 7), known = {"time"};
   for (int a = 0; a < hand::angles; ++a) {
@@ -125,7 +125,7 @@ Motion plain_motion(const JointTable& table) {
   const std::size_t timeless = table.rows.size() - rows.size();
   if (2 * timeless >= table.rows.size()) table.refuse("most rows have no time; seconds expected");
   const std::size_t repeated = put_in_order(rows);
-  Motion motion;
+  HandMotion motion;
   if (timeless > 0) motion.notes.push_back(frames(timeless, "without a time"));
   if (repeated > 0) motion.notes.push_back(frames(repeated, "with the time of another"));
   for (std::size_t k = 1; k < rows.size(); ++k)
@@ -157,8 +157,8 @@ Motion plain_motion(const JointTable& table) {
       append(track, {row.time - rows.front().time, target});
       if (track.held_over > held) continue;
       track.beyond = std::max(track.beyond, beyond);
-      const hand::Poses got = hand::assemble(target.palm, target.angles, track.model);
-      const hand::Poses asked = hand::assemble(raw.palm, raw.angles, track.model);
+      const hand::Poses got = hand::forward_kinematics(target.palm, target.angles, track.model);
+      const hand::Poses asked = hand::forward_kinematics(raw.palm, raw.angles, track.model);
       for (int b = 1; b < hand::bodies; ++b) {
         const auto body = static_cast<std::size_t>(b);
         const Vec3 end(0, track.model.phalanx(b).length / 2, 0);

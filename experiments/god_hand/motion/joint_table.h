@@ -27,7 +27,7 @@ struct JointTable {
 JointTable parse_table(const std::filesystem::path& file, const std::string& text);
 
 // zwang's own columns (docs/motion.md): palm poses and angles of one or two hands, clamped to their limits.
-Motion plain_motion(const JointTable& table);
+HandMotion plain_motion(const JointTable& table);
 
 // The joints of a simulated Adroit hand, with its columns (DAPG): 0.01 s a step.
 Recording adroit_recording(const JointTable& table);

@@ -23,11 +23,11 @@ Angles Posture::at(double share) const {
   return out;
 }
 
-Path::Path(const hand::Model& model, const Palm& palm, const Angles& angles) : track_{.model = model} {
+Keyframes::Keyframes(const hand::Model& model, const Palm& palm, const Angles& angles) : track_{.model = model} {
   append(track_, {0, {palm, angles}});
 }
 
-Path& Path::to(double time, const Palm& palm, const Angles& angles, Way way) {
+Keyframes& Keyframes::to(double time, const Palm& palm, const Angles& angles, Way way) {
   const Track::Key from = track_.keys.back();
   const double whole = time - from.time;
   const int steps = way == Way::jump ? 1 : std::max(1, static_cast<int>(std::lround(whole / key_step)));
@@ -45,13 +45,13 @@ Path& Path::to(double time, const Palm& palm, const Angles& angles, Way way) {
   return *this;
 }
 
-Path& Path::to(double time, const Palm& palm, Way way) {
+Keyframes& Keyframes::to(double time, const Palm& palm, Way way) {
   return to(time, palm, Angles(track_.keys.back().target.angles), way);
 }
 
-Path& Path::stay(double time) { return to(time, Palm(track_.keys.back().target.palm), Way::even); }
+Keyframes& Keyframes::stay(double time) { return to(time, Palm(track_.keys.back().target.palm), Way::even); }
 
-Path& Path::spoil(double from, double to, const std::function<void(Target&)>& how) {
+Keyframes& Keyframes::spoil(double from, double to, const std::function<void(Target&)>& how) {
   Track out{.model = track_.model};
   for (Track::Key key : track_.keys) {
     if (key.time >= from && key.time < to) how(key.target);

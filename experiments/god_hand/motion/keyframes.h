@@ -15,18 +15,18 @@ struct Posture {
 };
 
 // A hand's track made of places and when they are reached [s]; between them a screw, and angles that grow evenly.
-class Path {
+class Keyframes {
  public:
   enum class Way { eased, even, jump };  // to a stop, at constant speed, at once
 
-  Path(const hand::Model& model, const Pose<double>& palm, const hand::Angles& angles);
+  Keyframes(const hand::Model& model, const Pose<double>& palm, const hand::Angles& angles);
 
-  Path& to(double time, const Pose<double>& palm, const hand::Angles& angles, Way way = Way::eased);
-  Path& to(double time, const Pose<double>& palm, Way way = Way::eased);
-  Path& stay(double time);
+  Keyframes& to(double time, const Pose<double>& palm, const hand::Angles& angles, Way way = Way::eased);
+  Keyframes& to(double time, const Pose<double>& palm, Way way = Way::eased);
+  Keyframes& stay(double time);
 
   // What a tracker does to it: the keys of [from, to) come through append() again, spoilt.
-  Path& spoil(double from, double to, const std::function<void(Target&)>& how);
+  Keyframes& spoil(double from, double to, const std::function<void(Target&)>& how);
 
   const Pose<double>& start() const { return track_.keys.front().target.palm; }
   const Track& track() const { return track_; }

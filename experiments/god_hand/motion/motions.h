@@ -11,11 +11,11 @@ namespace zwang::god {
 
 // A Leap recording (.json, also .gz) or joint angles (.csv), retargeted: z up, metres, in its own place. Throws
 // BadFile, one line: file, frame or line, what was expected.
-Motion read_motion(const std::filesystem::path& file);
+HandMotion read_motion(const std::filesystem::path& file);
 
 // A motion made by formula, about the surroundings' focus: press, slide, grasp, poke, fist, swipe, teleport, lost, nan.
 // Throws std::invalid_argument with the nearest name.
-Motion synthetic_motion(const std::string& name, const Surroundings& about);
+HandMotion synthetic_motion(const std::string& name, const Surroundings& about);
 std::vector<std::pair<std::string, std::string>> synthetic_motions();  // name, one line
 
 // Moves a recording to where it works: turned and shifted so that it goes on about the focus, and lowered until the
@@ -24,6 +24,6 @@ struct Placement {
   double inside = 0;  // share of the frames in which the target is inside or touches
   double depth = 0;   // m, the deepest
 };
-Placement place(Motion& motion, const Surroundings& about, double share = 0.45, double depth = 0.012);
+Placement place(HandMotion& motion, const Surroundings& about, double share = 0.45, double depth = 0.012);
 
 }  // namespace zwang::god

@@ -25,14 +25,14 @@ struct Moment {
   std::vector<hand::Poses> hands;
 };
 
-std::vector<Moment> moments(const Motion& motion, double step) {
+std::vector<Moment> moments(const HandMotion& motion, double step) {
   std::vector<Moment> out;
   const int count = std::max(2, static_cast<int>(motion.duration / step));
   for (int k = 0; k <= count; ++k) {
     out.emplace_back();
     for (const Track& track : motion.hands) {
       const Target at = track.at(motion.duration * k / count);
-      out.back().hands.push_back(hand::assemble(at.palm, at.angles, track.model));
+      out.back().hands.push_back(hand::forward_kinematics(at.palm, at.angles, track.model));
     }
   }
   return out;
@@ -47,7 +47,7 @@ hand::Poses moved(const Pose<double>& by, const hand::Poses& hand) {
 
 class Finder {
  public:
-  Finder(const Motion& motion, const Surroundings& about, const Depth& depth)
+  Finder(const HandMotion& motion, const Surroundings& about, const Depth& depth)
       : depth_(depth), focus_(about.focus), moments_(moments(motion, std::max(0.02, motion.duration / 100))) {
     for (const Track& track : motion.hands) balls_.push_back(balls(track.model));
     for (const Moment& m : moments_) {
@@ -58,7 +58,7 @@ class Finder {
     }
   }
 
-  Placement look(const Pose<double>& by) const {
+  Placement evaluate(const Pose<double>& by) const {
     Placement out;
     for (const Moment& m : moments_) {
       double deepest = -1e-9;
@@ -87,7 +87,7 @@ class Finder {
       return out;
     };
     const auto good = [&](double lowest) {
-      const Placement seen = look(at(lowest));
+      const Placement seen = evaluate(at(lowest));
       return seen.inside >= share && seen.depth >= depth;
     };
     constexpr double step = 0.01;
@@ -113,7 +113,7 @@ class Finder {
 };
 
 // A hand that would begin in touch comes down on its first pose from above instead, in half a second; the others wait.
-void clear_start(Motion& motion, const Depth& depth) {
+void clear_start(HandMotion& motion, const Depth& depth) {
   double later = 0, highest = 0;
   std::vector<double> raise;
   for (const Track& track : motion.hands) {
@@ -121,7 +121,7 @@ void clear_start(Motion& motion, const Depth& depth) {
     const double before = at.palm.position.z();
     const std::vector<Ball> of_hand = balls(track.model);
     const auto clear = [&] {
-      const hand::Poses poses = hand::assemble(at.palm, at.angles, track.model);
+      const hand::Poses poses = hand::forward_kinematics(at.palm, at.angles, track.model);
       return depth.of(poses, of_hand, clearance).depth <= -clearance;
     };
     while (!clear() && at.palm.position.z() < before + 1) at.palm.position.z() += 0.01;
@@ -151,7 +151,7 @@ void clear_start(Motion& motion, const Depth& depth) {
 
 }  // namespace
 
-Placement place(Motion& motion, const Surroundings& about, double share, double depth) {
+Placement place(HandMotion& motion, const Surroundings& about, double share, double depth) {
   const Depth solid(about), firm(staying(about));
   const Finder finder(motion, about, firm);
   const double needed = std::min(0.95, share * (motion.duration + approach) / motion.duration);
@@ -166,7 +166,7 @@ Placement place(Motion& motion, const Surroundings& about, double share, double 
       palm = {by->rotation * palm.position + by->position, by->rotation * palm.rotation};
     }
   clear_start(motion, solid);
-  return Finder(motion, about, firm).look({});
+  return Finder(motion, about, firm).evaluate({});
 }
 
 }  // namespace zwang::god

@@ -25,7 +25,7 @@ double usual_pause(const Track& track) {
 
 }  // namespace
 
-Motion read_motion(const fs::path& file) {
+HandMotion read_motion(const fs::path& file) {
   const auto refuse = [&](const std::string& why) { throw BadFile(file.string() + ": " + why); };
   const StoredFile stored = read_stored(file);
   const std::string kind = stored.kind(), text = unpacked(stored, longest);
@@ -35,7 +35,7 @@ Motion read_motion(const fs::path& file) {
     refuse("motions are .json (Leap recordings) or .csv (joint angles), also with .gz");
 
   Recording recording;
-  Motion motion;
+  HandMotion motion;
   if (kind == ".json") {
     recording = parse_leap(file, text);
   } else {

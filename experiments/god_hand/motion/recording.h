@@ -22,12 +22,12 @@ struct RecordedHand {
 };
 
 struct RecordedTrack {
-  struct Frame {
+  struct Sample {
     double time;                       // s, ascending
     std::optional<RecordedHand> hand;  // none: not seen, NaN or torn
   };
   bool left = false;
-  std::vector<Frame> frames = {};
+  std::vector<Sample> frames = {};
   double beyond = 0;  // rad, the farthest that an angle was outside its limits, where angles were recorded
 };
 

@@ -19,7 +19,7 @@ Vec3 tip_of(const hand::Phalanx& bone) { return {0, bone.length / 2, 0}; }
 // Modelled minus recorded joints, and, if asked for, their derivative: a turn about an axis through a joint moves what
 // lies beyond it.
 Residual residual(const Model& model, const Target& at, const RecordedHand& to, Jacobian* J = nullptr) {
-  const hand::Poses poses = hand::assemble(at.palm, at.angles, model);
+  const hand::Poses poses = hand::forward_kinematics(at.palm, at.angles, model);
   Residual r;
   if (J != nullptr) J->setZero();
   for (std::size_t f = 0; f < 5; ++f) {
@@ -108,7 +108,7 @@ struct Start {
 
 std::vector<const RecordedHand*> sample(const RecordedTrack& track, std::size_t most) {
   std::vector<const RecordedHand*> all;
-  for (const RecordedTrack::Frame& f : track.frames)
+  for (const RecordedTrack::Sample& f : track.frames)
     if (f.hand) all.push_back(&*f.hand);
   if (all.empty()) throw std::invalid_argument("a track without a hand in it");
   std::vector<const RecordedHand*> some;
@@ -222,7 +222,7 @@ Track retarget(const RecordedTrack& track, const Model& model) {
       start.offset += (h->palm.rotation.transpose() * (h->joints[f][0] - h->palm.position) - model.fingers[f].base) /
                       (5 * static_cast<double>(hands.size()));
   std::size_t fits = 0;
-  for (const RecordedTrack::Frame& frame : track.frames) {
+  for (const RecordedTrack::Sample& frame : track.frames) {
     if (!frame.hand) {
       append(out, {frame.time, {.tracked = false}});
       continue;

@@ -24,24 +24,24 @@ Angles pointing(double share) {
   return out;
 }
 
-Path at_flat_start(const Site& s) {
+Keyframes at_flat_start(const Site& s) {
   const double high = s.clear_height(0.15, [&](double h) { return s.flat(h); });
   return {hand::standard(), s.flat(high), {}};
 }
 
 std::vector<Track> press(const Site& s) {
-  Path path = at_flat_start(s);
-  const Palm start = path.start();
-  path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, start);
-  return {path.track()};
+  Keyframes keys = at_flat_start(s);
+  const Palm start = keys.start();
+  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, start);
+  return {keys.track()};
 }
 
 std::vector<Track> slide(const Site& s) {
-  Path path = at_flat_start(s);
-  const Palm start = path.start();
-  path.stay(0.1).to(0.7, s.flat(-0.015)).to(1.3, s.flat(-0.015, 0, 0.1)).to(2, s.flat(-0.015, 0, -0.04));
-  path.to(2.3, s.flat(-0.015)).to(3, start);
-  return {path.track()};
+  Keyframes keys = at_flat_start(s);
+  const Palm start = keys.start();
+  keys.stay(0.1).to(0.7, s.flat(-0.015)).to(1.3, s.flat(-0.015, 0, 0.1)).to(2, s.flat(-0.015, 0, -0.04));
+  keys.to(2.3, s.flat(-0.015)).to(3, start);
+  return {keys.track()};
 }
 
 // A bar with room under it is taken into the crook of the fingers, which alone lifts without friction. Anything else is
@@ -54,12 +54,12 @@ std::vector<Track> grasp(const Site& s) {
   const Posture& fingers = bar ? hook : grip;
   Palm low{Vec3::Zero(), R};
   if (bar) {
-    const hand::Poses hooked = hand::assemble(low, fingers.at(1), model);
+    const hand::Poses hooked = hand::forward_kinematics(low, fingers.at(1), model);
     const hand::Phalanx first = model.phalanx(7);
     low.position =
         s.focus - thick / 2 * s.out - hooked[7] * Vec3(0, 0.2 * first.length, -(first.radius + thick / 2 + 0.001));
   } else {
-    const hand::Poses closing = hand::assemble(low, fingers.at(0.7), model);
+    const hand::Poses closing = hand::forward_kinematics(low, fingers.at(0.7), model);
     Vec3 grip = closing[3].position / 2;
     for (std::size_t f = 1; f < 5; ++f) grip += closing[3 + 3 * f].position / 8;
     const Vec3 within = s.focus - std::min(thick / 2, 0.03) * s.out;
@@ -72,32 +72,32 @@ std::vector<Track> grasp(const Site& s) {
   const auto over = [&](double height) { return Palm{low.position + height * s.out, R}; };
   const Angles open = fingers.at(0.1), closed = fingers.at(1);
   const double high = s.clear_height(0.15, over, open);
-  Path path(model, over(high), open);
-  path.stay(0.1).to(0.9, low).to(1.5, low, closed).stay(1.8).to(2.3, over(0.1)).stay(2.7);
-  path.to(3.2, low).to(3.5, low, open).to(4, over(high));
-  return {path.track()};
+  Keyframes keys(model, over(high), open);
+  keys.stay(0.1).to(0.9, low).to(1.5, low, closed).stay(1.8).to(2.3, over(0.1)).stay(2.7);
+  keys.to(3.2, low).to(3.5, low, open).to(4, over(high));
+  return {keys.track()};
 }
 
 std::vector<Track> poke(const Site& s) {
   const hand::Model& model = hand::standard();
   const Mat3 R = Site::axes(-s.out, s.along);
-  const hand::Poses straight = hand::assemble({Vec3::Zero(), R}, {}, model);
+  const hand::Poses straight = hand::forward_kinematics({Vec3::Zero(), R}, {}, model);
   const hand::Phalanx last = model.phalanx(6);
   const Vec3 tip = straight[6] * Vec3(0, last.length / 2 + last.radius, 0);
   const auto tip_at = [&](double height) { return Palm{s.focus + height * s.out - tip, R}; };
   const double high = s.clear_height(0.1, tip_at);
-  Path path(model, tip_at(high), {});
-  path.stay(0.1).to(0.5, tip_at(high), pointing(0.9)).to(0.9, tip_at(0.005)).to(1.3, tip_at(-0.04)).stay(2);
-  path.to(2.4, tip_at(0.05)).to(3, tip_at(high), {});
-  return {path.track()};
+  Keyframes keys(model, tip_at(high), {});
+  keys.stay(0.1).to(0.5, tip_at(high), pointing(0.9)).to(0.9, tip_at(0.005)).to(1.3, tip_at(-0.04)).stay(2);
+  keys.to(2.4, tip_at(0.05)).to(3, tip_at(high), {});
+  return {keys.track()};
 }
 
 std::vector<Track> fist(const Site& s) {
-  Path path = at_flat_start(s);
-  const Palm start = path.start();
-  path.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), a_fist.at(0.95)).stay(1.8);
-  path.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, start, {});
-  return {path.track()};
+  Keyframes keys = at_flat_start(s);
+  const Palm start = keys.start();
+  keys.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), a_fist.at(0.95)).stay(1.8);
+  keys.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, start, {});
+  return {keys.track()};
 }
 
 std::vector<Track> swipe(const Site& s) {
@@ -105,42 +105,42 @@ std::vector<Track> swipe(const Site& s) {
   const auto on_line = [&](double height) { return s.flat(height, 0.4 * height); };
   const double high = s.clear_height(0.25, on_line), length = std::hypot(2 * high, 0.8 * high);
   const double there = 0.3 + length / speed, back = there + 0.8;
-  Path path(hand::standard(), on_line(high), {});
-  path.stay(0.3)
-      .to(there, on_line(-high), Path::Way::even)
+  Keyframes keys(hand::standard(), on_line(high), {});
+  keys.stay(0.3)
+      .to(there, on_line(-high), Keyframes::Way::even)
       .stay(back)
-      .to(back + length / speed, on_line(high), Path::Way::even);
-  path.stay(2);
-  return {path.track()};
+      .to(back + length / speed, on_line(high), Keyframes::Way::even);
+  keys.stay(2);
+  return {keys.track()};
 }
 
 std::vector<Track> teleport(const Site& s) {
   const auto aside = [&](double h) { return s.flat(h, 0, 0.3); };
   const double high = std::max(s.clear_height(0.12, aside), s.clear_height(0.12, [&](double h) { return s.flat(h); }));
-  Path path(hand::standard(), aside(high), {});
-  path.stay(0.5).to(0.501, s.flat(high), Path::Way::jump).stay(1).to(1.3, s.flat(0.1)).stay(1.5);
-  path.to(1.501, s.flat(-0.2), Path::Way::jump).stay(2.2).to(2.201, s.flat(0.1), Path::Way::jump).stay(3);
-  return {path.track()};
+  Keyframes keys(hand::standard(), aside(high), {});
+  keys.stay(0.5).to(0.501, s.flat(high), Keyframes::Way::jump).stay(1).to(1.3, s.flat(0.1)).stay(1.5);
+  keys.to(1.501, s.flat(-0.2), Keyframes::Way::jump).stay(2.2).to(2.201, s.flat(0.1), Keyframes::Way::jump).stay(3);
+  return {keys.track()};
 }
 
 // The slide of a hand that goes on while nobody sees it.
 std::vector<Track> lost(const Site& s) {
-  Path path = at_flat_start(s);
-  const Palm start = path.start();
-  path.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Path::Way::even).to(3, start);
-  path.spoil(1.2, 1.5, [](Target& t) { t.tracked = false; });
-  return {path.track()};
+  Keyframes keys = at_flat_start(s);
+  const Palm start = keys.start();
+  keys.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Keyframes::Way::even).to(3, start);
+  keys.spoil(1.2, 1.5, [](Target& t) { t.tracked = false; });
+  return {keys.track()};
 }
 
 std::vector<Track> not_numbers(const Site& s) {
-  Path path = at_flat_start(s);
-  const Palm start = path.start();
-  path.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, start);
+  Keyframes keys = at_flat_start(s);
+  const Palm start = keys.start();
+  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, start);
   const auto spoilt = [](Target& t) { t.palm.position.x() = std::numeric_limits<double>::quiet_NaN(); };
-  path.spoil(1.0, 1.005, spoilt).spoil(1.6, 1.62, [](Target& t) {
+  keys.spoil(1.0, 1.005, spoilt).spoil(1.6, 1.62, [](Target& t) {
     t.angles.fill(std::numeric_limits<double>::quiet_NaN());
   });
-  return {path.track()};
+  return {keys.track()};
 }
 
 // A loose object is held between two palms; on anything else both press side by side.
@@ -154,9 +154,9 @@ std::vector<Track> two_hands(const Site& s) {
     if (!between) {
       const auto place = [&](double h) { return s.flat(h, 0, 0.15 * side); };
       const double high = s.clear_height(0.15, place, {}, model);
-      Path path(model, place(high), {});
-      path.stay(0.1).to(0.8, place(0.005)).to(1.2, place(-0.02)).stay(2.2).to(3, place(high));
-      tracks.push_back(path.track());
+      Keyframes keys(model, place(high), {});
+      keys.stay(0.1).to(0.8, place(0.005)).to(1.2, place(-0.02)).stay(2.2).to(3, place(high));
+      tracks.push_back(keys.track());
       continue;
     }
     // The back of each hand looks away from the object; as low as what is under it lets the hands be.
@@ -171,10 +171,10 @@ std::vector<Track> two_hands(const Site& s) {
     };
     while (lift < most && !s.clear(place(0.015), {}, model)) lift += 0.005;
     const double high = s.clear_height(0.1, [&](double h) { return place(0.03, h); }, {}, model);
-    Path path(model, place(0.03, high), {});
-    path.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
-    path.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));
-    tracks.push_back(path.track());
+    Keyframes keys(model, place(0.03, high), {});
+    keys.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
+    keys.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));
+    tracks.push_back(keys.track());
   }
   return tracks;
 }
@@ -187,7 +187,8 @@ struct Entry {
 constexpr Entry entries[] = {
     {"press", "the flat hand pressed 30 mm into the surface", press},
     {"slide", "pressed 15 mm deep and moved 140 mm forth and back along the surface", slide},
-    {"grasp", "the fingers closed about the object at the focus, which is lifted and put back", grasp},
+    {"grasp", "the fingers closed about the object at the focus, then the hand up by 100 mm, down again and open",
+     grasp},
     {"poke", "the index finger put 40 mm through the surface", poke},
     {"fist", "a fist clenched 25 mm inside the object", fist},
     {"swipe", "through the object and back at 5 m/s", swipe},
@@ -204,12 +205,12 @@ std::vector<std::pair<std::string, std::string>> synthetic_motions() {
   return out;
 }
 
-Motion synthetic_motion(const std::string& name, const Surroundings& about) {
+HandMotion synthetic_motion(const std::string& name, const Surroundings& about) {
   std::vector<std::string> names;
   for (const Entry& e : entries) {
     names.emplace_back(e.name);
     if (name != e.name) continue;
-    Motion motion{.name = name, .hands = e.make(Site(about))};
+    HandMotion motion{.name = name, .hands = e.make(Site(about))};
     for (const Track& track : motion.hands) {
       motion.duration = std::max(motion.duration, track.keys.back().time);
       if (track.held_over > 0)

@@ -8,7 +8,7 @@
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/god_hand/scenes/site.h>
-#include <zwang/experiments/god_hand/step/simulation.h>
+#include <zwang/experiments/god_hand/simulation.h>
 
 namespace zwang::god {
 namespace {

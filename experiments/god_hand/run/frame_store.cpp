@@ -44,7 +44,7 @@ void each_of_frame(SomeFrame&& f, const Visit& visit) {
     if (c.count) visit(c.key, c.unit, f.*c.count);
     if (c.flag) visit(c.key, c.unit, f.*c.flag);
   }
-  visit("device", "N, N m", f.device);
+  visit("device", "N, N m", f.palm_wrench);
   visit("claimed", "1", f.claimed);
   visit("verified", "1", f.verified);
   visit("times", "s", f.times);

@@ -137,8 +137,8 @@ Json numbers_json(const std::vector<Frame>& frames) {
   for (const Column& column : columns()) add(column.key, [&](const Frame& f) { return column.of(f); });
   for (std::size_t k = 0; k < stage_names.size(); ++k)
     add(stage_names[k], [k](const Frame& f) { return stages(f.times)[k]; });
-  add("force", [](const Frame& f) { return f.device.head<3>().norm(); });
-  add("torque", [](const Frame& f) { return f.device.tail<3>().norm(); });
+  add("force", [](const Frame& f) { return f.palm_wrench.head<3>().norm(); });
+  add("torque", [](const Frame& f) { return f.palm_wrench.tail<3>().norm(); });
   add("marks", [](const Frame& f) { return marks(f); });
   add("number", [](const Frame& f) { return static_cast<double>(f.number); });
   return out;

@@ -20,7 +20,7 @@ bool names_file(const std::string& motion) {
   return motion.find_first_of("./") != std::string::npos || std::filesystem::exists(motion);
 }
 
-std::vector<hand::Model> models_of(const Motion& motion) {
+std::vector<hand::Model> models_of(const HandMotion& motion) {
   std::vector<hand::Model> models;
   for (const Track& track : motion.hands) models.push_back(track.model);
   return models;
@@ -44,42 +44,42 @@ Target first_of(const Track& track) {
 
 }  // namespace
 
-Stage set_up(Record& record) {
+Setup set_up(Record& record) {
   Asked& asked = record.asked;
   make_solver(asked.options.solver);  // its complaint comes before the work on a large scene
-  Stage stage;
+  Setup setup;
   record.recorded = names_file(asked.motion);
-  if (record.recorded) stage.motion = read_motion(asked.motion);
-  stage.surroundings = make_surroundings(asked.scene, asked.parts);
-  if (!record.recorded) stage.motion = synthetic_motion(asked.motion, stage.surroundings);
-  if (record.recorded && asked.share > 0) record.placement = place(stage.motion, stage.surroundings, asked.share);
+  if (record.recorded) setup.motion = read_motion(asked.motion);
+  setup.surroundings = make_surroundings(asked.scene, asked.parts);
+  if (!record.recorded) setup.motion = synthetic_motion(asked.motion, setup.surroundings);
+  if (record.recorded && asked.share > 0) record.placement = place(setup.motion, setup.surroundings, asked.share);
 
   record.title = record.recorded ? std::filesystem::path(asked.motion).stem().string() : asked.motion;
-  record.motion = fingerprint(stage.motion);
-  record.surroundings = fingerprint(stage.surroundings);
-  record.hands = stage.motion.hands.size();
+  record.motion = fingerprint(setup.motion);
+  record.surroundings = fingerprint(setup.surroundings);
+  record.hands = setup.motion.hands.size();
   record.loose =
-      static_cast<std::size_t>(std::count_if(stage.surroundings.objects.begin(), stage.surroundings.objects.end(),
+      static_cast<std::size_t>(std::count_if(setup.surroundings.objects.begin(), setup.surroundings.objects.end(),
                                              [](const Object& object) { return object.loose(); }));
   record.held_over = 0;
-  for (const Track& track : stage.motion.hands) {
+  for (const Track& track : setup.motion.hands) {
     record.held_over += track.held_over;
     record.misfit_mean = std::max(record.misfit_mean, track.misfit_mean);
     record.misfit_most = std::max(record.misfit_most, track.misfit_most);
   }
-  record.notes = stage.motion.notes;
-  const long whole = static_cast<long>(stage.motion.duration / asked.options.dt + 1e-6) + 1;
+  record.notes = setup.motion.notes;
+  const long whole = static_cast<long>(setup.motion.duration / asked.options.dt + 1e-6) + 1;
   asked.frames = asked.frames > 0 ? std::min(asked.frames, whole) : whole;
-  return stage;
+  return setup;
 }
 
-long simulate(const std::filesystem::path& directory, const Record& record, const Stage& stage, bool resume,
+long simulate(const std::filesystem::path& directory, const Record& record, const Setup& setup, bool resume,
               const ShowProgress& progress, const std::atomic<bool>& interrupted) {
-  const std::vector<Track>& hands = stage.motion.hands;
+  const std::vector<Track>& hands = setup.motion.hands;
   std::vector<Target> targets;
   for (const Track& track : hands) targets.push_back(first_of(track));
   const Options& options = record.asked.options;
-  Simulation simulation(stage.surroundings, models_of(stage.motion), targets, options);
+  Simulation simulation(setup.surroundings, models_of(setup.motion), targets, options);
   const Checkpoint from = resume ? read_checkpoint(directory) : Checkpoint{};
   if (from.frames > 0) simulation.restore(from.state);
   FrameWriter writer(directory, record.hands * hand::bodies, record.loose, from.frames);
@@ -98,12 +98,12 @@ long simulate(const std::filesystem::path& directory, const Record& record, cons
   return k;
 }
 
-Finished finish(const std::filesystem::path& directory, const Record& record, const Stage& stage,
+Finished finish(const std::filesystem::path& directory, const Record& record, const Setup& setup,
                 const ShowProgress& progress) {
-  const std::vector<hand::Model> models = models_of(stage.motion);
+  const std::vector<hand::Model> models = models_of(setup.motion);
   std::vector<std::vector<collision::Shape>> shapes;
   for (const hand::Model& model : models) shapes.push_back(hand::shapes(model));
-  const std::vector<MetPart> parts = met_parts(stage.surroundings);
+  const std::vector<MetPart> parts = met_parts(setup.surroundings);
   std::vector<Obstacle> obstacles;
   for (const MetPart& part : parts) obstacles.push_back(part.body);
   Audit audit(shapes, obstacles);
@@ -117,7 +117,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     out.summary.add(frame);
     shown.add(frame);
     if (!record.asked.audit) return;
-    const std::vector<Pose<double>> objects = object_poses(stage.surroundings, frame);
+    const std::vector<Pose<double>> objects = object_poses(setup.surroundings, frame);
     poses.clear();
     for (const MetPart& part : parts) poses.push_back(placed(objects[part.object], part.at));
     if (audit.check(frame.god, poses) > 0 && first < 0) first = frame.number;
@@ -131,7 +131,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   json.close();
   if (!json) throw BadFile("cannot write " + file.string());
   if (out.summary.frames() > 0)
-    out.replay = write_replay(directory, record, out.summary, shown.frames(), stage.surroundings, models);
+    out.replay = write_replay(directory, record, out.summary, shown.frames(), setup.surroundings, models);
   return out;
 }
 

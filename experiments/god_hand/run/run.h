@@ -10,22 +10,22 @@
 namespace zwang::god {
 
 // What a run works on, made from what was asked for.
-struct Stage {
+struct Setup {
   Surroundings surroundings = {};
-  Motion motion = {};
+  HandMotion motion = {};
 };
 
 // Scene and motion; a recording is placed where it works. Fills what `record` says of them, and asked.frames where it
 // is 0. Throws as make_surroundings, read_motion and synthetic_motion do, and std::invalid_argument for a solver there
 // is not.
-Stage set_up(Record& record);
+Setup set_up(Record& record);
 
 // Fraction done, what is going on.
 using ShowProgress = std::function<void(double, const std::string&)>;
 
 // Simulates the frames that are still to do into the folder, from the last checkpoint where `resume`, and returns how
 // many there are then. `interrupted` ends it after a frame.
-long simulate(const std::filesystem::path& directory, const Record& record, const Stage& stage, bool resume,
+long simulate(const std::filesystem::path& directory, const Record& record, const Setup& setup, bool resume,
               const ShowProgress& progress, const std::atomic<bool>& interrupted);
 
 // From the frames in the folder: summary.json and replay.html; where asked.audit, FCL looks at every frame.
@@ -34,7 +34,7 @@ struct Finished {
   std::vector<std::string> lines;
   std::filesystem::path replay;
 };
-Finished finish(const std::filesystem::path& directory, const Record& record, const Stage& stage,
+Finished finish(const std::filesystem::path& directory, const Record& record, const Setup& setup,
                 const ShowProgress& progress);
 
 }  // namespace zwang::god

@@ -79,7 +79,7 @@ class Fingerprint {
   std::uint64_t hash() const { return hash_; }
 
  private:
-  std::uint64_t hash_ = 1469598103934665603ull;
+  std::uint64_t hash_ = 14695981039346656037ull;
 };
 
 std::string hex(std::uint64_t word) {
@@ -160,7 +160,7 @@ void require_same_program(const std::filesystem::path& directory) {
   require_same_conditions(directory, load(directory).dump(), "its numbers would not be the same");
 }
 
-std::uint64_t fingerprint(const Motion& motion) {
+std::uint64_t fingerprint(const HandMotion& motion) {
   Fingerprint f;
   for (const Track& track : motion.hands) {
     f.add(track.model.palm_widths);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <zwang/experiments/god_hand/motion/motions.h>
-#include <zwang/experiments/god_hand/step/simulation.h>
+#include <zwang/experiments/god_hand/simulation.h>
 
 namespace zwang::god {
 
@@ -39,7 +39,7 @@ Record read_record(const std::filesystem::path& directory);  // throws BadFile w
 void require_same_program(const std::filesystem::path& directory);
 
 // 64 bits that are others when a number is another.
-std::uint64_t fingerprint(const Motion& motion);
+std::uint64_t fingerprint(const HandMotion& motion);
 std::uint64_t fingerprint(const Surroundings& surroundings);
 
 }  // namespace zwang::god

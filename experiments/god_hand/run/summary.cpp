@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
 
 namespace zwang::god {
@@ -82,7 +83,7 @@ void Summary::add(const Frame& f) {
   speed_ = std::max(speed_, f.object_speed);
   lost_slide_ += f.lost_slide;
   work_ += f.work;
-  touching_ += f.gap <= touching;
+  touching_ += f.gap <= hand::touching;
   held_ += f.held;
   stuck_ += f.stuck;
   behind_ += f.behind;

@@ -38,9 +38,6 @@ inline constexpr std::array<const char*, 6> stage_names = {"physics", "resolutio
                                                            "solve",   "collision",  "other"};
 std::array<double, 6> stages(const StageTimes& times);  // in that order
 
-// Nearer than this a god object touches.
-inline constexpr double touching = 5e-4;  // m
-
 // What is wrong with a frame, or "": penetration, an open joint, a limit crossed, an answer that is not right, NaN.
 std::string fault(const Frame& frame);
 

@@ -124,7 +124,7 @@ bool inside(const Tree& tree, const Vec3& p) {
 
 }  // namespace
 
-struct Depth::Solid {
+struct Depth::Volume {
   struct Convex {
     Shape shape;
     Pose<double> at;
@@ -152,33 +152,33 @@ struct Depth::Solid {
 
 Depth::Depth(const Surroundings& surroundings) {
   for (const Object& object : surroundings.objects) {
-    Solid solid{.pose = object.pose, .mesh = object.loose() ? nullptr : object.mesh, .pieces = {}};
-    if (solid.mesh) {
-      solid.low = solid.mesh->low();
-      solid.high = solid.mesh->high();
+    Volume volume{.pose = object.pose, .mesh = object.loose() ? nullptr : object.mesh, .pieces = {}};
+    if (volume.mesh) {
+      volume.low = volume.mesh->low();
+      volume.high = volume.mesh->high();
     }
     for (const Object::Piece& piece : object.pieces) {
       const bool hull = piece.shape.core() == Core::hull;
-      solid.pieces.push_back({piece.shape, piece.at, hull ? faces_of(piece.shape.corners()) : std::vector<Face>()});
+      volume.pieces.push_back({piece.shape, piece.at, hull ? faces_of(piece.shape.corners()) : std::vector<Face>()});
       for (const Vec3& corner : piece.shape.corners()) {
         const Vec3 p = piece.at * corner;
-        solid.low = solid.low.cwiseMin(p - Vec3::Constant(piece.shape.radius()));
-        solid.high = solid.high.cwiseMax(p + Vec3::Constant(piece.shape.radius()));
+        volume.low = volume.low.cwiseMin(p - Vec3::Constant(piece.shape.radius()));
+        volume.high = volume.high.cwiseMax(p + Vec3::Constant(piece.shape.radius()));
       }
     }
-    solids_.push_back(std::move(solid));
+    volumes_.push_back(std::move(volume));
   }
 }
 Depth::~Depth() = default;
 Depth::Depth(Depth&&) noexcept = default;
 
 double Depth::distance(const Vec3& point, std::size_t object, double reach, std::span<const Pose<double>> poses) const {
-  const Pose<double>& pose = poses.empty() ? solids_[object].pose : poses[object];
-  return solids_[object].distance(pose.rotation.transpose() * (point - pose.position), reach);
+  const Pose<double>& pose = poses.empty() ? volumes_[object].pose : poses[object];
+  return volumes_[object].distance(pose.rotation.transpose() * (point - pose.position), reach);
 }
 
 double Depth::distance(const Vec3& point, double reach, std::span<const Pose<double>> poses) const {
-  for (std::size_t k = 0; k < solids_.size(); ++k) reach = std::min(reach, distance(point, k, reach, poses));
+  for (std::size_t k = 0; k < volumes_.size(); ++k) reach = std::min(reach, distance(point, k, reach, poses));
   return reach;
 }
 
@@ -187,7 +187,7 @@ Depth::Deepest Depth::of(const hand::Poses& hand, std::span<const Ball> balls, d
   Deepest out{.depth = -reach};
   for (const Ball& ball : balls) {
     const Vec3 p = hand[static_cast<std::size_t>(ball.body)] * ball.at;
-    for (std::size_t k = 0; k < solids_.size(); ++k) {
+    for (std::size_t k = 0; k < volumes_.size(); ++k) {
       const double near = std::max(1e-9, ball.radius - out.depth), gap = distance(p, k, near, poses);
       if (gap < near && ball.radius - gap > out.depth) out = {ball.radius - gap, ball.body, static_cast<int>(k)};
     }

@@ -43,8 +43,8 @@ class Depth {
              std::span<const Pose<double>> poses = {}) const;
 
  private:
-  struct Solid;
-  std::vector<Solid> solids_;
+  struct Volume;
+  std::vector<Volume> volumes_;
 };
 
 }  // namespace zwang::god

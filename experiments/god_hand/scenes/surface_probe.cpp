@@ -46,7 +46,7 @@ struct Seen {
   int object = -1;
 };
 
-Seen look_down(const Surroundings& surroundings, double x, double y) {
+Seen highest_at(const Surroundings& surroundings, double x, double y) {
   constexpr double above = 100;  // m
   Seen seen;
   for (std::size_t k = 0; k < surroundings.objects.size(); ++k) {
@@ -63,7 +63,7 @@ Seen look_down(const Surroundings& surroundings, double x, double y) {
 }  // namespace
 
 Vec3 surface_at(const Surroundings& surroundings, double x, double y) {
-  return {x, y, look_down(surroundings, x, y).height};
+  return {x, y, highest_at(surroundings, x, y).height};
 }
 
 // Heights over a grid; then for each point of it what a hand's width around lies less than 20 mm below it. Every object
@@ -83,7 +83,7 @@ Vec3 busiest_place(const Surroundings& surroundings) {
   std::vector<Seen> seen;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i)
-      seen.push_back(look_down(surroundings, low.x() + (i + 0.5) * step, low.y() + (j + 0.5) * step));
+      seen.push_back(highest_at(surroundings, low.x() + (i + 0.5) * step, low.y() + (j + 0.5) * step));
   const auto at = [&](int i, int j) { return seen[static_cast<std::size_t>(j * nx + i)]; };
   double best = -1;
   Vec3 place((low.x() + high.x()) / 2, (low.y() + high.y()) / 2, high.z());

@@ -12,7 +12,13 @@ namespace {
 
 constexpr double catch_up = 0.8;  // m/s
 constexpr double jump = 8;        // activation distances that targets may go in a frame before it is one
-constexpr double fastest = 8;     // m/s, of a hand: targets that go faster are not kept pace with
+constexpr double leg = 0.25;      // rad
+constexpr double still = 1e-7;    // m: what moves by less rests
+
+// No point of the shape goes farther than this.
+double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
+  return twist.head<3>().norm() + twist.tail<3>().norm() * reach_of(shape);
+}
 
 }  // namespace
 
@@ -20,14 +26,14 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
     : options_(options),
       objects_(std::move(objects)),
       skeleton_(objects_.scene),
-      encounters_(objects_, surroundings),
+      contacts_(objects_, surroundings),
       solver_(solver_of(options)) {
   for (const Body& body : objects_.scene.bodies) pose_.push_back(body.pose);
   for (const Object& object : surroundings.objects)
     objects_.scene.add(Body{.pose = object.pose, .motion = zwang::Motion::fixed});
   target_.resize(objects_.scene.bodies.size());
-  way_.resize(size());
-  screw_.resize(size());
+  step_.resize(size());
+  swept_step_.resize(size());
   place(pose_);
 }
 
@@ -38,7 +44,9 @@ void Cluster::place(std::span<const Pose<double>> poses) {
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_, {target_.begin(), target_.begin() + static_cast<long>(size())}, last_way_, blocked_, bent_, caution_};
+  return {pose_,         {target_.begin(), target_.begin() + static_cast<long>(size())},
+          last_step_,    blocked_,
+          retry_linear_, step_scale_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -46,36 +54,36 @@ void Cluster::restore(const Memory& memory) {
   std::copy(memory.target.begin(), memory.target.end(), target_.begin());
   for (std::size_t b = 0; b < size(); ++b) {
     objects_.scene.bodies[b].pose = pose_[b];
-    encounters_.place(static_cast<BodyId>(b), pose_[b]);
+    contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
-  last_way_ = memory.last_way;
+  last_step_ = memory.last_step;
   blocked_ = memory.blocked;
-  bent_ = memory.bent;
-  caution_ = memory.caution;
+  retry_linear_ = memory.retry_linear;
+  step_scale_ = memory.step_scale;
   warm_ = {};
   solver_ = solver_of(options_);
 }
 
 void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
   objects_.scene.bodies[size() + object].pose = pose;
-  encounters_.place_object(object, pose);
+  contacts_.place_object(object, pose);
 }
 
 void Cluster::aim(std::span<const Pose<double>> targets) {
   std::copy(targets.begin(), targets.end(), end_.begin());
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
   for (std::size_t b = 0; b < size(); ++b) {
-    way_[b] = twist_between(target_[b], end_[b]);
+    step_[b] = twist_between(target_[b], end_[b]);
     target_[b] = end_[b];
   }
-  const double most = longest(way_);
-  if (most > std::min(jump * options_.activation, fastest * options_.dt)) {
+  const double most = longest(step_);
+  if (most > std::min(jump * options_.activation, fastest_hand * options_.dt)) {
     blocked_ = false;
-    caution_ = 1;
+    step_scale_ = 1;
   }
-  pace_ = most > fastest * options_.dt ? 0 : std::min(1.2 * most, jump * options_.activation);
-  allowed_ =
-      std::max({1.5 * pace_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
+  minimum_step_ = most > fastest_hand * options_.dt ? 0 : std::min(1.2 * most, jump * options_.activation);
+  largest_step_ = std::max(
+      {1.5 * minimum_step_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
   done_ = held_ = counted_ = false;
   sub_step_ = 0;
 }
@@ -87,7 +95,7 @@ void Cluster::write_rows(bool push) {
   contacts.labels.clear();
   contacts.keys.clear();
   for (const auto& [t, key, lift] : rows()) {
-    const int object = encounters_.object_of(t.b);
+    const int object = contacts_.object_of(t.b);
     const BodyId partner = object < 0 ? t.b : object + static_cast<BodyId>(size());
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
     const double keep = options_.gap + lift, room = push ? t.gap - keep : std::max(t.gap - keep, 0.0);
@@ -124,7 +132,7 @@ bool Cluster::solve(Frame& frame) {
 
 void Cluster::take_solution() {
   for (std::size_t b = 0; b < size(); ++b)
-    way_[b] = solution_.z.segment<6>(6 * static_cast<Index>(b)) * options_.dt * options_.dt;
+    step_[b] = solution_.z.segment<6>(6 * static_cast<Index>(b)) * options_.dt * options_.dt;
 }
 
 bool Cluster::solve_lazily(Frame& frame) {
@@ -133,7 +141,7 @@ bool Cluster::solve_lazily(Frame& frame) {
     int added = 0;
     {
       const Lap lap(frame.times.completion);
-      added = encounters_.complete(way_, options_.gap, pushed_);
+      added = contacts_.complete(step_, options_.gap, pushed_);
     }
     if (added == 0) break;
     frame.completed += added;
@@ -161,6 +169,192 @@ bool Cluster::presses() const {
   for (std::size_t r = 0; r < rows().size(); ++r)
     if (lambda(r) > nothing) return true;
   return false;
+}
+
+// A sub-step: how far it goes of what the solve says, and its commit cycle.
+
+double Cluster::longest(std::span<const Vec<double, 6>> ways) const {
+  double most = 0;
+  for (std::size_t b = 0; b < size(); ++b) most = std::max(most, travel(objects_.shapes[b], ways[b]));
+  return most;
+}
+
+void Cluster::slow_down() { step_scale_ = std::max(step_scale_ / 2, still / largest_step_); }
+
+// The motion of a cluster that presses: half as far again as its targets went in this frame, at least at a metre a
+// second to catch up with, at most what contacts are looked for over. Where it turns back on itself, as between two
+// contacts that the linear rows put too far apart, it is bounded to half as much each time, but never below its
+// targets' pace. A cluster at rest trembles by nanometres, to and fro: bounded to half of that again and again, it
+// would follow no target that comes back elsewhere.
+void Cluster::bound() {
+  const double most = longest(step_);
+  double along = 0;
+  for (std::size_t b = 0; b < size(); ++b) along += step_[b].head<3>().dot(last_step_[b].head<3>());
+  if (along < 0 && most > std::max(minimum_step_, still))
+    slow_down();
+  else
+    step_scale_ = std::min(1.0, 1.5 * step_scale_);
+  const double allowed = std::max(step_scale_ * largest_step_, minimum_step_);
+  if (most <= allowed) return;
+  for (std::size_t b = 0; b < size(); ++b) step_[b] *= allowed / most;
+}
+
+// Gauss' function of what is left to the targets from the poses, less a motion [kg m^2].
+double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const {
+  double sum = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Body& body = objects_.scene.bodies[b];
+    const Vec<double, 6> left = twist_between(poses[b], target_[b]) - less[b];
+    const Vec3 turn = poses[b].rotation.transpose() * left.tail<3>();
+    sum += (body.mass * left.head<3>().squaredNorm() + turn.dot(body.inertia * turn)) / 2;
+  }
+  return sum;
+}
+
+// The linear step does not know that joints bend it: a finger that hangs 30 mm behind its target overshoots by more
+// than it came to mend, and trembles or worse (Gauss-Newton with a large residual). So the candidate is weighed: D is
+// how much higher Gauss' function is there than the linear step promised, |v|^2 the step's own norm. Along the step it
+// is then E0 - s |v|^2 + s^2 (|v|^2 / 2 + D), least at s = 1 / (1 + 2 D / |v|^2). Where nothing bends, as when a hand
+// slides, D = 0 and the step stays whole.
+void Cluster::damp(Frame& frame) {
+  candidate(1, frame);
+  const Lap lap(frame.times.other);
+  std::fill(swept_step_.begin(), swept_step_.end(), Vec<double, 6>::Zero());
+  const double bent = constraint(end_, swept_step_) - constraint(pose_, step_);
+  double norm = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const Body& body = objects_.scene.bodies[b];
+    const Vec3 turn = pose_[b].rotation.transpose() * step_[b].tail<3>();
+    norm += body.mass * step_[b].head<3>().squaredNorm() + turn.dot(body.inertia * turn);
+  }
+  if (bent <= 1e-9 * constraint(pose_, swept_step_) || norm == 0) return;  // the solver's rounding of the joints
+  for (std::size_t b = 0; b < size(); ++b) step_[b] /= 1 + 2 * bent / norm;
+}
+
+// Straight to the targets, by a quarter of a radian at a time: on longer screws, each about its own centre, bodies that
+// turn together would run through each other. Returns whether there is more to go.
+bool Cluster::go_freely() {
+  double turn = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    step_[b] = twist_between(pose_[b], target_[b]);
+    turn = std::max(turn, step_[b].tail<3>().norm());
+  }
+  if (turn <= leg) return false;
+  for (std::size_t b = 0; b < size(); ++b) step_[b] *= leg / turn;
+  return true;
+}
+
+bool Cluster::way_is_clear() {
+  for (std::size_t b = 0; b < size(); ++b) swept_step_[b] = twist_between(pose_[b], target_[b]);
+  return contacts_.time_of_contact(swept_step_) == 1;
+}
+
+// end_ = that part of the way, put onto the joints; swept_step_ = how each body gets there.
+void Cluster::candidate(double part, Frame& frame) {
+  const Lap lap(frame.times.other);
+  for (std::size_t b = 0; b < size(); ++b) {
+    swept_step_[b] = part * step_[b];
+    end_[b] = retract(pose_[b], swept_step_[b]);
+  }
+  if (printed()) return;
+  skeleton_.close(end_, options_.limits == Options::Limits::predictive);
+  for (std::size_t b = 0; b < size(); ++b) swept_step_[b] = twist_between(pose_[b], end_[b]);
+}
+
+double Cluster::sweep(Frame& frame) {
+  const Lap lap(frame.times.sweep);
+  return contacts_.time_of_contact(swept_step_);
+}
+
+// The way straight to the targets is for a hand in the air. A finger that unrolls along it by a quarter of a radian may
+// go down before it goes up, where the linear rows see it leave: what ends it is then nearer than what rows are written
+// for, and the linear step, which they know, is taken instead. Otherwise the hand would creep toward that obstacle by
+// ever smaller times of contact, and stay.
+double Cluster::propose(Frame& frame) {
+  {
+    const Lap lap(frame.times.other);
+    couple_to_targets(objects_.scene, target_, reaching_stiffness(options_.dt), z_u_);
+  }
+  {
+    const Lap lap(frame.times.search);
+    using Choice = Contacts::Choice;
+    const Choice choice = !options_.reduce_contacts ? Choice::raw : options_.lazy_contacts ? Choice::few : Choice::all;
+    // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
+    contacts_.find_rows(std::max(options_.activation, 2.3 * largest_step_), choice);
+  }
+  if (!counted_) {
+    frame.raw += static_cast<int>(contacts_.raw());
+    frame.kept += static_cast<int>(rows().size());
+  }
+  counted_ = true;
+  solved_at_ = pose_;
+  std::fill(step_.begin(), step_.end(), Vec<double, 6>::Zero());
+  more_legs_ = unobstructed_ = false;
+  if (!solve_lazily(frame)) {
+    std::fill(step_.begin(), step_.end(), Vec<double, 6>::Zero());
+    candidate(1, frame);
+    return 1;
+  }
+  const bool pressing = presses();
+  if (!printed() && !retry_linear_ && (!pressing || !blocked_)) {
+    more_legs_ = go_freely();
+    candidate(1, frame);
+    const double toc = sweep(frame);
+    unobstructed_ = toc == 1 || (!pressing && toc * longest(swept_step_) > options_.activation);
+    if (unobstructed_) {
+      solution_.lambda.setZero();  // nothing is held back
+      return toc;
+    }
+    more_legs_ = false;
+    take_solution();
+  }
+  retry_linear_ = false;
+  blocked_ = pressing;
+  if (!printed()) damp(frame);
+  bound();
+  candidate(1, frame);
+  return sweep(frame);
+}
+
+// The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step is cut there and that is all: what
+// lies before a time of contact is clear. In the cycle the end at that part of the way is put onto the joints, which
+// changes the way: it is swept again from the start, and cut again, somewhat shorter, where it meets something. What is
+// left of the bend then shrinks with the square of the step: after a held one, shorter steps are taken. A
+// free way of which next to nothing is left is not gone: a linear step is taken in its place.
+void Cluster::commit(double toc, Frame& frame) {
+  double part = options_.toc_twice ? toc * toc : toc;
+  if (part < 1 || !more_legs_) ++sub_step_;
+  frame.sub_steps = std::max(frame.sub_steps, sub_step_);
+  done_ = sub_step_ == options_.sub_steps || (part == 1 && !more_legs_);
+  held_ = !solved_;
+  bool clear = part == 1;
+  if (printed()) candidate(part, frame), clear = true;
+  for (const double less : {0.99, 0.9, 0.5}) {
+    if (clear) break;
+    part *= less;
+    candidate(part, frame);
+    const double again = sweep(frame);
+    clear = again == 1;
+    part *= again;
+  }
+  if (unobstructed_ && part < 1 && (!clear || longest(swept_step_) <= options_.activation)) {
+    retry_linear_ = true;
+    --sub_step_;
+    done_ = false;
+    return;
+  }
+  if (!clear) {
+    held_ = true;
+    slow_down();
+    minimum_step_ /= 2;
+    return;
+  }
+  const Lap lap(frame.times.sweep);
+  for (std::size_t b = 0; b < size(); ++b) {
+    last_step_[b] = swept_step_[b];
+    objects_.scene.bodies[b].pose = pose_[b] = end_[b];
+    contacts_.place(static_cast<BodyId>(b), pose_[b]);
+  }
 }
 
 }  // namespace zwang::god

@@ -39,15 +39,15 @@ class Cluster {
   // What is kept from frame to frame, but for what makes it faster: restore() forgets that.
   struct Memory {
     std::vector<Pose<double>> pose, target;
-    std::vector<Vec<double, 6>> last_way;
-    bool blocked, bent;
-    double caution;
+    std::vector<Vec<double, 6>> last_step;
+    bool blocked, retry_linear;
+    double step_scale;
   };
   Memory memory() const;
   void restore(const Memory& memory);
   void place_object(std::size_t object, const Pose<double>& pose);
   // The smallest gap to anything or between two of them [m]; `reach` where there is none below that.
-  double gap(double reach) { return encounters_.gap(reach); }
+  double gap(double reach) { return contacts_.gap(reach); }
 
   // Would the way straight to the targets be clear?
   bool way_is_clear();
@@ -60,9 +60,9 @@ class Cluster {
   bool done() const { return done_; }
 
   // Of the frame's last solve.
-  std::span<const Contacts::Row> rows() const { return encounters_.rows(); }
+  std::span<const Contacts::Row> rows() const { return contacts_.rows(); }
   double lambda(std::size_t row) const;  // N, of a contact row
-  int object_of(int collider) const { return encounters_.object_of(collider); }
+  int object_of(int collider) const { return contacts_.object_of(collider); }
   Vec<double, 6> contact_row(std::size_t row, BodyId body) const;         // of J, a god object's part
   std::span<const Pose<double>> solved_at() const { return solved_at_; }  // where the god objects stood then
   const Problem& problem() const { return problem_; }
@@ -87,7 +87,7 @@ class Cluster {
   const Options options_;
   GodObjects objects_;
   Skeleton skeleton_;
-  Contacts encounters_;
+  Contacts contacts_;
   Assembler assembler_;
   AnySolver solver_;
   Problem problem_;
@@ -95,15 +95,15 @@ class Cluster {
   WarmStart warm_;
   Vector z_u_;
   std::vector<Pose<double>> pose_, target_, end_,
-      solved_at_;                         // target_: of all bodies of the scene, as assembly wants it
-  std::vector<Vec<double, 6>> way_;       // m, rad: to the candidate
-  std::vector<Vec<double, 6>> screw_;     // m, rad: to the present end, by god object
-  std::vector<Vec<double, 6>> last_way_;  // m, rad: that was gone last
-  double allowed_ = 0;                    // m, the most that a pressing cluster moves in a sub-step
-  double pace_ = 0;                       // m, that it always may
-  double caution_ = 1;                    // part of it that it may after it turned back or was held
-  bool done_ = false, held_ = false, solved_ = false, pushed_ = false, leg_ = false, free_ = false, blocked_ = false,
-       bent_ = false;
+      solved_at_;                           // target_: of all bodies of the scene, as assembly wants it
+  std::vector<Vec<double, 6>> step_;        // m, rad: to the candidate
+  std::vector<Vec<double, 6>> swept_step_;  // m, rad: to the present end, by god object
+  std::vector<Vec<double, 6>> last_step_;   // m, rad: that was gone last
+  double largest_step_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
+  double minimum_step_ = 0;                 // m, that it always may
+  double step_scale_ = 1;                   // part of it that it may after it turned back or was held
+  bool done_ = false, held_ = false, solved_ = false, pushed_ = false, more_legs_ = false, unobstructed_ = false,
+       blocked_ = false, retry_linear_ = false;
   bool counted_ = false;  // contacts of this frame, at its first look
   int sub_step_ = 0;
 };

@@ -76,10 +76,10 @@ void Contacts::choose_corners(const GodObjects& objects) {
 }
 
 void Contacts::place_object(std::size_t object, const Pose<double>& pose) {
-  for (const Part& part : parts_[object]) world_.place(part.collider, placed(pose, part.at));
+  for (const PlacedCollider& part : parts_[object]) world_.place(part.collider, placed(pose, part.at));
 }
 
-void Contacts::look(double activation, Choice choice) {
+void Contacts::find_rows(double activation, Choice choice) {
   const Touches touches = world_.touches(activation);
   raw_ = touches.size();
   rows_.clear();

@@ -41,7 +41,7 @@ class Contacts {
   // Looks for everything within a distance [m]. What becomes rows: a few, that complete() adds to; all that it could
   // add, too; or every touch as it comes, corners or not.
   enum class Choice { few, all, raw };
-  void look(double activation, Choice choice);
+  void find_rows(double activation, Choice choice);
   std::span<const Row> rows() const { return rows_; }
   std::size_t raw() const { return raw_; }
   // Of each pair, gives back the left out row that a motion (m, rad; by god object) violates most: how many. Rows keep
@@ -56,7 +56,7 @@ class Contacts {
   double gap(double reach);
 
  private:
-  struct Part {
+  struct PlacedCollider {
     int collider;
     Pose<double> at;  // in the object's axes
   };
@@ -75,11 +75,11 @@ class Contacts {
 
   collision::World world_;
   collision::Manifold manifold_;
-  std::vector<std::vector<Corner>> corners_;  // of the cores, by god object
-  std::vector<std::vector<Part>> parts_;      // by object
-  std::vector<int> object_;                   // by collider
-  std::vector<collision::Touch> left_;        // that corners do not imply
-  std::vector<collision::Touch> as_row_;      // the same, as they are or would be rows, where made_
+  std::vector<std::vector<Corner>> corners_;        // of the cores, by god object
+  std::vector<std::vector<PlacedCollider>> parts_;  // by object
+  std::vector<int> object_;                         // by collider
+  std::vector<collision::Touch> left_;              // that corners do not imply
+  std::vector<collision::Touch> as_row_;            // the same, as they are or would be rows, where made_
   std::vector<char> made_;
   std::vector<Row> rows_;
   std::vector<collision::Plane> planes_;  // m, world; of the pair at hand

@@ -6,8 +6,8 @@
 namespace zwang::god {
 namespace {
 
-constexpr double tau = 0.1, fade = 0.5;          // s
-constexpr double fastest_hand = 8, share = 1.5;  // m/s; of the hand's speed
+constexpr double tau = 0.1, fade = 0.5;  // s
+constexpr double share = 1.5;            // of the hand's speed
 
 Vec3 velocity_at(const Vec<double, 6>& twist, const Vec3& lever) {
   return twist.head<3>() + twist.tail<3>().cross(lever);

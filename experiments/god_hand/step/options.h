@@ -4,6 +4,9 @@
 
 namespace zwang::god {
 
+// Targets that go faster are no hand's: tracking has jumped.
+inline constexpr double fastest_hand = 8;  // m/s
+
 // The choices of a run; the defaults are the project's, the others are the paper's or an experiment's.
 struct Options {
   double dt = 1e-3;                                                        // s, a simulated step

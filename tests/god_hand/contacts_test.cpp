@@ -30,17 +30,17 @@ TEST(Rows, SayTheGapOfTheirPointsAndNeverLessThanTheShape) {
          {Shape::sphere(0.008), Shape::capsule(0.05, 0.008), Shape::rounded_box({0.08, 0.09, 0.02}, 0.005)}) {
       GodObjects objects;
       objects.add(box_body({0.02, 0.02, 0.02}, 0.1, Vec3::Zero()), shape);
-      Contacts encounters(objects, s);
+      Contacts contacts(objects, s);
       int near = 0;
       for (int draws = 0; draws < 4000 && near < 3; ++draws) {
         const Pose<double> pose{draw.uniform(0.01, 0.08) * draw.direction(), rotation(draw.cube(2))};
-        encounters.place(0, pose);
+        contacts.place(0, pose);
         using Choice = Contacts::Choice;
-        encounters.look(2e-3, std::array{Choice::few, Choice::all, Choice::raw}[draws % 3]);
-        if (encounters.rows().empty() || encounters.gap(1e-3) < 1e-5) continue;
+        contacts.find_rows(2e-3, std::array{Choice::few, Choice::all, Choice::raw}[draws % 3]);
+        if (contacts.rows().empty() || contacts.gap(1e-3) < 1e-5) continue;
         const double truth = gap_of(shape, pose, tree);
         ++near;
-        for (const auto& [t, key, lift] : encounters.rows()) {
+        for (const auto& [t, key, lift] : contacts.rows()) {
           ASSERT_GE(t.gap, truth - 1e-9);
           ASSERT_LT((t.point_a - t.point_b - t.gap * t.normal).norm(), 1e-9);
           const Vec3 center = t.point_a + shape.radius() * t.normal;
@@ -62,22 +62,22 @@ TEST(Rows, AreGivenBackAmongAll) {
   s.objects.push_back(fixed(meshes::bumpy_sphere(0.05, 0.003, 9, 20000)));
   GodObjects objects;
   objects.add(box_body({0.02, 0.02, 0.02}, 0.1, Vec3::Zero()), Shape::capsule(0.05, 0.008));
-  Contacts encounters(objects, s);
+  Contacts contacts(objects, s);
   std::size_t given_back = 0;
   for (int draws = 0; draws < 200; ++draws) {
     const Vec3 out = draw.direction();
-    encounters.place(0, {draw.uniform(0.058, 0.062) * out, rotation(draw.cube(2))});
+    contacts.place(0, {draw.uniform(0.058, 0.062) * out, rotation(draw.cube(2))});
     Vec<double, 6> motion;
     motion << -0.004 * out, draw.cube(0.05);
-    encounters.look(2e-3, Contacts::Choice::few);
-    const std::size_t few = encounters.rows().size();
+    contacts.find_rows(2e-3, Contacts::Choice::few);
+    const std::size_t few = contacts.rows().size();
     if (few == 0) continue;
-    while (encounters.complete(std::span(&motion, 1), 2e-4, true) > 0) continue;
-    given_back += encounters.rows().size() - few;
-    const std::vector<Contacts::Row> completed(encounters.rows().begin(), encounters.rows().end());
-    encounters.look(2e-3, Contacts::Choice::all);
+    while (contacts.complete(std::span(&motion, 1), 2e-4, true) > 0) continue;
+    given_back += contacts.rows().size() - few;
+    const std::vector<Contacts::Row> completed(contacts.rows().begin(), contacts.rows().end());
+    contacts.find_rows(2e-3, Contacts::Choice::all);
     for (const Contacts::Row& row : completed)
-      EXPECT_TRUE(std::any_of(encounters.rows().begin(), encounters.rows().end(), [&](const Contacts::Row& other) {
+      EXPECT_TRUE(std::any_of(contacts.rows().begin(), contacts.rows().end(), [&](const Contacts::Row& other) {
         return other.key == row.key && other.touch.gap == row.touch.gap;
       }));
   }

@@ -1,0 +1,354 @@
+#include <zwang/experiments/god_hand/simulation.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include <zwang/experiments/god_hand/measure/measures.h>
+#include <zwang/experiments/god_hand/step/coupling.h>
+#include <zwang/experiments/god_hand/step/lap.h>
+#include <zwang/experiments/god_hand/step/physics.h>
+#include <zwang/experiments/god_hand/step/resolution.h>
+
+namespace zwang::god {
+namespace {
+
+bool finite(const Pose<double>& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
+
+std::string counts(std::size_t there, const char* what, std::size_t given, const char* of_what) {
+  return std::to_string(there) + what + std::to_string(given) + of_what;
+}
+
+constexpr double touching = 1e-3;  // m: at this gap an object is touched
+
+// The highest point of anything, in a direction [m].
+double top_of(const Surroundings& surroundings, const Vec3& up) {
+  double top = up.dot(surroundings.focus);
+  const auto include = [&](const Pose<double>& pose, const Vec3& middle, const Vec3& half) {
+    top = std::max(top, up.dot(pose * middle) + (pose.rotation.transpose() * up).cwiseAbs().dot(half));
+  };
+  for (const Object& o : surroundings.objects) {
+    if (o.mesh) include(o.pose, (o.mesh->low() + o.mesh->high()) / 2, (o.mesh->high() - o.mesh->low()) / 2);
+    for (const Object::Piece& piece : o.pieces)
+      include(o.pose, piece.at.position, Vec3::Constant(reach_of(piece.shape)));
+  }
+  return top;
+}
+
+// Of poses, vectors and lists of them, in the order they have.
+template <class Visit>
+void each(double& x, const Visit& visit) {
+  visit(x);
+}
+template <int Rows, int Columns, class Visit>
+void each(Eigen::Matrix<double, Rows, Columns>& m, const Visit& visit) {
+  for (double& x : m.reshaped()) visit(x);
+}
+template <class Visit>
+void each(Pose<double>& pose, const Visit& visit) {
+  each(pose.position, visit), each(pose.rotation, visit);
+}
+template <class Visit>
+void each(bool& flag, const Visit& visit) {
+  double x = flag;
+  visit(x);
+  flag = x != 0;
+}
+template <class T, class Visit>
+void each(std::vector<T>& all, const Visit& visit) {
+  for (T& one : all) each(one, visit);
+}
+
+}  // namespace
+
+struct Simulation::State {
+  State(Surroundings surroundings, const Options& options);
+
+  // Takes the clusters over; `target` has their poses already. `easy`: as target, where a hand does not touch itself.
+  void build(std::vector<GodObjects> objects, std::span<const Pose<double>> easy);
+  void step();
+  // Every number of the state between frames: visit(number), for writing and for reading.
+  template <class Visit>
+  void each_number(bool reading, const Visit& visit);
+
+  Surroundings surroundings;
+  Options options;
+  std::vector<hand::Model> models;
+  std::vector<Cluster> clusters;
+  std::vector<std::size_t> first = {0};  // god object of each cluster, and their number
+  std::vector<Pose<double>> target;      // of all god objects, the last that was tracked
+  std::optional<Physics> physics;        // where something is loose
+  std::optional<Resolution> resolution;
+  std::optional<Coupling> coupling;
+  std::optional<Measures> measures;
+  std::vector<Pose<double>> object, object_before, god;
+  std::vector<Pose<double>> wanted;  // of all god objects, where the hands are tracked now
+  Watch watch = {};
+  Frame frame = {};
+  long number = 0;
+
+  template <class T>
+  std::span<const T> of(std::size_t cluster, const std::vector<T>& all) const {
+    return std::span(all).subspan(first[cluster], first[cluster + 1] - first[cluster]);
+  }
+
+ private:
+  void start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy);
+  void step_physics();
+  void step_god_objects();
+
+  std::vector<Vec<double, 6>> velocity_;  // by object, before the engine's step
+  std::vector<Pose<double>> last_;        // of a cluster, its targets of the frame before
+  std::vector<double> toc_;               // by cluster
+  std::vector<Pose<double>> from_;        // of a cluster, before a motion that is watched
+};
+
+Simulation::State::State(Surroundings surroundings_, const Options& options_)
+    : surroundings(std::move(surroundings_)), options(options_) {
+  for (const Object& o : surroundings.objects) object.push_back(o.pose);
+  object_before = object;
+}
+
+void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<double>> easy) {
+  std::vector<collision::Shape> shapes;
+  for (GodObjects& objects : all) {
+    shapes.insert(shapes.end(), objects.shapes.begin(), objects.shapes.end());
+    clusters.emplace_back(std::move(objects), surroundings, options);
+    first.push_back(first.back() + clusters.back().size());
+  }
+  for (std::size_t c = 0; c < clusters.size(); ++c)
+    start(clusters[c], of(c, target), easy.subspan(first[c], first[c + 1] - first[c]));
+  if (std::any_of(surroundings.objects.begin(), surroundings.objects.end(),
+                  [](const Object& o) { return o.loose(); })) {
+    physics.emplace(surroundings);
+    resolution.emplace(surroundings, shapes);
+  }
+  coupling.emplace(surroundings, options, clusters.size());
+  measures.emplace(surroundings, clusters, models);
+}
+
+// Where nothing touches, at once. Else from above all objects down to there, as far as the way is clear; if the pose
+// touches itself up there, from an easy one.
+void Simulation::State::start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy) {
+  cluster.place(at);
+  if (cluster.gap(2 * options.gap) >= options.gap) return;
+  const Vec3 up = surroundings.gravity.isZero() ? Vec3::UnitZ().eval() : (-surroundings.gravity.normalized()).eval();
+  for (const std::span<const Pose<double>> poses : {at, easy}) {
+    std::vector<Pose<double>> above(poses.begin(), poses.end());
+    double lowest = up.dot(above[0].position);
+    for (std::size_t b = 0; b < above.size(); ++b) {
+      const collision::Shape& s = cluster.objects().shapes[b];
+      lowest = std::min(lowest, up.dot(above[b].position) - s.reach() - s.radius());
+    }
+    const double rise = std::max(0.0, top_of(surroundings, up) + 0.01 - lowest);
+    for (Pose<double>& pose : above) pose.position += rise * up;
+    cluster.place(above);
+    if (cluster.gap(2 * options.gap) < options.gap) continue;
+    Frame ignored;
+    cluster.aim(poses);
+    while (!cluster.done()) cluster.commit(cluster.propose(ignored), ignored);
+    return;
+  }
+  throw std::runtime_error("no clear place for the god objects to start: they touch each other at " +
+                           std::to_string(at[0].position.x()) + " " + std::to_string(at[0].position.y()) + " " +
+                           std::to_string(at[0].position.z()));
+}
+
+// Fig. 6 of the paper.
+void Simulation::State::step() {
+  measures->begin(clusters);
+  if (physics) step_physics();
+  step_god_objects();
+  coupling->push(clusters, physics ? &*physics : nullptr, frame);
+  for (const FrameContact& c : frame.contacts)
+    if (c.object >= 0 && c.gap < touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
+      frame.object_speed =
+          std::max(frame.object_speed, physics->velocity(static_cast<std::size_t>(c.object)).head<3>().norm());
+  measures->measure(clusters, object, options, frame);
+}
+
+// The engine first, with the forces of the last god-object step; then what it moved into god objects is moved out.
+void Simulation::State::step_physics() {
+  velocity_.assign(object.size(), Vec<double, 6>::Zero());
+  const auto loose = [&](std::size_t o) { return surroundings.objects[o].loose(); };
+  god.clear();
+  for (const Cluster& c : clusters) god.insert(god.end(), c.poses().begin(), c.poses().end());
+  for (std::size_t o = 0; o < object.size(); ++o)
+    if (loose(o)) velocity_[o] = physics->velocity(o);
+  object_before = object;
+  {
+    const Lap lap(frame.times.physics);
+    physics->step(options.dt, coupling->wrenches());
+  }
+  for (std::size_t o = 0; o < object.size(); ++o)
+    if (loose(o)) frame.work += options.dt * coupling->wrenches()[o].dot(velocity_[o] + physics->velocity(o)) / 2;
+  {
+    const Lap lap(frame.times.resolution);
+    frame.returned = resolution->resolve(*physics, object_before, god).returned;
+    for (std::size_t o = 0; o < object.size(); ++o) {
+      if (!loose(o)) continue;
+      object[o] = physics->pose(o);
+      for (Cluster& c : clusters) c.place_object(o, object[o]);
+    }
+  }
+  for (std::size_t o = 0; o < object.size(); ++o)
+    if (loose(o)) frame.loose.push_back(object[o]);
+}
+
+// Section 6.3: sub-steps until nothing is in the way, at most so many. With `toc_of_all` every cluster goes as far as
+// the one that meets something first (Algorithm 1); otherwise each as far as it can.
+void Simulation::State::step_god_objects() {
+  frame.claimed = Status::solved;
+  if (options.verify > 0 && frame.number % options.verify == 0) frame.verified = Verdict::solved;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    last_.assign(clusters[c].targets().begin(), clusters[c].targets().end());
+    const Lap lap(frame.times.other);
+    clusters[c].aim(of(c, target));
+    coupling->aim(c, last_, clusters[c].targets());
+  }
+  const auto done = [](const Cluster& c) { return c.done(); };
+  toc_.resize(clusters.size());
+  while (!std::all_of(clusters.begin(), clusters.end(), done)) {
+    double least = 1;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      toc_[c] = done(clusters[c]) ? 1 : clusters[c].propose(frame);
+      least = std::min(least, toc_[c]);
+    }
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      if (done(clusters[c])) continue;
+      if (watch) from_.assign(clusters[c].poses().begin(), clusters[c].poses().end());
+      clusters[c].commit(options.toc_of_all ? least : toc_[c], frame);
+      if (watch) watch(first[c], from_, clusters[c].poses());
+    }
+  }
+}
+
+template <class Visit>
+void Simulation::State::each_number(bool reading, const Visit& visit) {
+  auto frames = static_cast<double>(number);
+  visit(frames);
+  number = static_cast<long>(frames);
+  each(target, visit);
+  for (Cluster& c : clusters) {
+    Cluster::Memory m = c.memory();
+    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit);
+    each(m.blocked, visit), each(m.retry_linear, visit), each(m.step_scale, visit);
+    if (reading) c.restore(m);
+  }
+  Coupling::Memory coupled = coupling->memory();
+  each(coupled.hand_speed, visit), each(coupled.wrench, visit);
+  Measures::Memory seen = measures->memory();
+  for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
+  each(object, visit);
+  for (std::size_t o = 0; physics && o < object.size(); ++o) {
+    if (!surroundings.objects[o].loose()) continue;
+    Pose<double> pose = physics->pose(o);
+    Vec<double, 6> velocity = physics->velocity(o);
+    each(pose, visit), each(velocity, visit);
+    if (!reading) continue;
+    physics->place(o, pose, velocity);
+    for (Cluster& c : clusters) c.place_object(o, object[o]);
+  }
+  if (!reading) return;
+  if (physics) physics->forget();
+  coupling->restore(coupled);
+  measures->restore(seen);
+}
+
+std::vector<double> Simulation::checkpoint() {
+  std::vector<double> numbers;
+  state_->each_number(false, [&](double& x) { numbers.push_back(x); });
+  restore(numbers);
+  return numbers;
+}
+
+void Simulation::restore(std::span<const double> checkpoint) {
+  std::size_t count = 0;
+  state_->each_number(false, [&](double&) { ++count; });
+  if (checkpoint.size() != count) throw std::runtime_error("not a checkpoint of this simulation");
+  const double* at = checkpoint.data();
+  state_->each_number(true, [&](double& x) { x = *at++; });
+}
+
+Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> models, std::span<const Target> start,
+                       const Options& options)
+    : state_(std::make_unique<State>(std::move(surroundings), options)) {
+  if (models.size() != start.size() || models.empty())
+    throw std::invalid_argument(counts(models.size(), " hands, ", start.size(), " starts"));
+  State& s = *state_;
+  s.models.assign(models.begin(), models.end());
+  const double reach = options.limits == Options::Limits::predictive ? 0.25 : 0;  // rad
+  std::vector<GodObjects> clusters;
+  std::vector<Pose<double>> easy;
+  for (std::size_t h = 0; h < models.size(); ++h) {
+    const hand::Poses at = hand::forward_kinematics(start[h].palm, start[h].angles, models[h]),
+                      straight = hand::forward_kinematics(start[h].palm, {}, models[h]);
+    if (!std::all_of(at.begin(), at.end(), finite)) throw std::runtime_error("a hand's first target is not finite");
+    s.target.insert(s.target.end(), at.begin(), at.end());
+    easy.insert(easy.end(), straight.begin(), straight.end());
+    if (clusters.empty() || options.clusters) clusters.emplace_back();
+    const std::string prefix = models.size() == 1 ? "" : models[h].left ? "left " : "right ";
+    add_hand(clusters.back(), models[h], start[h], prefix, reach);
+  }
+  s.build(std::move(clusters), easy);
+}
+
+Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options)
+    : state_(std::make_unique<State>(std::move(surroundings), options)) {
+  if (clusters.empty()) throw std::invalid_argument("no god objects");
+  for (const GodObjects& objects : clusters) {
+    if (objects.shapes.empty() || objects.shapes.size() != objects.scene.bodies.size())
+      throw std::invalid_argument(
+          counts(objects.scene.bodies.size(), " god objects, ", objects.shapes.size(), " shapes"));
+    for (const Body& body : objects.scene.bodies) state_->target.push_back(body.pose);
+  }
+  const std::vector<Pose<double>> easy = state_->target;
+  state_->build(std::move(clusters), easy);
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+void Simulation::watch(Watch watch) { state_->watch = std::move(watch); }
+
+const Surroundings& Simulation::surroundings() const { return state_->surroundings; }
+
+std::span<const Pose<double>> Simulation::object_poses() const { return state_->object; }
+
+std::vector<collision::Shape> Simulation::shapes() const {
+  std::vector<collision::Shape> all;
+  for (const Cluster& c : state_->clusters) all.insert(all.end(), c.objects().shapes.begin(), c.objects().shapes.end());
+  return all;
+}
+
+const Frame& Simulation::step(std::span<const Target> targets) {
+  State& s = *state_;
+  if (targets.size() != s.models.size())
+    throw std::invalid_argument(counts(s.models.size(), " hands, ", targets.size(), " targets"));
+  s.wanted = s.target;
+  bool tracked = true;
+  for (std::size_t h = 0; h < targets.size(); ++h) {
+    const hand::Poses at = hand::forward_kinematics(targets[h].palm, targets[h].angles, s.models[h]);
+    const bool usable = targets[h].tracked && std::all_of(at.begin(), at.end(), finite);
+    tracked = tracked && usable;
+    if (usable) std::copy(at.begin(), at.end(), s.wanted.begin() + static_cast<long>(h * at.size()));
+  }
+  step(s.wanted);
+  s.frame.tracked = tracked;
+  return s.frame;
+}
+
+const Frame& Simulation::step(std::span<const Pose<double>> targets) {
+  State& s = *state_;
+  if (targets.size() != s.target.size())
+    throw std::invalid_argument(counts(s.target.size(), " god objects, ", targets.size(), " targets"));
+  s.frame.reset();
+  s.frame.tracked = std::all_of(targets.begin(), targets.end(), finite);
+  if (s.frame.tracked) std::copy(targets.begin(), targets.end(), s.target.begin());
+  s.frame.number = s.number++;
+  s.frame.time = static_cast<double>(s.frame.number) * s.options.dt;
+  s.step();
+  return s.frame;
+}
+
+}  // namespace zwang::god
