@@ -65,14 +65,14 @@ std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem&
   return options.near ? multiprecision_reference(problem) : exact_answer(problem);
 }
 
-// nnls_paper is wrong by design where c lies outside range(J), and blind to infeasibility: only on request.
+// Native solvers; one that sees no infeasibility only on request.
 std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among) {
   std::vector<std::string> names;
   std::stringstream parts(chosen);
   for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
   if (!names.empty()) return names;
   for (const SolverEntry& e : among)
-    if (!e.foreign && e.name != "nnls_paper") names.push_back(e.name);
+    if (!e.foreign && e.sees_infeasibility) names.push_back(e.name);
   return names;
 }
 
@@ -81,7 +81,7 @@ Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, s
     : options_(options), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
   for (const std::string& name : fuzzed_solvers(options.solvers, among)) {
     AnySolver solver = make_solver(name, among);
-    candidates_.push_back({name, find_solver(name.substr(0, name.find(':')), among)->exact, std::move(solver)});
+    candidates_.push_back({name, find_solver(name, among)->exact, std::move(solver)});
   }
   if (tally_.size() < candidates_.size()) throw std::invalid_argument("fuzzing: more solvers than tallies");
 }

@@ -8,6 +8,7 @@
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
@@ -103,35 +104,39 @@ int solve_command(std::vector<std::string> words) {
   if (!(run.tolerance > 0 && run.tolerance < 1))
     throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
   make_solver(run.solver);
-  run.foreign = find_solver(run.solver.substr(0, run.solver.find(':')))->foreign;
+  run.foreign = find_solver(run.solver)->foreign;
 
-  // problem
-  Instance instance = choose(file, read_problems(file, friction), name);
-  if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
-
-  const FoundReference found = reference_for(instance, reference_cache());
-  instance.reference = found.reference;
-  if (!found.note.empty()) instance.notes.push_back(found.note);
-
-  // solve -> solution -> measure
+  std::vector<std::string> notes;
+  const auto assemble = [&] {
+    Instance instance = choose(file, read_problems(file, friction), name);
+    if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
+    FoundReference found = reference_for(instance, reference_cache());
+    instance.reference = std::move(found.reference);
+    notes = instance.notes;
+    if (!found.note.empty()) notes.push_back(found.note);
+    return instance;
+  };
+  Instance instance;
+  Cell cell;
+  const auto keep = [&](const Instance& solved, std::vector<Cell>& cells) {
+    instance = solved;
+    cell = std::move(cells[0]);
+    cell.result.problem_file = file;
+  };
   const std::atomic<bool> interrupted = false;
   Dispatcher desk([](std::string_view text) { return make_solver(text); });
-  const BatchLimits limits{.time_limit = time_limit, .budget = budget};
-  const auto silent = [](double, std::size_t) {};
-  const Timed timed = time_batch(instance.problem, std::span(&run, 1), limits, desk, interrupted, silent)[0];
-  Result result = to_result(describe(instance), instance, run, timed);
-  result.problem_file = file;
+  run_flow({assemble, {run}, {.time_limit = time_limit, .budget = budget}, keep}, desk, interrupted);
   const auto points =
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
   if (json) {
-    auto object = nlohmann::ordered_json::parse(zwang::to_json(result, &timed.solution));
+    auto object = nlohmann::ordered_json::parse(zwang::to_json(cell.result, &cell.timed.solution));
     if (with_trace) object["trace"] = nlohmann::ordered_json::array();
     for (const TracePoint& point : points) object["trace"].push_back(nlohmann::ordered_json::parse(to_json(point)));
     std::puts(object.dump().c_str());
     return done;
   }
-  for (const std::string& note : instance.notes) std::printf("Note: %s\n", note.c_str());
-  print(result);
+  for (const std::string& note : notes) std::printf("Note: %s\n", note.c_str());
+  print(cell.result);
   if (with_trace) print(points);
   return done;
 }

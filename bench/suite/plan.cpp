@@ -154,8 +154,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
     for (const std::string& text : split_solvers(suite.solvers))
-      if (find_solver(text.substr(0, text.find(':')), among))
-        options.solvers += (options.solvers.empty() ? "" : ",") + text;
+      if (find_solver(text, among)) options.solvers += (options.solvers.empty() ? "" : ",") + text;
   if (options.solvers.empty())
     for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;
 
@@ -163,17 +162,22 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   options.tolerances.erase(std::unique(options.tolerances.begin(), options.tolerances.end()), options.tolerances.end());
   for (const double t : options.tolerances)
     if (!(t > 0 && t < 1)) throw std::invalid_argument("a tolerance should be between 0 and 1, as in 1e-6");
+  plan.speed = suite.speed && plan.whole_suite;
   for (const std::string& text : split_solvers(options.solvers)) {
     make_solver(text, among);
-    const bool foreign = find_solver(text.substr(0, text.find(':')), among)->foreign;
-    // Ipopt is the yardstick of large walls, where it takes ten seconds: a shortened limit would leave only a bound.
-    const double least_limit = suite.speed && text == "ipopt" ? suite.time_limit : 0;
-    for (const double t : options.tolerances) plan.runs.push_back({text, foreign, t, least_limit});
+    const SolverEntry& entry = *find_solver(text, among);
+    Run run{.solver = text, .foreign = entry.foreign};
+    // Of a yardstick a shortened limit would leave only a bound.
+    if (suite.speed && entry.yardstick) run.least_time_limit = suite.time_limit;
+    if (plan.speed) run.largest_island = entry.largest_island;
+    for (const double t : options.tolerances) {
+      run.tolerance = t;
+      plan.runs.push_back(run);
+    }
   }
   if (plan.runs.empty()) throw std::invalid_argument("no solver chosen");
 
   if (!options.scenes.empty()) plan.instances = make_scenes(options.scenes, options.seed);
-  plan.speed = suite.speed && plan.whole_suite;
   if (plan.speed) {
     std::vector<Instance> measured = measured_problems();
     plan.instances.insert(plan.instances.begin(), measured.begin(), measured.end());

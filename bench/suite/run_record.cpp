@@ -59,7 +59,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   const Conditions c = conditions();
   Json solvers = Json::array(), hashes = Json::array();
   for (const std::string& text : split_solvers(plan.options.solvers)) {
-    const SolverEntry& e = *find_solver(text.substr(0, text.find(':')), among);
+    const SolverEntry& e = *find_solver(text, among);
     solvers.push_back(
         {{"name", text}, {"method", e.method}, {"limits", e.limits}, {"foreign", e.foreign}, {"exact", e.exact}});
   }

@@ -127,23 +127,7 @@ std::vector<std::string> profile_stages() {
   return lines;
 }
 
-// Of one island, for methods of dense matrices.
-constexpr std::pair<std::string_view, Index> dense_limits[] = {
-    {"dual_active_set", 2000}, {"nnls", 700}, {"cholesky", 700}};
-
 }  // namespace
-
-std::string left_out(const Problem& problem, const Run& run) {
-  const auto* const limit = std::ranges::find(dense_limits, run.solver.substr(0, run.solver.find(':')),
-                                              [](const auto& l) { return l.first; });
-  if (limit == std::end(dense_limits) || problem.size() <= limit->second) return {};
-  Islands islands;
-  islands.split(problem);
-  for (const Island& island : islands.all())
-    if (island.problem.size() > limit->second)
-      return "not run: dense, and one island has " + std::to_string(island.problem.size()) + " unknowns";
-  return {};
-}
 
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
                  double budget, Dispatcher& desk, const std::atomic<bool>& interrupted) {

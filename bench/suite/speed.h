@@ -8,10 +8,6 @@
 
 namespace zwang {
 
-// Whether a solver of dense matrices is kept from a problem: one of its islands has more unknowns than is worth
-// waiting for. Returns "" or why.
-std::string left_out(const Problem& problem, const Run& run);
-
 // What the speed suite measures beside its batches, as DIR/speed.jsonl (docs/formats.md): sequences of frames, cold and
 // warm, assembly, and where dual_active_set's time goes. Written anew in each call; takes up to `budget` seconds of
 // solving. False when interrupted. `cache`: of references (suite.h).

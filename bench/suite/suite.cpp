@@ -4,6 +4,7 @@
 
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/results/record_file.h>
+#include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/bench/suite/run_record.h>
 #include <zwang/bench/suite/schedule.h>
@@ -52,28 +53,6 @@ RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
 
 }  // namespace
 
-Result to_result(Result r, const Instance& instance, const Run& run, const Timed& timed) {
-  r.solver = run.solver;
-  r.foreign = run.foreign;
-  r.tolerance = run.tolerance;
-  judge(r, instance, timed.solution);
-  r.repetitions = static_cast<int>(timed.samples.size());
-  const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;
-  if (prepare_s > 0) r.prepare_s = prepare_s;
-  if (!timed.samples.empty()) {
-    const Quartiles q = quartiles(timed.samples);
-    r.solve_s = q.median;
-    r.solve_s_q1 = q.q1;
-    r.solve_s_q3 = q.q3;
-    r.setup_s = std::max(0.0, timed.first_s - q.median);
-    r.allocations = timed.allocations;
-  } else if (timed.first_s > 0) {
-    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = timed.first_s;
-    r.repetitions = 1;
-  }
-  return r;
-}
-
 std::filesystem::path reference_cache() {
   const std::filesystem::path place = std::filesystem::path("zwang") / "references";
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return cache / place;
@@ -107,46 +86,32 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     }
     const BatchLimits limits = schedule.next(instance, plan.instances.size() - b);
     const double start = wall_seconds();
-    FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
-    instance.reference = std::move(found.reference);
-    if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
-    write_problem(directory / file_name(b), instance);
-
+    double repeating = 0;
+    const auto assemble = [&] {
+      FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
+      instance.reference = std::move(found.reference);
+      if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
+      write_problem(directory / file_name(b), instance);
+      return instance;
+    };
+    const auto append = [&](const Instance&, std::vector<Cell>& cells) {
+      std::vector<std::string> lines;
+      for (auto& [result, timed] : cells) {
+        result.problem_file = file_name(b);
+        result.batch = static_cast<int>(b);
+        outcome.tally.count(result.claimed, result.metrics.verdict);
+        timed_once += timed.samples.empty() && timed.first_s > 0 && timed.solution.z.size() > 0;
+        for (const double s : timed.samples) repeating += std::max(s, 50e-6);
+        lines.push_back(to_json(result));
+      }
+      results.append(lines);
+    };
     const auto show = [&](double of_batch, std::size_t i) {
       const double fraction = schedule.fraction(of_batch);
       progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + short_number(runs[i].tolerance),
                     schedule.left(fraction));
     };
-    std::vector<double> kernel;
-    std::vector<Run> kept_away;
-    if (plan.speed)
-      std::erase_if(runs, [&](const Run& run) {
-        const bool away = !left_out(instance.problem, run).empty();
-        if (away) kept_away.push_back(run);
-        return away;
-      });
-    std::vector<Timed> timed = time_batch(instance.problem, runs, limits, desk, interrupted, show, &kernel);
-    if (timed.empty() && interrupted) break;
-    for (const Run& run : kept_away) {
-      runs.push_back(run);
-      timed.emplace_back().solution.status = Status::unsupported;
-      timed.back().solution.message = left_out(instance.problem, run);
-    }
-
-    Result problem = describe(instance);
-    problem.problem_file = file_name(b);
-    problem.batch = static_cast<int>(b);
-    problem.kernel_s = quartiles(std::move(kernel)).median;
-    std::vector<std::string> lines;
-    double repeating = 0;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const Result r = to_result(problem, instance, runs[i], timed[i]);
-      outcome.tally.count(r.claimed, r.metrics.verdict);
-      timed_once += timed[i].samples.empty() && timed[i].first_s > 0 && timed[i].solution.z.size() > 0;
-      for (const double s : timed[i].samples) repeating += std::max(s, 50e-6);
-      lines.push_back(to_json(r));
-    }
-    results.append(lines);
+    if (!run_flow({assemble, runs, limits, append, show}, desk, interrupted)) break;
     schedule.finished(std::max(0.0, wall_seconds() - start - repeating));
   }
 

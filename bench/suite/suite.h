@@ -12,9 +12,6 @@ namespace zwang {
 // $XDG_CACHE_HOME/zwang/references, or the like under $HOME.
 std::filesystem::path reference_cache();
 
-// The line of results that a run leaves: `problem` from describe(), the referee's findings, the times.
-Result to_result(Result problem, const Instance& instance, const Run& run, const Timed& timed);
-
 // Where a run stands when run_suite returns.
 struct Outcome {
   Tally tally = {};         // lines in results.jsonl, those of before a resume included
@@ -33,8 +30,8 @@ struct SuiteSettings {
   std::span<const SolverEntry> solvers = zwang::solvers();
 };
 
-// problem -> solve -> solution -> measure -> results: runs the plan, one batch a problem, into settings.directory,
-// and skips what is finished there. Each batch's lines are on the disk before the next begins.
+// Runs the plan, one flow (flow.h) a problem, into settings.directory, and skips what is finished there. Each problem's
+// lines are on the disk before the next begins.
 Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

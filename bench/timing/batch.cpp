@@ -6,6 +6,7 @@
 #include <map>
 
 #include <zwang/bench/timing/neutral_kernel.h>
+#include <zwang/core/problem/islands.h>
 
 namespace zwang {
 namespace {
@@ -60,6 +61,16 @@ void initialize_google_benchmark() {
     return true;
   }();
   (void)once;
+}
+
+std::string too_large(const Problem& problem, const Run& run) {
+  if (problem.size() <= run.largest_island) return {};
+  Islands islands;
+  islands.split(problem);
+  for (const Island& island : islands.all())
+    if (island.problem.size() > run.largest_island)
+      return "not run: dense, and one island has " + std::to_string(island.problem.size()) + " unknowns";
+  return {};
 }
 
 std::string skipped(double tolerance) {
@@ -120,6 +131,11 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     if (const auto tired = gave_up.find(runs[i].solver); tired != gave_up.end()) {
       t.solution.status = Status::time_limit;
       t.solution.message = skipped(tired->second);
+      continue;
+    }
+    if (std::string reason = too_large(problem, runs[i]); !reason.empty()) {
+      t.solution.status = Status::unsupported;
+      t.solution.message = std::move(reason);
       continue;
     }
     SolveRequest& call = calls[i];

@@ -17,7 +17,8 @@ struct Run {
   std::string solver = {};
   bool foreign = false;
   double tolerance = 1e-10;
-  double least_time_limit = 0;  // s: BatchLimits may not give it less
+  double least_time_limit = 0;                   // s: BatchLimits may not give it less
+  Index largest_island = SolverEntry::any_size;  // unknowns: it is not run on problems with a larger one
 };
 
 // Where runs take place: native solvers here, foreign ones in the child.
@@ -51,7 +52,8 @@ struct Timed {
 using BatchProgress = std::function<void(double fraction, std::size_t run)>;
 
 // Runs of one problem, timed side by side. `runs` holds a solver's tolerances from loose to tight: once a solver has
-// met the time limit, its tighter runs are not made, and their message says so.
+// met the time limit, its tighter runs are not made, and their message says so. So does that of a run that is kept from
+// large islands.
 //
 // Every run is solved once by a fresh solver (whose surplus over the median is the set-up time) and once more as
 // warm-up; then the repetitions of all runs are shuffled into one sequence by Google Benchmark, so that a slow minute

@@ -8,7 +8,6 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/solvers/linalg/library_memory.h>
 #include <zwang/solvers/registry.h>
-#include "tests/solvers/expectation.h"
 
 namespace zwang {
 namespace {
@@ -47,9 +46,8 @@ TEST_P(SecondSolve, AllocatesNothingWhateverTheAnswerIs) {
     infeasible += s.status == Status::infeasible;
   }
   RecordProperty("infeasible", infeasible);
-  const SolverEntry& entry = *find_solver(GetParam().substr(0, GetParam().find(':')));
-  const bool sees_infeasibility = entry.exact && !expectation(entry).needs_range;
-  EXPECT_GE(infeasible, sees_infeasibility ? 10 : 0);
+  const SolverEntry& entry = *find_solver(GetParam());
+  EXPECT_GE(infeasible, entry.exact && entry.sees_infeasibility ? 10 : 0);
 }
 
 std::vector<std::string> native() {

@@ -15,7 +15,7 @@ AnySolver solver_of(const Options& options) {
     plain.reduce = false;
     return plain;
   }
-  const SolverEntry* entry = find_solver(text.substr(0, text.find(':')));
+  const SolverEntry* entry = find_solver(text);
   if (options.maximal && entry &&
       std::any_of(entry->settings.begin(), entry->settings.end(), [](const auto& s) { return s.name == "reduce"; }))
     text += text.find(':') == std::string::npos ? ":reduce=off" : ",reduce=off";

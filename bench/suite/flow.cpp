@@ -1,0 +1,47 @@
+#include <zwang/bench/suite/flow.h>
+
+#include <algorithm>
+
+namespace zwang {
+
+bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>& interrupted) {
+  const Instance instance = flow.assemble();
+  std::vector<double> kernel;
+  std::vector<Timed> solved =
+      time_batch(instance.problem, flow.runs, flow.limits, dispatcher, interrupted, flow.progress, &kernel);
+  if (solved.empty()) return false;
+
+  Result problem = describe(instance);
+  problem.kernel_s = quartiles(std::move(kernel)).median;
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < solved.size(); ++i) {
+    Result measured = to_result(problem, instance, flow.runs[i], solved[i]);
+    cells.push_back({std::move(measured), std::move(solved[i])});
+  }
+  flow.append(instance, cells);
+  return true;
+}
+
+Result to_result(Result r, const Instance& instance, const Run& run, const Timed& timed) {
+  r.solver = run.solver;
+  r.foreign = run.foreign;
+  r.tolerance = run.tolerance;
+  judge(r, instance, timed.solution);
+  r.repetitions = static_cast<int>(timed.samples.size());
+  const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;
+  if (prepare_s > 0) r.prepare_s = prepare_s;
+  if (!timed.samples.empty()) {
+    const Quartiles q = quartiles(timed.samples);
+    r.solve_s = q.median;
+    r.solve_s_q1 = q.q1;
+    r.solve_s_q3 = q.q3;
+    r.setup_s = std::max(0.0, timed.first_s - q.median);
+    r.allocations = timed.allocations;
+  } else if (timed.first_s > 0) {
+    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = timed.first_s;
+    r.repetitions = 1;
+  }
+  return r;
+}
+
+}  // namespace zwang

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <zwang/bench/results/result.h>
+#include <zwang/bench/timing/batch.h>
+
+namespace zwang {
+
+// What one run left of one problem: the row of results, and the solve it was measured from.
+struct Cell {
+  Result result = {};
+  Timed timed = {};
+};
+
+// One problem on its way through the program.
+struct Flow {
+  std::function<Instance()> assemble = {};  // the problem, with what is known to be true of it
+  std::vector<Run> runs = {};               // a solver's tolerances from loose to tight
+  BatchLimits limits = {};                  // of time
+  std::function<void(const Instance&, std::vector<Cell>&)> append = {};  // one cell a run, in the order of the runs
+  BatchProgress progress = [](double, std::size_t) {};
+};
+
+// scene -> assemble -> problem -> solve -> solution -> measure -> results. Every result of `solve` and `bench` is made
+// here. False when interrupted; nothing is appended then.
+bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>& interrupted);
+
+// The row of results that a run leaves: `problem` from describe(), the referee's findings, the times.
+Result to_result(Result problem, const Instance& instance, const Run& run, const Timed& timed);
+
+}  // namespace zwang

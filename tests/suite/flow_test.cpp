@@ -1,0 +1,90 @@
+#include <zwang/bench/suite/flow.h>
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/suite/suite.h>
+#include "tests/suite/test_solvers.h"
+
+namespace zwang {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Instance assembled_hand() {
+  Posed posed = pose_hands({{"hands", 1}, {"contacts", 4}, {"limits", 5}, {"drift", 0}, {"feasible", 1}, {"seed", 1}});
+  Instance instance = to_instance(posed.scene, posed.z_u, posed.options);
+  instance.problem.name = "hand";
+  return instance;
+}
+
+std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std::vector<Run>& runs) {
+  std::vector<Cell> all;
+  Dispatcher dispatcher([](std::string_view text) { return make_solver(text); });
+  const Flow flow{.assemble = assemble,
+                  .runs = runs,
+                  .limits = {.budget = 0.01},
+                  .append = [&](const Instance&, std::vector<Cell>& cells) { all = std::move(cells); }};
+  EXPECT_TRUE(run_flow(flow, dispatcher, tests::never));
+  return all;
+}
+
+// But for what names the line within its run, and for times.
+Json of_the_problem(const std::string& line) {
+  Json row = Json::parse(line);
+  for (const char* key :
+       {"problem_file", "batch", "setup_s", "kernel_s", "solve_s", "solve_s_q1", "solve_s_q3", "repetitions"})
+    row.erase(key);
+  return row;
+}
+
+TEST(Flow, GivesARowPerRunThatSaysWhatTheSuiteSays) {
+  Plan plan;
+  plan.options.solvers = "dual_active_set,newton";
+  plan.options.tolerances = {1e-10};
+  plan.time_limit = 5;
+  plan.runs = {{.solver = "dual_active_set"}, {.solver = "newton"}};
+  plan.instances = {assembled_hand()};
+  const auto directory = std::filesystem::temp_directory_path() / ("zwang-flow" + std::to_string(getpid()));
+  std::filesystem::remove_all(directory);
+  run_suite(plan, {.directory = directory, .command = "test"}, tests::never);
+
+  // The suite's reference is not given to the flow: both judge by it where it is.
+  const auto assemble = [&] { return read_problems(directory / "problems/0000.h5").at(0); };
+  const std::vector<Cell> cells = cells_of(assemble, plan.runs);
+  std::ifstream file(directory / "results.jsonl");
+  ASSERT_EQ(cells.size(), 2u);
+  for (const Cell& cell : cells) {
+    std::string line;
+    ASSERT_TRUE(std::getline(file, line));
+    EXPECT_EQ(of_the_problem(to_json(cell.result)), of_the_problem(line));
+    EXPECT_EQ(cell.result.metrics.verdict, Verdict::solved);
+    EXPECT_GT(cell.result.solve_s, 0);
+  }
+  std::filesystem::remove_all(directory);
+}
+
+TEST(Flow, SaysWhyALargeIslandIsNotGivenToADenseMethod) {
+  const std::vector<Cell> cells = cells_of([] { return assembled_hand(); }, {{.solver = "nnls", .largest_island = 95},
+                                                                             {.solver = "nnls", .largest_island = 96}});
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0].result.claimed, Status::unsupported);
+  EXPECT_EQ(cells[0].result.message, "not run: dense, and one island has 96 unknowns");
+  EXPECT_EQ(cells[0].result.repetitions, 0);
+  EXPECT_EQ(cells[1].result.claimed, Status::solved);
+}
+
+TEST(Flow, AppendsNothingWhenInterrupted) {
+  Dispatcher dispatcher([](std::string_view text) { return make_solver(text); });
+  const std::atomic<bool> at_once = true;
+  const Flow flow{.assemble = assembled_hand,
+                  .runs = {{.solver = "nnls"}},
+                  .append = [](const Instance&, const std::vector<Cell>&) { FAIL(); }};
+  EXPECT_FALSE(run_flow(flow, dispatcher, at_once));
+}
+
+}  // namespace
+}  // namespace zwang
