@@ -1,7 +1,6 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <stdexcept>
 
 #include <zwang/bench/collision/suite.h>
@@ -13,11 +12,6 @@
 #include <zwang/collision/load.h>
 
 namespace zwang {
-
-std::filesystem::path real_data() {
-  const char* given = std::getenv("ZWANG_DATA");
-  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ZWANG_SOURCE_DIR) / "../shared/data";
-}
 
 int bench_collision(const std::filesystem::path& directory, const std::string& command, std::vector<HandScene> hands,
                     const std::atomic<bool>& interrupted) {

@@ -19,9 +19,6 @@ int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
 
-// Where real parts and recordings lie, which are not the project's: $ZWANG_DATA, or ../shared/data beside the project.
-std::filesystem::path real_data();
-
 // `bench --suite collision`.
 int bench_collision(const std::filesystem::path& directory, const std::string& command, std::vector<HandScene> hands,
                     const std::atomic<bool>& interrupted);

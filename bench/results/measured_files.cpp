@@ -4,16 +4,11 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <zwang/bench/scenes/recorded_data.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {
-
-std::filesystem::path data_file(const std::string& stem) {
-  const char* elsewhere = std::getenv("ZWANG_DATA");
-  const std::filesystem::path data = elsewhere ? elsewhere : ZWANG_SOURCE_DIR "/../shared/data";
-  return data / "problems" / (stem + ".h5");
-}
 
 // Collections name their problems by number, and HDF5 lists names in the order of letters.
 long number_of(const Instance& instance) {
@@ -23,7 +18,7 @@ long number_of(const Instance& instance) {
 }
 
 std::vector<Instance> read_in_order(const std::string& stem) {
-  const std::filesystem::path file = data_file(stem);
+  const std::filesystem::path file = recorded_data() / "problems" / (stem + ".h5");
   if (!std::filesystem::exists(file)) return {};
   std::vector<Instance> all = read_problems(file, Friction::none);
   std::sort(all.begin(), all.end(), [](const Instance& a, const Instance& b) { return number_of(a) < number_of(b); });

@@ -6,6 +6,7 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
+#include <zwang/bench/scenes/recorded_data.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/experiments/program/commands.h>
 #include <zwang/experiments/questions/play.h>
@@ -32,7 +33,7 @@ int experiment_command(std::vector<std::string> words) {
                 list_of_questions());
   std::string name, out = "results/experiments", parts;
   questions::Asking asking{
-      .data = real_data(), .interrupted = &stop_on_interrupt(), .terminal = isatty(STDERR_FILENO) == 1};
+      .data = recorded_data(), .interrupted = &stop_on_interrupt(), .terminal = isatty(STDERR_FILENO) == 1};
   options.add_option("NAME", name, "of the question, or all")->required()->type_name("");
   options.add_option("--out", out, "folder of the table and the charts; default: results/experiments")
       ->type_name("DIR");

@@ -1,6 +1,7 @@
 // The program `zwang`: bench/program/ and the god hand, which walks the same flow once a frame.
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/program.h>
+#include <zwang/bench/scenes/recorded_data.h>
 #include <zwang/experiments/god_hand/run/collision_scenes.h>
 #include <zwang/experiments/program/commands.h>
 
@@ -12,5 +13,5 @@ int main(int count, char** arguments) {
                     {"experiment", "The god hand", "a question of the paper, answered by a run here",
                      zwang::experiment_command},
                     {"hand", "The god hand", "the sparsity of its problem", zwang::hand_command}},
-       .collision_hands = [] { return zwang::god::collision_scenes(zwang::real_data()); }});
+       .collision_hands = [] { return zwang::god::collision_scenes(zwang::recorded_data()); }});
 }

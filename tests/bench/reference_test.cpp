@@ -12,6 +12,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include "tests/recorded_data.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -165,9 +166,7 @@ TEST(Reference, IsNotGivenForAnIndefiniteMass) {
 }
 
 TEST(Reference, DecidesRankDeficientContactsOfARealFile) {
-  const char* set = std::getenv("ZWANG_DATA");
-  const std::filesystem::path folder = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
-  const std::filesystem::path file = folder / "contact_fclib/Capsules-i125-1213.hdf5";
+  const std::filesystem::path file = test::recorded_data() / "contact_fclib/Capsules-i125-1213.hdf5";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
   const Instance instance = read_problems(file).front();
   const FoundReference found = reference_for(instance, {});

@@ -8,6 +8,7 @@
 
 #include <zwang/bench/scenes/families.h>
 #include <zwang/core/files/problem_file.h>
+#include "tests/recorded_data.h"
 
 namespace zwang {
 namespace {
@@ -16,9 +17,7 @@ namespace {
 class Atlas : public testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("ZWANG_DATA");
-    const std::filesystem::path folder = data ? data : ZWANG_SOURCE_DIR "/../shared/data";
-    const std::filesystem::path file = folder / "problems/atlas.h5";
+    const std::filesystem::path file = test::recorded_data() / "problems/atlas.h5";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
     all = read_problems(file);
   }

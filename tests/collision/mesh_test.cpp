@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include <zwang/bench/collision/meshes.h>
+#include "tests/recorded_data.h"
 
 namespace zwang::collision {
 namespace {
@@ -47,10 +48,7 @@ std::string binary_stl(const Mesh& mesh) {
   return bytes;
 }
 
-fs::path data() {
-  const char* given = std::getenv("ZWANG_DATA");
-  return given ? fs::path(given) : fs::path(ZWANG_SOURCE_DIR) / "../shared/data";
-}
+fs::path data() { return test::recorded_data(); }
 
 TEST_F(MeshFiles, FormatsGiveTheSameClosedTetrahedron) {
   const std::string ply =

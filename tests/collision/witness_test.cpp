@@ -7,6 +7,7 @@
 #include <zwang/bench/collision/witness.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/collision/world.h>
+#include "tests/recorded_data.h"
 
 namespace zwang {
 namespace {
@@ -41,10 +42,7 @@ TEST(Witness, SeesOverlapAndClearance) {
 // Exact vertex-face and edge-edge queries of Wang et al. (2021): coordinates as fractions, truth from rational
 // arithmetic. Those in which both partners keep their form and attitude (361 of 500) are motions of rigid bodies.
 TEST(ExactQueries, NoTrueContactIsMissedAndNoneIsInvented) {
-  const char* given = std::getenv("ZWANG_DATA");
-  const std::filesystem::path folder =
-      (given ? std::filesystem::path(given) : std::filesystem::path(ZWANG_SOURCE_DIR) / "../shared/data") /
-      "ccd_queries";
+  const std::filesystem::path folder = test::recorded_data() / "ccd_queries";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   constexpr double radius = 1e-6, stop = 1e-6;
   int asked = 0, hits = 0;

@@ -9,14 +9,12 @@
 #include <zwang/core/referee/measure.h>
 #include <zwang/core/referee/scaled_problem.h>
 #include <zwang/solvers/registry.h>
+#include "tests/recorded_data.h"
 
 namespace zwang {
 namespace {
 
-std::filesystem::path problems_folder() {
-  const char* data = std::getenv("ZWANG_DATA");
-  return std::filesystem::path(data ? data : ZWANG_SOURCE_DIR "/../shared/data") / "problems";
-}
+std::filesystem::path problems_folder() { return test::recorded_data() / "problems"; }
 
 // What the referee says without the reference, against what it says with it.
 struct Tally {

@@ -5,6 +5,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include "tests/god_hand/leap_document.h"
+#include "tests/recorded_data.h"
 
 namespace zwang::god {
 namespace {
@@ -147,8 +148,7 @@ TEST(JointTable, RefusesInOneLine) {
 }
 
 TEST(JointTable, RealAdroitRecordingsAreFollowedWithinMillimetres) {
-  const char* given = std::getenv("ZWANG_DATA");
-  const fs::path folder = fs::path(given ? given : ZWANG_SOURCE_DIR "/../shared/data") / "motion_dapg_door";
+  const fs::path folder = test::recorded_data() / "motion_dapg_door";
   if (!fs::exists(folder)) GTEST_SKIP() << "no motion_dapg_door in ZWANG_DATA or beside the sources";
   int files = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -6,6 +6,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include "tests/god_hand/leap_document.h"
+#include "tests/recorded_data.h"
 
 namespace zwang::god {
 namespace {
@@ -209,8 +210,7 @@ TEST(Leap, SpoiltBytesLoadSoundOrAreRefused) {
 }
 
 TEST(Leap, RealRecordingsAreFollowedWithinMillimetres) {
-  const char* given = std::getenv("ZWANG_DATA");
-  const fs::path folder = fs::path(given ? given : ZWANG_SOURCE_DIR "/../shared/data") / "motion_leap_bones";
+  const fs::path folder = test::recorded_data() / "motion_leap_bones";
   if (!fs::exists(folder)) GTEST_SKIP() << "no motion_leap_bones in ZWANG_DATA or beside the sources";
   int hands = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -4,6 +4,7 @@
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/depth.h>
 #include "tests/god_hand/leap_document.h"
+#include "tests/recorded_data.h"
 
 namespace zwang::god {
 namespace {
@@ -82,8 +83,7 @@ TEST(Placement, ALateHandDelaysNobodyAndStartsClear) {
 }
 
 TEST(Placement, RealRecordings) {
-  const char* given = std::getenv("ZWANG_DATA");
-  const fs::path data = given ? given : ZWANG_SOURCE_DIR "/../shared/data";
+  const fs::path data = test::recorded_data();
   if (!fs::exists(data / "motion_leap_bones"))
     GTEST_SKIP() << "no motion_leap_bones in ZWANG_DATA or beside the sources";
   for (const char* folder : {"motion_leap_bones", "motion_dapg_door"})

@@ -8,6 +8,7 @@
 #include <zwang/collision/world.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/step/physics.h>
+#include "tests/recorded_data.h"
 
 namespace zwang::god {
 namespace {
@@ -103,8 +104,7 @@ TEST(Scenes, AreAsLargeAsTheySay) {
 }
 
 TEST(Scenes, OfRealParts) {
-  const char* set = std::getenv("ZWANG_DATA");
-  const fs::path data = set ? fs::path(set) : fs::path(ZWANG_SOURCE_DIR) / "../shared/data";
+  const fs::path data = test::recorded_data();
   if (!fs::exists(data / "mesh_differential")) GTEST_SKIP() << "no real parts at " << data;
   expect_size("simple", data, 104000, 57000, 6);
   expect_size("engine", data, 1017850, 105936, 21);

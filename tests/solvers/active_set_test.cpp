@@ -10,6 +10,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/registry.h>
+#include "tests/recorded_data.h"
 
 namespace zwang {
 namespace {
@@ -109,8 +110,7 @@ TEST_P(ActiveSet, StopsAtItsTimeLimit) {
 // Hands, towers, duplicated and near-parallel rows, mass ratios, infeasible limits, 300 hands under stress: truths from
 // a 100-digit solve.
 TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
-  const char* set = std::getenv("ZWANG_DATA");
-  const std::filesystem::path data = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
+  const std::filesystem::path data = test::recorded_data();
   if (!std::filesystem::exists(data / "problems")) GTEST_SKIP() << "no " << data / "problems";
   int compared = 0;
   for (const char* file : {"H4", "H16", "H64", "H200", "K1", "K2", "tower10", "dup3_H64", "mr1e0", "mr1e2", "mr1e4",

@@ -11,6 +11,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/registry.h>
+#include "tests/recorded_data.h"
 
 namespace zwang {
 namespace {
@@ -19,8 +20,7 @@ constexpr double tolerance = 1e-10;
 constexpr std::array methods{"nnls", "cholesky", "dual_active_set", "ipopt"};
 
 std::vector<std::filesystem::path> files() {
-  const char* data = std::getenv("ZWANG_DATA");
-  const std::filesystem::path folder = std::filesystem::path(data ? data : ZWANG_SOURCE_DIR "/../shared/data");
+  const std::filesystem::path folder = test::recorded_data();
   std::vector<std::filesystem::path> found;
   if (std::filesystem::is_directory(folder / "contact_fclib"))
     for (const auto& entry : std::filesystem::directory_iterator(folder / "contact_fclib"))

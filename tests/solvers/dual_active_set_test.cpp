@@ -9,6 +9,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
+#include "tests/recorded_data.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -91,8 +92,7 @@ TEST(DualActiveSet, FlagsAWedgeTooSharpForDouble) {
 // 265 problems swept to where methods fail, with their truths. What is flagged is the linkage and the wedge of 2^-48,
 // whose rows differ by less than the double factors can hold apart; clang's rounding may add a neighbour.
 TEST(DualActiveSet, TellsNoLieOnTheAtlas) {
-  const char* set = std::getenv("ZWANG_DATA");
-  const std::filesystem::path folder = set ? set : ZWANG_SOURCE_DIR "/../shared/data";
+  const std::filesystem::path folder = test::recorded_data();
   if (!std::filesystem::exists(folder / "problems/atlas.h5")) GTEST_SKIP() << "no atlas.h5 in " << folder;
   const std::vector<Instance> points = read_problems(folder / "problems/atlas.h5");
   for (const double tolerance : {1e-10, 1e-12}) {
