@@ -12,7 +12,7 @@ bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>&
   if (solved.empty()) return false;
 
   Result problem = describe(instance);
-  problem.kernel_s = quartiles(std::move(kernel)).median;
+  problem.kernel_s = median(std::move(kernel));
   std::vector<Cell> cells;
   for (std::size_t i = 0; i < solved.size(); ++i) {
     Result measured = to_result(problem, instance, flow.runs[i], solved[i]);

@@ -30,7 +30,7 @@ void put_quartiles(const std::string& name, const std::vector<double>& samples, 
 
 Json to_json(const SequenceTimes::Start& start) {
   Json line = {{"frames", start.seconds.size()},
-               {"iterations", quartiles(start.iterations).median},
+               {"iterations", median(start.iterations)},
                {"allocations", start.allocations},
                {"worst_z_error", std::isfinite(start.worst_z_error) ? Json(start.worst_z_error) : Json(nullptr)},
                {"checked", start.checked},
@@ -98,7 +98,7 @@ std::vector<std::string> time_assembly() {
                  {"n", a.problem.size()},
                  {"m", a.problem.rows()},
                  {"allocations", a.allocations},
-                 {"kernel_s", quartiles(kernel).median}};
+                 {"kernel_s", median(kernel)}};
     put_quartiles("assemble_s", a.assemble_s, line);
     put_quartiles("islands_s", a.islands_s, line);
     lines.push_back(line.dump());

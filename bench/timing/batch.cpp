@@ -104,16 +104,6 @@ std::vector<int> share_budget(std::span<const double> seconds, double budget, in
   return counts;
 }
 
-Quartiles quartiles(std::vector<double> samples) {
-  std::sort(samples.begin(), samples.end());
-  const auto at = [&](double q) {
-    const double place = q * static_cast<double>(samples.size() - 1);
-    const auto below = static_cast<std::size_t>(place), above = std::min(below + 1, samples.size() - 1);
-    return samples[below] + (place - static_cast<double>(below)) * (samples[above] - samples[below]);
-  };
-  return {at(0.25), at(0.5), at(0.75)};
-}
-
 std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits,
                               Dispatcher& desk, const std::atomic<bool>& interrupted, const BatchProgress& progress,
                               std::vector<double>* kernel) {

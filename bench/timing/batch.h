@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <zwang/bench/results/statistics.h>
 #include <zwang/bench/timing/child.h>
 #include <zwang/core/problem/instance.h>
 #include <zwang/solvers/registry.h>
@@ -67,11 +68,5 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
 // How often each run may repeat so that all fit into the budget [s]: every run gets the same time, runs that need less
 // leave the rest to the others, and none gets more than `most`.
 std::vector<int> share_budget(std::span<const double> seconds, double budget, int most);
-
-struct Quartiles {
-  double q1, median, q3;
-};
-// Linear between order statistics; at least one sample.
-Quartiles quartiles(std::vector<double> samples);
 
 }  // namespace zwang

@@ -35,10 +35,10 @@ class Profile {
     const auto part = [&](std::size_t k) {
       std::vector<double> own(seconds_[k]);
       for (std::size_t i = 0; i < own.size(); ++i) own[i] -= seconds_[k - 1][i];
-      const double seconds = quartiles(own).median;
+      const double seconds = median(own);
       return seconds > 0 ? seconds : std::numeric_limits<double>::quiet_NaN();
     };
-    return {.whiten = quartiles(seconds_[0]).median,
+    return {.whiten = median(seconds_[0]),
             .joints = part(1),
             .climb = part(2),
             .refine = part(3),

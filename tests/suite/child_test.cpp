@@ -45,6 +45,20 @@ TEST(Child, SendsTheObservedIterates) {
   EXPECT_EQ(a.iterates[3].z, a.solution.z / 2);
 }
 
+TEST(Child, SendsWhatASolutionSaysOfItself) {
+  SolveReply sent;
+  sent.solution.handed_to = "nnls";
+  sent.solution.range_gap = 0.25;
+  sent.solution.message = "said";
+  Outgoing out;
+  put(out, sent);
+  Incoming in(out.bytes());
+  const Solution got = get_answer(in).solution;
+  EXPECT_EQ(got.handed_to, "nnls");
+  EXPECT_EQ(got.range_gap, 0.25);
+  EXPECT_EQ(got.message, "said");
+}
+
 TEST(Child, IsKilledAtItsDeadlineAndAnswersAgain) {
   const Problem p = tests::chain(4).problem;
   Child child(make);

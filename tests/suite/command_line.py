@@ -115,7 +115,7 @@ MISTAKES = [
 KEYS = set("""problem family knob knob_value n m equalities seed problem_sha256 problem_file solver foreign tolerance
 claimed verified z_error z_bound bound_method bound_sigma_min primal dual stationarity complementarity gap natural scale
 farkas setup_s solve_s solve_s_q1 solve_s_q3 prepare_s kernel_s allocations repetitions iterations reference reference_bound feasible worst_row
-worst_by_type rank smallest_pivot largest_rejected_pivot redundant conflicting fallback range_gap message batch
+worst_by_type rank smallest_pivot largest_rejected_pivot redundant conflicting fallback handed_to range_gap message batch
 z lambda""".split())
 
 

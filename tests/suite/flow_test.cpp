@@ -35,8 +35,8 @@ std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std:
 // But for what names the line within its run, and for times.
 Json of_the_problem(const std::string& line) {
   Json row = Json::parse(line);
-  for (const char* key :
-       {"problem_file", "batch", "setup_s", "kernel_s", "solve_s", "solve_s_q1", "solve_s_q3", "repetitions"})
+  for (const char* key : {"problem_file", "batch", "setup_s", "kernel_s", "solve_s", "solve_s_q1", "solve_s_q3",
+                          "prepare_s", "repetitions"})
     row.erase(key);
   return row;
 }

@@ -5,17 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include <zwang/bench/results/statistics.h>
+
 namespace zwang::report {
 
-// Median of the known values; NaN when there are none. Infinite values count.
-inline double median(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return std::isnan(v); });
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
+using zwang::median;
 
 // exp(mean log(v + shift)) - shift; NaN when empty. The shift keeps the tiniest times from ruling the mean.
 inline double geometric_mean(const std::vector<double>& values, double shift = 0) {
