@@ -10,33 +10,33 @@ namespace {
 
 constexpr int nearest = 50, farthest = 22;  // -log2 of what a copy is off by
 
-Matrix mass(Index n, SmallNumbers& draw) {
+Matrix near_mass(Index n, SmallNumbers& draw) {
   const int spread = 10 * draw.integer(0, 2);
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
   return draw.integer(0, 1) == 0 ? Matrix(D.asDiagonal()) : coupled_mass(D, 2, draw);
 }
 
-struct Row {
+struct NearRow {
   Vector J;
   double c;
 };
 
-Row fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
-  Row row{draw.integers(n, 3), 0};
+NearRow fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
+  NearRow row{draw.integers(n, 3), 0};
   row.c = met ? row.J.dot(*met) : draw.integer(-3, 3);
   if (met && !equality && draw.integer(0, 1) == 1) row.c -= draw.integer(0, 2);
   return row;
 }
 
 // Of one row, or of the sum of two. c goes with J where a motion is to be met.
-Row copy(const std::vector<Row>& before, const Vector* met, Index n, SmallNumbers& draw) {
-  const auto any = [&]() -> const Row& {
+NearRow copy(const std::vector<NearRow>& before, const Vector* met, Index n, SmallNumbers& draw) {
+  const auto any = [&]() -> const NearRow& {
     return before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))];
   };
-  Row row = any();
+  NearRow row = any();
   if (draw.integer(0, 2) == 0) {
-    const Row& other = any();
+    const NearRow& other = any();
     row = {row.J + other.J, row.c + other.c};
   }
   const double off = std::exp2(-draw.integer(farthest, nearest));
@@ -57,13 +57,14 @@ Row copy(const std::vector<Row>& before, const Vector* met, Index n, SmallNumber
 Problem near_problem(std::uint64_t seed, std::uint64_t number) {
   SmallNumbers draw(static_cast<double>(mix_bits(seed, number) >> 11));
   const Index n = 2 + draw.index(13), m = 1 + draw.index(2 * n), equalities = draw.index(std::min(m, n / 2) + 1);
-  Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
+  Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number),
+            .M = near_mass(n, draw).sparseView()};
   p.z_u = draw.integers(n, 4);
   const Vector motion = draw.integers(n, 2);
   const Vector* const met = draw.integer(0, 2) > 0 ? &motion : nullptr;
   Matrix J(m, n);
   p.c.resize(m);
-  std::vector<Row> rows;
+  std::vector<NearRow> rows;
   for (Index i = 0; i < m; ++i) {
     const bool equality = i < equalities, own = rows.empty() || draw.integer(0, 4) < 2;
     rows.push_back(own ? fresh(met, equality, n, draw) : copy(rows, met, n, draw));

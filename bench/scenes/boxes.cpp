@@ -8,8 +8,6 @@
 namespace zwang {
 namespace {
 
-constexpr double step = 0x1p-10;  // s
-
 // Four corner contacts of A, standing on B, over the rectangle between two corners at height z.
 void add_patch(Scene& scene, BodyId a, BodyId b, const Vec3& low, const Vec3& high, const std::string& label) {
   for (int corner = 0; corner < 4; ++corner) {
@@ -54,7 +52,7 @@ Instance tower(const Knobs& knobs) {
   }
   Vector z_u;
   move_freely(scene, gravity, {}, z_u);
-  Instance instance = to_instance(scene, z_u, {.dt = step, .mode = Mode::dynamic});
+  Instance instance = to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
   Vector lambda(4 * boxes);
   for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
   instance.reference = at_rest(instance.problem, std::move(lambda));
@@ -75,7 +73,7 @@ Instance stack(const Knobs& knobs) {
               "box " + std::to_string(i + 1) + (i == 0 ? " on ground" : " on box " + std::to_string(i)));
     below = box;
   }
-  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = step, .mode = Mode::dynamic});
+  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
   if (push > 0) return instance;
   Vector lambda(4 * boxes);
   for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
@@ -125,7 +123,7 @@ Instance wall(const Knobs& knobs) {
         if (left < right) stand_on(under.body, left, right, "brick " + std::to_string(j + 1));
       }
   }
-  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = step, .mode = Mode::dynamic});
+  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
   if (push > 0) return instance;
   instance.reference =
       at_rest(instance.problem, Eigen::Map<const Vector>(lambda.data(), static_cast<Index>(lambda.size())));

@@ -6,7 +6,6 @@
 namespace zwang {
 namespace {
 
-const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
 const Knob push_knob{"push", 0.25, 0, 4, false, "largest random push on a box, in weights; 0 leaves it at rest"};
 const Knob limits_knob{"limits", 5, 0, 20, true, "violated joint limits"};
 const Knob drift_knob{"drift", 0x1p-13, 0, 0x1p-7, false, "opening of the joints (m)"};

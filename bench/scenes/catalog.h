@@ -20,6 +20,8 @@ struct Knob {
   std::string help;  // with the unit
 };
 
+inline const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
+
 using Knobs = std::map<std::string, double>;
 
 // One line of `./zwang scenes`: a seeded, parametric generator.

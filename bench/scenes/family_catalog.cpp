@@ -3,7 +3,6 @@
 namespace zwang {
 namespace {
 
-const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
 const Knob draws_knob{"seed", 1, 0, 1e9, true, "of the rows"};
 
 }  // namespace

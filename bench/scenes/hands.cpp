@@ -11,7 +11,7 @@
 namespace zwang {
 namespace {
 
-constexpr double step = 0x1p-7;  // s
+constexpr double frame_dt = 0x1p-7;  // s
 
 // A hand pressed into a wall: where it is, where it wants to be, and the points at which its pads touch.
 struct PressedHand {
@@ -63,7 +63,7 @@ Vector free_motion(const hand::Poses& poses) {
   Scene scene;
   hand::add(scene, poses);
   Problem problem;
-  Assembler{}.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = step}, problem);
+  Assembler{}.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = frame_dt}, problem);
   return Matrix(problem.J).completeOrthogonalDecomposition().solve(problem.c);
 }
 
@@ -104,7 +104,7 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
     double gap = draw.uniform(-0x1p-10, 0x1p-10);
     if (feasible) {
       const Vec3 moved = z_free.segment<3>(6 * b) + z_free.segment<3>(6 * b + 3).cross(lever);
-      gap = draw.uniform(0x1p-20, 0x1p-10) - step * step * normal.dot(moved);
+      gap = draw.uniform(0x1p-20, 0x1p-10) - frame_dt * frame_dt * normal.dot(moved);
     }
     out.touches.push_back({b, out.god[s].position + lever, normal, gap});
   }
@@ -128,7 +128,7 @@ Posed pose_hands(const Knobs& knobs) {
   const int count = knobs.contains("hands") ? static_cast<int>(knobs.at("hands")) : 1;
   const bool feasible = !knobs.contains("feasible") || knobs.at("feasible") > 0;
   Draw draw(knobs.at("seed"));
-  Posed posed{.options = {.dt = step}};
+  Posed posed{.options = {.dt = frame_dt}};
   Scene& scene = posed.scene;
   std::vector<Pose<double>>& target = posed.target;
   target.resize(1);
@@ -145,7 +145,7 @@ Posed pose_hands(const Knobs& knobs) {
                 prefix + hand::body_name(t.body) + " " + std::to_string(++number[static_cast<std::size_t>(t.body)]) +
                     " on wall");
   }
-  couple_to_targets(scene, target, reaching_stiffness(step), posed.z_u);
+  couple_to_targets(scene, target, reaching_stiffness(frame_dt), posed.z_u);
   return posed;
 }
 

@@ -10,8 +10,6 @@
 namespace zwang {
 namespace {
 
-constexpr double step = 0x1p-10;  // s
-
 Vec<double, 6> random_velocity(double linear, double angular, Draw& draw) {
   Vec<double, 6> y;
   y << draw.cube(linear), draw.cube(angular);
@@ -21,7 +19,7 @@ Vec<double, 6> random_velocity(double linear, double angular, Draw& draw) {
 Instance fall(Scene& scene) {
   Vector z_u;
   move_freely(scene, gravity, {}, z_u);
-  return to_instance(scene, z_u, {.dt = step, .mode = Mode::dynamic});
+  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 
 namespace zwang {
 
+inline constexpr double scene_dt = 0x1p-10;  // s: the step of mechanisms and boxes
+
 // Physical scenes are built in dyadic numbers where that is cheap, so that the stored doubles are the problem.
 inline const Vec3 gravity{0, 0, -9.8125};  // m/s^2
 

@@ -11,7 +11,7 @@
 namespace zwang {
 namespace {
 
-constexpr double sample_s = 20e-6;
+constexpr double frame_sample_s = 20e-6;
 // Of the way to its target that a hand goes in one frame. All of it turned distal phalanges by a radian, through both
 // of their limits: 418 of 500 frames were infeasible, and the same.
 constexpr double share_per_frame = 1.0 / 16;
@@ -63,7 +63,7 @@ class Runner {
     SolveReply answer = desk_.run(problem, run_, call, &interrupted);
     left_ -= answer.seconds * (solves_ + call.warm_up);
     last_s_ = answer.seconds;
-    solves_ = static_cast<int>(std::clamp(sample_s / std::max(answer.seconds, 1e-9), 1.0, 10.0));
+    solves_ = static_cast<int>(std::clamp(frame_sample_s / std::max(answer.seconds, 1e-9), 1.0, 10.0));
     into.seconds.push_back(answer.seconds);
     into.iterations.push_back(answer.solution.iterations);
     // The first frame finds no storage yet.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/profile.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/tables.h>
@@ -24,12 +25,6 @@ json known(double value, int digits = 4) {
   if (!std::isfinite(value)) return nullptr;
   return json::parse(scientific(std::clamp(value, -1e300, 1e300),
                                 digits - 1));  // four digits draw the same picture in a third of the bytes
-}
-
-std::vector<std::string> names(const Run& run) {
-  std::vector<std::string> out;
-  for (const SolverInfo& s : run.solvers) out.push_back(s.name);
-  return out;
 }
 
 json work_precision(const Run& run) {

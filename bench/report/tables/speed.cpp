@@ -35,7 +35,7 @@ struct Size {
   double value = unknown;
   auto operator<=>(const Size&) const = default;
 };
-struct Times {
+struct SpeedTimes {
   std::vector<double> solve_s, kernels, distance, allocations;
   std::vector<double> error;
   int problems = 0, right = 0, unsupported = 0, lies = 0;
@@ -43,7 +43,7 @@ struct Times {
   std::string verdict, message;
   double time() const { return median(solve_s); }
 };
-using BySolver = std::map<std::string, Times>;
+using BySolver = std::map<std::string, SpeedTimes>;
 
 std::vector<std::pair<Size, BySolver>> by_size(const Run& run) {
   std::vector<std::pair<Size, BySolver>> sizes;
@@ -51,7 +51,7 @@ std::vector<std::pair<Size, BySolver>> by_size(const Run& run) {
     const Size size{r.family, r.knob, std::isnan(r.knob_value) ? 0 : r.knob_value};
     auto at = std::find_if(sizes.begin(), sizes.end(), [&](const auto& s) { return s.first == size; });
     if (at == sizes.end()) at = sizes.insert(sizes.end(), {size, {}});
-    Times& t = at->second[r.solver];
+    SpeedTimes& t = at->second[r.solver];
     ++t.problems;
     t.unsupported += r.is_blank();
     t.lies += r.lies();
@@ -69,7 +69,7 @@ std::vector<std::pair<Size, BySolver>> by_size(const Run& run) {
   return sizes;
 }
 
-Cell verdict_cell(const Times& t) {
+Cell verdict_cell(const SpeedTimes& t) {
   if (t.unsupported == t.problems) return {"not applicable"};
   std::string text = std::to_string(t.right) + " of " + std::to_string(t.problems);
   if (t.right < t.problems) text += " (" + t.verdict + ")";
@@ -103,7 +103,7 @@ Table speed_table(const Run& run) {
        {"x floor", true}},
       {}};
   for (const auto& [size, solvers] : by_size(run)) {
-    std::vector<std::pair<std::string, const Times*>> order;
+    std::vector<std::pair<std::string, const SpeedTimes*>> order;
     for (const auto& [solver, times] : solvers) order.emplace_back(solver, &times);
     const auto or_last = [](double time) { return std::isnan(time) ? 1e300 : time; };
     std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
