@@ -121,7 +121,7 @@ const Suite& find_suite(const std::string& name) {
     names.emplace_back(s.name);
   }
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas, speed)");
+                              " (quick, standard, full, atlas, speed, collision)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {

@@ -6,14 +6,14 @@
 
 namespace zwang {
 
-// Where dual_active_set's time goes on a problem of jointed bodies, in seconds of thread CPU time: medians of samples
-// taken in turn. Its parts are called here in its order, each run from the start up to one more of them, and what that
-// one adds is its time (NaN where noise hides it); the solver itself holds no clock.
+// Where dual_active_set's time goes on a problem of jointed bodies, in seconds of thread CPU time: medians of
+// interleaved samples. Its parts are called here in its order; each run goes one part further, and the time it adds is
+// that part's (NaN where noise hides it). The solver itself reads no clock.
 struct StageTimes {
   double whiten = 0;  // unit rows, body by body (body_rows.h)
-  double joints = 0;  // the joint graph's elimination and null space (reduced_form.h)
-  double climb = 0;   // rows in reduced form as they are violated, and the steps over them (least_distance.h)
-  double refine = 0;  // the answer, its residuals in long double, the rows held against it
+  double joints = 0;  // the joint graph's elimination and null space (null_space_form.h)
+  double climb = 0;   // reducing violated rows, and the active-set steps (dense_dual_active_set.h)
+  double refine = 0;  // the answer, its residuals in double-double, the check of all rows
   double checks = 0;  // of the input, and the search for islands
 };
 

@@ -16,7 +16,7 @@ try {
   const svg = fs.readFileSync(`${dir}/figures/work-precision-hand.svg`, 'utf8');
   assert.match(svg, /cafebabe0000/, 'a figure names its commit');
   assert.match(svg, /achieved error/, 'axes have titles');
-  assert.match(svg, /dual_active_set/, 'the legend names the solver');
+  assert.match(svg, /dual_active_set/, 'the chart names the solver');
   assert.equal(fs.readFileSync(`${dir}/figures/profile.pdf`).subarray(0, 5).toString(), '%PDF-');
   assert.match(fs.readFileSync(`${dir}/tables/accuracy.csv`, 'utf8'), /^hand,dual_active_set,\d/m);
   assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
@@ -33,3 +33,9 @@ for (const {rect} of labels) {
   assert.ok(!wall.some(p => p.x > rect.left && p.x < rect.right && p.y > rect.top && p.y < rect.bottom), 'no name covers the wall');
   assert.equal(labels.filter(other => other.rect.left < rect.right && rect.left < other.rect.right && other.rect.top < rect.bottom && rect.top < other.rect.bottom).length, 1);
 }
+
+// Names in a column: in the order of their ends, a line of text apart, inside the box, and undisturbed where there is room.
+const column = zwang_labels.stack([5, 5, 5, 5, 100, 199, 199].map((y, i) => ({x: 100, y, text: `${i}`})), box);
+for (let i = 1; i < column.length; ++i) assert.ok(column[i].at_y - column[i - 1].at_y >= 12.99);
+assert.ok(column[0].at_y >= 6 && column.at(-1).at_y <= 194);
+assert.equal(column[4].at_y, 100);

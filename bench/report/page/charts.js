@@ -110,7 +110,8 @@
     };
   };
 
-  // A chart's spec with its colours, words and rows. On the page the chips are the legend.
+  // A chart's spec with its colours, words and rows. Where names stand in the chart it needs no legend; on the page the
+  // chips are one.
   function spec(template, rows, solvers, {theme = 'light', words = {}, font, title, width} = {}) {
     const shown = new Set(rows.map(row => row.solver));
     const style = styles(solvers, theme).filter(s => width === 'container' || shown.has(s.name));
@@ -123,17 +124,15 @@
     out.config = config(theme, font);
     if (title) out.title = title;
     const is_facet = 'facet' in out;
-    if (width === 'container') {
-      const no_legend = node => {
-        if (!node || typeof node !== 'object') return;
-        for (const channel of ['color', 'shape', 'strokeDash']) if (node[channel]?.field === 'solver') node[channel].legend = null;
-        Object.values(node).forEach(no_legend);
-      };
-      no_legend(out);
-      if (!is_facet) {
-        out.width = 'container';
-        out.autosize = {type: 'fit-x', contains: 'padding'};
-      }
+    const no_legend = node => {
+      if (!node || typeof node !== 'object') return;
+      for (const channel of ['color', 'shape', 'strokeDash']) if (node[channel]?.field === 'solver') node[channel].legend = null;
+      Object.values(node).forEach(no_legend);
+    };
+    if (width === 'container' || rows.some(row => row.part === 'label')) no_legend(out);
+    if (width === 'container' && !is_facet) {
+      out.width = 'container';
+      out.autosize = {type: 'fit-x', contains: 'padding'};
     }
     return out;
   }

@@ -48,7 +48,16 @@
   const engines = ['zwang', 'fcl', 'bullet'];
   const motions = {sliding: 'sliding at 0.2 mm', pressing: 'pressing at 0.2 mm', passing: 'passing at 2 mm'};
   const largest = {from: Math.min(...data.pairs.map(p => p.triangles)), to: Math.max(...data.pairs.map(p => p.triangles))};
-  draw('pairs', data.pairs.flatMap(p => engines.map(engine => ({engine, triangles: p.triangles, time: 1e6 * p.times[engine], motion: motions[p.motion]}))), {
+  // Names at the right ends of the lines, pushed up where two would overlap (by a line of text: a fifth of a decade).
+  const names = data.pairs.filter(p => p.triangles === largest.to).flatMap(p => {
+    let below = 0;
+    return [...engines].sort((a, b) => p.times[a] - p.times[b]).map(engine => {
+      below = Math.max(1e6 * p.times[engine], 1.6 * below);
+      return {engine, triangles: p.triangles, time: below, motion: motions[p.motion], name: engine};
+    });
+  });
+  const queries = data.pairs.flatMap(p => engines.map(engine => ({engine, triangles: p.triangles, time: 1e6 * p.times[engine], motion: motions[p.motion]})));
+  draw('pairs', [...queries, ...names], {
     height: 320, width: 300,
     facet: {column: {field: 'motion', title: null, sort: Object.values(motions), header: {labelFontSize: 13, labelFontWeight: 600}}},
     spec: {
@@ -60,10 +69,10 @@
         color: {field: 'engine', type: 'nominal', scale: {domain: engines, range: ['#4b2bd7', '#019bc2', '#923f67']}, legend: null},
       },
       layer: [
-        {mark: {type: 'line', tooltip: null}, encoding: {strokeDash: {field: 'engine', type: 'nominal', scale: {domain: engines, range: [[1, 0], [7, 3], [2, 2.5]]}, legend: null}}},
-        {mark: {type: 'point', size: 60, filled: true, opacity: 1, tooltip: true}, encoding: {shape: {field: 'engine', type: 'nominal', scale: {domain: engines}, legend: null}}},
-        {transform: [{filter: `datum.triangles === ${largest.to}`}], mark: {type: 'text', align: 'left', dx: 8, fontSize: 12, tooltip: null},
-         encoding: {text: {field: 'engine'}, color: {value: '#1b1f24'}}},
+        {transform: [{filter: '!datum.name'}], mark: {type: 'line', tooltip: null}, encoding: {strokeDash: {field: 'engine', type: 'nominal', scale: {domain: engines, range: [[1, 0], [7, 3], [2, 2.5]]}, legend: null}}},
+        {transform: [{filter: '!datum.name'}], mark: {type: 'point', size: 60, filled: true, opacity: 1, tooltip: true}, encoding: {shape: {field: 'engine', type: 'nominal', scale: {domain: engines}, legend: null}}},
+        {transform: [{filter: 'datum.name'}], mark: {type: 'text', align: 'left', dx: 8, fontSize: 12, tooltip: null},
+         encoding: {text: {field: 'name'}, color: {value: '#1b1f24'}}},
       ],
     },
   });

@@ -22,8 +22,8 @@ const file_name = text => text.replace(/[^A-Za-z0-9]+/g, '-').replace(/^-|-$/g, 
 // What stands in one file: the chart, its file name, its title, and the choices made.
 const figures = [
   ...distinct('work-precision', 'family').map(family =>
-    ['work-precision', `work-precision-${file_name(family)}`, `Work-precision: ${family}`, {family}]),
-  ['families', 'work-precision', 'Work-precision by family', {}],
+    ['work-precision', `work-precision-${file_name(family)}`, `Speed against accuracy: ${family}`, {family}]),
+  ['families', 'work-precision', 'Speed against accuracy by family', {}],
   ...['', ...data.families].map(group => ['profile', group ? `profile-${file_name(group)}` : 'profile',
     `Performance profile at an achieved error of 10⁻⁶: ${group || 'all families'}`, {group}]),
   ['data-profile', 'data-profile', 'Data profile at an achieved error of 10⁻⁶', {}],

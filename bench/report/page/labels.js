@@ -3,24 +3,24 @@
   'use strict';
   const {duration} = zwang_charts;
   const glyph = 6, half_line = 6.5, gap = 8;  // px: width of a character, half the height of a line, distance to the point
-  const reaches = [0, 14, 28, 42, 60, 80, 105, 135, 170];
+  const reaches = [0, 14, 28, 42, 60, 80, 105, 135, 170, 220, 290];
   const angles = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6].map(k => k * Math.PI / 6);
 
   const between = (value, low, high) => value >= low && value <= high;
   const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
   // Greedy point labelling: for each anchor {x, y, text} the nearest place inside the box that covers no label and as few
-  // of the occupied points as possible; to_right: no label stands left of its anchor. All in pixels; each label gets
-  // {at_x, at_y, align, far}.
-  function place(anchors, occupied, box, to_right = false) {
+  // of the occupied points as possible. All in pixels; each label gets {at_x, at_y, align, far, rect}.
+  function place(anchors, occupied, box) {
     const crowd = a => anchors.filter(b => Math.hypot(a.x - b.x, a.y - b.y) < 60).length;
     const labels = [];
     for (const anchor of [...anchors].sort((a, b) => crowd(b) - crowd(a) || a.y - b.y)) {
       const width = glyph * anchor.text.length;
       let best = null;
       for (const reach of reaches)
-        for (const angle of reach === 0 ? [0] : to_right ? angles.filter(a => Math.cos(a) > -0.01) : angles)
-          for (const side of to_right ? [1] : [1, -1]) {
+        for (const angle of reach === 0 ? [0] : angles)
+          for (const side of [1, -1]) {
+            if (side * Math.cos(angle) < -0.01) continue;  // the name goes on from where its leader ends
             const at_x = anchor.x + reach * Math.cos(angle), at_y = anchor.y + reach * Math.sin(angle);
             const near = at_x + side * gap, far = near + side * width;
             const rect = {left: Math.min(near, far), right: Math.max(near, far), top: at_y - half_line, bottom: at_y + half_line};
@@ -35,11 +35,37 @@
     return labels;
   }
 
+  // The names of lines that end at the right edge, in one column beside it: in the order of the ends, as near to them as
+  // the height of a line of text allows. Least squares under an order is isotonic regression (pool adjacent violators).
+  function stack(anchors, box) {
+    const line = 2 * half_line, at_x = Math.max(...anchors.map(a => a.x)) + 18;
+    const sorted = [...anchors].sort((a, b) => a.y - b.y);
+    const pools = [];
+    sorted.forEach((anchor, i) => {
+      pools.push({mean: anchor.y - i * line, count: 1});
+      while (pools.length > 1 && pools[pools.length - 2].mean > pools[pools.length - 1].mean) {
+        const {mean, count} = pools.pop(), before = pools[pools.length - 1];
+        before.mean = (before.mean * before.count + mean * count) / (before.count += count);
+      }
+    });
+    const offsets = pools.flatMap(pool => Array(pool.count).fill(pool.mean));
+    const lowest = box.top + half_line, highest = box.bottom - half_line - (sorted.length - 1) * line;
+    return sorted.map((anchor, i) => ({...anchor, at_x, at_y: Math.max(lowest, Math.min(highest, offsets[i])) + i * line, align: 'left', far: true}));
+  }
+
   const axis = (log, [low, high], length) => {
     const to = log ? Math.log : Number, from = log ? Math.exp : Number;
     return {pixel: value => (to(value) - to(low)) / (to(high) - to(low)) * length, value: pixel => from(to(low) + pixel / length * (to(high) - to(low)))};
   };
-  const range = values => [Math.min(...values), Math.max(...values)];
+  const between_points = (from, to) => {
+    const steps = Math.ceil(Math.hypot(to.x - from.x, to.y - from.y) / 7);
+    return Array.from({length: Math.max(steps - 1, 0)}, (_, k) => ({x: from.x + (to.x - from.x) * (k + 1) / steps, y: from.y + (to.y - from.y) * (k + 1) / steps}));
+  };
+  // Of what a logarithmic axis can show.
+  const range = values => {
+    const shown = values.filter(value => value > 0);
+    return shown.length ? [Math.min(...shown), Math.max(...shown)] : [1e-6, 1];
+  };
   const wider = ([low, high], left, right) => [low / left, high * right];
   // More room at the right, as much as names need.
   const with_margin = ([low, high], log, width) => {
@@ -51,14 +77,20 @@
   const last = line => line[line.length - 1];
   const by = (field, sign = 1) => (a, b) => sign * (a[field] - b[field]);
   const ending = {ok: 0, lone: 1, missed: 2, wrong: 3, undecided: 4, failed: 5};
+  // Staircases end on each other at 100 %: a name stands beside its line's last rise.
+  const last_rise = line => {
+    const top = line.findIndex(row => row.share === last(line).share);
+    return top > 0 ? {...line[top], share: (line[top - 1].share + line[top].share) / 2} : line[0].share > 0 ? line[0] : last(line);
+  };
+  const staircase = {x: 'at', y: 'share', linear_y: true, order: by('at'), steps: true, anchor: last_rise, domains: rows => [range(rows.map(row => row.at)), [0, 1]]};
   const charts = {
     'work-precision': {
       x: 'x', y: 'time', line: row => row.drawn === 'ok', order: by('tolerance', -1),
       domains: rows => [[2e-20, 60], wider(range(rows.map(row => row.time)), 1.6, 1.6)],
       text: row => row.exact && row.drawn === 'ok' ? `${row.solver}, ${duration(row.time)}` : row.solver,
     },
-    'profile': {x: 'at', y: 'share', linear_y: true, to_right: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
-    'data-profile': {x: 'at', y: 'share', linear_y: true, to_right: true, order: by('at'), domains: (rows, width) => [with_margin(range(rows.map(row => row.at)), true, width), [0, 1]]},
+    'profile': staircase,
+    'data-profile': staircase,
     'convergence-iteration': {x: 'x', y: 'y', order: by('x')},
     'convergence-time': {x: 'x', y: 'y', order: by('x')},
     'scaling': {x: 'size', y: 'time', to_right: true, line: row => row.part === 'point', order: by('size')},
@@ -73,7 +105,7 @@
     const chart = charts[name];
     if (!chart) return {rows, words: {}};
     const {x, y, order, line = () => true, text = row => row.solver} = chart;
-    const domains = chart.domains ?? (shown => [with_margin(range(shown.map(row => row[x])), true, width), wider(range(shown.map(row => row[y])), 1.5, 1.5)]);
+    const domains = chart.domains ?? (shown => [with_margin(wider(range(shown.map(row => row[x])), 1.2, 1), true, width), wider(range(shown.map(row => row[y])), 1.5, 1.5)]);
     const [x_domain, y_domain] = domains(rows, width);
     const across = axis(!chart.linear_x, x_domain, width), up = axis(!chart.linear_y, y_domain, height);
     const words = {X_DOMAIN: x_domain, Y_DOMAIN: y_domain};
@@ -83,20 +115,20 @@
     for (const solver of new Set(rows.map(row => row.solver))) {
       const own = rows.filter(row => row.solver === solver);
       const joined = own.filter(line).sort(order);
-      joined.forEach((row, i) => {
-        if (i === 0) return;
-        const from = pixel(joined[i - 1]), to = pixel(row), steps = Math.ceil(Math.hypot(to.x - from.x, to.y - from.y) / 7);
-        for (let k = 1; k < steps; ++k) occupied.push({x: from.x + (to.x - from.x) * k / steps, y: from.y + (to.y - from.y) * k / steps});
-      });
-      const row = last(joined) ?? [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
+      const corners = joined.flatMap((row, i) => chart.steps && i > 0 ? [{x: pixel(row).x, y: pixel(joined[i - 1]).y}, pixel(row)] : [pixel(row)]);
+      corners.forEach((to, i) => { if (i > 0) occupied.push(...between_points(corners[i - 1], to)); });
+      const row = (joined.length && (chart.anchor ?? last)(joined)) || [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
       anchors.push({...pixel(row), row, text: text(row)});
     }
-    const labels = place(anchors, occupied, {left: 0, right: width, top: 4, bottom: height - 4}, chart.to_right).map(label => ({
-      solver: label.row.solver, part: 'label', drawn: 'label', text: label.text, align: label.align, far: label.far, shift: label.align === 'left' ? gap : -gap,
+    const box = {left: 0, right: width, top: 0, bottom: height};
+    const edge = Math.max(...anchors.map(a => a.x)) - 30, ends = anchors.filter(a => chart.to_right && a.x >= edge);
+    const placed = [...ends.length ? stack(ends, box) : [], ...place(anchors.filter(a => !ends.includes(a)), occupied, box)];
+    const labels = placed.map(label => ({
+      solver: label.row.solver, part: 'label', drawn: 'label', text: label.text, align: label.align, far: label.far, shift: label.rect ? (label.align === 'left' ? gap : -gap) : 3,
       [x]: across.value(label.at_x), [y]: up.value(height - label.at_y), from_x: label.row[x], from_y: label.row[y],
     }));
     return {rows: [...rows, ...labels], words};
   }
 
-  globalThis.zwang_labels = {place, labelled};
+  globalThis.zwang_labels = {place, stack, labelled};
 })();

@@ -12,8 +12,8 @@
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/sweeps.h>
 
-// page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, lies in the program itself:
-// writing a report needs neither Node nor a file beside the program.
+// page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, is part of the program:
+// writing a report needs neither Node nor a file beside it.
 asm(R"(
   .pushsection .rodata
   .global zwang_report_page
@@ -169,7 +169,7 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
                       {"levels", error_levels},
                       {"tables", all}};
   std::string data = about.dump(-1, ' ', false, json::error_handler_t::replace);
-  data.back() = ',';  // the rows join the object as they are
+  data.back() = ',';  // the rows are appended to the object as they are
   return data + "\"charts\":" + chart_rows(run) + "}";
 }
 

@@ -23,7 +23,7 @@
     trace: distinct('convergence', 'problem').sort((a, b) => b.startsWith('hand(') - a.startsWith('hand('))[0] ?? '',
     measure: 'z_error',
     sweep: distinct('scaling', 'family')[0] ?? '',
-    size_family: speed_families(data)[0] ?? '',
+    size_family: ['hand', 'H'].find(family => speed_families(data).includes(family)) ?? speed_families(data)[0] ?? '',
   };
   const views = {};
   const errors = [];

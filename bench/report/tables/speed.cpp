@@ -87,10 +87,12 @@ Table speed_table(const Run& run) {
       "speed",
       "Whole solves from M, z_u, J, c at tolerance 1e-10, cold; medians of interleaved repetitions, and over "
       "the problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. "
-      "Floor: what measurements of the parts say a hand must cost (4.4 us and 0.25 us a step where the kernel "
+      "Floor: the least time of a hand, estimated from measurements of its parts (4.4 us and 0.25 us a step where the "
+      "kernel "
       "takes 47 us). Allocations: heap blocks of a warm solve. x ours: against dual_active_set, or newton where that "
-      "was not run. A time with > is that of a solver stopped at its deadline, and so is its ratio. mujoco_newton is a "
-      "yardstick with soft rows: its z_error is how far they give way.",
+      "was not run. A time with > is that of a solver stopped at its deadline, and so is its ratio. mujoco_newton has "
+      "soft "
+      "rows and serves as a yardstick of speed: its z_error is how far the rows are violated.",
       {{"family"},
        {"size"},
        {"solver"},
@@ -142,7 +144,7 @@ Table speed_exponent_table(const Run& run) {
               {{"family"}, {"solver"}, {"sizes"}, {"exponent p", true}, {"2 s.e.", true}},
               {}};
   const auto sizes = by_size(run);
-  // Walls begin at 100 boxes: below, set-up rules.
+  // Walls begin at 100 boxes: below, set-up dominates.
   const std::map<std::string, double> families{{"hands", 1}, {"K", 1}, {"tower", 10}, {"wall", 100}, {"random", 1}};
   for (const auto& [family, from] : families)
     for (const std::string& solver : names(run)) {
@@ -173,7 +175,7 @@ Table sequence_table(const Run& run) {
   Table table{
       "sequences",
       "Successive frames, each solved cold and from the same solver's solution of the frame before; all solvers "
-      "frame by frame in turn. Every 20th frame is checked. Solvers that took their share of the time saw "
+      "frame by frame in turn. Every 20th frame is checked. A solver that used up its share of the time has "
       "fewer frames.",
       {{"sequence"},
        {"solver"},

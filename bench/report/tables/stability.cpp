@@ -9,85 +9,76 @@ namespace zwang::report {
 
 std::span<const StabilityFamily> stability_families() {
   static constexpr std::array all = {
-      StabilityFamily{
-          "MR", "log2 of the mass ratio",
-          "Ten boxes on four corners each, the top one heavier. The light boxes hardly count in the sums that "
-          "carry the heavy one: sweeps need as many rounds as the ratio, S = J M^-1 J' loses its small "
-          "entries, orthogonal methods keep them. Redundant corners have many lambda and one z."},
-      StabilityFamily{
-          "MR1", "log2 of the mass ratio",
-          "The same stack with one contact each: lambda is unique, so that what fails here fails by the mass "
-          "ratio alone and not by redundancy."},
-      StabilityFamily{
-          "MRC", "log2 of the mass ratio",
-          "Six bodies on ball joints with masses in turn light and heavy. Equality rows hide the ratio from "
-          "methods that eliminate them first."},
+      StabilityFamily{"MR", "log2 of the mass ratio",
+                      "Ten boxes on four corners each, the top one heavier. The light boxes hardly count in the sums "
+                      "that carry the heavy one: sweeps need as many rounds as the ratio, S = J M^-1 J' loses its "
+                      "small entries, orthogonal methods keep them. Redundant corners have many lambda and one z."},
+      StabilityFamily{"MR1", "log2 of the mass ratio",
+                      "The same stack with one contact each: lambda is unique, so what fails here fails because of the "
+                      "mass ratio, not of redundancy."},
+      StabilityFamily{"MRC", "log2 of the mass ratio",
+                      "Six bodies on ball joints, masses alternately light and heavy. Methods that eliminate equality "
+                      "rows first do not notice the ratio."},
       StabilityFamily{
           "NPE", "-log2 of the angle",
           "Pairs of nearly parallel equality rows with multipliers of 1 / angle. KKT residuals stay small while "
           "z is wrong: only margins (relative pivots) tell. Methods on S see the square of the angle and fail "
           "at its root; residuals in double leave z an error of 1e-16 / angle, in long double 1e-19 / angle."},
-      StabilityFamily{"NPI", "-log2 of the angle",
-                      "Pairs of nearly parallel contacts that both push. z stays well defined (any split of the pair's "
-                      "force moves the body alike): a right z with a doubtful lambda. Methods that insist on the split "
-                      "exchange the two rows without end."},
+      StabilityFamily{
+          "NPI", "-log2 of the angle",
+          "Pairs of nearly parallel contacts, both active. z stays well defined (any split of the pair's force moves "
+          "the body alike), lambda does not. Methods that need a unique split exchange the two rows without end."},
       StabilityFamily{
           "WED", "-log2 of the opening",
-          "A mass between two faces that open by an angle is pushed out with 1 / angle. Unlike NPI, z depends "
-          "on the small difference of the faces: lost where the forces exceed 1e16 times the motion."},
+          "A mass between two faces that open by an angle is pushed out with 1 / angle. Unlike NPI, z depends on the "
+          "small difference of the faces: it is lost where the forces exceed 1e16 times the motion."},
       StabilityFamily{
           "LOOP", "-log2 of the tilt",
-          "A four-bar linkage: 20 equality rows of rank 17, and a tilted hinge that takes its freedom away. A "
-          "rank decision decides z: too low a rank lets the linkage move, too high a rank divides by noise."},
+          "A four-bar linkage: 20 equality rows of rank 17, and a tilted hinge that removes its freedom. A rank "
+          "decision decides z: too low a rank lets the linkage move, too high a rank divides by noise."},
       StabilityFamily{"MANYF", "contacts",
                       "One body on up to 300 contacts of one face: rank 3. Degenerate vertices and singular S; plain "
-                      "Cholesky factors of S end here."},
+                      "Cholesky factors of S fail here."},
       StabilityFamily{
           "MANYR", "contacts",
           "One body among up to 300 contacts of tilted normals, most of them nearly touching: rank 6. c lies "
           "outside range(J), where the paper's form solves another problem."},
-      StabilityFamily{
-          "GAP", "-log2 of the gap",
-          "Three contacts that contradict each other by 2^-k, or leave 2^-k of room. Tells statuses apart: a "
-          "solver without a certificate, or with a tolerance on rows, calls a contradiction solved."},
+      StabilityFamily{"GAP", "-log2 of the gap",
+                      "Three contacts that contradict each other by 2^-k, or leave 2^-k of room. Tests statuses: a "
+                      "solver without a certificate, or with a tolerance on rows, calls a contradiction solved."},
       StabilityFamily{"INC", "-log2 of the contradiction",
-                      "The same equality twice, with another right side. Dependency detectors that look at the rows "
-                      "alone drop the contradiction."},
+                      "The same equality twice, with different right-hand sides. Dependency tests that look at the "
+                      "rows alone miss the contradiction."},
       StabilityFamily{"UNIT", "log2 of the unit",
-                      "One chain in millimetres, metres, kilometres. Absolute tolerances show here, nothing else."},
+                      "One chain in millimetres, metres, kilometres. Fails only with absolute tolerances."},
       StabilityFamily{
           "ROW", "log2 of the factor",
           "Three rows multiplied by up to 2^500: the same problem. Sums over rows of unlike units overflow, or "
           "drop the small ones. The last three points hold a row without entries; 0 >= 2^-40 is infeasible."},
-      StabilityFamily{
-          "HUGE", "log2 of the factor",
-          "c up to 1e301: motions that dwarf the free one. Squares overflow, penalties on a fixed scale give "
-          "way."},
+      StabilityFamily{"HUGE", "log2 of the factor",
+                      "c up to 1e301: motions far larger than the unconstrained one. Squares overflow, and penalties "
+                      "on a fixed scale are too weak."},
       StabilityFamily{
           "ANI", "log2 of the ratio",
           "Needles: one inertia of each body vanishes. As MR, within a body: S is as ill-conditioned as M."},
-      StabilityFamily{
-          "WEAK", "-log2 of the weak multipliers",
-          "Contacts that touch and hardly push: strict complementarity fades. Interior-point methods converge "
-          "slowly and end early; active-set methods have to choose and may choose either."},
-      StabilityFamily{
-          "CHAIN", "links",
-          "Rods on ball joints, end to end: size, and condition growing with its square. What factorizes along the "
-          "chain takes milliseconds for 4096 links; what holds dense rows meets the time limit of a second."},
-      StabilityFamily{
-          "STK", "boxes",
-          "Equal masses one on another: a push travels one contact a sweep, so sweeps grow with the square of "
-          "the height. A method that takes one dense row in after the other needs time as its cube, and meets the "
-          "time limit of a second."},
+      StabilityFamily{"WEAK", "-log2 of the weak multipliers",
+                      "Contacts that touch with almost no force: strict complementarity is nearly lost. Interior-point "
+                      "methods converge slowly and stop early; active-set methods may choose either set."},
+      StabilityFamily{"CHAIN", "links",
+                      "Rods on ball joints, end to end: size, and a condition number that grows with its square. "
+                      "Methods that factorize along the chain take milliseconds for 4096 links; those with dense rows "
+                      "reach the time limit of a second."},
+      StabilityFamily{"STK", "boxes",
+                      "Equal masses one on another: a force travels one contact a sweep, so sweeps grow with the "
+                      "square of the height. A method that adds one dense row after the other needs time as its cube, "
+                      "and reaches the time limit of a second."},
       StabilityFamily{
           "PIVOT", "n",
-          "Murty's rows, on which exchanging one row at a time by index takes 2^n - 1 steps, and small integers "
-          "on which exchanging all wrong rows at once returns to where it was. A worst case of the way there, "
-          "not of the answer."},
-      StabilityFamily{
-          "FLIP", "-log2 of the heights",
-          "A frame of a stack whose corners come and go within 2^-k: nearly equal c on redundant rows. The film "
-          "of 256 frames, with warm starts, is ./zwang fuzz's."},
+          "Murty's rows, on which exchanging one row at a time by index takes 2^n - 1 steps, and small integers on "
+          "which exchanging all wrong rows at once cycles. A worst case for the number of steps, not for the answer."},
+      StabilityFamily{"FLIP", "-log2 of the heights",
+                      "A frame of a stack whose corners open and close within 2^-k: nearly equal c on redundant rows. "
+                      "./zwang fuzz runs the sequence of 256 frames with warm starts."},
       StabilityFamily{
           "HAND", "hands",
           "The hand of the paper with all limits violated and 30 contacts: more rows than unknowns, c outside "

@@ -15,7 +15,7 @@ bool is_stability_family(const std::string& family);
 struct BreakPoint {
   std::string family = {}, solver = {}, knob = {};
   const Result* fails = nullptr;  // first problem with error > 1e-6, or no answer, or a claim the referee rejects
-  const Result* lies = nullptr;   // first of them where the status says all is well
+  const Result* lies = nullptr;   // first of them where the solver claims to be right
   int problems = 0, undecided = 0;
 };
 std::vector<BreakPoint> break_points(const std::vector<Result>& results, const std::vector<std::string>& solvers);

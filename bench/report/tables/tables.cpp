@@ -55,18 +55,17 @@ Table break_point_table(const Run& run) {
     }
     table.rows.push_back(row);
   }
-  table.note =
-      table.rows.empty()
-          ? "This run holds none of the stability families (docs/stability.md)."
-          : "First knob value, from benign to hard, where z fails / where the status lies, each solver at its tightest "
-            "tolerance. Fails: error above 1e-6, no answer, or a wrong word on feasibility. Lies: claims to be right "
-            "there.";
+  table.note = table.rows.empty()
+                   ? "This run holds none of the stability families (docs/stability.md)."
+                   : "First knob value, from benign to hard, where z fails / where the solver makes a false claim, "
+                     "each solver at its "
+                     "tightest tolerance. Fails: error above 1e-6, no answer, or wrong about feasibility.";
   return table;
 }
 
 Table reference_table(const Run& run) {
   Table table{"references",
-              "What the referee's truth rests on.",
+              "Where the true answers come from.",
               {{"family"}, {"problems", true}, {"reference"}, {"infeasible", true}},
               {}};
   std::vector<std::string> families = families_of(run.results);

@@ -32,17 +32,17 @@ struct Table {
   std::vector<Row> rows;
 };
 
-Table claim_counts_table(const Run& run);  // the same, a row a solver
-Table claims_table(const Run& run);        // every claim the referee rejects, runs that lie first
+Table claim_counts_table(const Run& run);  // false claims, counted by solver
+Table claims_table(const Run& run);        // every claim the referee rejects, false ones first
 Table accuracy_table(const Run& run);      // time at equal achieved error, per family and over all ("all")
 Table means_table(const Run& run);         // shifted geometric means, two shifts
-Table break_point_table(const Run& run);   // first failure / first lie of each solver on each stability family
+Table break_point_table(const Run& run);   // first failure / first false claim of each solver on each stability family
 Table stability_table(const Run& run);     // a paragraph on each stability family of the run
 Table exponent_table(const Run& run);      // fitted scaling exponents
 Table verdict_table(const Run& run);       // counts of claimed against verified, per solver
 Table worst_row_table(const Run& run);     // worst violated row per constraint type, among claims of success
 Table range_gap_table(const Run& run);     // |J k - c| / |c| against the error, where a solver reports it
-Table reference_table(const Run& run);     // what the truth rests on, per family
+Table reference_table(const Run& run);     // where the true answers come from, per family
 Table solver_table(const Run& run);        // method and limits
 Table conditions_table(const Run& run);    // commit, compiler, CPU, libraries, seed
 // Of the speed suite:
