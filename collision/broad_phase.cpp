@@ -7,7 +7,7 @@
 namespace zwang::collision {
 namespace {
 
-// FCL's objects take their box from a geometry. This one is nothing but that box, in world axes.
+// FCL's objects take their box from a geometry: this one is only a box, in world axes.
 struct BoxOnly final : fcl::CollisionGeometry<double> {
   void computeLocalAABB() override {}
 };

@@ -13,10 +13,11 @@ struct LoadedTree {
 };
 
 // read_mesh, clean, Tree; with options.cache the tree is kept there under the SHA-256 of the file's bytes, the unit and
-// the weld distance, and taken from there the next time. A torn or foreign cache file is built anew. Throws BadFile.
+// the weld distance, and taken from there the next time. A damaged cache file is replaced. Throws BadFile.
 LoadedTree load_tree(const std::filesystem::path& file, const MeshFileOptions& options = {});
 
-// Where trees are kept between runs: $XDG_CACHE_HOME/zwang/trees, or the like under $HOME; empty without either.
+// The folder of trees kept between runs: $XDG_CACHE_HOME/zwang/trees, or $HOME/.cache/zwang/trees; empty without
+// either.
 std::filesystem::path tree_cache();
 
 }  // namespace zwang::collision

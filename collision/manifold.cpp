@@ -6,8 +6,8 @@
 
 namespace zwang::collision {
 
-// m, and relative: what is better by less than this is equal, and the first one wins. On flat faces many touches are
-// equal up to rounding, and which of them is kept must not hang on that: the motion would.
+// m, and relative: touches that differ by less are equal, and the first one wins. On flat faces many touches are equal
+// up to rounding, and which of them is kept must not depend on rounding, or the motion would.
 static constexpr double tie = 1e-9;
 
 void Manifold::keep(std::uint32_t touch) {
@@ -28,18 +28,18 @@ void Manifold::reduce(std::span<const Touch> touches, bool all) {
   std::sort(kept_.begin(), kept_.end());
 }
 
-// Is the obstacle's point of `t` beyond the plane of `top`, and the body's point on this side of it? Whoever keeps off
-// that plane keeps off that point: so it is with all the triangles around the nearest one of a flat face, whose nearest
-// points lie at their edges and whose normals lean outward.
+// Is the obstacle's point of `t` behind the plane of `top`, and the body's point in front of it? Then a body that stays
+// in front of that plane cannot reach the point. This holds for all triangles around the nearest one of a flat face,
+// whose nearest points are on their edges and whose normals are tilted outward.
 static bool implied(const Touch& t, const Touch& top) {
   constexpr double rounding = 1e-9;  // m
   return t.b == top.b && top.normal.dot(t.point_b - top.point_b) <= rounding &&
          top.normal.dot(t.point_a - top.point_b) >= 0;
 }
 
-// The closest touch that no cluster has taken opens one, which takes all on the same partner whose normals are near to
-// its own: one pass a cluster, no sorting. Within a cluster, seen along its normal: the closest, the farthest from it,
-// the farthest from the line through both, and the farthest on the other side of that line.
+// The closest touch outside all clusters starts the next one, with all touches on the same partner whose normals are
+// near its own: one pass per cluster, no sorting. Kept of a cluster: the closest touch, the farthest from it, the
+// farthest from the line through both, and the farthest on the other side of that line.
 void Manifold::reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end) {
   const double near = std::cos(options_.cone);
   left_.resize(end - first);

@@ -7,16 +7,16 @@
 
 namespace zwang::collision {
 
-// How few of the touches of a body say nearly all: normals within `cone` of each other, on the same partner, form a
-// cluster, of which the closest point and the ones farthest apart are kept.
+// Touches of a body on the same partner whose normals are within `cone` of each other form a cluster, of which the
+// closest point and the ones farthest apart are kept.
 struct ReduceOptions {
   double cone = 0.26179938779914941;  // rad (15 degrees)
   int per_cluster = 4;
   int clusters = 8;  // per collider a; those with the smallest gaps
 };
 
-// Keeps a few of the raw touches, and gives back more of them when a solution turns out to violate what was left out.
-// Works on numbers into the list of touches. No allocation once its lists have grown.
+// Reduces the touches to a few, and adds back those that a solution turns out to violate. Works on indices into the
+// list of touches. No allocation once its lists have grown.
 class Manifold {
  public:
   explicit Manifold(ReduceOptions options = {}) : options_(options) {}
@@ -26,11 +26,10 @@ class Manifold {
   void reduce(std::span<const Touch> touches, bool all = false);
   std::span<const std::uint32_t> kept() const { return kept_; }
 
-  // Lazy completion, after a solve that used the kept ones: every raw touch was promised a gap of at least `target`
-  // after the motion, to first order; without `push`, its own gap where that is less. Adds, of each pair of colliders,
-  // the one that is violated most, where by more than `tolerance` [m]. Returns how many were added to kept(); 0: the
-  // reduction changed nothing to this tolerance.
-  // twist: what each collider does [m; rad, world axes], by its number; poses: where it stands.
+  // Lazy completion, after a solve with the kept touches: every touch must have a gap of at least `target` after the
+  // motion, to first order; without `push`, of its present gap where that is less. Of each pair of colliders, adds the
+  // touch that is violated most, if by more than `tolerance` [m]. Returns how many were added to kept(); 0: the result
+  // is that of all touches, to this tolerance. twist: the motion of each collider [m; rad, world axes], by its number.
   int complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist, double target,
                double tolerance, bool push = true);
 

@@ -16,7 +16,7 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles = {};
 };
 
-// What clean() did and what it saw.
+// What clean() changed and found.
 struct MeshReport {
   std::size_t triangles_read = 0, vertices_read = 0;
   std::size_t welded = 0;                        // vertices merged into an earlier one

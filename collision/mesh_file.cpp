@@ -31,6 +31,7 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
   for (unsigned int m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
     const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+    if (offset == 0) mesh.vertices.reserve(part.mNumVertices), mesh.triangles.reserve(part.mNumFaces);
     for (unsigned int v = 0; v < part.mNumVertices; ++v) {
       const aiVector3t<double> p = to_root * aiVector3t<double>(part.mVertices[v]);
       mesh.vertices.emplace_back(unit * p.x, unit * p.y, unit * p.z);
@@ -48,11 +49,14 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
 }
 
 // What assimp makes of a file's contents, one mesh.
-Mesh parse(const fs::path& file, const std::string& kind, bool beside, const std::string& bytes, double unit) {
+Mesh parse(const StoredFile& stored, const std::string& kind, const std::string& bytes, double unit) {
+  const fs::path& file = stored.path;
   if (kind == ".ply" && bytes.find("end_header") == std::string::npos)
     refuse(file, "cut within its header; expected a line end_header");
   Assimp::Importer importer;
   constexpr unsigned int steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
+  // A glTF's buffers lie in files beside it, so that one is read from its place.
+  const bool beside = kind == ".gltf" && !stored.packed();
   const aiScene* scene = beside ? importer.ReadFile(file.string(), steps)
                                 : importer.ReadFileFromMemory(bytes.data(), bytes.size(), steps, kind.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_placeholder(importer.GetErrorString()));
@@ -61,26 +65,24 @@ Mesh parse(const fs::path& file, const std::string& kind, bool beside, const std
   return mesh;
 }
 
-// A mesh as one block of bytes, for the way out of the child process.
-std::string to_bytes(const Mesh& mesh) {
+// A mesh on its way out of the child process.
+void write_mesh(const Mesh& mesh, const WriteAnswer& write) {
   const std::uint64_t vertices = mesh.vertices.size();
-  const std::size_t first = sizeof vertices, second = first + vertices * sizeof(Vec3);
-  std::string bytes(second + mesh.triangles.size() * sizeof(mesh.triangles[0]), '\0');
-  std::memcpy(bytes.data(), &vertices, sizeof vertices);
-  std::memcpy(bytes.data() + first, mesh.vertices.data(), second - first);
-  std::memcpy(bytes.data() + second, mesh.triangles.data(), bytes.size() - second);
-  return bytes;
+  write(&vertices, sizeof vertices);
+  write(mesh.vertices.data(), vertices * sizeof(Vec3));
+  write(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
 }
 
-Mesh from_bytes(const std::string& bytes) {
+Mesh received(std::string_view bytes) {
+  Mesh mesh;
   std::uint64_t vertices;
   std::memcpy(&vertices, bytes.data(), sizeof vertices);
-  const std::size_t first = sizeof vertices, second = first + vertices * sizeof(Vec3);
-  Mesh mesh;
+  bytes.remove_prefix(sizeof vertices);
+  const std::size_t first = vertices * sizeof(Vec3), second = bytes.size() - first;
   mesh.vertices.resize(vertices);
-  mesh.triangles.resize((bytes.size() - second) / sizeof(mesh.triangles[0]));
-  std::memcpy(static_cast<void*>(mesh.vertices.data()), bytes.data() + first, second - first);
-  std::memcpy(mesh.triangles.data(), bytes.data() + second, bytes.size() - second);
+  mesh.triangles.resize(second / sizeof(mesh.triangles[0]));
+  std::memcpy(static_cast<void*>(mesh.vertices.data()), bytes.data(), first);
+  std::memcpy(mesh.triangles.data(), bytes.data() + first, second);
   return mesh;
 }
 
@@ -116,17 +118,17 @@ MeshName parse_mesh_name(const std::string& name) {
 }
 
 MeshFile read_mesh(const StoredFile& stored, const MeshFileOptions& options) {
+  constexpr std::size_t most = std::size_t{4} << 30;  // bytes, unpacked
   constexpr std::array<std::string_view, 6> kinds{".stl", ".obj", ".ply", ".gltf", ".glb", ".dxf"};
   const std::string kind = stored.kind();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
     refuse(stored.path, "meshes are .stl, .obj, .ply, .gltf, .glb or .dxf, or one of them with .gz");
   if (options.progress) options.progress(0, "reading");
-  const std::string bytes = isolated(stored.path, limits_of(stored), [&] {
-    // A glTF's buffers lie in files beside it, so that one is read from its place.
-    const bool beside = kind == ".gltf" && !stored.packed();
-    return to_bytes(parse(stored.path, kind, beside, unpacked(stored, std::size_t{4} << 30), options.unit));
-  });
-  MeshFile out{.mesh = from_bytes(bytes), .report = {}};
+  MeshFile out;
+  out.mesh = received(isolated(stored.path, limits_of(stored), [&](const WriteAnswer& write) {
+                        const std::string inner = stored.packed() ? unpacked(stored, most) : std::string();
+                        write_mesh(parse(stored, kind, stored.packed() ? inner : stored.bytes, options.unit), write);
+                      }).bytes());
   if (out.mesh.triangles.empty()) refuse(stored.path, "no triangles in it");
   if (options.progress) options.progress(0.5, "welding");
   try {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/collision/closest.h>
+#include <zwang/collision/narrow_phase/closest.h>
 
 namespace zwang::collision {
 namespace {
@@ -33,22 +33,18 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
   const auto hidden_by_any = [&](const auto& test) { return std::any_of(hidden.begin(), hidden.end(), test); };
   std::optional<NearestPoint> best;
   double least = reach * reach;
-  const std::span<const TreeNode> nodes = tree.nodes();
-  for (std::size_t i = 0; i < nodes.size();) {
-    const TreeNode& node = nodes[i];
-    if (square_to(node, p) >= least || hidden_by_any([&](const Plane& plane) { return hides(plane, node); })) {
-      i = node.skip;
-      continue;
-    }
-    if (!tree.leaf(i++)) continue;
-    for (auto [t, end] = tree.range(i - 1); t < end; ++t) {
+  const auto enter = [&](const TreeNode& node, std::size_t) {
+    return square_to(node, p) < least && !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
+  };
+  tree.walk(enter, [&](std::uint32_t t, std::uint32_t end) {
+    for (; t < end; ++t) {
       const Vec3 q = nearest_point(tree.triangle(t), p);
       const double square = (q - p).squaredNorm();
       if (!(square < least) || hidden_by_any([&](const Plane& plane) { return plane.hides(q); })) continue;
       least = square;
       best = {std::sqrt(square), q, t};
     }
-  }
+  });
   return best;
 }
 

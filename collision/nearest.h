@@ -7,7 +7,7 @@
 
 namespace zwang::collision {
 
-// What lies under a plane, or less than `tolerance` over it, is hidden: normal . x <= offset + tolerance.
+// Points below a plane, or less than `tolerance` above it, are hidden: normal . x <= offset + tolerance.
 struct Plane {
   static constexpr double tolerance = 2e-7;  // m; nodes are rounded outward by less
   Vec3 normal = Vec3::UnitZ();
@@ -23,8 +23,8 @@ struct NearestPoint {
 };
 
 // The point of a mesh nearest to `p` (its axes), exact to rounding, if one is nearer than `reach` [m] and not hidden by
-// any plane. The nearest point of all, then the nearest that its plane does not hide, and so on, are what a sphere may
-// run into: a handful, however fine the mesh is, and a flat floor is one of them, without the edges of its triangles.
+// any plane. The nearest point, then the nearest that the first one's plane does not hide, and so on, are what a sphere
+// may hit: a few points, however fine the mesh is, with only one on a flat floor.
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden = {});
 
 }  // namespace zwang::collision

@@ -7,9 +7,9 @@
 
 namespace zwang::collision {
 
-// A convex core swept by a sphere: all points within `radius` of the core, in the body's axes. The margin of the sphere
-// is what keeps normals defined: as long as surfaces do not overlap by a radius the cores stay apart, and the normal is
-// the direction between their nearest points, at edges and corners too.
+// A convex core swept by a sphere: all points within `radius` of the core, in the body's axes. The radius keeps normals
+// defined: as long as surfaces overlap by less than a radius the cores are apart, and the normal is the direction
+// between their nearest points, also at edges and corners.
 enum class Core : unsigned char { point, segment, box, hull };
 
 class Shape {

@@ -80,7 +80,7 @@ Tree::Tree(const Mesh& mesh) {
     }
     origin_.push_back(static_cast<std::uint32_t>(id));
   };
-  // An explicit stack: the tree of a mesh whose triangles share their centres is as deep as it has triangles.
+  // An explicit stack: the tree of a mesh whose triangles share their centres is as deep as the number of triangles.
   std::vector<int> below;
   const auto take_all = [&](int top) {
     const std::size_t base = below.size();
@@ -97,7 +97,7 @@ Tree::Tree(const Mesh& mesh) {
   };
 
   nodes_.clear();
-  std::vector<std::pair<int, std::size_t>> open{{0, 0}};  // node of FCL's, or -1 and the flat node whose subtree ends
+  std::vector<std::pair<int, std::size_t>> open{{0, 0}};  // FCL's node, or -1 and the flat node whose subtree ends here
   while (!open.empty()) {
     const auto [id, flat] = open.back();
     open.pop_back();

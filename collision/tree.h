@@ -13,9 +13,8 @@ struct Triangle {
   std::array<Vec3, 3> corner;  // m, in the mesh's axes
 };
 
-// An axis-aligned box in single precision, rounded outward, and where the walk goes on. Nodes lie in the order of a
-// depth-first walk: an inner node's first child is the next node, `skip` the next one outside its subtree, a leaf's
-// own next node. A walk needs no stack.
+// An axis-aligned box in single precision, rounded outward. Nodes are stored in depth-first order: an inner node's
+// first child is the next node, and `skip` is the next node outside its subtree. A walk needs no stack.
 struct TreeNode {
   std::array<float, 3> low, high;
   std::uint32_t skip;
@@ -24,11 +23,12 @@ struct TreeNode {
 static_assert(sizeof(TreeNode) == 32);
 
 // The triangles of a mesh in the order of the leaves of a tree of boxes. Built by fcl::BVHModel<AABB> and flattened;
-// small subtrees become one leaf. Corners are kept once a leaf, in the order of the leaves: the points of a subtree lie
-// side by side. A query reads memory more than it computes, and three corners for each triangle are twice as many.
+// small subtrees become one leaf. Corners are stored once per leaf, in the order of the leaves, so the points of a
+// subtree are contiguous. Queries are limited by memory, and three corners per triangle would be twice as many.
+// (CGAL's AABB_tree would be a second tree of each mesh, neither flat nor storable.)
 class Tree {
  public:
-  static constexpr int leaf_size = 4;  // triangles; below that a box costs as much as the triangles it might spare
+  static constexpr int leaf_size = 4;  // triangles; with fewer a box costs as much as the tests it may save
 
   Tree() = default;
   // Throws std::invalid_argument for a mesh without triangles or with more than 2^28.
@@ -47,9 +47,22 @@ class Tree {
   }
   auto triangles() const { return triangles(0, size()); }
   auto triangles(std::pair<std::uint32_t, std::uint32_t> range) const { return triangles(range.first, range.second); }
-  // The triangles of a node's subtree, first and end: they lie together.
+  // The triangles of a node's subtree, first and end: they are contiguous.
   std::pair<std::uint32_t, std::uint32_t> range(std::size_t node) const {
     return {nodes_[node].first, nodes_[nodes_[node].skip].first};
+  }
+  // Depth first: `enter(node, number)` decides whether a node's subtree is visited, `visit(first, end)` gets the
+  // triangles of each leaf that was entered.
+  template <class Enter, class Visit>
+  void walk(Enter enter, Visit visit) const {
+    for (std::size_t i = 0; i < nodes().size();) {
+      if (!enter(nodes_[i], i)) {
+        i = nodes_[i].skip;
+        continue;
+      }
+      if (leaf(i)) visit(nodes_[i].first, nodes_[i + 1].first);
+      ++i;
+    }
   }
   // The corners of such a subtree; `corners` counts from the first of them on.
   std::span<const Vec3> points(std::uint32_t first, std::uint32_t end) const {
@@ -57,19 +70,19 @@ class Tree {
     return {points_.data() + begin, stop - begin};
   }
   std::span<const std::array<std::uint32_t, 3>> corners() const { return corners_; }
-  // Where triangle t of this tree stood in the mesh.
+  // The number of triangle t of this tree in the mesh.
   std::uint32_t origin(std::size_t t) const { return origin_[t]; }
   const Vec3& low() const { return low_; }
   const Vec3& high() const { return high_; }
   double bytes_per_triangle() const;
 
-  // One block of bytes that from_bytes gives back bit for bit. from_bytes throws std::runtime_error when the block is
-  // torn, changed or of another version or byte order.
+  // One block of bytes, from which from_bytes restores the tree bit for bit. from_bytes throws std::runtime_error when
+  // the block is truncated, changed or of another version or byte order.
   std::string to_bytes() const;
   static Tree from_bytes(std::string_view bytes);
 
  private:
-  std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one behind the last, whose first triangle is size()
+  std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one after the last, whose first triangle is size()
   std::vector<Vec3> points_ = {};
   std::vector<std::array<std::uint32_t, 3>> corners_ = {};  // of each triangle, in points_
   std::vector<std::uint32_t> origin_ = {};

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include <zwang/collision/patch.h>
+#include <zwang/collision/narrow_phase/patch.h>
 
 namespace zwang::collision {
 namespace {
@@ -55,15 +55,15 @@ void World::box_of(const Collider& c, Vec3& low, Vec3& high) const {
   high = middle + half;
 }
 
-bool World::looked_at(int a, int b) const {
+bool World::may_meet(int a, int b) const {
   const Collider &x = at(a), &y = at(b);
   if (x.scenery && y.scenery) return false;
   if (shape(b) && b <= a) return false;  // two shapes are one pair
   return (x.filter.group & y.filter.mask) != 0 && (y.filter.group & x.filter.mask) != 0;
 }
 
-Course World::course(int collider) const {
-  Course c{.start = pose(collider)};
+BodyMotion World::body_motion(int collider) const {
+  BodyMotion c{.start = pose(collider)};
   if (const Move* move = move_of_[static_cast<std::size_t>(collider)]) {
     c.twist = move->twist;
     c.path = move->path;
@@ -78,39 +78,138 @@ double World::travel(int collider) const {
   return move->twist.head<3>().norm() + move->twist.tail<3>().norm() * at(collider).arm;
 }
 
-// A patch is first taken for all that lies beyond a plane that turns with the motion; only where that comes too near,
-// its triangles are asked. These end the motion an eighth of the strip before a plane would: what lies in one plane,
-// and a palm that is pressed on a fine flat mesh has thousands of patches there, then keeps off as a whole.
-double World::safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
+// The pairs of each shape and what is near it or, with moves, near its sweep.
+void World::collect(double activation, Found& found) {
+  found.pairs.clear();
+  found.candidates.clear();
+  double others = 0;
+  for (int c = 0; c < size(); ++c) others = std::max(others, travel(c));
+  for (int a = 0; a < size(); ++a) {
+    if (!shape(a)) continue;
+    Vec3 low, high;
+    box_of(at(a), low, high);
+    const Vec3 margin = Vec3::Constant(activation + 2 * margins_.stop + travel(a) + others);
+    broad_phase_.query(low - margin, high + margin, overlapping_);
+    for (const int b : overlapping_)
+      if (may_meet(a, b)) collect_pair(a, b, activation, found);
+  }
+}
+
+void World::collect_pair(int a, int b, double activation, Found& found) const {
+  const Shape& shape = *this->shape(a);
+  const RelativeMotion motion(body_motion(a), body_motion(b), shape.reach());
+  const std::size_t first = found.candidates.size();
+  const bool moves = motion.travel() > 0;
+  const double reach = moves ? std::max(activation, motion.travel() + 2 * margins_.stop) : activation;
+  if (const Tree* tree = mesh(b)) {
+    // A curved path leaves the chord between its ends by at most acceleration / 8.
+    const double curve = motion.along_path() ? motion.travel() : motion.acceleration() / 8;
+    Region region(shape, motion.start().place,
+                  shape.radius() + (moves ? std::max(activation, 2 * margins_.stop + curve) : activation));
+    if (moves && !motion.along_path()) region.include(motion.at(1).place, margins_.stop + curve + shape.radius());
+    collect_mesh(*tree, region, reach, found.candidates);
+  } else {
+    const Shape& other = *this->shape(b);
+    const Closest c = closest(shape, motion.start().place, {.shape = &other}, 0);
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, c});
+  }
+  if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
+}
+
+// The patches (where one plane is accurate enough) and triangles of a mesh within `reach` of the region's shape.
+void World::collect_mesh(const Tree& tree, const Region& region, double reach,
+                         std::vector<Candidate>& candidates) const {
+  const Shape& shape = region.shape;
+  const Pose<double>& place = region.a_in_b;
+  const auto enter = [&](const TreeNode& node, std::size_t number) {
+    Region::LocalBox box;
+    if (region.misses(node, box)) return false;
+    const auto [begin, end] = tree.range(number);
+    Closest c;
+    if (shape.core() == Core::hull || end - begin > patch_size ||
+        !patch_plane(region, box, tree.points(begin, end), margins_.stop, c))
+      return true;
+    if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, c});
+    return false;
+  };
+  tree.walk(enter, [&](std::uint32_t begin, std::uint32_t end) {
+    const std::span<const Vec3> points = tree.points(begin, end);
+    std::array<Vec3, 3 * Tree::leaf_size> local;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      local[k] = place.rotation.transpose() * (points[k] - place.position);
+    const std::uint32_t base = tree.corners()[begin][0];
+    for (std::uint32_t t = begin; t < end; ++t) {
+      const auto& corner = tree.corners()[t];
+      const Triangle triangle{local[corner[0] - base], local[corner[1] - base], local[corner[2] - base]};
+      if (region.misses(triangle)) continue;
+      Closest c = closest(shape, triangle, shape.radius() + reach);
+      if (c.distance - shape.radius() > reach) continue;
+      c.normal = place.rotation * c.normal;
+      c.on_b = place * c.on_b;
+      candidates.push_back({t, t + 1, c});
+    }
+  });
+}
+
+std::span<const Touch> World::touches(double activation) {
+  std::fill(move_of_.begin(), move_of_.end(), nullptr);
+  if (near_reach_ != activation) collect(activation, near_);
+  near_reach_ = activation;
+  touches_.clear();
+  for (const Pair& pair : near_.pairs) {
+    const Pose<double>& of_b = pose(pair.b);
+    const Tree* tree = mesh(pair.b);
+    const double radius = shape(pair.a)->radius(), radius_b = tree ? 0 : shape(pair.b)->radius();
+    const auto add = [&](const Closest& c, std::uint32_t feature) {
+      const Vec3 n = of_b.rotation * c.normal, on_b = of_b * c.on_b + radius_b * n;
+      const double gap = c.distance - radius - radius_b;
+      touches_.push_back({pair.a, pair.b, feature, gap, n, on_b + gap * n, on_b});
+    };
+    for (std::size_t i = pair.first; i < pair.end; ++i)
+      add(near_.candidates[i].closest, tree ? tree->origin(near_.candidates[i].first) : 0);
+    if (tree) continue;
+    const RelativeMotion now(body_motion(pair.a), body_motion(pair.b), 0);
+    face_contacts(*shape(pair.a), now.start().place, *shape(pair.b), near_.candidates[pair.first].closest, activation,
+                  face_contacts_);
+    for (int k = 0; k < face_contacts_.count; ++k)
+      add(face_contacts_.at[static_cast<std::size_t>(k)], static_cast<std::uint32_t>(k + 1));
+  }
+  return touches_;
+}
+
+// A patch is first replaced by a separating plane, updated along the motion; only where the shape may reach that plane
+// are its triangles tested. Those stop the motion an eighth of the range earlier than a plane would: otherwise a palm
+// pressed on a fine flat mesh, with thousands of patches, would be tested against the triangles of each.
+double World::safe_time(const Pair& pair, const Candidate& candidate, const RelativeMotion& motion, StopRange range,
                         double limit) const {
   const Shape& a = *shape(pair.a);
   const Tree* tree = mesh(pair.b);
-  if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, strip, limit);
+  if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, range, limit);
   if (candidate.end - candidate.first == 1) {
     const Triangle triangle = tree->triangle(candidate.first);
-    return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, strip, limit);
+    return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, range, limit);
   }
   const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
   if (!motion.along_path()) {
     constexpr int planes = 6;
-    Relative::Instant now = motion.start();
+    RelativeMotion::Instant now = motion.start();
     Closest plane = candidate.closest;
     double s = 0;
     for (int k = 0; k < planes; ++k) {
-      const double room = plane.distance - a.radius() - strip.aim;
+      const double room = plane.distance - a.radius() - range.aim;
       if (!(room > 0)) break;
-      s += free_way(a, motion, now, plane.normal, room, limit - s);
+      s += time_to_plane(a, motion, now, plane.normal, room, limit - s);
       if (s >= limit) return limit;
       now = motion.at(s);
       plane = plane_between(a, now.place, patch, plane.on_b);
     }
   }
-  strip.aim += (strip.land - strip.aim) / 8;
+  range.aim += (range.land - range.aim) / 8;
   for (const Triangle& triangle : tree->triangles(candidate.first, candidate.end)) {
-    const Part part{.triangle = &triangle};
-    const Closest start = closest(a, motion.start().place, part, a.radius() + motion.travel() + strip.land);
-    if (start.distance - a.radius() > motion.travel() + strip.land) continue;
-    limit = collision::safe_time(a, motion, part, start, strip, limit);
+    const Obstacle obstacle{.triangle = &triangle};
+    const Closest start = closest(a, motion.start().place, obstacle, a.radius() + motion.travel() + range.land);
+    if (start.distance - a.radius() > motion.travel() + range.land) continue;
+    limit = collision::safe_time(a, motion, obstacle, start, range, limit);
   }
   return limit;
 }
@@ -147,20 +246,20 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
 
   TimeOfContact out;
   for (const Pair& pair : found.pairs) {
-    const Course of_a = course(pair.a), of_b = course(pair.b);
+    const BodyMotion of_a = body_motion(pair.a), of_b = body_motion(pair.b);
     if (of_a.still() && of_b.still()) continue;
     const Shape& shape = *this->shape(pair.a);
-    const Relative motion(of_a, of_b, shape.reach());
+    const RelativeMotion motion(of_a, of_b, shape.reach());
     const double radius = shape.radius() + (mesh(pair.b) ? 0 : this->shape(pair.b)->radius());
     double least = least_[static_cast<std::size_t>(pair.a)];
     if (!mesh(pair.b)) least = std::min(least, least_[static_cast<std::size_t>(pair.b)]);
-    const Strip strip = landing(least, margins_.stop);
+    const StopRange range = stop_range(least, margins_.stop);
     for (std::size_t i = pair.first; i < pair.end; ++i) {
       const Candidate& candidate = found.candidates[i];
       const double gap = candidate.closest.distance - radius;
-      if (gap > motion.travel() + strip.land) continue;
+      if (gap > motion.travel() + range.land) continue;
       if (gap <= touching) return {0, pair.a, pair.b, true};
-      const double time = safe_time(pair, candidate, motion, strip, out.time);
+      const double time = safe_time(pair, candidate, motion, range, out.time);
       if (time < out.time) out = {time, pair.a, pair.b, false};
     }
   }

@@ -6,20 +6,20 @@
 #include <variant>
 #include <vector>
 
-#include <zwang/collision/approach.h>
 #include <zwang/collision/broad_phase.h>
-#include <zwang/collision/facing.h>
+#include <zwang/collision/narrow_phase/approach.h>
+#include <zwang/collision/narrow_phase/face_contacts.h>
 
 namespace zwang::collision {
 
 struct Region;
 
-// Two colliders are looked at when each one's mask has a bit of the other's group.
+// Two colliders are tested against each other when each one's mask has a bit of the other's group.
 struct Filter {
   std::uint64_t group = 1, mask = ~std::uint64_t{0};
 };
 
-// A shape near something: its nearest point, the other's nearest point, and how far they are apart.
+// A contact or near contact: the nearest points of two colliders and their distance.
 struct Touch {
   int a = 0, b = 0;             // colliders; a is a shape, b a mesh or a shape with a higher number
   std::uint32_t feature = 0;    // the (first) triangle of b's mesh, by the mesh's numbers; against a shape 0 to 6
@@ -29,7 +29,7 @@ struct Touch {
   Vec3 point_b = Vec3::Zero();  // m, world, on b's surface
 };
 
-// How one collider moves over the step. All others stand still.
+// The motion of one collider over the step. All others are at rest.
 struct Move {
   int collider = 0;
   Vec<double, 6> twist = Vec<double, 6>::Zero();  // m, rad; x(s) = retract(pose, s * twist)
@@ -37,23 +37,23 @@ struct Move {
 };
 
 struct TimeOfContact {
-  double time = 1;       // of the step, in [0, 1]: up to there nobody meets anybody
-  int a = -1, b = -1;    // the pair that meets first; -1: none does
+  double time = 1;       // of the step, in [0, 1]: until then there is no contact
+  int a = -1, b = -1;    // the pair that comes into contact first; -1: none
   bool overlap = false;  // that pair overlaps at the start: time is 0
 };
 
 struct Margins {
-  double stop = 1e-4;  // m: motions end between this gap and half of it; what starts nearer, at half its gap or nearer
+  double stop = 1e-4;  // m: motions end between this gap and half of it (bodies that start nearer: stop_range)
 };
 
-// Meshes and shapes at their poses. Meshes against meshes are not looked at. Queries allocate nothing once their lists
+// Meshes and shapes at their poses. Meshes are not tested against meshes. Queries allocate nothing once their lists
 // have grown to what the scene needs; the same calls give the same bits.
 class World {
  public:
   explicit World(Margins margins = {}) : margins_(margins) {}
 
-  // Return the collider's number. Scenery (meshes always are) is not looked at against other scenery: that is the
-  // physics engine's part. It may be placed and moved like anything else.
+  // Return the collider's number. Scenery (every mesh, and shapes added as such) is not tested against other scenery:
+  // that is left to the physics engine. It may be placed and moved like anything else.
   int add(std::shared_ptr<const Tree> mesh, const Pose<double>& pose = {}, Filter filter = {});
   int add(const Shape& shape, const Pose<double>& pose = {}, Filter filter = {}, bool scenery = false);
 
@@ -63,17 +63,17 @@ class World {
   const Tree* mesh(int collider) const;
   int size() const { return static_cast<int>(colliders_.size()); }
 
-  // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree: one entry a shape and
-  // shape (and up to six more at the corners of the area where two sides face each other), or a shape and triangle, or
-  // a shape and up to 64 triangles that one plane keeps off so well that their smallest gap is known to a tenth of
-  // itself and of the stop distance, and never too large; its point_a, straight up from the nearest vertex, may lie
-  // beside the shape then. Valid until the next call.
+  // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree. One entry for two shapes
+  // (and up to six more at the corners of the area where two faces overlap), for a shape and a triangle, or for a shape
+  // and a patch of up to 64 triangles whose smallest gap one separating plane gives to a tenth of itself and of the
+  // stop distance, and never too large; point_a, straight above the nearest vertex, may then lie beside the shape.
+  // Valid until the next call.
   std::span<const Touch> touches(double activation);
 
-  // The largest part of the step that all moves may make without any two colliders meeting (Algorithm 1 of the paper):
-  // the minimum over all pairs and triangles. Pose to commit: retract(pose, time * twist) or path(time). Uses what the
-  // last touches() found when nothing was placed since and it reached far enough. Throws std::invalid_argument when a
-  // collider is named that is not there, or a twist is not finite.
+  // The largest part of the step that all moves may make without a contact (Algorithm 1 of the paper): the minimum over
+  // all pairs and triangles. Pose to commit: retract(pose, time * twist) or path(time). Reuses the pairs of the last
+  // touches() when nothing was placed since and its distance was large enough. Throws std::invalid_argument for a
+  // collider that does not exist or a twist that is not finite.
   TimeOfContact time_of_contact(std::span<const Move> moves);
 
  private:
@@ -86,7 +86,7 @@ class World {
     double arm;         // m, from its origin to its farthest point
   };
   struct Candidate {
-    std::uint32_t first, end;  // the triangles it stands for, in the tree's order
+    std::uint32_t first, end;  // its triangles, in the tree's order
     Closest closest;           // b's axes; the core of a against the triangle, or against the core of b
   };
   struct Pair {
@@ -101,25 +101,25 @@ class World {
   const Collider& at(int c) const { return colliders_[static_cast<std::size_t>(c)]; }
   int add(Collider collider);
   void box_of(const Collider& c, Vec3& low, Vec3& high) const;
-  bool looked_at(int a, int b) const;
-  Course course(int collider) const;
+  bool may_meet(int a, int b) const;
+  BodyMotion body_motion(int collider) const;
   double travel(int collider) const;
   void collect(double activation, Found& found);
-  void gather(int a, int b, double activation, Found& found) const;
-  void walk(const Tree& tree, const Region& region, double reach, std::vector<Candidate>& candidates) const;
-  double safe_time(const Pair& pair, const Candidate& candidate, const Relative& motion, Strip strip,
+  void collect_pair(int a, int b, double activation, Found& found) const;
+  void collect_mesh(const Tree& tree, const Region& region, double reach, std::vector<Candidate>& candidates) const;
+  double safe_time(const Pair& pair, const Candidate& candidate, const RelativeMotion& motion, StopRange range,
                    double limit) const;
 
   Margins margins_;
   std::vector<Collider> colliders_;
   BroadPhase broad_phase_;
-  std::vector<int> met_;
+  std::vector<int> overlapping_;
   std::vector<const Move*> move_of_;  // of the present query, by collider
   Found near_, swept_;
   double near_reach_ = -1;     // m, activation distance of near_; -1: out of date
-  std::vector<double> least_;  // m, by collider: how near it is to anything at the start
+  std::vector<double> least_;  // m, by collider: its smallest gap at the start
   std::vector<Touch> touches_;
-  Facing facing_;
+  FaceContacts face_contacts_;
 };
 
 }  // namespace zwang::collision

@@ -33,7 +33,7 @@
 namespace zwang {
 namespace {
 
-enum Ending : int { returned = 0, refused = 10, out_of_memory = 11, not_written = 12 };  // the child's exit codes
+enum Ending : int { returned = 0, refused = 10, out_of_memory = 11, crashed = 12 };  // the child's exit codes
 
 // A file descriptor, closed at the end.
 struct Descriptor {
@@ -57,30 +57,22 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-bool write_all(int file, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t written = write(file, text.data() + done, text.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    done += static_cast<std::size_t>(written);
-  }
-  return true;
-}
+struct NotWritten {};
 
-std::string read_all(int file) {
-  std::string text(static_cast<std::size_t>(lseek(file, 0, SEEK_END)), '\0');
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t got = pread(file, text.data() + done, text.size() - done, static_cast<off_t>(done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw std::system_error(errno, std::generic_category(), "the answer of a child process");
-    done += static_cast<std::size_t>(got);
+void write_all(int file, const void* data, std::size_t bytes) {
+  const char* at = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t written = write(file, at, bytes);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) throw NotWritten{};
+    at += written;
+    bytes -= static_cast<std::size_t>(written);
   }
-  return text;
 }
 
 // The child's whole life. Destructors and what is registered with atexit belong to the parent.
 [[noreturn]] void live(int answer, pid_t parent, const std::filesystem::path& file, const IsolationLimits& limits,
-                       const std::function<std::string()>& work) {
+                       const std::function<void(const WriteAnswer&)>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(refused);
   std::signal(SIGINT, SIG_IGN);  // the parent decides
@@ -94,15 +86,26 @@ std::string read_all(int file) {
   const std::size_t most = bytes_held() + limits.bytes;
   limit(RLIMIT_AS, most, most);
 #endif
+  const auto refuse = [answer](const std::string& why) {
+    if (ftruncate(answer, 0) != 0 || lseek(answer, 0, SEEK_SET) != 0) _exit(crashed);
+    write_all(answer, why.data(), why.size());
+    _exit(refused);
+  };
   try {
-    _exit(write_all(answer, work()) ? returned : not_written);
-  } catch (const std::bad_alloc&) {
+    try {
+      work([answer](const void* data, std::size_t bytes) { write_all(answer, data, bytes); });
+      _exit(returned);
+    } catch (const BadFile& bad) {
+      refuse(bad.what());
+    } catch (const std::bad_alloc&) {
+      _exit(out_of_memory);
+    } catch (const std::exception& bad) {
+      refuse(file.string() + ": " + one_line(bad.what()));
+    }
+  } catch (...) {
     _exit(out_of_memory);
-  } catch (const BadFile& bad) {
-    _exit(write_all(answer, bad.what()) ? refused : not_written);
-  } catch (const std::exception& bad) {
-    _exit(write_all(answer, file.string() + ": " + one_line(bad.what())) ? refused : not_written);
   }
+  _exit(crashed);
 }
 
 // Waits for the child, no longer than to the deadline. Returns its status as waitpid does; -1: it was stopped.
@@ -129,8 +132,21 @@ int wait_for(pid_t child, double seconds) {
 
 }  // namespace
 
-std::string isolated(const std::filesystem::path& file, const IsolationLimits& limits,
-                     const std::function<std::string()>& work) {
+IsolatedAnswer::IsolatedAnswer(int file) {
+  const off_t size = lseek(file, 0, SEEK_END);
+  if (size <= 0) return;
+  const auto bytes = static_cast<std::size_t>(size);
+  void* mapped = mmap(nullptr, bytes, PROT_READ, MAP_SHARED | MAP_POPULATE, file, 0);
+  if (mapped == MAP_FAILED) throw std::bad_alloc();
+  bytes_ = {static_cast<const char*>(mapped), bytes};
+}
+
+IsolatedAnswer::~IsolatedAnswer() {
+  if (!bytes_.empty()) munmap(const_cast<char*>(bytes_.data()), bytes_.size());
+}
+
+IsolatedAnswer isolated(const std::filesystem::path& file, const IsolationLimits& limits,
+                        const std::function<void(const WriteAnswer&)>& work) {
   const Descriptor answer(memfd_create("answer", MFD_CLOEXEC), "no memory for a child process's answer");
   const pid_t parent = getpid(), child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "no child process");
@@ -138,16 +154,13 @@ std::string isolated(const std::filesystem::path& file, const IsolationLimits& l
 
   const int status = wait_for(child, 10 * limits.seconds);
   const int ending = status >= 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  if (ending == returned) return read_all(answer.number);
-  if (ending == refused) throw BadFile(read_all(answer.number));
+  if (ending == returned) return IsolatedAnswer(answer.number);
+  if (ending == refused) throw BadFile(std::string(IsolatedAnswer(answer.number).bytes()));
   const bool late = status < 0 || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL));
-  char why[120];
-  if (late)
-    std::snprintf(why, sizeof why, "not read within %.0f s", std::ceil(limits.seconds));
-  else if (ending == out_of_memory || ending == not_written)
+  char why[120] = "its reader crashed";
+  if (late) std::snprintf(why, sizeof why, "not read within %.0f s", std::ceil(limits.seconds));
+  if (ending == out_of_memory)
     std::snprintf(why, sizeof why, "asks for more than %.1f GB of memory", static_cast<double>(limits.bytes) * 1e-9);
-  else
-    std::snprintf(why, sizeof why, "its reader crashed");
   throw BadFile(file.string() + ": " + why + "; expected an undamaged file");
 }
 

@@ -1,4 +1,4 @@
-#include <zwang/collision/closest.h>
+#include <zwang/collision/narrow_phase/closest.h>
 
 #include <gtest/gtest.h>
 

@@ -96,6 +96,30 @@ TEST_F(MeshFiles, BrokenFilesCostOneLineThatNamesTheFile) {
   }
 }
 
+// assimp 5.2.5 reads on for ever in a binary PLY that ends within its header.
+TEST_F(MeshFiles, APlyCutWithinItsHeaderIsRefusedAtOnce) {
+  const std::string head =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\n";
+  for (std::size_t size = 4; size < head.size(); size += 17) {
+    const std::string line = complaint(write("cut.ply", head.substr(0, size)));
+    EXPECT_NE(line.find("cut.ply: cut within its header"), std::string::npos) << size << ": " << line;
+  }
+  // The words are there, but no line that ends the header.
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(complaint(write("comment.ply", "ply\nformat binary_little_endian 1.0\ncomment end_header")), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
+}
+
+TEST_F(MeshFiles, NamesMayCarryTheirUnit) {
+  EXPECT_EQ(parse_mesh_name("gear.stl@mm").file, "gear.stl");
+  EXPECT_EQ(parse_mesh_name("gear.stl@mm").unit, 1e-3);
+  EXPECT_EQ(parse_mesh_name("gear.stl").unit, 1);
+  EXPECT_THROW(parse_mesh_name("gear.stl@mn"), BadFile);
+  const fs::path file = write("gear@mm", "x");
+  EXPECT_EQ(parse_mesh_name(file.string()).file, file) << "a file of this very name";
+}
+
 TEST(Clean, CountsWhatItDropsAndWhatItSees) {
   Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 1, 0}, {2, 0, 0}, {9, 9, 9}},
             {{0, 1, 2}, {3, 1, 2}, {1, 4, 2}, {0, 1, 5}, {1, 1, 2}}};

@@ -199,7 +199,7 @@ def formats(program, folder, data=""):
         ("ball.stl", stl_binary(v, t)), ("ball.obj", obj(v, t)), ("ball.ply", ply(v, t, "binary_little_endian")),
         ("ball.glb", glb(v, t)), ("ball.dxf", dxf(v, t)))]
     make(program, folder, ["export", "tower", "--boxes=2", "--out", "own.h5"])
-    make(program, folder, ["export", "hand", "--contacts=4", "--out", "hand.h5"])
+    make(program, folder, ["export", "tower", "--boxes=3", "--out", "own3.h5"])
     fclib = []
     for kind, storage in (("fclib_global", "triplets"), ("fclib_global", "columns"), ("fclib_local", "rows")):
         fclib.append(os.path.join(folder, f"{kind}_{storage}.hdf5"))
@@ -211,7 +211,7 @@ def formats(program, folder, data=""):
     solve = ["solve", "FILE", "--solver", "dual_active_set"]
     motion = ["simulate", "box", "--frames", "2", "--verify", "0", "--out", "out", "--motion", "FILE"]
     return [
-        Format("own", [os.path.join(folder, name) for name in ("own.h5", "hand.h5")], solve),
+        Format("own", [os.path.join(folder, name) for name in ("own.h5", "own3.h5")], solve),
         Format("fclib", fclib + recorded("contact_fclib/CubeH8.hdf5"), solve + ["--friction", "pyramid"]),
         Format("stl", [put("binary.stl", stl_binary(v, t)), put("text.stl", stl_text(v, t))], mesh),
         Format("obj", [put("ball.obj", obj(v, t))] + recorded("hand_shadow_mjcf/f_middle.obj"), mesh),

@@ -7,7 +7,7 @@
 
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/collision/closest.h>
+#include <zwang/collision/narrow_phase/closest.h>
 
 namespace zwang::god {
 namespace {
@@ -96,21 +96,16 @@ bool meets(const TreeNode& node, const Vec3& p, const Vec3& inverse) {
 int winding(const Tree& tree, const Vec3& p, const Vec3& along) {
   const Vec3 inverse = along.cwiseInverse();
   int sum = 0;
-  for (std::size_t n = 0; n < tree.nodes().size();) {
-    const TreeNode& node = tree.nodes()[n];
-    if (!meets(node, p, inverse)) {
-      n = node.skip;
-      continue;
-    }
-    if (!tree.leaf(n++)) continue;
-    for (const collision::Triangle& t : tree.triangles(tree.range(n - 1))) {
+  const auto enter = [&](const TreeNode& node, std::size_t) { return meets(node, p, inverse); };
+  tree.walk(enter, [&](std::uint32_t first, std::uint32_t end) {
+    for (const collision::Triangle& t : tree.triangles(first, end)) {
       const Vec3 a = t.corner[0] - p, b = t.corner[1] - p, c = t.corner[2] - p;
       // Signed volumes over the edges: equal signs where the line passes through.
       const double u = along.dot(b.cross(c)), v = along.dot(c.cross(a)), w = along.dot(a.cross(b));
       const int sign = u > 0 && v > 0 && w > 0 ? 1 : u < 0 && v < 0 && w < 0 ? -1 : 0;
       if (sign != 0 && sign * a.dot((b - a).cross(c - a)) > 0) sum += sign;
     }
-  }
+  });
   return sum;
 }
 

@@ -13,9 +13,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // How far along the ray from p in direction d the mesh is first met (Moeller & Trumbore 1997, both sides).
 double first_hit(const collision::Tree& tree, const Vec3& p, const Vec3& d) {
   double nearest = infinity;
-  const auto nodes = tree.nodes();
-  for (std::size_t i = 0; i < nodes.size();) {
-    const collision::TreeNode& node = nodes[i];
+  const auto enter = [&](const collision::TreeNode& node, std::size_t) {
     double in = 0, out = nearest;
     for (int k = 0; k < 3; ++k) {
       const auto a = static_cast<std::size_t>(k);
@@ -26,18 +24,16 @@ double first_hit(const collision::Tree& tree, const Vec3& p, const Vec3& d) {
       const double s = (node.low[a] - p[k]) / d[k], t = (node.high[a] - p[k]) / d[k];
       in = std::max(in, std::min(s, t)), out = std::min(out, std::max(s, t));
     }
-    if (in > out) {
-      i = node.skip;
-      continue;
-    }
-    if (!tree.leaf(i++)) continue;
-    for (const collision::Triangle& t : tree.triangles(tree.range(i - 1))) {
+    return in <= out;
+  };
+  tree.walk(enter, [&](std::uint32_t first, std::uint32_t end) {
+    for (const collision::Triangle& t : tree.triangles(first, end)) {
       const auto& [a, b, c] = t.corner;
       const Vec3 e = b - a, f = c - a, h = d.cross(f), s = p - a, q = s.cross(e);
       const double det = e.dot(h), u = s.dot(h) / det, v = d.dot(q) / det, at = f.dot(q) / det;
       if (det != 0 && u >= 0 && v >= 0 && u + v <= 1 && at >= 0) nearest = std::min(nearest, at);
     }
-  }
+  });
   return nearest;
 }
 

@@ -237,7 +237,7 @@ void Resolution::meet(double reach, double ahead) {
         };
         const collision::Closest nearest = closest(piece.shape, in_god, {.shape = &god}, 0);
         add(nearest);
-        facing(piece.shape, in_god, god, nearest, reach, facing_);
+        face_contacts(piece.shape, in_god, god, nearest, reach, facing_);
         for (int k = 0; k < facing_.count; ++k) add(facing_.at[static_cast<std::size_t>(k)]);
       }
     }

@@ -95,7 +95,7 @@ class Resolution {
   std::vector<Loose*> owner_;  // by collider; null: a god object or a fixed one
   std::vector<Vec<double, 6>> impulses_;
   std::vector<Meeting> meetings_;
-  collision::Facing facing_;
+  collision::FaceContacts facing_;
   std::vector<Lever> levers_;
   std::vector<collision::Path> paths_;
   std::vector<collision::Move> moves_;

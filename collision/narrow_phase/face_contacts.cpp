@@ -1,4 +1,4 @@
-#include <zwang/collision/facing.h>
+#include <zwang/collision/narrow_phase/face_contacts.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,15 +7,15 @@
 namespace zwang::collision {
 namespace {
 
-// Across the common normal.
+// The plane of the common normal n.
 struct Plane {
   Vec3 n, u, v;
   double x(const Vec3& p) const { return u.dot(p); }
   double y(const Vec3& p) const { return v.dot(p); }
 };
 
-// A convex outline as seen along the normal: corners counter-clockwise, with their heights. One of 64 corners clipped
-// by another has at most 128.
+// A convex polygon, projected along the normal: corners counter-clockwise, with their heights. A polygon of 64 corners
+// clipped by another of 64 has at most 128.
 struct Outline {
   int count = 0;
   std::array<Vec3, 129> p;
@@ -25,7 +25,7 @@ struct Outline {
   const Vec3& operator[](int k) const { return p[static_cast<std::size_t>(k % count)]; }
 };
 
-// Drops what lies inside of the outline of the others (Andrew's monotone chain).
+// The convex hull of the projected points (Andrew's monotone chain).
 Outline hull(Outline& points, const Plane& plane) {
   const auto end = points.p.begin() + points.count;
   std::sort(points.p.begin(), end, [&](const Vec3& a, const Vec3& b) {
@@ -47,7 +47,7 @@ Outline hull(Outline& points, const Plane& plane) {
   return out;
 }
 
-// What of it lies on the inner side of a line (Sutherland & Hodgman 1974).
+// The polygon clipped by a line (Sutherland & Hodgman 1974).
 Outline clipped(const Outline& outline, const Vec3& at, const Vec3& inward) {
   Outline out;
   for (int k = 0; k < outline.count; ++k) {
@@ -67,8 +67,8 @@ Outline clipped(Outline outline, const Outline& by, const Plane& plane) {
 
 }  // namespace
 
-void facing(const Shape& a, const Pose<double>& a_in_b, const Shape& b, const Closest& nearest, double reach,
-            Facing& out) {
+void face_contacts(const Shape& a, const Pose<double>& a_in_b, const Shape& b, const Closest& nearest, double reach,
+                   FaceContacts& out) {
   out.count = 0;
   if (a.corners().size() < 2 || b.corners().size() < 2 || !(nearest.distance > 0)) return;
   const Plane plane{nearest.normal, nearest.normal.unitOrthogonal(),
@@ -89,7 +89,7 @@ void facing(const Shape& a, const Pose<double>& a_in_b, const Shape& b, const Cl
   if (of_a.count < 2 || of_b.count < 2) return;
   of_a = hull(of_a, plane), of_b = hull(of_b, plane);
 
-  // The area is written with points of A, or of B where that one is an edge on a side of A.
+  // The area's corners are points of A, or of B where B has an edge on a face of A.
   const bool on_b = of_b.count == 2 && of_a.count > 2;
   Outline area;
   if (on_b) {

@@ -29,7 +29,7 @@ bool over(const std::vector<Touch>& found, double x, double y) {
                      [&](const Touch& t) { return std::hypot(t.point_a.x() - x, t.point_a.y() - y) < 1e-4; });
 }
 
-TEST(Facing, ABoxOnABoxIsHeldAtTheCornersOfTheirCommonArea) {
+TEST(FaceContacts, ABoxOnABoxIsHeldAtTheCornersOfTheirCommonArea) {
   const auto found = touches(cube, at(0.03, 0.01, 0.1005), cube, at(0, 0, 0), 1e-3);
   EXPECT_GE(found.size(), 4u);
   for (const double x : {-0.018, 0.048})
@@ -40,7 +40,7 @@ TEST(Facing, ABoxOnABoxIsHeldAtTheCornersOfTheirCommonArea) {
   }
 }
 
-TEST(Facing, AFingerOnABoxIsHeldAtBothEnds) {
+TEST(FaceContacts, AFingerOnABoxIsHeldAtBothEnds) {
   for (const bool first : {true, false}) {
     const auto found = first ? touches(finger, at(0.02, 0, 0.0585), cube, at(0, 0, 0), 1e-3)
                              : touches(cube, at(0, 0, 0), finger, at(0.02, 0, 0.0585), 1e-3);
@@ -48,25 +48,25 @@ TEST(Facing, AFingerOnABoxIsHeldAtBothEnds) {
   }
 }
 
-TEST(Facing, AFingerAcrossABarIsHeldAtItsEdges) {
+TEST(FaceContacts, AFingerAcrossABarIsHeldAtItsEdges) {
   const Shape bar = Shape::rounded_box({0.2, 0.02, 0.02}, 0.002);
   const auto found = touches(finger, at(0.02, 0, 0.0185), bar, at(0, 0, 0), 1e-3);
   EXPECT_TRUE(over(found, 0.02, -0.008) && over(found, 0.02, 0.008));
 }
 
-TEST(Facing, FingersSideBySide) {
+TEST(FaceContacts, FingersSideBySide) {
   const auto found = touches(finger, at(0, 0, 0), finger, at(0.0165, 0.02, 0), 1e-3);
   EXPECT_TRUE(over(found, 0.008, -0.01) && over(found, 0.008, 0.03));
 }
 
-TEST(Facing, WherePointsMeetSidesOrEdgesCrossOnePairIsAll) {
+TEST(FaceContacts, WherePointsMeetSidesOrEdgesCrossOnePairIsAll) {
   EXPECT_EQ(touches(Shape::sphere(0.01), at(0, 0, 0.0605), cube, at(0, 0, 0), 1e-3).size(), 1u);
   EXPECT_EQ(touches(finger, at(0, 0, 0.0165), finger, at(0, 0, 0, {0, 0, 1.5}), 1e-3).size(), 1u);
   EXPECT_EQ(touches(finger, at(0, 0, 0.08, {0.5, 0, 0}), cube, at(0, 0, 0), 2e-2).size(), 1u);
 }
 
 // Anywhere: points lie on the surfaces, as far apart as the gap says, along the normal, none nearer than the first.
-TEST(Facing, EveryPairIsExact) {
+TEST(FaceContacts, EveryPairIsExact) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> draw(-1, 1);
   const auto cube_of = [&](double h) { return Vec3(h * draw(random), h * draw(random), h * draw(random)); };

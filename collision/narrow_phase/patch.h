@@ -1,15 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <span>
 
-#include <zwang/collision/shape.h>
-#include <zwang/collision/tree.h>
-#include <zwang/core/model/pose.h>
+#include <zwang/collision/narrow_phase/closest.h>
 
 namespace zwang::collision {
 
-// Which boxes and triangles of a mesh (B) may lie within a distance of a convex core or of its sweep: a box about them
-// in B's axes and one in the axes of A. The second is what counts for a long finger that lies askew.
+// Which boxes and triangles of a mesh (B) may lie within a distance of a convex core (A) or of its sweep: a bounding
+// box of the core in B's axes and one in A's axes. The second is the tighter one for a long finger that lies oblique.
 struct Region {
   Pose<double> a_in_b;
   Vec3 low, high;              // B's axes
@@ -32,11 +32,11 @@ struct Region {
     }
   }
 
-  // A node's box in the axes of A: its middle and half widths.
-  struct Seen {
+  // The bounding box of a node's box in A's axes: its middle and half widths.
+  struct LocalBox {
     Vec3 at, half;
   };
-  bool misses(const TreeNode& node, Seen& seen) const {
+  bool misses(const TreeNode& node, LocalBox& seen) const {
     Vec3 middle, half;
     for (int k = 0; k < 3; ++k) {
       const double l = node.low[static_cast<std::size_t>(k)], h = node.high[static_cast<std::size_t>(k)];
@@ -58,5 +58,19 @@ struct Region {
     return false;
   }
 };
+
+constexpr std::uint32_t patch_size = 64;  // triangles
+
+// One plane in place of all triangles of a small subtree (a patch), whose box in A's axes is `box`: through the vertex
+// that is highest along n, the direction from the patch's middle to the core. It separates all of them from the core:
+// `distance` is a lower bound for each. Returns false unless the true distance of that vertex is larger by at most a
+// tenth of the stop distance and of the gap. A palm on a fine mesh has tens of thousands of triangles within reach that
+// all give the same contact. points: the patch's corners.
+bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<const Vec3> points, double stop,
+                 Closest& out);
+
+// The plane with the direction from `near`, a point of a patch, to the core as its normal, through the highest of the
+// patch's corners: a lower bound of the distance. B's axes.
+Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near);
 
 }  // namespace zwang::collision

@@ -1,12 +1,11 @@
-#include <zwang/collision/patch.h>
+#include <zwang/collision/narrow_phase/patch.h>
 
 #include <limits>
 
 namespace zwang::collision {
 namespace {
 
-// The point that lies highest along `up`. (Two or four running maxima side by side are slower: the points come from
-// memory.)
+// The point that is highest along `up`. (Two or four maxima in parallel are slower: memory is the limit.)
 struct Highest {
   double height = -std::numeric_limits<double>::infinity();
   std::size_t at = 0;
@@ -19,18 +18,19 @@ struct Highest {
 
 }  // namespace
 
-bool stand_in(const Region& region, const Region::Seen& seen, std::span<const Vec3> points, double stop, Closest& out) {
+bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<const Vec3> points, double stop,
+                 Closest& out) {
   const Shape& shape = region.shape;
-  const Vec3 core = shape.nearest(seen.at), apart = core - seen.at;
-  // Off to the side by e, a vertex is e^2 / (2 length) farther than its plane; not under a flat side. (First a bound of
-  // 8 length slack that needs no root.)
+  const Vec3 core = shape.nearest(box.at), apart = core - box.at;
+  // A vertex that is off to the side by e is e^2 / (2 length) farther away than its plane, unless it is under a flat
+  // side. (The first test is a bound that needs no square root.)
   const bool beside = ((apart.array() != 0).count() > 1);
-  if (beside && stop <= shape.radius() && seen.half.squaredNorm() > 0.8 * apart.squaredNorm()) return false;
+  if (beside && stop <= shape.radius() && box.half.squaredNorm() > 0.8 * apart.squaredNorm()) return false;
   const double length = apart.norm();
   if (length <= shape.radius()) return false;
   const double slack = (stop + length - shape.radius()) / 10;
   const Vec3 n = apart / length, up = region.a_in_b.rotation * n;
-  if (beside && seen.half.squaredNorm() > 8 * length * slack) return false;
+  if (beside && box.half.squaredNorm() > 8 * length * slack) return false;
   const Highest highest(up, points);
   out.on_b = points[highest.at];
   out.normal = up;

@@ -7,7 +7,7 @@
 
 namespace zwang::collision {
 
-// How two convex sets A and B stand to each other.
+// The nearest points of two convex sets A and B.
 struct Closest {
   double distance = 0;          // m, never more than the true distance; 0 when they touch or overlap
   Vec3 normal = Vec3::UnitX();  // unit, from B to A
@@ -15,7 +15,8 @@ struct Closest {
 };
 
 // Between the convex hulls of two sets of points (Gilbert, Johnson & Keerthi 1988). `distance` is the separation along
-// `normal`, which holds for any unit vector: a stalled iteration gives a smaller distance, never a larger one.
+// `normal`. Any unit vector gives a lower bound: an iteration that stalls gives a smaller distance, never a larger one.
+// (FCL's and libccd's GJK promise no such bound.)
 Closest closest(std::span<const Vec3> a, std::span<const Vec3> b);
 
 // Between the core of a shape and a triangle, both in the shape's axes; exact to rounding, in closed form where the

@@ -1,4 +1,4 @@
-#include <zwang/collision/approach.h>
+#include <zwang/collision/narrow_phase/approach.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,35 +14,35 @@ Pose<double> in(const Pose<double>& b, const Pose<double>& a) {
 }
 
 // The largest h >= 0 with spare + rate h - 1/2 bend h^2 >= 0, spare > 0.
-double reached(double spare, double rate, double bend) {
-  const double root = std::sqrt(rate * rate + 2 * bend * spare);
+double reached(double spare, double rate, double acceleration) {
+  const double root = std::sqrt(rate * rate + 2 * acceleration * spare);
   if (rate < 0) return 2 * spare / (root - rate);
-  return bend > 0 ? (rate + root) / bend : std::numeric_limits<double>::infinity();
+  return acceleration > 0 ? (rate + root) / acceleration : std::numeric_limits<double>::infinity();
 }
 
-double speed(const Course& c) { return c.path ? c.path->speed : c.twist.head<3>().norm(); }
-double spin(const Course& c) { return c.path ? c.path->spin : c.twist.tail<3>().norm(); }
+double speed(const BodyMotion& c) { return c.path ? c.path->speed : c.twist.head<3>().norm(); }
+double spin(const BodyMotion& c) { return c.path ? c.path->spin : c.twist.tail<3>().norm(); }
 
 }  // namespace
 
-Pose<double> Course::at(double s) const {
+Pose<double> BodyMotion::at(double s) const {
   if (path) return path->pose(s);
   return s == 0 || still() ? start : retract(start, Vec<double, 6>(s * twist));
 }
 
 // B's axes turn: d^2/ds^2 [R_B' (a - x_B)] = R_B' (a'' - 2 w_B x (a - x_B)' + w_B x (w_B x (a - x_B))), with
 // |a''| <= |w_A|^2 arm, and a - x_B no longer than at the start plus all that both may move.
-Relative::Relative(const Course& a, const Course& b, double arm) : a_(a), b_(b) {
+RelativeMotion::RelativeMotion(const BodyMotion& a, const BodyMotion& b, double arm) : a_(a), b_(b) {
   const double turn_a = spin(a), turn_b = spin(b);
   const double apart = a.path || b.path ? speed(a) + speed(b) : Vec3(a.twist.head<3>() - b.twist.head<3>()).norm();
   const double point = apart + turn_a * arm;  // of a point of A against B's origin
   const double lever = (a.start.position - b.start.position).norm() + arm + point;
-  bend_ = turn_a * turn_a * arm + 2 * turn_b * point + turn_b * turn_b * lever;
+  acceleration_ = turn_a * turn_a * arm + 2 * turn_b * point + turn_b * turn_b * lever;
   travel_ = point + turn_b * lever;
   start_ = at(0);
 }
 
-Relative::Instant Relative::at(double s) const {
+RelativeMotion::Instant RelativeMotion::at(double s) const {
   const Pose<double> b = b_.at(s);
   Instant now{in(b, a_.at(s))};
   if (along_path()) return now;
@@ -52,16 +52,16 @@ Relative::Instant Relative::at(double s) const {
   return now;
 }
 
-Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, double reach) {
+Closest closest(const Shape& a, const Pose<double>& a_in_b, const Obstacle& obstacle, double reach) {
   Closest c;
-  if (part.triangle) {
+  if (obstacle.triangle) {
     Triangle local;
     for (std::size_t k = 0; k < 3; ++k)
-      local.corner[k] = a_in_b.rotation.transpose() * (part.triangle->corner[k] - a_in_b.position);
+      local.corner[k] = a_in_b.rotation.transpose() * (obstacle.triangle->corner[k] - a_in_b.position);
     c = closest(a, local, reach);
   } else {
     std::array<Vec3, 64> local;
-    const std::span<const Vec3> corners = part.shape->corners();
+    const std::span<const Vec3> corners = obstacle.shape->corners();
     for (std::size_t k = 0; k < corners.size(); ++k)
       local[k] = a_in_b.rotation.transpose() * (corners[k] - a_in_b.position);
     c = closest(a.corners(), std::span<const Vec3>(local.data(), corners.size()));
@@ -71,37 +71,38 @@ Closest closest(const Shape& a, const Pose<double>& a_in_b, const Part& part, do
   return c;
 }
 
-double free_way(const Shape& a, const Relative& motion, const Relative::Instant& now, const Vec3& n, double room,
-                double most) {
+double time_to_plane(const Shape& a, const RelativeMotion& motion, const RelativeMotion::Instant& now, const Vec3& n,
+                     double room, double most) {
   // n . v of a corner q is rate + turn . q.
   const double rate = n.dot(now.drift);
   const Vec3 turn = now.place.rotation.transpose() * n.cross(now.turn), local = now.place.rotation.transpose() * n;
   double lowest = std::numeric_limits<double>::infinity(), h = lowest;
   const double slowest = rate - turn.norm() * a.reach();
-  if (room + most * slowest - most * most * motion.bend() / 2 >= 0) return h;
+  if (room + most * slowest - most * most * motion.acceleration() / 2 >= 0) return h;
   for (const Vec3& q : a.corners()) lowest = std::min(lowest, local.dot(q));
   for (const Vec3& q : a.corners())
-    h = std::min(h, reached(room + (local.dot(q) - lowest), rate + turn.dot(q), motion.bend()));
+    h = std::min(h, reached(room + (local.dot(q) - lowest), rate + turn.dot(q), motion.acceleration()));
   return h;
 }
 
-double safe_time(const Shape& a, const Relative& motion, const Part& part, Closest now, Strip strip, double limit) {
-  const double radius = a.radius() + radius_of(part);
-  const auto [land, aim] = strip;
+double safe_time(const Shape& a, const RelativeMotion& motion, const Obstacle& obstacle, Closest now, StopRange range,
+                 double limit) {
+  const double radius = a.radius() + radius_of(obstacle);
+  const auto [land, aim] = range;
   double gap = now.distance - radius, s = 0;
-  Relative::Instant instant = motion.start();
+  RelativeMotion::Instant instant = motion.start();
   for (int step = 0; step < most_steps; ++step) {
     double h = std::numeric_limits<double>::infinity();
     if (motion.along_path()) {
       if (motion.travel() > 0) h = (gap - aim) / motion.travel();
     } else {
-      h = free_way(a, motion, instant, now.normal, gap - aim, limit - s);
+      h = time_to_plane(a, motion, instant, now.normal, gap - aim, limit - s);
     }
     if (s + h >= limit) return limit;
     if (s + h <= s) return s;
     s += h;
     instant = motion.at(s);
-    now = closest(a, instant.place, part, std::numeric_limits<double>::infinity());
+    now = closest(a, instant.place, obstacle, std::numeric_limits<double>::infinity());
     gap = now.distance - radius;
     if (gap <= land) return s;
   }

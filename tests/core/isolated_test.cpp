@@ -1,0 +1,114 @@
+#include <zwang/core/files/isolated.h>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <vector>
+
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
+
+namespace zwang {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string complaint(const std::function<void(const WriteAnswer&)>& work, IsolationLimits limits = {}) {
+  try {
+    isolated("part.stl", limits, work);
+  } catch (const BadFile& bad) {
+    return bad.what();
+  }
+  return "";
+}
+
+TEST(Isolated, GivesBackWhatTheChildWrites) {
+  const std::vector<double> numbers(300000, 0.25);
+  const IsolatedAnswer answer = isolated("part.stl", {}, [&](const WriteAnswer& write) {
+    write("ab", 2);
+    std::puts("a library that talks");
+    write(numbers.data(), numbers.size() * sizeof(double));
+  });
+  ASSERT_EQ(answer.bytes().size(), 2 + numbers.size() * sizeof(double));
+  EXPECT_EQ(answer.bytes().substr(0, 2), "ab");
+  EXPECT_EQ(answer.bytes().substr(2), std::string_view(reinterpret_cast<const char*>(numbers.data()), 300000 * 8));
+  EXPECT_TRUE(isolated("part.stl", {}, [](const WriteAnswer&) {}).bytes().empty());
+}
+
+TEST(Isolated, WhateverGoesWrongIsOneLineThatNamesTheFile) {
+  EXPECT_EQ(complaint([](const WriteAnswer& write) {
+              write("half", 4);
+              throw BadFile("part.stl: no triangles in it");
+            }),
+            "part.stl: no triangles in it");
+  EXPECT_EQ(complaint([](const WriteAnswer&) { throw std::out_of_range("at\nnowhere"); }), "part.stl: at nowhere");
+  EXPECT_EQ(complaint([](const WriteAnswer&) { std::abort(); }),
+            "part.stl: its reader crashed; expected an undamaged file");
+  EXPECT_EQ(complaint([](const WriteAnswer&) { std::raise(SIGSEGV); }),
+            "part.stl: its reader crashed; expected an undamaged file");
+  EXPECT_EQ(complaint([](const WriteAnswer&) { throw std::bad_alloc(); }, {.bytes = 3 * 1000000000ul}),
+            "part.stl: asks for more than 3.0 GB of memory; expected an undamaged file");
+}
+
+TEST(Isolated, AnEndlessLoopAndASleepAreStopped) {
+  const std::string late = "part.stl: not read within 1 s; expected an undamaged file";
+  EXPECT_EQ(complaint(
+                [](const WriteAnswer&) {
+                  for (volatile bool go_on = true; go_on;) {
+                  }
+                },
+                {.seconds = 0.5}),
+            late);
+  EXPECT_EQ(complaint([](const WriteAnswer&) { pause(); }, {.seconds = 0.05}), late);
+}
+
+struct StoredFiles : testing::Test {
+  fs::path folder = fs::temp_directory_path() / ("zwang_stored_" + std::to_string(::getpid()));
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+  std::string complaint(const fs::path& file) const {
+    try {
+      read_stored(file);
+    } catch (const BadFile& bad) {
+      return bad.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(StoredFiles, WhatIsNoFileIsRefusedAtOnce) {
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", folder / "endless");
+  fs::create_symlink(folder / "loop", folder / "loop");
+  std::ofstream(folder / "empty").flush();
+  EXPECT_NE(complaint(folder).find("a folder"), std::string::npos);
+  for (const char* name : {"pipe", "endless"})
+    EXPECT_NE(complaint(folder / name).find("a pipe or device"), std::string::npos) << name;
+  EXPECT_NE(complaint(folder / "empty").find("0 bytes"), std::string::npos);
+  for (const char* name : {"loop", "absent"}) EXPECT_NE(complaint(folder / name), "") << name;
+}
+
+TEST_F(StoredFiles, KindIsTheExtensionBelowGz) {
+  EXPECT_EQ((StoredFile{"a.b/Part.STL.gz", {}, {}}.kind()), ".stl");
+  EXPECT_TRUE((StoredFile{"Part.obj.GZ", {}, {}}.packed()));
+  EXPECT_EQ((StoredFile{"part.ply", {}, {}}.kind()), ".ply");
+  EXPECT_FALSE((StoredFile{"part.ply", {}, {}}.packed()));
+}
+
+// "ab" packed twice, one behind the other, as `cat a.gz b.gz` makes it.
+TEST_F(StoredFiles, SeveralGzipMembersAreOneFile) {
+  const std::string member("\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03\x4b\x4c\x02\x00\x6d\x48\x83\x9e\x02\x00\x00\x00",
+                           22);
+  EXPECT_EQ(unpacked({"a.gz", member + member, {}}, 100), "abab");
+  EXPECT_EQ(unpacked({"a.txt", member, {}}, 100), member);
+  EXPECT_THROW(unpacked({"a.gz", member + "junk", {}}, 100), BadFile);
+  EXPECT_THROW(unpacked({"a.gz", member.substr(0, 20), {}}, 100), BadFile);
+  EXPECT_THROW(unpacked({"a.gz", member + member, {}}, 3), BadFile);
+}
+
+}  // namespace
+}  // namespace zwang
