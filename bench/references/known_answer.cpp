@@ -81,9 +81,9 @@ Instance with_known_answer(Instance instance, std::uint64_t seed, double active_
     d += factor.solve(push - p.M * d);
     p.z_u = z - d;
   }
-  const ScaledProblem gauge(p);
-  const double scale = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), std::numeric_limits<double>::min()});
-  const double moved = gauge.dual_norm(gauge.force_residual(gauge.motion(z), gauge.multipliers(lambda)));
+  const ScaledProblem scaled(p);
+  const double scale = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), std::numeric_limits<double>::min()});
+  const double moved = scaled.dual_norm(scaled.force_residual(scaled.motion(z), scaled.multipliers(lambda)));
   instance.reference = Reference{.z = z, .lambda = lambda, .bound = moved / scale, .method = "known answer"};
   instance.notes.push_back("known answer (seed " + std::to_string(seed) + "): z_u and c are replaced");
   return instance;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <zwang/core/model/constraint.h>
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 
@@ -182,7 +183,7 @@ class Scene {
     require_bodies(C::name, constraint.bodies.data(), arity<C>);
     auto& list = list_of<C>();
     if (label.empty()) label = std::to_string(list.all.size());
-    if (key == 0) key = hash_name(std::string(C::name) + "/" + label);
+    if (key == 0) key = fnv1a(std::string(C::name) + "/" + label);
     list.all.push_back(std::move(constraint));
     list.labels.push_back(std::move(label));
     list.keys.push_back(key);
@@ -206,13 +207,6 @@ class Scene {
         throw std::invalid_argument(std::string(type) + " on body " + std::to_string(id[i]) + ": " +
                                     (known(id[i]) ? "it needs two different bodies" : "there are ") +
                                     (known(id[i]) ? "" : std::to_string(bodies.size()) + " bodies"));
-  }
-
-  // FNV-1a.
-  static std::uint64_t hash_name(const std::string& text) {
-    std::uint64_t h = 1469598103934665603ull;
-    for (const unsigned char ch : text) h = (h ^ ch) * 1099511628211ull;
-    return h;
   }
 
   std::vector<std::unique_ptr<ConstraintList>> lists_ = {};

@@ -40,8 +40,8 @@ class Islands {
   // The same over islands that were split before, with solve(problem, options, solution) for each.
   template <class Solve>
   void solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
-  // Solves a problem of several islands island by island, each cut out right before it is solved and where the one
-  // before was; one of a single island (or with an observer) as it is. Stored zeros couple here too.
+  // Solves a problem of several islands one by one, each cut out just before it is solved, into the storage of the one
+  // before. A problem of one island, or with an observer, is solved as a whole. Stored zeros couple here too.
   template <class Solve>
   void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution) {
     const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
@@ -59,7 +59,7 @@ class Islands {
  private:
   Index root(Index unknown);
   Index couple(Index a, Index b);
-  // Whether there is more than one island of whole units; they are then listed, and kept while no entry moves.
+  // Whether there is more than one island of whole units; the list of them is reused while the sparsity stays the same.
   bool several(const Problem& problem, Index unit);
   template <class Unit>
   bool several_blocks(const Problem& problem, Unit unit);
@@ -76,7 +76,7 @@ class Islands {
   std::vector<Index> parent_, island_, local_;
   Index unit_ = 0;  // what several() listed the islands for, or 0
   SparsityPattern M_places_, J_places_;
-  // Cut out right before they are solved; 64 shapes, for rows that come and go between frames.
+  // Parts cut out just before they are solved: 64 shapes, as rows come and go between frames.
   ShapeCache<Problem> cut_{64};
   ShapeCache<Solution> solved_{64};
 };

@@ -8,11 +8,11 @@
 
 namespace zwang {
 
-// Storage for the parts of a problem, one T of each shape, so that parts of different shapes do not take it from each
-// other: what is resized to and fro allocates every time. Parts of one shape share theirs, which stays in the cache.
+// Storage for the parts of a problem, one T for each shape. Parts of different shapes do not share a T: one that is
+// resized back and forth allocates every time. Parts of the same shape share one, which stays in the CPU's cache.
 //
-// A shape that was not there before takes over what is no longer used: of T that no part asked for since begin(), the
-// one that lies unused the longest. So there are as many T as one problem has shapes, or `kept` if that is more.
+// A new shape reuses the T that has been unused for longest, if no part has asked for that one since begin(). So there
+// are as many T as one problem has shapes, or `kept` if that is more.
 template <class T>
 class ShapeCache {
  public:

@@ -7,9 +7,9 @@
 
 namespace zwang {
 
-// Where the entries of a compressed sparse matrix stand. What follows from the places alone (which bodies a row
-// touches, which of them hang together) is kept between frames as long as they are the same: comparing them all takes
-// a fortieth of the time of looking at each.
+// The sparsity pattern of a compressed matrix. What depends on the pattern alone (which bodies a row couples, which
+// islands there are) is reused between frames as long as the pattern stays the same: comparing patterns is much
+// cheaper than deriving these again.
 class SparsityPattern {
  public:
   template <class Sparse>

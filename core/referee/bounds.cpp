@@ -7,6 +7,7 @@
 #include <zwang/core/referee/island_split.h>
 #include <zwang/core/referee/proof.h>
 #include <zwang/core/referee/sparse_proof.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -15,64 +16,61 @@ using Rows = DistanceBound::Rows;
 
 double or_infinity(double x) { return std::isnan(x) ? std::numeric_limits<double>::infinity() : x; }
 
-// The bound that needs no answer of our own: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
+// The bound of the answer as it is: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
 // stops at 1e-8 for answers in double; a z outside a row by more than rounding gets no bound.
-DistanceBound gap_bound(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector& given) {
+DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector& given) {
   DistanceBound bound;
   ExtendedVector lambda = given;
   DoubleDouble weighted_slack;
-  for (Index i = 0; i < gauge.rows(); ++i) {
+  for (Index i = 0; i < scaled.rows(); ++i) {
     DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
-    if (gauge.is_vacuous(i) || gauge.is_zero(i)) {
-      if (gauge.is_zero(i) && !gauge.zero_row_holds(i)) return bound;
+    if (scaled.is_vacuous(i) || scaled.is_zero(i)) {
+      if (scaled.is_zero(i) && !scaled.zero_row_holds(i)) return bound;
       weight = 0;
       continue;
     }
-    const DoubleDouble slack = gauge.slack(i, d);
-    if (gauge.is_equality(i) ? !(slack == DoubleDouble(0)) : slack.hi < 0) return bound;
-    if (!gauge.is_equality(i) && weight.hi < 0) weight = 0;
+    const DoubleDouble slack = scaled.slack(i, d);
+    if (scaled.is_equality(i) ? !(slack == DoubleDouble(0)) : slack.hi < 0) return bound;
+    if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;
     weighted_slack += weight * slack;
   }
-  const double residual = gauge.dual_norm(gauge.force_residual(d, lambda));
+  const double residual = scaled.dual_norm(scaled.force_residual(d, lambda));
   bound.upper = std::sqrt(std::max(0.0, residual * residual + 2 * weighted_slack.hi));
-  bound.least_norm = std::max(0.0, gauge.norm_with_free_motion(d) - bound.upper);
-  bound.greatest_norm = gauge.norm_with_free_motion(d) + bound.upper;
+  bound.least_norm = std::max(0.0, scaled.norm_with_free_motion(d) - bound.upper);
+  bound.greatest_norm = scaled.norm_with_free_motion(d) + bound.upper;
   bound.method = "gap";
   bound.rows = Rows::feasible;
   return bound;
 }
 
-// The dense proof works with matrices of long double: on a wall of 400 boxes, 2400 unknowns, it took 90 s.
-constexpr Index dense_limit = 1500;
-
-DistanceBound bound_island(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda) {
+DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
   Proof proof;
-  if (gauge.size() <= dense_limit) proof = prove_answer(gauge, d, lambda);
+  if (scaled.size() <= referee::dense_limit) proof = prove_answer(scaled, d, lambda);
   const bool gave_up = proof.rows != Rows::infeasible && proof.radius == std::numeric_limits<double>::infinity();
-  if (gave_up && lambda) proof = prove_sparse(gauge, d, *lambda);
+  if (gave_up && lambda) proof = prove_sparse(scaled, d, *lambda);
   DistanceBound bound{.sigma_min = proof.sigma_min, .rows = proof.rows};
   if (proof.rows == Rows::infeasible || proof.radius == std::numeric_limits<double>::infinity()) {
-    if (proof.rows == Rows::infeasible) bound.lower = std::max(0.0, proof.farther_than - gauge.norm(d));
-    return proof.rows == Rows::infeasible || !lambda ? bound : gap_bound(gauge, d, *lambda);
+    if (proof.rows == Rows::infeasible) bound.lower = std::max(0.0, proof.farther_than - scaled.norm(d));
+    return proof.rows == Rows::infeasible || !lambda ? bound : gap_bound(scaled, d, *lambda);
   }
   ExtendedVector error = d;
   for (std::size_t i = 0; i < error.size(); ++i) error[i] -= proof.d[i];
-  const double distance = or_infinity(gauge.norm(error)), norm = gauge.norm_with_free_motion(proof.d);
-  bound.least_norm = std::max(0.0, norm - proof.radius) * (1 - 1e-12);
-  bound.greatest_norm = (norm + proof.radius) * (1 + 1e-12);
-  bound.upper = (distance + proof.radius) * (1 + 1e-12);
-  bound.lower = std::max(0.0, distance - proof.radius) * (1 - 1e-12);
+  const double distance = or_infinity(scaled.norm(error)), norm = scaled.norm_with_free_motion(proof.d);
+  bound.least_norm = std::max(0.0, norm - proof.radius) * (1 - referee::widened);
+  bound.greatest_norm = (norm + proof.radius) * (1 + referee::widened);
+  bound.upper = (distance + proof.radius) * (1 + referee::widened);
+  bound.lower = std::max(0.0, distance - proof.radius) * (1 - referee::widened);
   bound.method = gave_up ? "opening" : "active set";
   return bound;
 }
 
 }  // namespace
 
-DistanceBound bound_distance(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda) {
-  for (Index i = 0; i < gauge.rows(); ++i)
-    if (gauge.is_zero(i) && !gauge.is_vacuous(i) && !gauge.zero_row_holds(i)) return {.rows = Rows::infeasible};
-  const std::vector<IslandPart> islands = split_islands(gauge);
-  if (islands.size() <= 1) return bound_island(gauge, d, lambda);
+DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
+  for (Index i = 0; i < scaled.rows(); ++i)
+    if (scaled.is_zero(i) && !scaled.is_vacuous(i) && !scaled.zero_row_holds(i)) return {.rows = Rows::infeasible};
+  const std::vector<IslandPart> islands = split_islands(scaled);
+  if (islands.size() <= 1) return bound_island(scaled, d, lambda);
   DistanceBound total{.upper = 0, .greatest_norm = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
   for (const IslandPart& island : islands) {
     const ScaledProblem own(island.problem);

@@ -7,7 +7,7 @@
 
 namespace zwang {
 
-// How far a motion d = z - z_u is from the true one, found without a reference; in the gauge's units.
+// How far a motion d = z - z_u is from the true one, found without a reference; in scaled units.
 struct DistanceBound {
   enum class Rows { open, feasible, infeasible };  // what could be proven about the rows
 
@@ -20,7 +20,7 @@ struct DistanceBound {
   Rows rows = Rows::open;
 };
 
-// lambda: multipliers in the gauge's units, or null. docs/referee.md says when which bound is valid.
-DistanceBound bound_distance(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda);
+// lambda: multipliers in scaled units, or null. docs/referee.md says when which bound is valid.
+DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda);
 
 }  // namespace zwang

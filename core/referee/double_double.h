@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <compare>
+#include <limits>
+#include <type_traits>
 #include <vector>
 
 namespace zwang {
@@ -23,6 +25,8 @@ struct DoubleDouble {
   DoubleDouble scaled(int exponent) const { return {std::ldexp(hi, exponent), std::ldexp(lo, exponent)}; }
   DoubleDouble& operator+=(const DoubleDouble& b) { return *this = *this + b; }
   DoubleDouble& operator-=(const DoubleDouble& b) { return *this = *this + -b; }
+  DoubleDouble& operator*=(const DoubleDouble& b) { return *this = *this * b; }
+  DoubleDouble& operator/=(const DoubleDouble& b) { return *this = *this / b; }
 
   friend DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
     const DoubleDouble s = exact_sum(a.hi, b.hi), t = exact_sum(a.lo, b.lo);
@@ -45,6 +49,7 @@ struct DoubleDouble {
     const double root = std::sqrt(a.hi);
     return a.hi > 0 ? fast_sum(root, (a - exact_product(root, root)).hi / (2 * root)) : DoubleDouble(root);
   }
+  friend bool isfinite(const DoubleDouble& a) { return std::isfinite(a.hi); }
   friend DoubleDouble ldexp(const DoubleDouble& a, int exponent) { return a.scaled(exponent); }
   friend std::partial_ordering operator<=>(const DoubleDouble& a, const DoubleDouble& b) {
     return a.hi == b.hi ? a.lo <=> b.lo : a.hi <=> b.hi;
@@ -71,4 +76,27 @@ struct DoubleDouble {
 
 using ExtendedVector = std::vector<DoubleDouble>;
 
+// What the referee's factors are made of: x87's long double of 64 bits, and double-double where long double is another
+// format (ZWANG_NO_X87 says so for tests). Either is wider than the doubles that are judged; residuals and decisions
+// are in double-double on every machine.
+#ifdef ZWANG_NO_X87
+constexpr bool x87 = false;
+#else
+constexpr bool x87 = std::numeric_limits<long double>::digits == 64;
+#endif
+using FactorReal = std::conditional_t<x87, long double, DoubleDouble>;
+
+inline DoubleDouble double_double(const DoubleDouble& x) { return x; }
+inline DoubleDouble double_double(long double x) {
+  const auto high = static_cast<double>(x);
+  return {high, static_cast<double>(x - high)};
+}
+
 }  // namespace zwang
+
+template <>
+struct std::numeric_limits<zwang::DoubleDouble> : std::numeric_limits<double> {
+  static constexpr int digits = 102;
+  static constexpr double epsilon() { return 0x1p-102; }
+};
+static_assert(std::numeric_limits<zwang::FactorReal>::digits >= 64, "the referee needs more than doubles");

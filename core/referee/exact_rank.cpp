@@ -9,6 +9,8 @@ namespace {
 
 __extension__ using Wide = unsigned __int128;
 
+constexpr std::uint64_t primes[] = {1342415056300749617u, 1764951674671456009u};
+
 // The integers modulo p.
 struct Field {
   std::uint64_t p;
@@ -39,33 +41,27 @@ using Row = std::vector<std::uint64_t>;
 
 class Elimination {
  public:
-  Elimination(const ScaledProblem& gauge, Field field) : gauge_(gauge), f_(field), columns_(gauge.size()) {}
+  Elimination(const RowMatrix& J, const Vector& c, std::uint64_t prime) : J_(J), c_(c), f_{prime} {}
 
-  bool add_independent(Index i) {
+  // How row i depends on the independent rows so far; an independent one joins them.
+  Consistency add(Index i) {
     Row row = reduced(i);
     std::size_t pivot = 0;
     while (pivot < columns() && row[pivot] == 0) ++pivot;
-    if (pivot == columns()) return false;
+    if (pivot == columns()) return row.back() == 0 ? Consistency::consistent : Consistency::contradictory;
     const std::uint64_t scale = f_.inverse(row[pivot]);
     for (std::uint64_t& x : row) x = f_.times(x, scale);
     pivot_.push_back(pivot);
     row_.push_back(std::move(row));
-    return true;
-  }
-  Consistency look_at(Index i) const {
-    const Row row = reduced(i);
-    for (std::size_t k = 0; k < columns(); ++k)
-      if (row[k] != 0) return Consistency::independent;
-    return row.back() == 0 ? Consistency::consistent : Consistency::contradictory;
+    return Consistency::independent;
   }
 
  private:
-  std::size_t columns() const { return static_cast<std::size_t>(columns_); }
+  std::size_t columns() const { return static_cast<std::size_t>(J_.cols()); }
   Row reduced(Index i) const {
     Row row(columns() + 1, 0);
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(gauge_.J, i); it; ++it)
-      row[static_cast<std::size_t>(it.col())] = f_.of(it.value());
-    row.back() = f_.of(gauge_.c[i]);
+    for (RowMatrix::InnerIterator it(J_, i); it; ++it) row[static_cast<std::size_t>(it.col())] = f_.of(it.value());
+    row.back() = f_.of(c_[i]);
     for (std::size_t k = 0; k < row_.size(); ++k) {
       const std::uint64_t factor = row[pivot_[k]];
       if (factor == 0) continue;
@@ -75,24 +71,36 @@ class Elimination {
     return row;
   }
 
-  const ScaledProblem& gauge_;
+  const RowMatrix& J_;
+  const Vector& c_;
   Field f_;
-  Index columns_;
   std::vector<Row> row_;
   std::vector<std::size_t> pivot_;
 };
 
 }  // namespace
 
-Consistency exact_consistency(const ScaledProblem& gauge, std::span<const Index> basis, std::span<const Index> more) {
-  for (const std::uint64_t prime : {1342415056300749617u, 1764951674671456009u}) {
-    Elimination elimination(gauge, Field{prime});
+Consistency exact_consistency(const RowMatrix& J, const Vector& c, std::span<const Index> basis,
+                              std::span<const Index> more) {
+  for (const std::uint64_t prime : primes) {
+    Elimination elimination(J, c, prime);
     for (const Index i : basis)
-      if (!elimination.add_independent(i)) return Consistency::independent;
+      if (elimination.add(i) != Consistency::independent) return Consistency::independent;
     for (const Index i : more)
-      if (const Consistency found = elimination.look_at(i); found != Consistency::consistent) return found;
+      if (const Consistency found = elimination.add(i); found != Consistency::consistent) return found;
   }
   return Consistency::consistent;
+}
+
+ExactBasis exact_basis(const RowMatrix& J, const Vector& c, std::span<const Index> rows) {
+  ExactBasis basis;
+  Elimination elimination(J, c, primes[0]), again(J, c, primes[1]);
+  for (const Index i : rows) {
+    const Consistency found = elimination.add(i), second = again.add(i);
+    if (found == Consistency::independent) basis.rows.push_back(i);
+    if (found == Consistency::contradictory || second != found) basis.contradictory.push_back(i);
+  }
+  return basis;
 }
 
 }  // namespace zwang

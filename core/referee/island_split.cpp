@@ -21,17 +21,17 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 }  // namespace
 
-std::vector<IslandPart> split_islands(const ScaledProblem& gauge) {
-  const Index n = gauge.size();
+std::vector<IslandPart> split_islands(const ScaledProblem& scaled) {
+  const Index n = scaled.size();
   Sets sets(n);
   for (Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(gauge.M, j); it; ++it)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
       if (it.value() != 0) sets.join(it.row(), j);
-  const auto in_use = [&](Index i) { return !gauge.is_vacuous(i) && !gauge.is_zero(i); };
-  for (Index i = 0; i < gauge.rows(); ++i) {
+  const auto in_use = [&](Index i) { return !scaled.is_vacuous(i) && !scaled.is_zero(i); };
+  for (Index i = 0; i < scaled.rows(); ++i) {
     if (!in_use(i)) continue;
-    const Index first = SparseRows::InnerIterator(gauge.J, i).col();
-    for (SparseRows::InnerIterator it(gauge.J, i); it; ++it) sets.join(it.col(), first);
+    const Index first = SparseRows::InnerIterator(scaled.J, i).col();
+    for (SparseRows::InnerIterator it(scaled.J, i); it; ++it) sets.join(it.col(), first);
   }
 
   std::vector<IslandPart> parts;
@@ -48,8 +48,8 @@ std::vector<IslandPart> split_islands(const ScaledProblem& gauge) {
     place[static_cast<std::size_t>(j)] = static_cast<Index>(part(j).columns.size());
     part(j).columns.push_back(j);
   }
-  for (Index i = 0; i < gauge.rows(); ++i)
-    if (in_use(i)) part(SparseRows::InnerIterator(gauge.J, i).col()).rows.push_back(i);
+  for (Index i = 0; i < scaled.rows(); ++i)
+    if (in_use(i)) part(SparseRows::InnerIterator(scaled.J, i).col()).rows.push_back(i);
   if (parts.size() <= 1) return parts;
 
   std::vector<Eigen::Triplet<double>> entries;
@@ -60,8 +60,8 @@ std::vector<IslandPart> split_islands(const ScaledProblem& gauge) {
     out.z_u.resize(size);
     entries.clear();
     for (const Index j : p.columns) {
-      out.z_u[local(j)] = gauge.z_u[j];
-      for (Eigen::SparseMatrix<double>::InnerIterator it(gauge.M, j); it; ++it)
+      out.z_u[local(j)] = scaled.z_u[j];
+      for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
         if (it.value() != 0) entries.emplace_back(local(it.row()), local(j), it.value());
     }
     out.M.resize(size, size);
@@ -70,9 +70,9 @@ std::vector<IslandPart> split_islands(const ScaledProblem& gauge) {
     out.c.resize(rows);
     for (Index k = 0; k < rows; ++k) {
       const Index i = p.rows[static_cast<std::size_t>(k)];
-      out.c[k] = gauge.c[i];
-      out.kind.push_back(gauge.is_equality(i) ? RowKind::equality : RowKind::inequality);
-      for (SparseRows::InnerIterator it(gauge.J, i); it; ++it)
+      out.c[k] = scaled.c[i];
+      out.kind.push_back(scaled.is_equality(i) ? RowKind::equality : RowKind::inequality);
+      for (SparseRows::InnerIterator it(scaled.J, i); it; ++it)
         entries.emplace_back(static_cast<int>(k), local(it.col()), it.value());
     }
     out.J.resize(rows, size);

@@ -6,7 +6,8 @@
 
 namespace zwang {
 
-// A part of a problem that shares no row and no entry of M with the rest, in the units of the gauge it was cut from.
+// A part of a problem that shares no row and no entry of M with the rest, in the units of the scaled problem it was cut
+// from; apart from Islands, which solvers use.
 struct IslandPart {
   Problem problem = {};
   std::vector<Index> columns = {}, rows = {};
@@ -24,6 +25,6 @@ struct IslandPart {
 };
 
 // Rows of zeros and rows with c = -Inf belong to no part.
-std::vector<IslandPart> split_islands(const ScaledProblem& gauge);
+std::vector<IslandPart> split_islands(const ScaledProblem& scaled);
 
 }  // namespace zwang

@@ -15,24 +15,24 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 double or_infinity(double x) { return std::isnan(x) ? infinity : x; }
 
 // The six residuals, each on unit rows and divided by s (s^2).
-void take_residuals(const ScaledProblem& gauge, const ExtendedVector& d, const ExtendedVector* lambda, double s,
+void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda, double s,
                     Metrics& out) {
   out.primal = 0;
   if (lambda) out.dual = out.complementarity = out.natural = 0;
   DoubleDouble weighted_slack;
   const auto grow = [](double& worst, double value) { worst = std::max(worst, or_infinity(value)); };
-  for (Index i = 0; i < gauge.rows(); ++i) {
-    if (gauge.is_vacuous(i)) continue;
-    const bool equality = gauge.is_equality(i);
-    const DoubleDouble slack = gauge.slack(i, d);
-    const double norm = gauge.row_norm[i];
-    const double unit_slack = gauge.is_zero(i) ? (gauge.zero_row_holds(i) ? 0 : -infinity) : slack.hi / norm / s;
+  for (Index i = 0; i < scaled.rows(); ++i) {
+    if (scaled.is_vacuous(i)) continue;
+    const bool equality = scaled.is_equality(i);
+    const DoubleDouble slack = scaled.slack(i, d);
+    const double norm = scaled.row_norm[i];
+    const double unit_slack = scaled.is_zero(i) ? (scaled.zero_row_holds(i) ? 0 : -infinity) : slack.hi / norm / s;
     const double violation = equality ? std::abs(unit_slack) : std::max(-unit_slack, 0.0);
     if (or_infinity(violation) > out.primal) {
       out.primal = or_infinity(violation);
       out.worst_row = i;
     }
-    if (!lambda || gauge.is_zero(i)) continue;
+    if (!lambda || scaled.is_zero(i)) continue;
     const DoubleDouble weight = (*lambda)[static_cast<std::size_t>(i)];
     const double unit_lambda = weight.hi * norm / s;
     weighted_slack += weight * slack;
@@ -42,7 +42,7 @@ void take_residuals(const ScaledProblem& gauge, const ExtendedVector& d, const E
     grow(out.complementarity, std::abs(unit_lambda * unit_slack));
   }
   if (!lambda) return;
-  out.stationarity = or_infinity(gauge.dual_norm(gauge.force_residual(d, *lambda)) / s);
+  out.stationarity = or_infinity(scaled.dual_norm(scaled.force_residual(d, *lambda)) / s);
   out.gap = out.stationarity * out.stationarity / 2 + or_infinity(weighted_slack.hi / s / s);
 }
 
@@ -56,45 +56,45 @@ Verdict by_error(double upper, double lower, double tolerance) {
 bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(); }
 
 // "No z meets the rows" is worth what its certificate is worth.
-Verdict judge_infeasible(const ScaledProblem& gauge, const Solution& solution, const Reference* reference,
+Verdict judge_infeasible(const ScaledProblem& scaled, const Solution& solution, const Reference* reference,
                          Metrics& out) {
-  const double s = std::max(gauge.norm_of_free_motion(), gauge.least_scale());
-  const Farkas farkas = judge_certificate(gauge, solution.certificate, s);
-  out.scale = gauge.to_problem_norm(s);
+  const double s = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  const Farkas farkas = judge_certificate(scaled, solution.certificate, s);
+  out.scale = scaled.to_problem_norm(s);
   out.farkas = farkas.distance / s;
   out.conflicting = farkas.conflicting;
   if (reference && reference->feasible) return Verdict::wrong;
   if (farkas.proven) return Verdict::infeasible_proven;
   if (reference) return Verdict::infeasible_claimed;
-  const DistanceBound own = bound_distance(gauge, ExtendedVector(static_cast<std::size_t>(gauge.size())), nullptr);
+  const DistanceBound own = bound_distance(scaled, ExtendedVector(static_cast<std::size_t>(scaled.size())), nullptr);
   return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
-Verdict judge_z(const ScaledProblem& gauge, const Solution& solution, const Reference* reference, double tolerance,
+Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Reference* reference, double tolerance,
                 Metrics& out) {
-  const Index n = gauge.size(), m = gauge.rows();
+  const Index n = scaled.size(), m = scaled.rows();
   const bool known = reference && reference->feasible && fits(reference->z, n);
-  const ExtendedVector d = gauge.motion(solution.z);
+  const ExtendedVector d = scaled.motion(solution.z);
   ExtendedVector lambda;
-  if (fits(solution.lambda, m)) lambda = gauge.multipliers(solution.lambda);
+  if (fits(solution.lambda, m)) lambda = scaled.multipliers(solution.lambda);
   const ExtendedVector* given = lambda.empty() && m > 0 ? nullptr : &lambda;
 
-  const double s = std::max({gauge.norm_of_free_motion(), or_infinity(gauge.norm_of(known ? reference->z : solution.z)),
-                             gauge.least_scale()});
-  out.scale = gauge.to_problem_norm(s);
-  take_residuals(gauge, d, given, s, out);
+  const double s = std::max({scaled.norm_of_free_motion(),
+                             or_infinity(scaled.norm_of(known ? reference->z : solution.z)), scaled.least_scale()});
+  out.scale = scaled.to_problem_norm(s);
+  take_residuals(scaled, d, given, s, out);
   if (known) {
-    ExtendedVector error = gauge.motion(reference->z);
+    ExtendedVector error = scaled.motion(reference->z);
     for (std::size_t i = 0; i < error.size(); ++i) error[i] = d[i] - error[i];
-    out.z_error = or_infinity(gauge.norm(error) / s);
+    out.z_error = or_infinity(scaled.norm(error) / s);
     return by_error(out.z_error, infinity, tolerance);
   }
   if (reference && !reference->feasible) return Verdict::wrong;
 
-  const DistanceBound bound = bound_distance(gauge, d, given);
+  const DistanceBound bound = bound_distance(scaled, d, given);
   // z_error is divided by max(|z_u|, |z*|): the bound takes the least that can be, the verdict "wrong" the greatest.
-  const double least_s = std::max({gauge.norm_of_free_motion(), bound.least_norm, gauge.least_scale()});
-  const double greatest_s = std::max({gauge.norm_of_free_motion(), bound.greatest_norm, gauge.least_scale()});
+  const double least_s = std::max({scaled.norm_of_free_motion(), bound.least_norm, scaled.least_scale()});
+  const double greatest_s = std::max({scaled.norm_of_free_motion(), bound.greatest_norm, scaled.least_scale()});
   out.z_bound = bound.upper / least_s;
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;
@@ -156,11 +156,11 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   const bool stopped = solution.status == Status::time_limit;
   if (stopped && !has_z) return with(Verdict::timeout);
   if (!bad_input(problem).empty()) return with(Verdict::wrong);
-  const ScaledProblem gauge(problem);
-  if (!gauge.definite) return with(Verdict::wrong);
-  if (solution.status == Status::infeasible) return with(judge_infeasible(gauge, solution, reference, out));
+  const ScaledProblem scaled(problem);
+  if (!scaled.definite) return with(Verdict::wrong);
+  if (solution.status == Status::infeasible) return with(judge_infeasible(scaled, solution, reference, out));
   if (!has_z) return with(Verdict::wrong);
-  const Verdict verdict = judge_z(gauge, solution, reference, tolerance, out);
+  const Verdict verdict = judge_z(scaled, solution, reference, tolerance, out);
   const bool close = verdict == Verdict::solved || verdict == Verdict::near;
   return with(stopped && !close ? Verdict::timeout : verdict);
 }

@@ -1,19 +1,17 @@
 #pragma once
 
-#include <cmath>
-#include <limits>
-
 #include <zwang/core/problem/types.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 
 // Independent unit rows g_1 .. g_r as G' = Q R, grown and cut at the end: Gram-Schmidt with one reorthogonalization in
-// long double. Rank is decided row by row: a computed remainder is rounding once it is below u (1 + |alpha|_1), with
+// FactorReal. Rank is decided row by row: a computed remainder is rounding once it is below u (1 + |alpha|_1), with
 // alpha the coefficients of the row in the rows before it, so well-scaled combinations are told from near-parallel rows
 // down to remainders of about 1e-17.
 class OrthogonalRows {
  public:
-  using Real = long double;
+  using Real = FactorReal;
   using Column = VectorX<Real>;
 
   explicit OrthogonalRows(Index n = 0) : Q_(n, 0), R_(0, 0) {}
@@ -40,14 +38,14 @@ class OrthogonalRows {
     s.remainder -= Q() * again;
     s.alpha = solve(s.along);
     s.left = s.remainder.norm();
-    s.dependent = s.left <= 64 * std::numeric_limits<Real>::epsilon() * (1 + s.alpha.template lpNorm<1>());
+    s.dependent = s.left <= referee::rank * std::numeric_limits<Real>::epsilon() * (1 + s.alpha.template lpNorm<1>());
     return s;
   }
   void append(const Split& s) {
     if (rank_ == Q_.cols()) {
-      const Index room = 2 * rank_ + 16;
-      Q_.conservativeResize(Eigen::NoChange, room);
-      R_.conservativeResize(room, room);
+      const Index capacity = 2 * rank_ + 16;
+      Q_.conservativeResize(Eigen::NoChange, capacity);
+      R_.conservativeResize(capacity, capacity);
     }
     Q_.col(rank_) = s.remainder / s.left;
     R_.col(rank_).head(rank_) = s.along;

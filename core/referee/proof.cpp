@@ -6,6 +6,7 @@
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/core/referee/referee_active_set.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -23,14 +24,14 @@ struct Anchored {
   bool contradictory = false;  // combinations on the left only
 };
 
-Anchored anchor(const ScaledProblem& gauge, const std::vector<Index>& rows) {
-  Anchored a{.is = std::vector<char>(static_cast<std::size_t>(gauge.rows()), 0),
+Anchored anchor(const ScaledProblem& scaled, const std::vector<Index>& rows) {
+  Anchored a{.is = std::vector<char>(static_cast<std::size_t>(scaled.rows()), 0),
              .basis = {},
-             .factors = OrthogonalRows(gauge.size())};
+             .factors = OrthogonalRows(scaled.size())};
   std::vector<Index> dependent;
   for (const Index i : rows) {
     a.is[static_cast<std::size_t>(i)] = 1;
-    const OrthogonalRows::Split s = a.factors.split(gauge.unit_row(i));
+    const OrthogonalRows::Split s = a.factors.split(scaled.unit_row(i));
     if (s.dependent) {
       dependent.push_back(i);
       continue;
@@ -39,7 +40,7 @@ Anchored anchor(const ScaledProblem& gauge, const std::vector<Index>& rows) {
     a.basis.push_back(i);
   }
   if (dependent.empty()) return a;
-  const Consistency found = exact_consistency(gauge, a.basis, dependent);
+  const Consistency found = exact_consistency(scaled.J, scaled.c, a.basis, dependent);
   a.exact = found == Consistency::consistent;
   a.contradictory = found == Consistency::contradictory;
   return a;
@@ -53,94 +54,97 @@ struct Inward {
 
 // A direction along the anchored rows and into every near row: g_i . v = 1 by least squares where that is consistent,
 // otherwise the shortest v with g_i . v >= 1, which is a problem of the same kind.
-Inward look_inward(const ScaledProblem& gauge, const Anchored& anchored, const std::vector<Index>& near) {
+Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const std::vector<Index>& near) {
   Inward out;
   OrthogonalRows rows = anchored.factors;
   std::vector<OrthogonalRows::Real> target(static_cast<std::size_t>(rows.rank()), 0);
   for (const Index i : near)
-    if (const OrthogonalRows::Split s = rows.split(gauge.unit_row(i)); !s.dependent && s.left > 1e-6L) {
+    if (const OrthogonalRows::Split s = rows.split(scaled.unit_row(i)); !s.dependent && s.left > referee::clear_rest) {
       rows.append(s);
       target.push_back(1);
     }
   const Column t = Eigen::Map<const Column>(target.data(), static_cast<Index>(target.size()));
   const Column y = rows.Q() * rows.solve_transposed(t);
   const auto reaches = [&](const Column& direction) {
-    return std::all_of(near.begin(), near.end(), [&](Index i) { return gauge.unit_row(i).dot(direction) >= 0.5L; });
+    return std::all_of(near.begin(), near.end(),
+                       [&](Index i) { return scaled.unit_row(i).dot(direction) >= referee::reaches; });
   };
   out.found = reaches(y);
   if (out.found) {
-    out.v = gauge.unwhiten(y).cast<double>();
+    out.v = scaled.unwhiten(y).cast<double>();
     return out;
   }
 
   std::vector<Index> all;
-  for (Index i = 0; i < gauge.rows(); ++i)
+  for (Index i = 0; i < scaled.rows(); ++i)
     if (anchored.is[static_cast<std::size_t>(i)]) all.push_back(i);
   const std::size_t anchors = all.size();
   all.insert(all.end(), near.begin(), near.end());
-  Problem p{.M = gauge.M, .z_u = Vector::Zero(gauge.size())};
-  p.J.resize(static_cast<Index>(all.size()), gauge.size());
+  Problem p{.M = scaled.M, .z_u = Vector::Zero(scaled.size())};
+  p.J.resize(static_cast<Index>(all.size()), scaled.size());
   p.c = Vector::Zero(static_cast<Index>(all.size()));
   p.key.resize(all.size());
   for (std::size_t k = 0; k < all.size(); ++k) {
     p.kind.push_back(k < anchors ? RowKind::equality : RowKind::inequality);
-    if (k >= anchors) p.c[static_cast<Index>(k)] = gauge.row_norm[all[k]];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(gauge.J, all[k]); it; ++it)
+    if (k >= anchors) p.c[static_cast<Index>(k)] = scaled.row_norm[all[k]];
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, all[k]); it; ++it)
       p.J.insert(static_cast<Index>(k), it.col()) = it.value();
   }
-  const ScaledProblem direction_gauge(p);
-  RefereeActiveSet direction(direction_gauge);
+  const ScaledProblem direction_problem(p);
+  RefereeActiveSet direction(direction_problem);
   const RefereeActiveSet::Outcome outcome =
-      direction.solve(ExtendedVector(static_cast<std::size_t>(gauge.size())), nullptr);
+      direction.solve(ExtendedVector(static_cast<std::size_t>(scaled.size())), nullptr);
   if (outcome == RefereeActiveSet::Outcome::infeasible) {
     const double largest = direction.farkas.cwiseAbs().maxCoeff();
     for (std::size_t k = anchors; k < all.size(); ++k)
-      if (std::abs(direction.farkas[static_cast<Index>(k)]) > 1e-9 * largest) out.locked.push_back(all[k]);
+      if (std::abs(direction.farkas[static_cast<Index>(k)]) > referee::locked * largest) out.locked.push_back(all[k]);
   }
   if (outcome != RefereeActiveSet::Outcome::optimal) return out;
-  out.v.resize(gauge.size());
-  for (Index j = 0; j < gauge.size(); ++j)
-    out.v[j] = std::ldexp(direction.d[static_cast<std::size_t>(j)].hi, direction_gauge.motion_exponent);
+  out.v.resize(scaled.size());
+  for (Index j = 0; j < scaled.size(); ++j)
+    out.v[j] = std::ldexp(direction.d[static_cast<std::size_t>(j)].hi, direction_problem.motion_exponent);
   out.found = true;
   return out;
 }
 
-double unit_slack(const ScaledProblem& gauge, Index i, const ExtendedVector& d) {
-  return gauge.slack(i, d).hi / gauge.row_norm[i];
+double unit_slack(const ScaledProblem& scaled, Index i, const ExtendedVector& d) {
+  return scaled.slack(i, d).hi / scaled.row_norm[i];
 }
 
-bool counts(const ScaledProblem& gauge, Index i) { return !gauge.is_vacuous(i) && !gauge.is_zero(i); }
+bool counts(const ScaledProblem& scaled, Index i) { return !scaled.is_vacuous(i) && !scaled.is_zero(i); }
 
 // How far the exact point on the anchored rows can be from d: |slack| / sigma_min.
-double off_anchor(const ScaledProblem& gauge, const Anchored& anchored, const ExtendedVector& d) {
+double off_anchor(const ScaledProblem& scaled, const Anchored& anchored, const ExtendedVector& d) {
   double squared = 0;
   for (const Index i : anchored.basis) {
-    const double slack = std::abs(unit_slack(gauge, i, d)) + gauge.rounding(i, d);
+    const double slack = std::abs(unit_slack(scaled, i, d)) + scaled.rounding(i, d);
     squared += slack * slack;
   }
-  return squared == 0 ? 0 : 1.01 * std::sqrt(squared) / anchored.factors.sigma_min(anchored.factors.rank());
+  return squared == 0 ? 0
+                      : referee::widened_sum * std::sqrt(squared) / anchored.factors.sigma_min(anchored.factors.rank());
 }
 
 // sqrt(2 gap) at the exact feasible point within `off` of d, or infinity where a row is not surely kept there.
-double radius_at(const ScaledProblem& gauge, const Anchored& anchored, const ExtendedVector& d, ExtendedVector lambda,
+double radius_at(const ScaledProblem& scaled, const Anchored& anchored, const ExtendedVector& d, ExtendedVector lambda,
                  double off) {
   double weighted_slack = 0;
-  for (Index i = 0; i < gauge.rows(); ++i) {
-    if (!counts(gauge, i)) continue;
+  for (Index i = 0; i < scaled.rows(); ++i) {
+    if (!counts(scaled, i)) continue;
     DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
-    if (!gauge.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
+    if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
     if (anchored.is[static_cast<std::size_t>(i)]) continue;
-    const double error = gauge.rounding(i, d) + off, slack = unit_slack(gauge, i, d);
+    const double error = scaled.rounding(i, d) + off, slack = unit_slack(scaled, i, d);
     if (!(slack >= error)) return infinity;
-    weighted_slack += weight.hi * gauge.row_norm[i] * (slack + error);
+    weighted_slack += weight.hi * scaled.row_norm[i] * (slack + error);
   }
-  const double residual = gauge.dual_norm(gauge.force_residual(d, lambda)) + gauge.force_rounding(d, lambda) + off;
-  return 1.01 * std::sqrt(residual * residual + 2 * weighted_slack);
+  const double residual = scaled.dual_norm(scaled.force_residual(d, lambda)) + scaled.force_rounding(d, lambda) + off;
+  return referee::widened_sum * std::sqrt(residual * residual + 2 * weighted_slack);
 }
 
-// Let d be our own answer and lambda_I >= 0 its multipliers. For ANY feasible d~,  1/2 |d~ - d*|_M^2 <= gap(d~, lambda)
-// (weak duality), without a condition on the rows that hold: redundant, weakly active and nearly parallel rows need no
-// case of their own. What remains is a point d~ that is feasible beyond doubt, for the rows `near` zero slack:
+// Let d be the answer of RefereeActiveSet and lambda_I >= 0 its multipliers. For ANY feasible d~,  1/2 |d~ - d*|_M^2 <=
+// gap(d~, lambda) (weak duality), without a condition on the rows that hold: redundant, weakly active and nearly
+// parallel rows need no case of their own. What remains is a point d~ that is feasible beyond doubt, for the rows
+// `near` zero slack:
 //   - anchored: independent rows hold exactly at a point within |slack| / sigma_min of d, and rows that are exact
 //     combinations of them (exact_rank.h) hold there too;
 //   - or moved inward: eps v added to d, eps about 1e-29, J_E v = 0 and g_i . v >= 1/2 on near rows, equality rows
@@ -150,25 +154,23 @@ double radius_at(const ScaledProblem& gauge, const Anchored& anchored, const Ext
 // multipliers: it decides nothing at weakly active or redundant rows, and hands touch with redundant rows all the time.
 class Prover {
  public:
-  Prover(const ScaledProblem& gauge, const RefereeActiveSet& own) : gauge_(gauge), own_(own) {
-    for (Index i = 0; i < gauge.rows(); ++i)
-      if (gauge.is_equality(i) && counts(gauge, i)) equality_.push_back(i);
+  Prover(const ScaledProblem& scaled, const RefereeActiveSet& own) : scaled_(scaled), own_(own) {
+    for (Index i = 0; i < scaled.rows(); ++i)
+      if (scaled.is_equality(i) && counts(scaled, i)) equality_.push_back(i);
   }
 
   Proof prove() {
     anchor_everything();
-    if (proof_.radius > sharp_enough * gauge_.norm(own_.d) && proof_.rows != Rows::infeasible) move_inward();
+    if (proof_.radius > referee::sharp_enough * scaled_.norm(own_.d) && proof_.rows != Rows::infeasible) move_inward();
     return std::move(proof_);
   }
 
  private:
-  static constexpr double sharp_enough = 1e-14;
-
   std::vector<Index> near_rows(const Anchored& anchored, double off) const {
     std::vector<Index> near;
-    for (Index i = 0; i < gauge_.rows(); ++i)
-      if (counts(gauge_, i) && !anchored.is[static_cast<std::size_t>(i)] &&
-          unit_slack(gauge_, i, own_.d) <= 64 * (gauge_.rounding(i, own_.d) + off))
+    for (Index i = 0; i < scaled_.rows(); ++i)
+      if (counts(scaled_, i) && !anchored.is[static_cast<std::size_t>(i)] &&
+          unit_slack(scaled_, i, own_.d) <= referee::near * (scaled_.rounding(i, own_.d) + off))
         near.push_back(i);
     return near;
   }
@@ -182,39 +184,39 @@ class Prover {
   }
 
   void anchor_everything() {
-    Anchored anchored = anchor(gauge_, equality_);
+    Anchored anchored = anchor(scaled_, equality_);
     if (anchored.contradictory) {
       proof_.rows = Rows::infeasible;
       proof_.farther_than = infinity;
     }
     if (!anchored.exact) return;
     std::vector<Index> all = equality_;
-    for (const Index i : near_rows(anchored, off_anchor(gauge_, anchored, own_.d))) all.push_back(i);
-    if (all.size() > equality_.size()) anchored = anchor(gauge_, all);
+    for (const Index i : near_rows(anchored, off_anchor(scaled_, anchored, own_.d))) all.push_back(i);
+    if (all.size() > equality_.size()) anchored = anchor(scaled_, all);
     if (!anchored.exact) return;
-    const double off = off_anchor(gauge_, anchored, own_.d);
-    keep(own_.d, off + radius_at(gauge_, anchored, own_.d, own_.lambda, off));
+    const double off = off_anchor(scaled_, anchored, own_.d);
+    keep(own_.d, off + radius_at(scaled_, anchored, own_.d, own_.lambda, off));
   }
 
   void move_inward() {
     std::vector<Index> holding = equality_;
-    for (int round = 0; round < 4; ++round) {
-      const Anchored anchored = anchor(gauge_, holding);
+    for (int round = 0; round < referee::inward_attempts; ++round) {
+      const Anchored anchored = anchor(scaled_, holding);
       if (!anchored.exact) return;
-      const double off = off_anchor(gauge_, anchored, own_.d);
+      const double off = off_anchor(scaled_, anchored, own_.d);
       const std::vector<Index> near = near_rows(anchored, off);
       if (near.empty()) return;
-      const Inward inward = look_inward(gauge_, anchored, near);
+      const Inward inward = look_inward(scaled_, anchored, near);
       if (inward.found) {
         ExtendedVector inside = own_.d;
         double shift = 0;
         for (const Index i : near)
-          shift =
-              std::max(shift, 8 * (std::max(-unit_slack(gauge_, i, own_.d), 0.0) + gauge_.rounding(i, own_.d) + off));
+          shift = std::max(shift, referee::inward * (std::max(-unit_slack(scaled_, i, own_.d), 0.0) +
+                                                     scaled_.rounding(i, own_.d) + off));
         for (std::size_t j = 0; j < inside.size(); ++j)
           inside[j] += DoubleDouble::exact_product(shift, inward.v[static_cast<Index>(j)]);
-        const double left = off_anchor(gauge_, anchored, inside);
-        keep(inside, left + radius_at(gauge_, anchored, inside, own_.lambda, left));
+        const double left = off_anchor(scaled_, anchored, inside);
+        keep(inside, left + radius_at(scaled_, anchored, inside, own_.lambda, left));
         return;
       }
       if (inward.locked.empty()) return;
@@ -222,7 +224,7 @@ class Prover {
     }
   }
 
-  const ScaledProblem& gauge_;
+  const ScaledProblem& scaled_;
   const RefereeActiveSet& own_;
   std::vector<Index> equality_;
   Proof proof_;
@@ -230,14 +232,14 @@ class Prover {
 
 }  // namespace
 
-Proof prove_answer(const ScaledProblem& gauge, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda) {
-  RefereeActiveSet own(gauge);
+Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda) {
+  RefereeActiveSet own(scaled);
   const RefereeActiveSet::Outcome outcome = own.solve(guess_d, guess_lambda);
-  if (outcome == RefereeActiveSet::Outcome::optimal) return Prover(gauge, own).prove();
+  if (outcome == RefereeActiveSet::Outcome::optimal) return Prover(scaled, own).prove();
   Proof proof;
   if (outcome == RefereeActiveSet::Outcome::gave_up) return proof;
-  const double s = std::max(gauge.norm_of_free_motion(), gauge.norm(guess_d));
-  const Farkas farkas = judge_certificate(gauge, own.farkas, s);
+  const double s = std::max(scaled.norm_of_free_motion(), scaled.norm(guess_d));
+  const Farkas farkas = judge_certificate(scaled, own.farkas, s);
   if (farkas.proven) {
     proof.rows = Rows::infeasible;
     proof.farther_than = farkas.distance;

@@ -17,6 +17,6 @@ struct Proof {
 };
 
 // Finds an answer from the guess and proves how far it is from the true one. lambda may be null.
-Proof prove_answer(const ScaledProblem& gauge, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
+Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
 
 }  // namespace zwang

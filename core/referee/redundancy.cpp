@@ -10,19 +10,19 @@ namespace zwang {
 
 std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z) {
   const Problem& p = instance.problem;
-  const ScaledProblem gauge(p);
-  const ExtendedVector d = gauge.motion(z);
-  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), gauge.least_scale()});
+  const ScaledProblem scaled(p);
+  const ExtendedVector d = scaled.motion(z);
+  const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), scaled.least_scale()});
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
     double violation = 0, relative = 0;
-    if (!gauge.is_vacuous(i)) {
-      const double slack = gauge.slack(i, d).hi;
-      violation = gauge.is_equality(i) ? std::abs(slack) : std::max(-slack, 0.0);
-      if (violation > 0) relative = violation / gauge.row_norm[i] / s;
-      violation *= gauge.row_scale(i);
+    if (!scaled.is_vacuous(i)) {
+      const double slack = scaled.slack(i, d).hi;
+      violation = scaled.is_equality(i) ? std::abs(slack) : std::max(-slack, 0.0);
+      if (violation > 0) relative = violation / scaled.row_norm[i] / s;
+      violation *= scaled.row_scale(i);
     }
     const auto [it, first] = worst.try_emplace(type, TypeResidual{type, violation, relative, i});
     if (!first && relative > it->second.relative) it->second = {type, violation, relative, i};
@@ -46,25 +46,24 @@ std::vector<std::string> constraint_names(const Instance& instance, const std::v
 // inequality rows. What is left of a unit row after the rows before it is its distance from their span; below 1e-10 it
 // counts as a combination of them. Dense: O(rank n) memory, O(rank n) work a row.
 std::vector<Index> redundant_rows(const Problem& p, const Vector& z) {
-  constexpr double dependent = 1e-10, touched = 1e-9;
-  const ScaledProblem gauge(p);
-  const ExtendedVector d = gauge.motion(z);
-  const double s = std::max({gauge.norm_of_free_motion(), gauge.norm_of(z), gauge.least_scale()});
+  const ScaledProblem scaled(p);
+  const ExtendedVector d = scaled.motion(z);
+  const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), scaled.least_scale()});
   std::vector<Index> considered, out;
   for (const bool equality : {true, false})
     for (Index i = 0; i < p.rows(); ++i) {
-      if (gauge.is_equality(i) != equality || gauge.is_vacuous(i)) continue;
-      if (equality || gauge.is_zero(i) || gauge.slack(i, d).hi <= touched * s * gauge.row_norm[i])
+      if (scaled.is_equality(i) != equality || scaled.is_vacuous(i)) continue;
+      if (equality || scaled.is_zero(i) || scaled.slack(i, d).hi <= referee::touched * s * scaled.row_norm[i])
         considered.push_back(i);
     }
   OrthogonalRows basis(p.size());
   for (const Index i : considered) {
-    if (gauge.is_zero(i)) {
+    if (scaled.is_zero(i)) {
       out.push_back(i);
       continue;
     }
-    const OrthogonalRows::Split split = basis.split(gauge.unit_row(i));
-    if (split.dependent || split.left <= dependent)
+    const OrthogonalRows::Split split = basis.split(scaled.unit_row(i));
+    if (split.dependent || split.left <= referee::redundant)
       out.push_back(i);
     else
       basis.append(split);

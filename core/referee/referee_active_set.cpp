@@ -7,26 +7,21 @@
 namespace zwang {
 namespace {
 
-constexpr long double infinity = std::numeric_limits<long double>::infinity();
-
-DoubleDouble extended(long double x) {
-  const auto high = static_cast<double>(x);
-  return {high, static_cast<double>(x - high)};
-}
+constexpr FactorReal infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 OrthogonalRows::Split RefereeActiveSet::split(Index row) {
-  work_left_ -= 8.0 * static_cast<double>(gauge_.size()) * static_cast<double>(rows.rank() + 1);
-  return rows.split(gauge_.unit_row(row));
+  work_left_ -= 8.0 * static_cast<double>(scaled_.size()) * static_cast<double>(rows.rank() + 1);
+  return rows.split(scaled_.unit_row(row));
 }
 
 RefereeActiveSet::Outcome RefereeActiveSet::solve(const ExtendedVector& guess_d, const ExtendedVector* guess_lambda) {
-  place_.assign(static_cast<std::size_t>(gauge_.rows()), 0);
-  rows = OrthogonalRows(gauge_.size());
+  place_.assign(static_cast<std::size_t>(scaled_.rows()), 0);
+  rows = OrthogonalRows(scaled_.size());
   guess(guess_d, guess_lambda);
   if (!refine()) return Outcome::gave_up;
-  for (Index rounds = 10 * (gauge_.size() + gauge_.rows()) + 10; rounds > 0 && work_left_ > 0; --rounds) {
+  for (Index rounds = 10 * (scaled_.size() + scaled_.rows()) + 10; rounds > 0 && work_left_ > 0; --rounds) {
     if (drop_negative()) {
       if (!refine()) return Outcome::gave_up;
       continue;
@@ -46,15 +41,15 @@ void RefereeActiveSet::guess(const ExtendedVector& guess_d, const ExtendedVector
     double order;
   };
   std::vector<Candidate> candidates;
-  const double scale = std::max(gauge_.norm_of_free_motion(), gauge_.norm(guess_d));
-  for (Index i = 0; i < gauge_.rows(); ++i) {
-    if (gauge_.is_vacuous(i) || gauge_.is_zero(i)) continue;
-    const double norm = gauge_.row_norm[i];
+  const double scale = std::max(scaled_.norm_of_free_motion(), scaled_.norm(guess_d));
+  for (Index i = 0; i < scaled_.rows(); ++i) {
+    if (scaled_.is_vacuous(i) || scaled_.is_zero(i)) continue;
+    const double norm = scaled_.row_norm[i];
     const double weight = guess_lambda ? (*guess_lambda)[static_cast<std::size_t>(i)].hi * norm : 0;
-    const double slack = gauge_.slack(i, guess_d).hi / norm;
-    if (gauge_.is_equality(i))
+    const double slack = scaled_.slack(i, guess_d).hi / norm;
+    if (scaled_.is_equality(i))
       take(i, weight);
-    else if (guess_lambda ? weight > slack && weight > 0 : slack <= 1e-6 * scale)
+    else if (guess_lambda ? weight > slack && weight > 0 : slack <= referee::touched_by_guess * scale)
       candidates.push_back({i, weight, guess_lambda ? -weight : slack});
   }
   equality_rank = rows.rank();
@@ -70,10 +65,10 @@ void RefereeActiveSet::take(Index row, Real weight) {
   OrthogonalRows::Split s = split(row);
   if (s.dependent) {
     const auto [place, step] = first_blocked(-s.alpha);
-    const bool all = gauge_.is_equality(row) || weight <= step;
+    const bool all = scaled_.is_equality(row) || weight <= step;
     const Real moved = all ? weight : step;
     for (Index k = 0; k < rows.rank(); ++k) mu_[static_cast<std::size_t>(k)] += moved * s.alpha[k];
-    if (gauge_.is_equality(row)) dependent_equality.push_back(row);
+    if (scaled_.is_equality(row)) dependent_equality.push_back(row);
     if (all) return;
     weight -= moved;
     drop(place);
@@ -105,57 +100,59 @@ void RefereeActiveSet::drop(Index place) {
 }
 
 // With rho = y - G'mu and e = G_A y - h_A the correction is  dmu = R^-1 (Q'rho - R^-T e),  dy = Q (..) - rho.
-// False when the residuals do not fall by 1e6: the basis is too ill-conditioned even for long double.
+// False when the residuals do not fall by 1e6: the basis is too ill-conditioned even for FactorReal.
 bool RefereeActiveSet::refine() {
-  const auto n = static_cast<std::size_t>(gauge_.size());
+  using std::isfinite;
+  const auto n = static_cast<std::size_t>(scaled_.size());
   const Index r = rows.rank();
   d.assign(n, {});
-  lambda.assign(static_cast<std::size_t>(gauge_.rows()), {});
+  lambda.assign(static_cast<std::size_t>(scaled_.rows()), {});
   Real before = infinity;
   Real scale = std::numeric_limits<double>::min();
   Column e(r);
-  for (int round = 0; round < 60; ++round) {
-    const Column rho = gauge_.whiten(gauge_.force_residual(d, lambda));
+  for (int round = 0; round < referee::refinements; ++round) {
+    const Column rho = scaled_.whiten(scaled_.force_residual(d, lambda));
     for (Index k = 0; k < r; ++k) {
       const Index i = basis[static_cast<std::size_t>(k)];
-      e[k] = static_cast<Real>(gauge_.slack(i, d)) / gauge_.row_norm[i];
+      e[k] = static_cast<Real>(scaled_.slack(i, d)) / scaled_.row_norm[i];
     }
     const Real error = rho.norm() + e.norm();
     if (round == 0) scale = std::max(scale, error);
-    if (!std::isfinite(error)) return false;
+    if (!isfinite(error)) return false;
     const Column w = rows.Q().transpose() * rho - rows.solve_transposed(e);
     const Column step = rows.solve(w);
-    mu_error_ = r > 0 ? step.lpNorm<Eigen::Infinity>() : 0;
+    mu_error_ = r > 0 ? step.lpNorm<Eigen::Infinity>() : Real(0);
     const bool stalled = error > before / 2;
     before = std::min(before, error);
-    if (error <= 0x1p-100L * scale || stalled) break;
+    if (error <= referee::refined * scale || stalled) break;
     const Column dy = rows.Q() * w - rho;
-    const Column dz = gauge_.unwhiten(dy);
-    for (std::size_t j = 0; j < n; ++j) d[j] += extended(dz[static_cast<Index>(j)]);
+    const Column dz = scaled_.unwhiten(dy);
+    for (std::size_t j = 0; j < n; ++j) d[j] += double_double(dz[static_cast<Index>(j)]);
     for (Index k = 0; k < r; ++k) {
       const Index i = basis[static_cast<std::size_t>(k)];
-      lambda[static_cast<std::size_t>(i)] += extended(step[k] / gauge_.row_norm[i]);
+      lambda[static_cast<std::size_t>(i)] += double_double(step[k] / scaled_.row_norm[i]);
     }
   }
   for (Index k = 0; k < r; ++k) {
     const Index i = basis[static_cast<std::size_t>(k)];
-    mu_[static_cast<std::size_t>(k)] = static_cast<Real>(lambda[static_cast<std::size_t>(i)]) * gauge_.row_norm[i];
+    mu_[static_cast<std::size_t>(k)] = static_cast<Real>(lambda[static_cast<std::size_t>(i)]) * scaled_.row_norm[i];
   }
-  return before <= 1e-6L * scale;
+  return before <= referee::unrefined * scale;
 }
 
 bool RefereeActiveSet::drop_negative() {
+  using std::abs;
   Real largest = 0, lowest = 0;
   Index place = -1;
   for (Index k = 0; k < rows.rank(); ++k) {
     const Real mu = mu_[static_cast<std::size_t>(k)];
-    largest = std::max(largest, std::abs(mu));
+    largest = std::max(largest, abs(mu));
     if (k >= equality_rank && mu < lowest) {
       lowest = mu;
       place = k;
     }
   }
-  if (place < 0 || lowest >= -std::max(1e-25L * largest, mu_error_)) return false;
+  if (place < 0 || lowest >= -std::max(Real(referee::negative * largest), mu_error_)) return false;
   drop(place);
   return true;
 }
@@ -163,11 +160,11 @@ bool RefereeActiveSet::drop_negative() {
 Index RefereeActiveSet::worst_violated() const {
   Index worst = -1;
   double most = 0;
-  for (Index i = 0; i < gauge_.rows(); ++i) {
-    if (held(i) || gauge_.is_vacuous(i) || gauge_.is_zero(i)) continue;
+  for (Index i = 0; i < scaled_.rows(); ++i) {
+    if (held(i) || scaled_.is_vacuous(i) || scaled_.is_zero(i)) continue;
     const double slack = unit_slack(i);
-    const double violation = gauge_.is_equality(i) ? std::abs(slack) : -slack;
-    if (violation > most && violation > 16 * gauge_.rounding(i, d)) {
+    const double violation = scaled_.is_equality(i) ? std::abs(slack) : -slack;
+    if (violation > most && violation > referee::violated * scaled_.rounding(i, d)) {
       most = violation;
       worst = i;
     }
@@ -177,9 +174,9 @@ Index RefereeActiveSet::worst_violated() const {
 
 std::pair<Index, RefereeActiveSet::Real> RefereeActiveSet::first_blocked(const Column& alpha) const {
   std::pair<Index, Real> first{-1, infinity};
-  const Real noise = alpha.size() > 0 ? 1e-15L * alpha.lpNorm<Eigen::Infinity>() : 0;
+  const Real noise = alpha.size() > 0 ? Real(referee::no_coefficient * alpha.lpNorm<Eigen::Infinity>()) : Real(0);
   for (Index k = 0; k < alpha.size(); ++k) {
-    if (gauge_.is_equality(basis[static_cast<std::size_t>(k)]) || alpha[k] <= noise) continue;
+    if (scaled_.is_equality(basis[static_cast<std::size_t>(k)]) || alpha[k] <= noise) continue;
     const Real step = std::max(mu_[static_cast<std::size_t>(k)], Real(0)) / alpha[k];
     if (step < first.second) first = {k, step};
   }
@@ -189,14 +186,14 @@ std::pair<Index, RefereeActiveSet::Real> RefereeActiveSet::first_blocked(const C
 // Goldfarb & Idnani's step 2: walk along mu - t alpha, + t on the new row, until its violation is gone (full step) or
 // a multiplier reaches zero (its row leaves). No bound on t: the rows contradict each other.
 RefereeActiveSet::Outcome RefereeActiveSet::add(Index row) {
-  Real slack = static_cast<Real>(gauge_.slack(row, d)) / gauge_.row_norm[row];
+  Real slack = static_cast<Real>(scaled_.slack(row, d)) / scaled_.row_norm[row];
   Real weight = 0;
   while (work_left_ > 0) {
     const OrthogonalRows::Split s = split(row);
     const auto [place, dual_step] = first_blocked(s.alpha);
-    const Real full_step = s.dependent || gauge_.is_equality(row) ? infinity : -slack / (s.left * s.left);
+    const Real full_step = s.dependent || scaled_.is_equality(row) ? infinity : -slack / (s.left * s.left);
     const Real step = std::min(dual_step, full_step);
-    if (step == infinity || gauge_.is_equality(row)) {
+    if (step == infinity || scaled_.is_equality(row)) {
       store_farkas(row, slack > 0 ? -1 : 1, s.alpha);
       return Outcome::infeasible;
     }
@@ -216,14 +213,14 @@ RefereeActiveSet::Outcome RefereeActiveSet::add(Index row) {
 }
 
 void RefereeActiveSet::store_farkas(Index row, Real sign, const Column& alpha) {
-  farkas = Vector::Zero(gauge_.rows());
+  farkas = Vector::Zero(scaled_.rows());
   const auto set = [&](Index i, Real u) {
-    if (!gauge_.is_equality(i) && u < 0) u = 0;
+    if (!scaled_.is_equality(i) && u < 0) u = 0;
     farkas[i] =
-        std::ldexp(static_cast<double>(u / gauge_.row_norm[i]), -gauge_.row_exponent[static_cast<std::size_t>(i)]);
+        std::ldexp(static_cast<double>(u / scaled_.row_norm[i]), -scaled_.row_exponent[static_cast<std::size_t>(i)]);
   };
   set(row, sign);
-  const bool only_equality = gauge_.is_equality(row);
+  const bool only_equality = scaled_.is_equality(row);
   for (Index k = 0; k < (only_equality ? equality_rank : rows.rank()); ++k)
     set(basis[static_cast<std::size_t>(k)], -sign * alpha[k]);
 }

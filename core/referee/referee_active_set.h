@@ -7,13 +7,13 @@
 
 namespace zwang {
 
-// The referee's own answer, from the guess that a solver's answer makes about which rows hold.
+// The referee solves the problem itself, from the rows that a solver's answer suggests hold.
 //
 //   minimize 1/2 |y|^2   subject to  g_i . y = h_i  or  >= h_i       (y = Q (z - z_u), unit rows)
 //
 // The guessed rows are cut down to independent ones with nonnegative multipliers (Caratheodory), and the dual
 // active-set steps of Goldfarb & Idnani (1983) put right what the guess got wrong. After each change y = G_A' mu,
-// G_A y = h_A is solved anew: directions from the orthogonal factors in long double, residuals in double-double, so
+// G_A y = h_A is solved anew: directions from the orthogonal factors in FactorReal, residuals in double-double, so
 // every decision (is a row violated, is a multiplier negative) is taken at about 1e-30 and not at 1e-16. A right
 // guess costs one factorization and three refinements. It shares no code with the solvers under test, and nothing of
 // it is believed: bounds.cpp proves what it found.
@@ -22,8 +22,8 @@ class RefereeActiveSet {
   enum class Outcome { optimal, infeasible, gave_up };
 
   // gave_up when the factorizations would take more than `work_limit` multiplications.
-  explicit RefereeActiveSet(const ScaledProblem& gauge, double work_limit = 1e9)
-      : gauge_(gauge), work_left_(work_limit) {}
+  explicit RefereeActiveSet(const ScaledProblem& scaled, double work_limit = referee::dense_products)
+      : scaled_(scaled), work_left_(work_limit) {}
 
   // guess_lambda may be null: rows touched to 1e-6 are then guessed to hold.
   Outcome solve(const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
@@ -33,7 +33,7 @@ class RefereeActiveSet {
   std::vector<Index> dependent_equality;  // equality rows that are combinations of those in `basis`
   Index equality_rank = 0;                // how many of `basis` are equality rows
   OrthogonalRows rows;                    // factors of `basis`
-  Vector farkas;                          // when infeasible: m, u of the gauge's problem
+  Vector farkas;                          // when infeasible: m, u of the scaled problem
 
  private:
   using Real = OrthogonalRows::Real;
@@ -50,10 +50,10 @@ class RefereeActiveSet {
   // The place of the inequality row whose multiplier first reaches zero along mu - t alpha, and t.
   std::pair<Index, Real> first_blocked(const Column& alpha) const;
   void store_farkas(Index row, Real sign, const Column& alpha);
-  double unit_slack(Index row) const { return gauge_.slack(row, d).hi / gauge_.row_norm[row]; }
+  double unit_slack(Index row) const { return scaled_.slack(row, d).hi / scaled_.row_norm[row]; }
   bool held(Index row) const { return place_[static_cast<std::size_t>(row)]; }
 
-  const ScaledProblem& gauge_;
+  const ScaledProblem& scaled_;
   double work_left_;
   std::vector<Real> mu_;     // multipliers of `basis`, on unit rows
   Real mu_error_ = 0;        // the correction that refine() left undone

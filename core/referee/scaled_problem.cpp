@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include <zwang/core/referee/tolerances.h>
+
 namespace zwang {
 namespace {
 
@@ -16,12 +18,12 @@ int exponent_of(double x) {
 
 // Sum of squares weighted by 1/D as L^-1 r: forward substitution along the columns that fill in.
 template <class Lower>
-long double forward_squared(const Lower& L, VectorX<long double>& x, Index first) {
-  long double sum = 0;
+FactorReal forward_squared(const Lower& L, VectorX<FactorReal>& x, Index first) {
+  FactorReal sum = 0;
   for (Index j = first; j < x.size(); ++j) {
     if (x[j] == 0) continue;
     typename Lower::InnerIterator it(L, j);
-    const long double value = x[j] / it.value();
+    const FactorReal value = x[j] / it.value();
     sum += value * value;
     for (++it; it; ++it) x[it.row()] -= it.value() * value;
     x[j] = 0;
@@ -70,7 +72,7 @@ ScaledProblem::ScaledProblem(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p
   for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[static_cast<std::size_t>(i)] - motion_exponent);
 
   if (n > 0) {
-    factor.compute(M.cast<long double>());
+    factor.compute(M.cast<FactorReal>());
     definite = factor.info() == Eigen::Success;
   }
   if (definite) weigh_rows();
@@ -78,9 +80,10 @@ ScaledProblem::ScaledProblem(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p
 
 void ScaledProblem::weigh_rows() {
   if (size() == 0) return;
-  const Eigen::SparseMatrix<long double> L = factor.matrixL();
+  using std::sqrt;
+  const Eigen::SparseMatrix<FactorReal> L = factor.matrixL();
   const auto& place = factor.permutationP().indices();
-  VectorX<long double> x = VectorX<long double>::Zero(size());
+  VectorX<FactorReal> x = VectorX<FactorReal>::Zero(size());
   for (Index i = 0; i < rows(); ++i) {
     Index first = size();
     for (decltype(J)::InnerIterator it(J, i); it; ++it) {
@@ -88,7 +91,7 @@ void ScaledProblem::weigh_rows() {
       x[k] = it.value();
       first = std::min(first, k);
     }
-    row_norm[i] = static_cast<double>(std::sqrt(forward_squared(L, x, first)));
+    row_norm[i] = static_cast<double>(sqrt(forward_squared(L, x, first)));
   }
 }
 
@@ -128,10 +131,11 @@ double ScaledProblem::row_scale(Index i) const {
 }
 
 double ScaledProblem::norm(const ExtendedVector& d) const {
+  using std::sqrt;
   const ExtendedVector force = force_residual(d, {});
-  long double sum = 0;
-  for (std::size_t i = 0; i < d.size(); ++i) sum += static_cast<long double>(force[i] * d[i]);
-  return static_cast<double>(std::sqrt(std::max(sum, 0.0L)));
+  FactorReal sum = 0;
+  for (std::size_t i = 0; i < d.size(); ++i) sum += static_cast<FactorReal>(force[i] * d[i]);
+  return static_cast<double>(sqrt(std::max(sum, FactorReal(0))));
 }
 
 double ScaledProblem::norm_of(const Vector& z) const {
@@ -147,17 +151,17 @@ double ScaledProblem::norm_with_free_motion(ExtendedVector d) const {
   return norm(d);
 }
 
-VectorX<long double> ScaledProblem::whiten(const ExtendedVector& r) const {
-  VectorX<long double> x(size());
-  for (Index i = 0; i < size(); ++i) x[i] = static_cast<long double>(r[static_cast<std::size_t>(i)]);
+VectorX<FactorReal> ScaledProblem::whiten(const ExtendedVector& r) const {
+  VectorX<FactorReal> x(size());
+  for (Index i = 0; i < size(); ++i) x[i] = static_cast<FactorReal>(r[static_cast<std::size_t>(i)]);
   if (size() == 0) return x;
   x = factor.permutationP() * x;
   return factor.matrixL().solve(x);
 }
 
-VectorX<long double> ScaledProblem::unwhiten(const VectorX<long double>& y) const {
+VectorX<FactorReal> ScaledProblem::unwhiten(const VectorX<FactorReal>& y) const {
   if (size() == 0) return y;
-  const VectorX<long double> x = factor.matrixU().solve(y);
+  const VectorX<FactorReal> x = factor.matrixU().solve(y);
   return factor.permutationPinv() * x;
 }
 
@@ -176,19 +180,19 @@ DoubleDouble ScaledProblem::violation(Index i) const {
   return h;
 }
 
-VectorX<long double> ScaledProblem::unit_row(Index i) const {
-  VectorX<long double> x = VectorX<long double>::Zero(size());
+VectorX<FactorReal> ScaledProblem::unit_row(Index i) const {
+  VectorX<FactorReal> x = VectorX<FactorReal>::Zero(size());
   for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = it.value();
   x = factor.permutationP() * x;
   x = factor.matrixL().solve(x);
-  return x / row_norm[i];
+  return x / FactorReal(row_norm[i]);
 }
 
 double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
   double sum = std::abs(c[i]);
   for (decltype(J)::InnerIterator it(J, i); it; ++it)
     sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[static_cast<std::size_t>(it.col())].hi));
-  return 0x1p-98 * sum / row_norm[i] + std::numeric_limits<double>::min();
+  return referee::rounding * sum / row_norm[i] + std::numeric_limits<double>::min();
 }
 
 ExtendedVector ScaledProblem::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
@@ -216,7 +220,7 @@ double ScaledProblem::force_rounding(const ExtendedVector& d, const ExtendedVect
   for (Index i = 0; i < rows(); ++i)
     for (decltype(J)::InnerIterator it(J, i); it; ++it)
       sum[static_cast<std::size_t>(it.col())].hi += std::abs(it.value() * lambda[static_cast<std::size_t>(i)].hi);
-  return 0x1p-98 * dual_norm(sum);
+  return referee::rounding * dual_norm(sum);
 }
 
 }  // namespace zwang

@@ -10,7 +10,7 @@ namespace zwang {
 // A problem in the referee's units. Distances are taken in the M-norm, |d| = sqrt(d' M d), and a row is divided by
 // |G_i| = sqrt(J_i M^-1 J_i'). No factor of M enters a residual: d' M d needs M alone, and the dual norm
 // sqrt(r' M^-1 r) of a residual r needs few digits. So M d, J z - c and M d - J' lambda are taken from the stored
-// doubles in double-double arithmetic, and M is factorized (sparse, long double) only for weights.
+// doubles in double-double arithmetic, and M is factorized (sparse, FactorReal) only for weights.
 //
 // Powers of two are divided out first, without rounding: one per row of J (2^row_exponent), one of M (2^mass_exponent,
 // even), one common to z, z_u and c (2^motion_exponent). Rows at 2^+-500 and c at 1e300 then neither overflow nor
@@ -37,21 +37,21 @@ class ScaledProblem {
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
   double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
 
-  double norm(const ExtendedVector& d) const;                          // sqrt(d' M d)
-  double norm_of(const Vector& z) const;                               // the same of z itself, z in the problem's units
-  double norm_of_free_motion() const;                                  // |z_u|_M
-  double norm_with_free_motion(ExtendedVector d) const;                // |z_u + d|_M
-  double dual_norm(const ExtendedVector& r) const;                     // sqrt(r' M^-1 r)
-  DoubleDouble slack(Index i, const ExtendedVector& d) const;          // J_i (z_u + d) - c_i, not divided by |G_i|
-  DoubleDouble violation(Index i) const;                               // h_i = c_i - J_i z_u
-  VectorX<long double> unit_row(Index i) const;                        // G_i / |G_i|, n, permuted as Q = L'P
-  VectorX<long double> whiten(const ExtendedVector& r) const;          // Q^-T r: |.| is the dual norm
-  VectorX<long double> unwhiten(const VectorX<long double>& y) const;  // Q^-1 y: its M-norm is |y|
+  double norm(const ExtendedVector& d) const;                        // sqrt(d' M d)
+  double norm_of(const Vector& z) const;                             // the same of z itself, z in the problem's units
+  double norm_of_free_motion() const;                                // |z_u|_M
+  double norm_with_free_motion(ExtendedVector d) const;              // |z_u + d|_M
+  double dual_norm(const ExtendedVector& r) const;                   // sqrt(r' M^-1 r)
+  DoubleDouble slack(Index i, const ExtendedVector& d) const;        // J_i (z_u + d) - c_i, not divided by |G_i|
+  DoubleDouble violation(Index i) const;                             // h_i = c_i - J_i z_u
+  VectorX<FactorReal> unit_row(Index i) const;                       // G_i / |G_i|, n, permuted as Q = L'P
+  VectorX<FactorReal> whiten(const ExtendedVector& r) const;         // Q^-T r: |.| is the dual norm
+  VectorX<FactorReal> unwhiten(const VectorX<FactorReal>& y) const;  // Q^-1 y: its M-norm is |y|
   double rounding(Index i, const ExtendedVector& d) const;  // bounds the error of slack(i, d), divided by |G_i|
   ExtendedVector force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const;  // M d - J' lambda
   double force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const;          // of its dual norm
 
-  using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<long double>>;
+  using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<FactorReal>>;
 
   bool definite = true;  // M is positive definite; if not, row_norm and the dual norm mean nothing
   Eigen::SparseMatrix<double> M;

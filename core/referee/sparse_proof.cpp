@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/referee/tolerances.h>
+
 namespace zwang {
 namespace {
 
@@ -10,39 +12,33 @@ struct Factor : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
   double products() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }  // after analyzePattern()
 };
 
-// Products that a proof may cost: half a minute. A wall of 2000 bricks takes 0.2 % of it; where every row couples
-// unknowns at random, the factor of 20000 of them would take hours.
-constexpr double most_products = 2e10;
-
-// Of the squared length of unit rows against M: each round leaves 1 / (1 + penalty sigma^2) of the error in the rows,
-// and about 1e-16 penalty of that in the solves.
-constexpr double penalty = 1e8;
+using referee::penalty;
 
 class SparseProof {
  public:
-  explicit SparseProof(const ScaledProblem& gauge) : gauge_(gauge) {}
+  explicit SparseProof(const ScaledProblem& scaled) : scaled_(scaled) {}
 
   Proof run(const ExtendedVector& guess_d, const ExtendedVector& guess_lambda) {
-    for (Index i = 0; i < gauge_.rows(); ++i)
-      if (gauge_.is_zero(i) ? !gauge_.is_vacuous(i) && !gauge_.zero_row_holds(i) : gauge_.is_equality(i)) return {};
+    for (Index i = 0; i < scaled_.rows(); ++i)
+      if (scaled_.is_zero(i) ? !scaled_.is_vacuous(i) && !scaled_.zero_row_holds(i) : scaled_.is_equality(i)) return {};
     guess(guess_d, guess_lambda);
     return solve_pushing() && open_touching() ? bound() : Proof{};
   }
 
  private:
-  bool counts(Index i) const { return !gauge_.is_vacuous(i) && !gauge_.is_zero(i); }
-  double unit_slack(Index i) const { return gauge_.slack(i, d_).hi / gauge_.row_norm[i]; }
-  double unit_product(Index i, const Vector& p) const { return gauge_.J.row(i).dot(p) / gauge_.row_norm[i]; }
+  bool counts(Index i) const { return !scaled_.is_vacuous(i) && !scaled_.is_zero(i); }
+  double unit_slack(Index i) const { return scaled_.slack(i, d_).hi / scaled_.row_norm[i]; }
+  double unit_product(Index i, const Vector& p) const { return scaled_.J.row(i).dot(p) / scaled_.row_norm[i]; }
 
   // Rows that push, and rows that push or touch.
   void guess(const ExtendedVector& d, const ExtendedVector& lambda) {
     d_ = d;
     lambda_ = lambda;
-    const double near = 1e-9 * std::max(gauge_.norm_of_free_motion(), gauge_.norm(d));
-    for (Index i = 0; i < gauge_.rows(); ++i) {
+    const double near = referee::touched * std::max(scaled_.norm_of_free_motion(), scaled_.norm(d));
+    for (Index i = 0; i < scaled_.rows(); ++i) {
       DoubleDouble& own = lambda_[static_cast<std::size_t>(i)];
       const double slack = counts(i) ? unit_slack(i) : 0;
-      const bool pushes = counts(i) && own.hi > 0 && own.hi * gauge_.row_norm[i] > slack;
+      const bool pushes = counts(i) && own.hi > 0 && own.hi * scaled_.row_norm[i] > slack;
       if (pushes) pushing_.push_back(i);
       if (!pushes) own = 0;
       if (pushes || (counts(i) && slack < near)) touching_.push_back(i);
@@ -53,13 +49,13 @@ class SparseProof {
   bool factorize(const std::vector<Index>& listed, Factor& factor) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t k = 0; k < listed.size(); ++k)
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(gauge_.J, listed[k]); it; ++it)
-        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value() / gauge_.row_norm[listed[k]]);
-    Eigen::SparseMatrix<double> G(static_cast<Index>(listed.size()), gauge_.size());
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled_.J, listed[k]); it; ++it)
+        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value() / scaled_.row_norm[listed[k]]);
+    Eigen::SparseMatrix<double> G(static_cast<Index>(listed.size()), scaled_.size());
     G.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SparseMatrix<double> weighted = gauge_.M + penalty * Eigen::SparseMatrix<double>(G.transpose() * G);
+    const Eigen::SparseMatrix<double> weighted = scaled_.M + penalty * Eigen::SparseMatrix<double>(G.transpose() * G);
     factor.analyzePattern(weighted);
-    if (!(factor.products() <= most_products)) return false;
+    if (!(factor.products() <= referee::sparse_products)) return false;
     factor.factorize(weighted);
     return factor.info() == Eigen::Success;
   }
@@ -69,33 +65,32 @@ class SparseProof {
     Factor factor;
     if (!factorize(pushing_, factor)) return false;
     double before = std::numeric_limits<double>::infinity();
-    constexpr int rounds = 60;
-    for (int round = 0; round < rounds; ++round) {
-      const ExtendedVector force = gauge_.force_residual(d_, lambda_);
-      Vector right(gauge_.size()), slack(static_cast<Index>(pushing_.size()));
-      for (Index j = 0; j < gauge_.size(); ++j) right[j] = -force[static_cast<std::size_t>(j)].hi;
+    for (int round = 0; round < referee::refinements; ++round) {
+      const ExtendedVector force = scaled_.force_residual(d_, lambda_);
+      Vector right(scaled_.size()), slack(static_cast<Index>(pushing_.size()));
+      for (Index j = 0; j < scaled_.size(); ++j) right[j] = -force[static_cast<std::size_t>(j)].hi;
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         slack[static_cast<Index>(k)] = unit_slack(i);
-        add(i, -penalty * slack[static_cast<Index>(k)] / gauge_.row_norm[i], right);
+        add(i, -penalty * slack[static_cast<Index>(k)] / scaled_.row_norm[i], right);
       }
-      const double error = gauge_.dual_norm(force) + slack.norm();
+      const double error = scaled_.dual_norm(force) + slack.norm();
       if (!std::isfinite(error)) return false;
       if (error > before / 2) return true;
       before = error;
       const Vector step = factor.solve(right);
-      for (Index j = 0; j < gauge_.size(); ++j) d_[static_cast<std::size_t>(j)] += step[j];
+      for (Index j = 0; j < scaled_.size(); ++j) d_[static_cast<std::size_t>(j)] += step[j];
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         const double push = -penalty * (slack[static_cast<Index>(k)] + unit_product(i, step));
-        lambda_[static_cast<std::size_t>(i)] += push / gauge_.row_norm[i];
+        lambda_[static_cast<std::size_t>(i)] += push / scaled_.row_norm[i];
       }
     }
     return true;
   }
 
   void add(Index i, double weight, Vector& force) const {
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(gauge_.J, i); it; ++it)
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled_.J, i); it; ++it)
       force[it.col()] += weight * it.value();
   }
 
@@ -103,48 +98,48 @@ class SparseProof {
   bool open_touching() {
     Factor factor;
     if (!factorize(touching_, factor)) return false;
-    Vector right = Vector::Zero(gauge_.size());
-    for (const Index i : touching_) add(i, penalty / gauge_.row_norm[i], right);
+    Vector right = Vector::Zero(scaled_.size());
+    for (const Index i : touching_) add(i, penalty / scaled_.row_norm[i], right);
     opening_ = factor.solve(right);
     opened_ = 1;
     for (const Index i : touching_) opened_ = std::min(opened_, unit_product(i, opening_));
-    return opened_ > 1e-3;
+    return opened_ > referee::opens;
   }
 
   Proof bound() {
     // mu >= 0; its change is seen in e.
     for (const Index i : pushing_)
       if (DoubleDouble& own = lambda_[static_cast<std::size_t>(i)]; own.hi < 0) own = 0;
-    const double e = gauge_.dual_norm(gauge_.force_residual(d_, lambda_)) + gauge_.force_rounding(d_, lambda_);
+    const double e = scaled_.dual_norm(scaled_.force_residual(d_, lambda_)) + scaled_.force_rounding(d_, lambda_);
 
     // How far y_f may go, mu'max(s, 0), and the worst v.
     double t = std::numeric_limits<double>::infinity(), held = 0, worst = 0;
-    for (Index i = 0; i < gauge_.rows(); ++i) {
+    for (Index i = 0; i < scaled_.rows(); ++i) {
       if (!counts(i)) continue;
-      const double rounding = gauge_.rounding(i, d_), slack = unit_slack(i), own = unit_product(i, opening_);
-      held += lambda_[static_cast<std::size_t>(i)].hi * gauge_.row_norm[i] * (std::max(slack, 0.0) + rounding);
+      const double rounding = scaled_.rounding(i, d_), slack = unit_slack(i), own = unit_product(i, opening_);
+      held += lambda_[static_cast<std::size_t>(i)].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
       if (slack - rounding <= 0 && own <= opened_ / 2) return {};
       worst = std::max(worst, rounding - slack);
       if (own <= opened_ / 2) t = std::min(t, (slack - rounding) / (opened_ - 2 * own));
     }
     // delta_i >= t opened_ / 2 - v_i >= t opened_ / 4 where v_i > 0, so  sum mu*_i v_i <= share y*.(y_f - y*).
     const ExtendedVector p(opening_.data(), opening_.data() + opening_.size());
-    const double length = gauge_.norm(p), size = gauge_.norm(d_);
+    const double length = scaled_.norm(p), size = scaled_.norm(d_);
     double share = 0, moved = 0;
     if (worst > 0) {
-      t = std::min(t, std::max(size, gauge_.norm_of_free_motion()) / length);
+      t = std::min(t, std::max(size, scaled_.norm_of_free_motion()) / length);
       share = 4 * worst / (t * opened_);
       moved = t * length;
-      if (!(share <= 0.25)) return {};
+      if (!(share <= referee::largest_share)) return {};
     }
     // With r = |y - y*|:  r^2 <= e r + held + share (|y| + r) (t |p| + r).
     const double linear = e + share * (size + moved), constant = held + share * size * moved;
-    const double radius = (2 * linear + std::sqrt(2 * constant)) * (1 + 1e-9);
+    const double radius = (2 * linear + std::sqrt(2 * constant)) * (1 + referee::widened_opening);
     if (!std::isfinite(radius)) return {};
     return {.rows = DistanceBound::Rows::feasible, .d = d_, .radius = radius};
   }
 
-  const ScaledProblem& gauge_;
+  const ScaledProblem& scaled_;
   ExtendedVector d_, lambda_;
   std::vector<Index> pushing_, touching_;
   Vector opening_;     // p
@@ -153,8 +148,8 @@ class SparseProof {
 
 }  // namespace
 
-Proof prove_sparse(const ScaledProblem& gauge, const ExtendedVector& guess_d, const ExtendedVector& guess_lambda) {
-  return SparseProof(gauge).run(guess_d, guess_lambda);
+Proof prove_sparse(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector& guess_lambda) {
+  return SparseProof(scaled).run(guess_d, guess_lambda);
 }
 
 }  // namespace zwang

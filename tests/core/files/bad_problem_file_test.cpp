@@ -2,7 +2,7 @@
 #include <random>
 
 #include <zwang/core/files/hdf5.h>
-#include "tests/core/problem_files.h"
+#include "tests/core/files/problem_files.h"
 
 // The HDF5 library loses memory of its own when it gives up on a damaged file.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }

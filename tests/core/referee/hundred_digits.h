@@ -145,5 +145,4 @@ inline Problem random_problem(std::mt19937_64& random, int kind) {
   return p;
 }
 
-// 6000 problems x 6 answers of growing error, with and without multipliers, the reference withheld.
 }  // namespace zwang

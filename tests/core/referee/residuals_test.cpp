@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include <zwang/core/referee/measure.h>
-#include "tests/core/hundred_digits.h"
+#include "tests/core/referee/hundred_digits.h"
 
 namespace zwang {
 namespace {

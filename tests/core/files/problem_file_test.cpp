@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include <zwang/core/files/natural_order.h>
-#include "tests/core/problem_files.h"
+#include "tests/core/files/problem_files.h"
 
 namespace zwang {
 namespace {
