@@ -2,24 +2,18 @@
 
 #include <unistd.h>
 
-#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
 
+#include <zwang/core/problem/mix_bits.h>
+
 namespace zwang {
 namespace {
 
 constexpr std::string_view magic = "zwang reference 1\n";
-
-// FNV-1a, 64 bits.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return hash;
-}
 
 template <class T>
 void put(std::string& bytes, const T& value) {
@@ -65,7 +59,7 @@ void write_cached(const std::filesystem::path& file, const Reference& r) {
   put(bytes, static_cast<std::int64_t>(r.method.size()));
   bytes += r.method;
   for (const Vector* v : {&r.z, &r.lambda, &r.certificate}) put(bytes, *v);
-  put(bytes, checksum(bytes));
+  put(bytes, fnv1a(bytes));
 
   std::filesystem::create_directories(file.parent_path());
   const std::filesystem::path beside = file.string() + "." + std::to_string(::getpid());
@@ -82,7 +76,7 @@ std::optional<Reference> read_cached(const std::filesystem::path& file) {
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   if (bytes.size() < magic.size() + sizeof(std::uint64_t)) return {};
   const std::string_view body = std::string_view(bytes).substr(0, bytes.size() - sizeof(std::uint64_t));
-  if (Reader{std::string_view(bytes).substr(body.size())}.value<std::uint64_t>() != checksum(body)) return {};
+  if (Reader{std::string_view(bytes).substr(body.size())}.value<std::uint64_t>() != fnv1a(body)) return {};
   try {
     Reader reader{body};
     if (reader.take(magic.size()) != magic) return {};

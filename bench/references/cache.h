@@ -2,10 +2,15 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include <zwang/core/problem/instance.h>
 
 namespace zwang {
+
+// SHA-256 over the sources that a reference depends on, 64 hexadecimal digits; sources_hash.cmake takes it at each
+// build. It is part of an entry's name: what other sources computed is never read.
+extern const std::string_view reference_sources;
 
 // One file a reference: a line of text, the sizes, the doubles bit for bit, a checksum. Written beside its place and
 // renamed, so that a reader never meets half a file.

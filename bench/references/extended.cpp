@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cmath>
 
 #include <zwang/bench/references/witnesses.h>
+#include <zwang/core/referee/bounds.h>
+#include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/active_set/goldfarb_idnani.h>
 
@@ -21,6 +24,30 @@ std::optional<Reference> extended_reference(const Problem& problem) {
   if (metrics.bound_method != "active set" || !(metrics.z_bound <= useful)) return {};
   return Reference{
       .z = answer.z, .lambda = answer.lambda, .bound = metrics.z_bound, .method = "long double, active-set bound"};
+}
+
+// `rounded`: what rounding a right z to doubles once may add to a bound.
+Standing check_stored(const Problem& problem, const Reference& reference) {
+  constexpr double rounded = 1e-14;
+  if (!bad_input(problem).empty()) return Standing::refuted;
+  const ScaledProblem scaled(problem);
+  if (!scaled.definite) return Standing::refuted;
+  const double free = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  if (!reference.feasible) {
+    if (judge_certificate(scaled, reference.certificate, free).proven) return Standing::certified;
+    const ExtendedVector still(static_cast<std::size_t>(problem.size()));
+    const bool feasible = bound_distance(scaled, still, nullptr).rows == DistanceBound::Rows::feasible;
+    return feasible ? Standing::refuted : Standing::open;
+  }
+  if (reference.z.size() != problem.size() || !reference.z.allFinite()) return Standing::refuted;
+  ExtendedVector lambda;
+  const bool has_lambda = reference.lambda.size() == problem.rows() && reference.lambda.allFinite();
+  if (has_lambda) lambda = scaled.multipliers(reference.lambda);
+  const DistanceBound bound = bound_distance(scaled, scaled.motion(reference.z), has_lambda ? &lambda : nullptr);
+  if (bound.rows == DistanceBound::Rows::infeasible) return Standing::refuted;
+  const double stated = reference.bound + rounded;
+  if (bound.upper <= stated * std::max(free, bound.least_norm)) return Standing::certified;
+  return bound.lower > stated * std::max(free, bound.greatest_norm) ? Standing::refuted : Standing::open;
 }
 
 double relative_distance(const Problem& p, const Vector& a, const Vector& b) {

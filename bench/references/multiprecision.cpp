@@ -2,6 +2,7 @@
 // after the number type it describes
 #include <boost/multiprecision/eigen.hpp>
 
+#include <zwang/bench/references/kkt_certificate.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/solvers/active_set/goldfarb_idnani.h>
 
@@ -13,19 +14,29 @@ using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::
 
 }  // namespace
 
-std::optional<Reference> multiprecision_reference(const Problem& problem) {
+std::optional<Reference> multiprecision_reference(const Problem& problem, std::string* why_not) {
+  const auto none = [why_not](const std::string& reason) -> std::optional<Reference> {
+    if (why_not) *why_not = reason;
+    return {};
+  };
   GoldfarbIdnani<Hundred> method;
   const Status status = method.solve(cast<Hundred>(problem), {});
-  Reference found{.method = "mpfr 100 digits"};
-  if (status == Status::infeasible) {
-    found.feasible = false;
+  if (status == Status::bad_input) return none("M is not positive definite");
+  Reference found{.feasible = status != Status::infeasible, .method = "mpfr 100 digits, KKT certified in 100 digits"};
+  if (found.feasible && (status != Status::solved || !method.contracted))
+    return none("100 digits leave a decision open");
+
+  const KktCertificate<Hundred> certificate(problem);
+  const std::string refused = found.feasible ? certificate.refuse(method.z(), method.lambda())
+                                             : certificate.refuse_infeasible(method.certificate);
+  if (!refused.empty()) return none("the 100-digit answer fails its certificate: " + refused);
+  if (!found.feasible) {
     // The largest entry becomes 1: multipliers of rows of size 2^-500 would not fit a double.
     Hundred largest(0);
     for (Index i = 0; i < problem.rows(); ++i) largest = std::max(largest, Hundred(abs(method.certificate[i])));
     found.certificate = (method.certificate / largest).cast<double>();
     return found;
   }
-  if (status != Status::solved || !method.contracted) return {};
   found.z = method.z().cast<double>();
   found.lambda = method.lambda().cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)

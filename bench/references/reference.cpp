@@ -8,16 +8,17 @@
 namespace zwang {
 namespace {
 
-// Raised whenever a change here or in the method could change an answer: older entries are then never read.
-constexpr const char* version = "2";
 constexpr Index multiprecision_limit = 300, rational_limit = 96, extended_limit = 1200;
 constexpr double agreement = 1e-14;  // of two answers that are each rounded once
 
 FoundReference compute(const Problem& problem, bool second_witness);
 
 // Parts that share no unknown are known apart: 64 hands are 64 problems of 96 unknowns. Each part's bound is relative
-// to its own scale, so the largest holds for the whole.
+// to its own scale, so the largest holds for the whole. Solvers split problems by the same code, so the referee, which
+// has its own, looks at the whole.
 FoundReference compute_by_islands(const Problem& problem, std::span<const Island> islands, bool second_witness) {
+  const auto refuted = [&](const Reference& r) { return check_stored(problem, r) == Standing::refuted; };
+  const FoundReference split_wrong{.note = "the referee refutes what the islands' references are together"};
   Reference whole{.z = Vector::Zero(problem.size()), .lambda = Vector::Zero(problem.rows())};
   for (const Island& island : islands) {
     FoundReference part = compute(island.problem, second_witness);
@@ -30,14 +31,14 @@ FoundReference compute_by_islands(const Problem& problem, std::span<const Island
     if (!found.feasible) {
       Reference infeasible{.feasible = false, .certificate = Vector::Zero(problem.rows()), .method = found.method};
       scatter(found.certificate, island.rows, infeasible.certificate);
-      return {.reference = infeasible};
+      return refuted(infeasible) ? split_wrong : FoundReference{.reference = infeasible};
     }
     scatter(found.z, island.columns, whole.z);
     scatter(found.lambda, island.rows, whole.lambda);
     whole.bound = std::max(whole.bound, found.bound);
     whole.method = found.method + ", island by island";
   }
-  return {.reference = whole};
+  return refuted(whole) ? split_wrong : FoundReference{.reference = whole};
 }
 
 FoundReference compute(const Problem& problem, bool second_witness) {
@@ -52,9 +53,9 @@ FoundReference compute(const Problem& problem, bool second_witness) {
     if (!found.reference) found.note = "the active-set bound does not certify the long double answer";
     return found;
   }
-  FoundReference found{.reference = multiprecision_reference(problem)};
-  if (!found.reference) return {.note = "100 digits leave a decision open, or M is not positive definite"};
-  if (!second_witness) return found;
+  FoundReference found;
+  found.reference = multiprecision_reference(problem, &found.note);
+  if (!found.reference || !second_witness) return found;
 
   const std::optional<Reference> witness = rational_reference(problem);
   Reference& first = *found.reference;
@@ -66,8 +67,16 @@ FoundReference compute(const Problem& problem, bool second_witness) {
   return found;
 }
 
-// A closed form, a known answer or a file's truth: kept when the 100-digit method agrees, or can say nothing.
-FoundReference confirm(const Problem& problem, Reference own) {
+// A closed form, a known answer or a file's truth: kept unless the referee refutes it, or the 100-digit method
+// disagrees.
+FoundReference confirm(const Problem& problem, Reference own, bool second_witness) {
+  if (problem.size() <= multiprecision_limit) {
+    const Standing standing = check_stored(problem, own);
+    if (standing == Standing::refuted) return {.note = "the referee refutes the " + own.method};
+    if (standing == Standing::certified && own.method.find("certified") == std::string::npos)
+      own.method += ", certified by the referee";
+  }
+  if (!second_witness) return {.reference = own};
   const std::optional<Reference> digits = multiprecision_reference(problem);
   if (!digits) return {.reference = own};
   if (digits->feasible != own.feasible ||
@@ -87,12 +96,12 @@ FoundReference reference_for(const Instance& instance, const std::filesystem::pa
                              const ReferenceOptions& options) {
   const Problem& problem = instance.problem;
   const bool second_witness = options.second_witness && problem.size() <= rational_limit;
-  if (instance.reference)
-    return second_witness ? confirm(problem, *instance.reference) : FoundReference{.reference = instance.reference};
+  if (instance.reference) return confirm(problem, *instance.reference, second_witness);
   if (cache_dir.empty()) return compute(problem, second_witness);
 
   const std::filesystem::path file =
-      cache_dir / (problem_sha256(problem) + "-v" + version + (second_witness ? "-two" : "") + ".reference");
+      cache_dir / (problem_sha256(problem) + "-" + std::string(reference_sources.substr(0, 16)) +
+                   (second_witness ? "-two" : "") + ".reference");
   if (std::optional<Reference> kept = read_cached(file); kept && fits(*kept, problem)) return {.reference = kept};
   FoundReference found = compute(problem, second_witness);
   if (found.reference) write_cached(file, *found.reference);

@@ -1,21 +1,28 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <zwang/core/problem/instance.h>
 
 namespace zwang {
 
-// Goldfarb & Idnani in 100-digit mpfr arithmetic: z*, lambda* or a certificate, each rounded once. Empty when M is not
-// positive definite, or when even 100 digits leave a decision open.
-std::optional<Reference> multiprecision_reference(const Problem& problem);
+// Goldfarb & Idnani in 100-digit mpfr arithmetic: z*, lambda* or a certificate, each rounded once, after KktCertificate
+// has proven them in full length. Empty when M is not positive definite, when even 100 digits leave a decision open, or
+// when the certificate refuses the answer; `why_not` then says which.
+std::optional<Reference> multiprecision_reference(const Problem& problem, std::string* why_not = nullptr);
 
-// The same method in long double; the referee's active-set bound says how far z may be off. Empty where that bound
-// does not hold or exceeds 1e-9, and on problems it calls infeasible: nothing certifies those here.
+// The same method in long double, accepted as far as the referee proves it from the stored doubles: `bound` is its
+// active-set bound, in double-double arithmetic. Empty where there is none or it exceeds 1e-9, and on problems the
+// method calls infeasible: nothing certifies those here.
 std::optional<Reference> extended_reference(const Problem& problem);
 
 // CGAL's exact rational simplex-like QP solver: shares no code and no arithmetic with the above. No multipliers.
 std::optional<Reference> rational_reference(const Problem& problem);
+
+// What the referee proves of a reference's stored doubles, without any reference.
+enum class Standing { certified, refuted, open };
+Standing check_stored(const Problem& problem, const Reference& reference);
 
 // |a - b|_M / max(|z_u|_M, |a|_M), in long double.
 double relative_distance(const Problem& problem, const Vector& a, const Vector& b);

@@ -103,13 +103,40 @@ TEST(Reference, RepeatedJointsOfUnlikeMassesDoNotContradict) {
   }
 }
 
-TEST(Reference, KeepsWhatTheInstanceBrings) {
+TEST(Reference, KeepsWhatTheInstanceBringsAndSaysWhetherItIsCertified) {
   Instance instance{.problem = test::tied_pair()};
-  instance.reference = Reference{.z = vec({7, 7}), .method = "closed form"};
-  const FoundReference found = reference_for(instance, {});
-  ASSERT_TRUE(found.reference);
-  EXPECT_EQ(found.reference->method, "closed form");
-  EXPECT_EQ(found.reference->z, vec({7, 7}));
+  instance.reference = Reference{.z = vec({0, 0}), .lambda = vec({-40, 50}), .method = "closed form"};
+  FoundReference found = reference_for(instance, {});
+  ASSERT_TRUE(found.reference) << found.note;
+  EXPECT_EQ(found.reference->method, "closed form, certified by the referee");
+  EXPECT_EQ(found.reference->z, vec({0, 0}));
+
+  // Once is enough.
+  instance.reference = found.reference;
+  EXPECT_EQ(reference_for(instance, {}).reference->method, found.reference->method);
+
+  instance.problem = test::squeezed();
+  instance.reference = Reference{.feasible = false, .method = "file"};
+  found = reference_for(instance, {});
+  ASSERT_TRUE(found.reference) << found.note;
+  EXPECT_EQ(found.reference->method, "file") << "without Farkas' vector nothing is certified";
+}
+
+TEST(Reference, RefusesWhatTheInstanceBringsWhereItIsWrong) {
+  Instance instance{.problem = test::tied_pair()};
+  for (const double off : {7.0, 1e-9, 1e-12}) {
+    instance.reference = Reference{.z = vec({off, off}), .method = "file"};
+    const FoundReference found = reference_for(instance, {});
+    EXPECT_FALSE(found.reference) << off;
+    EXPECT_EQ(found.note, "the referee refutes the file");
+    instance.reference->bound = off;
+    EXPECT_TRUE(reference_for(instance, {}).reference) << "within its stated bound";
+  }
+  instance.reference = Reference{.feasible = false, .certificate = vec({1, 1}), .method = "file"};
+  EXPECT_FALSE(reference_for(instance, {}).reference);
+  instance.problem = test::squeezed();
+  instance.reference = Reference{.z = Vector::Zero(instance.problem.size()), .method = "file"};
+  EXPECT_FALSE(reference_for(instance, {}).reference);
 }
 
 TEST(Reference, IsComputedOnceAndKeptByContent) {
@@ -117,7 +144,7 @@ TEST(Reference, IsComputedOnceAndKeptByContent) {
   Instance instance{.problem = test::tied_pair()};
   const FoundReference first = reference_for(instance, folder.path, {.second_witness = true});
   ASSERT_TRUE(first.reference) << first.note;
-  EXPECT_EQ(first.reference->method, "mpfr 100 digits + CGAL exact");
+  EXPECT_EQ(first.reference->method, "mpfr 100 digits, KKT certified in 100 digits + CGAL exact");
   EXPECT_EQ(first.reference->z, vec({0, 0}));
   EXPECT_EQ(first.reference->lambda, vec({-40, 50}));
 
@@ -127,9 +154,10 @@ TEST(Reference, IsComputedOnceAndKeptByContent) {
   write_cached(folder.only_file(), marked);
   instance.problem.name = "another name";
   EXPECT_EQ(reference_for(instance, folder.path, {.second_witness = true}).reference->method, "marked");
+  EXPECT_NE(folder.only_file().filename().string().find(reference_sources.substr(0, 16)), std::string::npos);
   instance.problem.c[0] = 1;
   EXPECT_EQ(reference_for(instance, folder.path, {.second_witness = true}).reference->method,
-            "mpfr 100 digits + CGAL exact");
+            "mpfr 100 digits, KKT certified in 100 digits + CGAL exact");
 }
 
 TEST(Reference, ComputesAgainWhereTheKeptFileIsTornOrAltered) {
@@ -171,7 +199,7 @@ TEST(Reference, DecidesRankDeficientContactsOfARealFile) {
   const Instance instance = read_problems(file).front();
   const FoundReference found = reference_for(instance, {});
   ASSERT_TRUE(found.reference) << found.note;
-  EXPECT_EQ(found.reference->method, "mpfr 100 digits");
+  EXPECT_EQ(found.reference->method, "mpfr 100 digits, KKT certified in 100 digits");
   EXPECT_EQ(found.reference->bound, 0);
   Solution s;
   DualActiveSet().solve(instance.problem, {}, s);
@@ -186,6 +214,15 @@ TEST(Reference, BeyondThreeHundredUnknownsCarriesAProvenBound) {
   EXPECT_GT(found.reference->bound, 0);
   EXPECT_LE(found.reference->bound, 1e-9);
   EXPECT_LE(test::z_error(p, found.reference->z, Vector::Zero(320)), found.reference->bound);
+
+  // The certificate behind it refuses a z that is off by more than the bound and what rounding explains.
+  EXPECT_EQ(check_stored(p, *found.reference), Standing::certified);
+  Reference moved = *found.reference;
+  moved.z[7] += 2 * (moved.bound + 1e-14) * std::sqrt(p.z_u.dot(p.M * p.z_u));
+  EXPECT_EQ(check_stored(p, moved), Standing::refuted);
+  moved = *found.reference;
+  moved.lambda[7] = -moved.lambda[7];
+  EXPECT_EQ(check_stored(p, moved), Standing::certified) << "lambda is a guess there: only z is certified";
 }
 
 }  // namespace
