@@ -182,7 +182,7 @@ TEST(Run, ResumedEqualsUninterruptedBitByBit) {
   Record record;
   record.asked = {.scene = "box", .motion = "slide", .frames = checkpoint_every + 320};
   record.asked.options.verify = false;
-  const Setup setup = set_up(record);
+  const auto setup = set_up(record);
   const std::atomic<bool> never = false;
   for (const char* name : {"whole", "stopped"}) fs::create_directories(folder.path / name);
   EXPECT_EQ(simulate(
