@@ -65,9 +65,9 @@ void each_of_contact(SomeContact&& c, const Visit& visit) {
   visit("contact_push", "N", c.push);
 }
 
-constexpr std::array stages = {&StageTimes::physics, &StageTimes::resolution, &StageTimes::assembly,
-                               &StageTimes::solve,   &StageTimes::search,     &StageTimes::completion,
-                               &StageTimes::sweep,   &StageTimes::other};
+constexpr std::array stage_members = {&StageTimes::physics, &StageTimes::resolution, &StageTimes::assembly,
+                                      &StageTimes::solve,   &StageTimes::search,     &StageTimes::completion,
+                                      &StageTimes::sweep,   &StageTimes::other};
 
 // A pose: position, quaternion x y z w.
 constexpr std::size_t pose_numbers = 7;
@@ -87,7 +87,7 @@ struct Put {
   void operator()(Status s) const { out.push_back(static_cast<double>(s)); }
   void operator()(const std::optional<Verdict>& v) const { out.push_back(v ? static_cast<double>(*v) : -1); }
   void operator()(const StageTimes& t) const {
-    for (const auto stage : stages) out.push_back(t.*stage);
+    for (const auto stage : stage_members) out.push_back(t.*stage);
   }
   void operator()(const std::vector<Pose<double>>& poses) const {
     for (const Pose<double>& pose : poses) {
@@ -118,7 +118,7 @@ struct Take {
     ++at;
   }
   void operator()(StageTimes& t) const {
-    for (const auto stage : stages) t.*stage = *at++;
+    for (const auto stage : stage_members) t.*stage = *at++;
   }
   void operator()(std::vector<Pose<double>>& poses) const {
     for (Pose<double>& pose : poses) {
@@ -155,9 +155,9 @@ struct Create {
     else if constexpr (std::is_same_v<T, std::optional<Verdict>>)
       type = Stored::integer, meaning = "-1 not looked at, " + names_of(Verdict::unsupported);
     else if constexpr (std::is_same_v<T, StageTimes>)
-      row = {stages.size()}, meaning =
-                                 "physics, resolution, assembly, solve, "
-                                 "search, completion, sweep, other";
+      row = {stage_members.size()}, meaning =
+                                        "physics, resolution, assembly, solve, "
+                                        "search, completion, sweep, other";
     else if constexpr (std::is_same_v<T, std::vector<Pose<double>>>)
       row = {value.size(), pose_numbers}, meaning = "position x y z, quaternion x y z w";
     else if constexpr (!std::is_arithmetic_v<T>)

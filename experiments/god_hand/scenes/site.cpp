@@ -5,8 +5,6 @@
 
 namespace zwang::god {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // The way out is the one along which the distance grows; up, where that is as good as any.
 Site::Site(const Surroundings& surroundings) : about(surroundings), depth(surroundings), focus(about.focus) {
   double most = -1;
@@ -17,7 +15,7 @@ Site::Site(const Surroundings& surroundings) : about(surroundings), depth(surrou
     }
   along = out.z() > 0.5 ? Vec3::UnitY() : Vec3::UnitZ();
   aside = along.cross(out);
-  double nearest = infinity;
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < about.objects.size(); ++k)
     if (const double gap = depth.distance(focus, k, 1); gap < nearest - 1e-6) {
       nearest = gap;
@@ -56,6 +54,7 @@ double Site::solid_way(const Vec3& from, const Vec3& axis) const {
 
 std::array<double, 2> Site::extent(const Vec3& axis) const {
   const Object& o = about.objects[object];
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 2> range{infinity, -infinity};
   const auto take = [&](const Vec3& p, double radius) {
     range[0] = std::min(range[0], axis.dot(o.pose * p) - radius);

@@ -15,9 +15,9 @@ using collision::Touch;
 
 constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
 constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
-constexpr std::size_t most_planes = 4;  // of a sphere against one mesh
-constexpr double small_lift = 2e-8;     // m
-constexpr double rounding = 1e-12;      // m
+constexpr std::size_t most_planes = 4;          // of a sphere against one mesh
+constexpr double small_lift = 2e-8;             // m
+constexpr double completion_tolerance = 1e-12;  // m
 const Shape point = Shape::sphere(1);
 
 std::uint64_t key_of(const Touch& t, std::uint64_t kind, std::uint64_t number) {
@@ -214,7 +214,7 @@ int Contacts::complete(std::span<const Vec<double, 6>> motion, double gap, bool 
     if (t.gap + t.normal.dot(path) < gap) make_row(i);
   }
   const std::size_t before = manifold_.kept().size();
-  const int added = manifold_.complete(as_row_, world_, motion_, gap, rounding, push);
+  const int added = manifold_.complete(as_row_, world_, motion_, gap, completion_tolerance, push);
   add_kept(before);
   return added;
 }
