@@ -29,9 +29,11 @@ class Format:
     def words(self, file, folder="base"):
         return [word.replace("FILE", file).replace("DIR", folder) for word in self.command]
 
-    def packing(self, data, mutate):
-        """Of packed files the contents are damaged, or else the packing."""
-        return gzip.compress(mutate(gzip.decompress(data)), 1) if self.packed and len(data) % 2 else data
+    def damage(self, random, data, mutated):
+        """Of a packed file the contents, or else the packing."""
+        if self.packed and random.random() < 0.7:
+            return gzip.compress(mutated(random, gzip.decompress(data)), 1)
+        return mutated(random, data)
 
 
 def sphere(rings=6, sides=8):

@@ -148,7 +148,7 @@ class Case:
         with open(name, "rb") as file:
             data = file.read()
         with open(name, "wb") as file:
-            file.write(mutated(self.random, self.form.packing(data, lambda inner: mutated(self.random, inner))))
+            file.write(self.form.damage(self.random, data, mutated))
         return self.form.words(os.path.relpath(name, folder))
 
     def try_it(self, program, scratch, keep):
