@@ -77,7 +77,9 @@ TEST(BlockCholesky, SolvesLikeADenseFactor) {
     BlockCholesky factor;
     factor.analyze(s.M, s.rows);
     ASSERT_TRUE(factor.factorize(s.M, s.rows, s.weight)) << seed;
-    if (factor.size() > 0) EXPECT_LE(residual(s, factor), 1e-14) << seed;
+    if (factor.size() > 0) {
+      EXPECT_LE(residual(s, factor), 1e-14) << seed;
+    }
     for (int j = 0; j < factor.size(); ++j) EXPECT_EQ(factor.position(factor.column(j)), j);
   }
 }
