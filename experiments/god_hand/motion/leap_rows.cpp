@@ -50,9 +50,9 @@ Vec3 turned(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
 Vec3 placed(const Vec3& v) { return 1e-3 * turned(v); }
 
 // How rows are read that stand under `header`; what is wrong with them goes to `faults`.
-class Reader {
+class RowReader {
  public:
-  Reader(const Json& header, LeapRows& faults);
+  RowReader(const Json& header, LeapRows& faults);
 
   // False: the row is torn. `frame` is its number, for the faults.
   bool read(const Json& row, std::size_t frame, LeapRow& out);
@@ -73,7 +73,7 @@ class Reader {
   LeapRows& faults_;
 };
 
-Reader::Reader(const Json& header, LeapRows& faults) : faults_(faults) {
+RowReader::RowReader(const Json& header, LeapRows& faults) : faults_(faults) {
   if (!header.is_array()) throw std::invalid_argument("frames[0] is no header: a list of column names expected");
   const auto nested = [&](std::size_t at, const char* name) {
     const Json* list = header[at].is_object() ? &header[at].begin().value() : nullptr;
@@ -101,7 +101,7 @@ Reader::Reader(const Json& header, LeapRows& faults) : faults_(faults) {
   finger_width_ = fingers.size();
 }
 
-bool Reader::read(const Json& row, std::size_t frame, LeapRow& out) {
+bool RowReader::read(const Json& row, std::size_t frame, LeapRow& out) {
   const std::string here = "frame " + std::to_string(frame) + ": ";
   out = {};
   const auto torn = [&](const std::string& why) {
@@ -131,7 +131,7 @@ bool Reader::read(const Json& row, std::size_t frame, LeapRow& out) {
   return true;
 }
 
-std::optional<RecordedHand> Reader::read_hand(const Json& h, const Json& fingers, std::string& why) const {
+std::optional<RecordedHand> RowReader::read_hand(const Json& h, const Json& fingers, std::string& why) const {
   RecordedHand out;
   Vec3 ahead, normal, place;
   const auto bad = [&](const std::string& what) {
@@ -209,7 +209,7 @@ LeapRows read_leap_rows(const std::string& text) {
   if (frames.size() < 2) throw std::invalid_argument("no frames after the header");
 
   LeapRows out;
-  Reader reader(frames[0], out);
+  RowReader reader(frames[0], out);
   for (std::size_t k = 1; k < frames.size(); ++k)
     if (LeapRow row; reader.read(frames[k], k, row)) out.rows.push_back(std::move(row));
   out.torn = frames.size() - 1 - out.rows.size();

@@ -10,6 +10,13 @@
 #include <zwang/collision/narrow_phase/closest.h>
 
 namespace zwang::god {
+
+// A half space that holds a hull: normal . p <= offset.
+struct HullFace {
+  Vec3 normal;
+  double offset;
+};
+
 namespace {
 
 using collision::Core;
@@ -17,16 +24,10 @@ using collision::Shape;
 using collision::Tree;
 using collision::TreeNode;
 
-// A half space that holds a hull: normal . p <= offset.
-struct Face {
-  Vec3 normal;
-  double offset;
-};
-
 // Every plane through three corners that has all others on one side. Corners are at most 64. A flat hull has its own
 // plane from both sides, and no inside.
-std::vector<Face> faces_of(std::span<const Vec3> corners) {
-  std::vector<Face> faces;
+std::vector<HullFace> faces_of(std::span<const Vec3> corners) {
+  std::vector<HullFace> faces;
   double size = 0;
   for (const Vec3& p : corners) size = std::max(size, (p - corners[0]).norm());
   for (std::size_t i = 0; i < corners.size(); ++i)
@@ -44,13 +45,13 @@ std::vector<Face> faces_of(std::span<const Vec3> corners) {
   return faces;
 }
 
-double distance_to(const Shape& shape, std::span<const Face> faces, const Vec3& p) {
+double distance_to(const Shape& shape, std::span<const HullFace> faces, const Vec3& p) {
   if (shape.core() == Core::box) {
     const Vec3 out = p.cwiseAbs() - shape.half();
     return out.cwiseMax(0).norm() + std::min(out.maxCoeff(), 0.0) - shape.radius();
   }
   double inside = -std::numeric_limits<double>::infinity();
-  for (const Face& face : faces) inside = std::max(inside, face.normal.dot(p) - face.offset);
+  for (const HullFace& face : faces) inside = std::max(inside, face.normal.dot(p) - face.offset);
   if (!faces.empty() && inside <= 0) return inside - shape.radius();
   return collision::closest(std::span<const Vec3>(&p, 1), shape.corners()).distance - shape.radius();
 }
@@ -123,7 +124,7 @@ struct Depth::Volume {
   struct Convex {
     Shape shape;
     Pose<double> at;
-    std::vector<Face> faces;
+    std::vector<HullFace> faces;
   };
   Pose<double> pose;
   std::shared_ptr<const Tree> mesh;
@@ -154,7 +155,8 @@ Depth::Depth(const Surroundings& surroundings) {
     }
     for (const Object::Piece& piece : object.pieces) {
       const bool hull = piece.shape.core() == Core::hull;
-      volume.pieces.push_back({piece.shape, piece.at, hull ? faces_of(piece.shape.corners()) : std::vector<Face>()});
+      volume.pieces.push_back(
+          {piece.shape, piece.at, hull ? faces_of(piece.shape.corners()) : std::vector<HullFace>()});
       for (const Vec3& corner : piece.shape.corners()) {
         const Vec3 p = piece.at * corner;
         volume.low = volume.low.cwiseMin(p - Vec3::Constant(piece.shape.radius()));
