@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/bench/references/known_answer.h>
+#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/row_by_row.h>

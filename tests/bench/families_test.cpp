@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include <zwang/bench/references/known_answer.h>
+#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
 

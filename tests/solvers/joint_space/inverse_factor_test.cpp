@@ -1,6 +1,7 @@
 #include <zwang/solvers/joint_space/inverse_factor.h>
 
 #include <gtest/gtest.h>
+#include <Eigen/QR>
 
 #include <random>
 

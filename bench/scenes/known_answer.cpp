@@ -1,4 +1,4 @@
-#include <zwang/bench/references/known_answer.h>
+#include <zwang/bench/scenes/known_answer.h>
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
