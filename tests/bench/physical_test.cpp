@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <map>
 #include <set>

@@ -1,6 +1,7 @@
 // Problems as outside files bring them: not dyadic, units mixed, rows repeated, more rows than unknowns. The three
 // active-set methods must be right to 1e-9 in the relative M-norm; truth is a solve in 100 digits.
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/catalog.h>

@@ -1,5 +1,6 @@
 // dual_active_set on a thousand random hands: its fast path against its careful one and against another method.
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include <cmath>
 #include <limits>

@@ -7,6 +7,7 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/random_mechanism.h"
 
 namespace zwang {

@@ -1,6 +1,7 @@
 #include <zwang/core/referee/exact_rank.h>
 
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <cmath>
 #include <numeric>
