@@ -241,7 +241,7 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
       if (is_equality(i) || l_[i] > before) gain += (l_[i] - before) * h_[i];
     }
     step_ = d_ - start_;
-    const double move = move_ = mass_norm(p, step_);
+    const double move = mass_norm(p, step_);
     if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
     if (move <= close * scale_)
       return gain >= tolerances::referee_reach * reach_ * move && certify(p, deadline, s) ? End::infeasible
@@ -268,40 +268,10 @@ void Newton::extended_force(const Problem& p) {
   }
 }
 
-// The answer of descend(), its rows in the max as the active ones.
-void Newton::begin_polish() {
+bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   far_d_ = d_.cast<Real>();
   far_l_ = l_.cast<Real>();
   for (Index i = 0; i < rows_.rows(); ++i) weight_[i] = is_equality(i) || l_[i] > 0 ? s_ : 0;
-}
-
-// Of the active rows, relative to their terms.
-double Newton::worst_violation() const {
-  double worst = 0;
-  for (Index i = 0; i < rows_.rows(); ++i)
-    if (weight_[i] != 0)
-      worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
-  return worst;
-}
-
-// step_ = H^-1 (far_force_ + s G_A' violation_).
-void Newton::extended_step() {
-  step_ = far_force_.cast<double>();
-  for (Index i = 0; i < rows_.rows(); ++i)
-    if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
-  factor_.solve(step_);
-}
-
-// What a step of `length` and violations that are left say of the error in d: mu, the smallest eigenvalue, follows from
-// the rate of convergence.
-Status Newton::claim(double length, double worst, double tolerance) const {
-  const double mu = (1 / std::clamp(rate_, tolerances::newton_least_rate, 1.0) - 1) / s_;
-  const double error = length + worst * scale_ / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
-  return error <= accepted_error(tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
-}
-
-bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
-  begin_polish();
   double last = std::numeric_limits<double>::infinity(), length = last, worst = 0;
   bool changed = true;
   for (int pass = 0; pass < 40; ++pass) {
@@ -325,12 +295,17 @@ bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const 
         far_l_[i] = 0;
       }
     }
-    worst = worst_violation();
+    worst = 0;
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0)
+        worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (rows_.magnitude[i] + scale_));
     if (!now_changed && !changed && length <= tolerances::newton_polished * scale_ &&
         worst <= tolerances::violation * static_cast<double>(real_eps)) {
       write(p, s);
       s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
-      s.status = claim(length, worst, options.tolerance);
+      const double mu = (1 / std::clamp(rate_, tolerances::newton_least_rate, 1.0) - 1) / s_;
+      const double error = length + worst * scale_ / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
+      s.status = error <= accepted_error(options.tolerance) * scale_ ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
     changed = now_changed;
@@ -338,7 +313,10 @@ bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const 
       if (!factorize(p, deadline)) return false;
       if (changed) ++s.iterations;
     }
-    extended_step();
+    step_ = far_force_.cast<double>();
+    for (Index i = 0; i < rows_.rows(); ++i)
+      if (weight_[i] != 0) add_row(i, s_ * static_cast<double>(violation_[i]), step_);
+    factor_.solve(step_);
     far_d_ += step_.cast<Real>();
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) far_l_[i] += Real(s_) * (violation_[i] - Real(row_dot(i, step_)));
@@ -351,22 +329,18 @@ bool Newton::polish_answer(const Problem& p, const SolveOptions& options, const 
   return false;
 }
 
-// What d and l are worth as they stand: the first step of the polish is computed, not made. False where d or a row
-// outside the active ones is off by more than is accepted.
+// What d and l are worth as they stand: the polish tells how far they are off, and its answer is thrown away. One step
+// of it would not do: where rows are nearly dependent, the rate of convergence hides the slowest direction.
 bool Newton::judge(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
-  const double accepted = accepted_error(options.tolerance);
-  begin_polish();
+  const int steps = s.iterations;
+  const bool settles = polish_answer(p, options, deadline, s);
+  s.iterations = steps;
+  if (!settles) return false;
+  step_ = (far_d_ - d_.cast<Real>()).cast<double>();
+  if (!(mass_norm(p, step_) <= accepted_error(options.tolerance) * scale_)) return false;
+  far_d_ = d_.cast<Real>();
+  far_l_ = l_.cast<Real>();
   write(p, s);
-  extended_force(p);
-  if (!factorize(p, deadline)) return false;
-  extended_step();
-  const double length = mass_norm(p, step_);
-  if (!(length <= accepted * scale_)) return false;
-  for (Index i = 0; i < rows_.rows(); ++i)
-    if (weight_[i] == 0 && violation_[i] > accepted * (rows_.magnitude[i] + scale_)) return false;
-  if (move_ > tolerances::newton_telling * scale_) rate_ = length / move_;
-  s.redundant.assign(rows_.idle.begin(), rows_.idle.end());
-  s.status = claim(length, worst_violation(), options.tolerance);
   return true;
 }
 
@@ -376,9 +350,9 @@ bool Newton::solve_alone(const Problem& p, const SolveOptions& options, const De
     const End end = descend(p, close, options, deadline, s);
     if (end == End::infeasible) return true;
     if (end != End::settled || deadline.passed()) break;
-    if (judge(p, options, deadline, s) && s.status == Status::solved) return true;
+    if (judge(p, options, deadline, s)) return true;
   }
-  return s.status == Status::solved_ill_conditioned;
+  return false;
 }
 
 // Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas

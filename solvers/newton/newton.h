@@ -85,10 +85,6 @@ struct Newton {
   bool solve_alone(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
   bool judge(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
   bool polish_answer(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& solution);
-  void begin_polish();
-  double worst_violation() const;
-  Status claim(double length, double worst, double tolerance) const;
-  void extended_step();
   void extended_force(const Problem& p);
   bool certify(const Problem& p, const Deadline& deadline, Solution& solution);
   void write(const Problem& p, Solution& solution) const;
@@ -107,7 +103,6 @@ struct Newton {
   RealVector far_d_, far_l_, far_force_, violation_;
   Vector whole_, certificate_;  // n, m
   double s_ = 0, scale_ = 0, reach_ = 0;
-  double move_ = 0;  // of d in the last step of l
   double rate_ = 1;  // by which an exact step of l shrinks the error, as last seen
 
   DualActiveSet exact_;
