@@ -107,8 +107,11 @@ TEST_F(ProblemFile, ReplacesAFileOnlyWhenComplete) {
 TEST_F(ProblemFile, GoldenFileStillReads) {
   const auto golden = read_problems(fs::path(ZWANG_SOURCE_DIR) / "tests/data/awkward.h5");
   ASSERT_EQ(golden.size(), 1u);
-  expect_same(awkward(), golden[0]);
-  write_problem(path("a.h5"), awkward());
+  // Written before rows had units.
+  Instance expected = awkward();
+  for (RowOrigin& origin : expected.origin) origin.unit.clear();
+  expect_same(expected, golden[0]);
+  write_problem(path("a.h5"), expected);
   expect_same(golden[0], read_problems(path("a.h5")).at(0));
 }
 

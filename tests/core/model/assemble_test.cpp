@@ -70,7 +70,7 @@ TEST_F(TwoBodies, RowsThatShiftingABodyChangesAreLengthsTheOthersAngles) {
   scene.add(body_at({2, 0, 1}));
   scene.add(RevoluteJoint{.bodies = {1, 2}}, "elbow");
   scene.add(PrismaticJoint{.bodies = {0, 1}}, "rail");
-  scene.add(JointLimit{.bodies = {1, 2}}, "lower");
+  scene.add(JointLimit{.bodies = {1, 2}, .reach = 1}, "lower");
   scene.add(Rope{{{1, 2}}}, "leash");
   scene.add(SoftBall{{{2, 0}}, Vec3(0, 0.5, 0)}, "spring");
   assembler.assemble(scene, z_u, {}, problem);
