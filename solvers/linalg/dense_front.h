@@ -45,7 +45,7 @@ class DenseFront {
   }
 
  private:
-  static constexpr double long_tile = 1e6;  // products a column: a millisecond, far more than a look at the clock
+  static constexpr double long_tile = 1e5;  // products a column: far more than a look at the clock
   using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
 
   static void load(Pack& p, const double* x) { std::memcpy(&p, x, sizeof p); }

@@ -34,6 +34,13 @@ const std::set<std::string>& stored() {
   return all;
 }
 
+// The table was stored before references were certified.
+std::string without_certificates(std::string line) {
+  for (const std::string note : {", certified by the referee", ", KKT certified in 100 digits"})
+    if (const auto at = line.find(note); at != std::string::npos) line.erase(at, note.size());
+  return line;
+}
+
 class AtlasFiles : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& name, const std::string& families) {
@@ -65,7 +72,8 @@ TEST_F(AtlasFiles, RebuildToTheSameBytesAndTheStoredTruths) {
     files += entry.path().extension() == ".h5";
   }
   EXPECT_GT(files, 80u);
-  for (const std::string& line : lines(first / "atlas.tsv")) EXPECT_TRUE(stored().contains(line)) << line;
+  for (const std::string& line : lines(first / "atlas.tsv"))
+    EXPECT_TRUE(stored().contains(without_certificates(line))) << line;
 }
 
 // Read back, and held against exact rational arithmetic, which no file and no closed form has seen.

@@ -25,7 +25,7 @@ TEST(Guide, TheSolverOfTheGuideIsTheOneThatIsBuilt) {
     std::ifstream in(file);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  const std::string code = read(ZWANG_SOURCE_DIR "/solvers/projected_gradient.h");
+  const std::string code = read(ZWANG_SOURCE_DIR "/solvers/first_order/projected_gradient.h");
   ASSERT_FALSE(code.empty());
   EXPECT_NE(read(ZWANG_SOURCE_DIR "/docs/add-a-solver.md").find("```cpp\n" + code + "```"), std::string::npos);
   std::istringstream text(code.substr(code.find("struct ")));

@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 # Settings, whose default is their documentation; budgets of time and storage; ranges of exponents; formats of scalars.
 set(no_decision
   "double refactor_above = 1e-8" "double rank_threshold = 1e-12"
-  "long_tile = 1e6" "operations_per_second = 2e9" "bytes / 1e9"
+  "long_tile = 1e5" "operations_per_second = 2e9" "bytes / 1e9"
   "smallest = 0x1p-300, largest = 0x1p300" "real_eps = std::is_same_v<Real, long double>"
   "fine = 0x1p-63" "split = 0x1p27" "never_asked_for = 0x1p28"
   "out_of_reach = -1e100" "Real\\(1e200\\)")
