@@ -114,11 +114,13 @@ TEST(FrameStore, GivesBackWhatItWasGiven) {
 
 TEST(FrameStore, ARunWithoutLooseObjectsHasNoneOfTheirPoses) {
   const Folder folder;
-  FrameWriter writer(folder.path, 2, 0);
-  Frame frame = frame_of(0);
-  frame.loose.clear();
-  writer.write(frame);
-  writer.flush();
+  {
+    FrameWriter writer(folder.path, 2, 0);
+    Frame frame = frame_of(0);
+    frame.loose.clear();
+    writer.write(frame);
+    writer.flush();
+  }
   ASSERT_EQ(frames_in(folder.path).size(), 1u);
   EXPECT_TRUE(frames_in(folder.path)[0].loose.empty());
 }
