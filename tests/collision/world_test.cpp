@@ -8,6 +8,7 @@
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/timing/allocations.h>
+#include <zwang/collision/manifold.h>
 
 namespace zwang::collision {
 namespace {

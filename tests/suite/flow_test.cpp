@@ -32,11 +32,12 @@ std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std:
   return all;
 }
 
-// But for what names the line within its run, and for times.
+// But for what names the line within its run, and for times. A problem that is read back takes its family from the
+// file.
 Json of_the_problem(const std::string& line) {
   Json row = Json::parse(line);
   for (const char* key : {"problem_file", "batch", "setup_s", "kernel_s", "solve_s", "solve_s_q1", "solve_s_q3",
-                          "prepare_s", "repetitions"})
+                          "prepare_s", "repetitions", "family"})
     row.erase(key);
   return row;
 }
