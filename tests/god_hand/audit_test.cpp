@@ -50,7 +50,8 @@ TEST(Audit, NothingPassesWhereverTheHandIsMoved) {
     EXPECT_EQ(s.overlaps, 0) << scene.name;
     EXPECT_GT(s.gap, 1e-6) << scene.name;
     EXPECT_GE(s.audited, s.body_frames) << scene.name;
-    EXPECT_GT(s.touching, 0) << scene.name;  // a hand that turns half a radian a frame touches in few of them
+    // A hand that turns half a radian a frame touches in few of them.
+    EXPECT_GT(s.touching, scene.name == "turning 0.5 rad a frame" ? 5 : 50) << scene.name;
     touching += s.touching;
     bodies += s.body_frames;
   }
