@@ -7,6 +7,7 @@
 #include <zwang/bench/collision/bullet_sweep.h>
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/results/statistics.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/collision/world.h>
 #include <zwang/core/problem/cpu_clock.h>
@@ -18,6 +19,8 @@ using collision::Move;
 using collision::Shape;
 using collision::Tree;
 using collision::World;
+
+constexpr double stop = 1e-4;  // m: where motions are stopped
 
 // What reading the clock costs [s]: a system call, half a microsecond, a sixth of a query on a small mesh.
 double clock_cost() {
@@ -37,12 +40,6 @@ double timed(std::vector<double>& times, const Query& query) {
   const double answer = query();
   times.push_back(std::max(0.0, thread_cpu_seconds() - start - clock));
   return answer;
-}
-
-double quantile(std::vector<double> v, double q) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[std::min(v.size() - 1, static_cast<std::size_t>(q * static_cast<double>(v.size())))];
 }
 
 // The nearest surface, looked for within 1 cm.
@@ -112,7 +109,7 @@ HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, doub
     times.push_back(f.collision());
     whole.push_back(f.whole);
     if (bodies > 0) touching.push_back(f.collision());
-    s.search += f.search, s.completion += f.completion, s.sweep += f.sweep;
+    s.touches += f.search, s.manifold += f.completion, s.toc += f.sweep;
     s.raw += f.raw, s.kept += f.kept;
     s.most_raw = std::max(s.most_raw, static_cast<double>(f.raw));
     s.truncations += std::max(0, f.sub_steps - 1), s.held += f.held, s.completed += f.completed;
@@ -123,10 +120,10 @@ HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, doub
   }
   s.audited = audit.checked(), s.penetrations = audit.found();
   s.frames = static_cast<int>(times.size());
-  for (double* mean : {&s.search, &s.completion, &s.sweep, &s.raw, &s.kept}) *mean /= s.frames;
-  s.median = quantile(times, 0.5), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
-  s.worst = quantile(times, 1), s.touching_median = quantile(touching, 0.5);
-  s.whole_median = quantile(whole, 0.5), s.whole_p99 = quantile(whole, 0.99);
+  for (double* mean : {&s.touches, &s.manifold, &s.toc, &s.raw, &s.kept}) *mean /= s.frames;
+  s.median = median(times), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
+  s.worst = quantile(times, 1), s.touching_median = touching.empty() ? 0 : median(touching);
+  s.whole_median = median(whole), s.whole_p99 = quantile(whole, 0.99);
   s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return s;
 }
@@ -165,49 +162,59 @@ PairBench make_pairs(std::size_t triangles, double gap, const std::string& motio
   return bench;
 }
 
+PairBench::Query PairBench::query(const std::string& method) const {
+  if (method == "fcl")
+    return [witness = std::make_shared<const Witness>(std::span(&tree, 1)), shape = finger](const Placement& p) {
+      return witness->advance(shape, p.pose, p.twist, 0, stop).time;
+    };
+  if (method == "bullet")
+    return [sweep = std::make_shared<const BulletSweep>(*tree), shape = finger](const Placement& p) {
+      return sweep->time(shape, p.pose, retract(p.pose, p.twist));
+    };
+  const auto world = std::make_shared<World>();
+  world->add(tree);
+  return [world, body = world->add(finger)](const Placement& p) {
+    world->place(body, p.pose);
+    const Move move{body, p.twist};
+    return world->time_of_contact({&move, 1}).time;
+  };
+}
+
 PairStudy study_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
-  constexpr double stop = 1e-4;
   const PairBench bench = make_pairs(triangles, gap, motion, count);
   PairStudy s{.triangles = bench.tree->size(), .gap = gap, .motion = motion, .placements = count};
   World world;
   world.add(bench.tree);
   const int finger = world.add(bench.finger);
-  const Witness witness(std::span(&bench.tree, 1));
-  const BulletSweep bullet(*bench.tree);
-
-  std::vector<double> ours, fcl, bt;
   const auto end_gap = [&](const PairBench::Placement& p, double time) {
     world.place(finger, retract(p.pose, Vec<double, 6>(time * p.twist)));
     return gap_of(world);
   };
-  const auto note = [&](const PairBench::Placement& p, double time, int& hits, double& sum) {
-    const double here = end_gap(p, time);
-    if (time < 1) ++hits, sum += here;
-    return here;
-  };
-  for (int round = 0; round < 2; ++round) {  // the first warms up
-    ours.clear(), fcl.clear(), bt.clear();
-    s.ours_hits = s.fcl_hits = s.bullet_hits = s.true_hits = 0;
-    s.ours_stop = s.fcl_stop = s.bullet_stop = 0;
-    for (const PairBench::Placement& p : bench.placements) {
-      world.place(finger, p.pose);
-      const Move move{finger, p.twist};
-      const double a = timed(ours, [&] { return world.time_of_contact({&move, 1}).time; });
-      const double b = timed(fcl, [&] { return witness.advance(bench.finger, p.pose, p.twist, 0, stop).time; });
-      const double c = timed(bt, [&] { return bullet.time(bench.finger, p.pose, retract(p.pose, p.twist)); });
-      s.smallest_gap = std::min(s.smallest_gap, note(p, a, s.ours_hits, s.ours_stop));
-      note(p, b, s.fcl_hits, s.fcl_stop);
-      note(p, c, s.bullet_hits, s.bullet_stop);
-      // Would the whole motion have come within the stop distance? Sampled finely.
-      double least = 1;
-      for (int k = 0; k <= 20 && least > stop; ++k) least = std::min(least, end_gap(p, k / 20.0));
-      s.true_hits += least <= stop;
+  constexpr std::size_t count_of_methods = PairBench::methods.size();
+  std::array<PairBench::Query, count_of_methods> query;
+  std::array<std::vector<double>, count_of_methods> times;
+  for (std::size_t k = 0; k < query.size(); ++k) query[k] = bench.query(PairBench::methods[k]);
+  for (const PairBench::Placement& p : bench.placements)  // lists grow
+    for (const PairBench::Query& ask : query) ask(p);
+  for (const PairBench::Placement& p : bench.placements) {
+    std::array<double, count_of_methods> time;
+    for (std::size_t k = 0; k < query.size(); ++k) time[k] = timed(times[k], [&] { return query[k](p); });
+    for (std::size_t k = 0; k < query.size(); ++k) {
+      const std::string method = PairBench::methods[k];
+      const double here = end_gap(p, time[k]);
+      if (time[k] < 1) ++s.hits[method], s.stops[method] += here;
+      if (k == 0) s.smallest_gap = std::min(s.smallest_gap, here);
     }
+    // Would the whole motion have come within the stop distance? Sampled finely.
+    double least = 1;
+    for (int k = 0; k <= 20 && least > stop; ++k) least = std::min(least, end_gap(p, k / 20.0));
+    s.true_hits += least <= stop;
   }
-  s.ours_stop /= std::max(1, s.ours_hits), s.fcl_stop /= std::max(1, s.fcl_hits),
-      s.bullet_stop /= std::max(1, s.bullet_hits);
-  s.ours = quantile(ours, 0.5), s.fcl = quantile(fcl, 0.5), s.bullet = quantile(bt, 0.5);
-  s.ours_p95 = quantile(ours, 0.95), s.fcl_p95 = quantile(fcl, 0.95), s.bullet_p95 = quantile(bt, 0.95);
+  for (std::size_t k = 0; k < query.size(); ++k) {
+    const std::string method = PairBench::methods[k];
+    s.stops[method] /= std::max(1, s.hits[method]);
+    s.times[method] = median(times[k]), s.p95[method] = quantile(times[k], 0.95);
+  }
   return s;
 }
 

@@ -30,12 +30,7 @@ std::string load_record(const fs::path& directory, const std::string& kind) {
 }
 
 void replace_record(const fs::path& directory, const std::string& record) {
-  const fs::path file = directory / "run.json", draft = directory / "run.json.new";
-  std::ofstream out(draft);
-  out << record << '\n';
-  out.close();
-  if (!out) throw BadFile("cannot write " + file.string());
-  fs::rename(draft, file);
+  replace_file(directory / "run.json", record + "\n");
 }
 
 void require_same_conditions(const fs::path& directory, const std::string& record, const std::string& therefore) {

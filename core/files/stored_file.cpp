@@ -85,6 +85,15 @@ std::string unpacked(const StoredFile& file, std::size_t most) {
   return out;
 }
 
+void replace_file(const fs::path& file, std::string_view bytes) {
+  const fs::path draft = file.string() + ".new";
+  std::ofstream out(draft, std::ios::binary);
+  out << bytes;
+  out.close();
+  if (!out) throw BadFile("cannot write " + file.string());
+  fs::rename(draft, file);
+}
+
 std::string one_line(std::string text) {
   for (char& ch : text)
     if (static_cast<unsigned char>(ch) < ' ' || ch == '\x7f') ch = ' ';

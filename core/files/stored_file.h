@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace zwang {
 
@@ -21,6 +22,9 @@ StoredFile read_stored(const std::filesystem::path& file);
 
 // The contents: the bytes, or what they unpack to. Throws BadFile where that is no gzip or more than `most` bytes.
 std::string unpacked(const StoredFile& file, std::size_t most);
+
+// Replaces the file in one step: a killed program leaves the old one or the new one. Throws BadFile.
+void replace_file(const std::filesystem::path& file, std::string_view bytes);
 
 // One line of at most 300 characters without control characters, for what a library or a file says.
 std::string one_line(std::string text);
