@@ -165,7 +165,7 @@ PairBench make_pairs(std::size_t triangles, double gap, const std::string& motio
 PairBench::Query PairBench::query(const std::string& method) const {
   if (method == "fcl")
     return [witness = std::make_shared<const Witness>(std::span(&tree, 1)), shape = finger](const Placement& p) {
-      return witness->advance(shape, p.pose, p.twist, 0, stop).time;
+      return witness->advance(shape, p.pose, p.twist, 0, stop);
     };
   if (method == "bullet")
     return [sweep = std::make_shared<const BulletSweep>(*tree), shape = finger](const Placement& p) {

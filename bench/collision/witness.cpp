@@ -7,8 +7,11 @@
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include <algorithm>
 #include <map>
 #include <stdexcept>
+
+#include <zwang/bench/collision/hull_faces.h>
 
 namespace zwang {
 namespace {
@@ -37,32 +40,25 @@ struct Primitive {
   Pose<double> place;  // in the shape's axes
 };
 
-// The faces of the hull of these corners, moved outward by r: every triangle of corners that has all others on one
-// side. Null where the corners lie in a plane or a line; their capsules are all of such a shape but two flat sides.
-std::shared_ptr<Model> swept_faces(std::span<const Vec3> corners, double r) {
-  std::vector<Vec3> points;
-  std::vector<fcl::Triangle> faces;
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& c : corners) middle += c / static_cast<double>(corners.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      for (std::size_t k = 0; k < j; ++k) {
-        Vec3 normal = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
-        const double area = normal.norm();
-        if (area < 1e-14) continue;
-        normal *= (normal.dot(corners[i] - middle) < 0 ? -1 : 1) / area;
-        const double top = normal.dot(corners[i]) + 1e-9;
-        if (std::any_of(corners.begin(), corners.end(), [&](const Vec3& c) { return normal.dot(c) > top; })) continue;
-        faces.emplace_back(points.size(), points.size() + 1, points.size() + 2);
-        for (const std::size_t c : {i, j, k}) points.push_back(corners[c] + r * normal);
-      }
-  if (faces.empty()) return nullptr;
+std::shared_ptr<Model> model_of(const std::vector<Vec3>& points, const std::vector<fcl::Triangle>& triangles) {
   auto model = std::make_shared<Model>();
-  model->beginModel(static_cast<int>(faces.size()), static_cast<int>(points.size()));
-  model->addSubModel(points, faces);
+  model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(points.size()));
+  model->addSubModel(points, triangles);
   if (model->endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
   model->computeLocalAABB();
   return model;
+}
+
+// The faces of the hull of these corners, moved outward by r. Null where they lie in a line: their capsule is all of
+// such a shape.
+std::shared_ptr<Model> swept_faces(std::span<const Vec3> corners, double r) {
+  std::vector<Vec3> points;
+  std::vector<fcl::Triangle> triangles;
+  for (const HullFace& face : hull_faces(corners)) {
+    triangles.emplace_back(points.size(), points.size() + 1, points.size() + 2);
+    for (const std::size_t c : face.corners) points.push_back(corners[c] + r * face.normal);
+  }
+  return triangles.empty() ? nullptr : model_of(points, triangles);
 }
 
 std::vector<Primitive> primitives(const Shape& shape) {
@@ -88,10 +84,19 @@ std::vector<Primitive> primitives(const Shape& shape) {
 
 Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b.position, a.rotation * b.rotation}; }
 
+bool collide(const fcl::CollisionGeometry<double>& a, const Pose<double>& of_a, const fcl::CollisionGeometry<double>& b,
+             const Pose<double>& of_b) {
+  fcl::CollisionRequest<double> request;
+  request.gjk_solver_type = fcl::GST_LIBCCD;
+  fcl::CollisionResult<double> result;
+  fcl::collide(&a, transform(of_a), &b, transform(of_b), request, result);
+  return result.isCollision();
+}
+
 }  // namespace
 
 struct Witness::Models {
-  std::vector<std::unique_ptr<Model>> all;
+  std::vector<std::shared_ptr<Model>> all;
   std::vector<std::shared_ptr<const collision::Tree>> trees;
   mutable std::map<const Shape*, std::vector<Primitive>> known;
 
@@ -110,17 +115,12 @@ Witness::Witness(std::span<const std::shared_ptr<const collision::Tree>> meshes)
       triangles.emplace_back(corners.size(), corners.size() + 1, corners.size() + 2);
       corners.insert(corners.end(), t.corner.begin(), t.corner.end());
     }
-    auto& model = *models_->all.emplace_back(std::make_unique<Model>());
-    model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(corners.size()));
-    model.addSubModel(corners, triangles);
-    if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
-    model.computeLocalAABB();
+    models_->all.push_back(model_of(corners, triangles));
     models_->trees.push_back(tree);
   }
 }
 
 Witness::~Witness() = default;
-Witness::Witness(Witness&&) noexcept = default;
 
 bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t mesh,
                        const Pose<double>& of_mesh) const {
@@ -130,51 +130,39 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t
   const double reach = shape.reach() + shape.radius();
   if ((local.array() + reach < tree.low().array()).any() || (local.array() - reach > tree.high().array()).any())
     return false;
-  fcl::CollisionRequest<double> request;
-  request.gjk_solver_type = fcl::GST_LIBCCD;
-  for (const Primitive& primitive : models_->of(shape)) {
-    fcl::CollisionResult<double> result;
-    fcl::collide(models_->all[mesh].get(), transform(of_mesh), primitive.geometry.get(),
-                 transform(times(pose, primitive.place)), request, result);
-    if (result.isCollision()) return true;
-  }
-  return false;
+  return std::ranges::any_of(models_->of(shape), [&](const Primitive& primitive) {
+    return collide(*models_->all[mesh], of_mesh, *primitive.geometry, times(pose, primitive.place));
+  });
 }
 
 bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, const Shape& other,
                        const Pose<double>& of_other) const {
   const double reach = shape.reach() + shape.radius() + other.reach() + other.radius();
   if ((pose.position - of_other.position).squaredNorm() > reach * reach) return false;
-  fcl::CollisionRequest<double> request;
-  request.gjk_solver_type = fcl::GST_LIBCCD;
   for (const Primitive& a : models_->of(shape))
-    for (const Primitive& b : models_->of(other)) {
-      fcl::CollisionResult<double> result;
-      fcl::collide(b.geometry.get(), transform(times(of_other, b.place)), a.geometry.get(),
-                   transform(times(pose, a.place)), request, result);
-      if (result.isCollision()) return true;
-    }
+    for (const Primitive& b : models_->of(other))
+      if (collide(*b.geometry, times(of_other, b.place), *a.geometry, times(pose, a.place))) return true;
   return false;
 }
 
-Witness::Advance Witness::advance(const Shape& shape, const Pose<double>& pose, const Vec<double, 6>& twist,
-                                  std::size_t mesh, double stop) const {
+double Witness::advance(const Shape& shape, const Pose<double>& pose, const Vec<double, 6>& twist, std::size_t mesh,
+                        double stop) const {
   fcl::DistanceRequest<double> request;
   request.distance_tolerance = 1e-9;
   request.gjk_solver_type = fcl::GST_LIBCCD;
   const Primitive& primitive = models_->of(shape).front();
   const double speed = twist.head<3>().norm() + twist.tail<3>().norm() * shape.reach();
   double s = 0;
-  for (int steps = 1; steps <= 1000; ++steps) {
+  for (int step = 0; step < 1000; ++step) {
     fcl::DistanceResult<double> result;
     const Pose<double> here = times(retract(pose, Vec<double, 6>(s * twist)), primitive.place);
     const double d = fcl::distance(models_->all[mesh].get(), Transform::Identity(), primitive.geometry.get(),
                                    transform(here), request, result);
-    if (d <= stop) return {s, steps};
+    if (d <= stop) return s;
     s += (d - stop / 2) / speed;
-    if (s >= 1) return {1, steps};
+    if (s >= 1) return 1;
   }
-  return {s, 1000};
+  return s;
 }
 
 }  // namespace zwang

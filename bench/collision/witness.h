@@ -13,7 +13,6 @@ class Witness {
  public:
   explicit Witness(std::span<const std::shared_ptr<const collision::Tree>> meshes);
   ~Witness();
-  Witness(Witness&&) noexcept;
 
   // Does the shape at `pose` overlap the mesh at `of_mesh`? A rounded box is looked at as the three boxes and twelve
   // capsules that it is the union of; of a hull, the capsules between its corners.
@@ -26,12 +25,8 @@ class Witness {
 
   // The plainest continuous query that FCL's discrete ones allow, as a rival: step by (distance - stop / 2) over the
   // fastest point's speed until the distance is at most `stop`. fcl::distance at tolerance 1e-9. Spheres and capsules.
-  struct Advance {
-    double time;
-    int steps;
-  };
-  Advance advance(const collision::Shape& shape, const Pose<double>& pose, const Vec<double, 6>& twist,
-                  std::size_t mesh, double stop) const;
+  double advance(const collision::Shape& shape, const Pose<double>& pose, const Vec<double, 6>& twist, std::size_t mesh,
+                 double stop) const;
 
  private:
   struct Models;

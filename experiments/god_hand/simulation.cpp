@@ -35,28 +35,22 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
   return top;
 }
 
-// Of poses, vectors and lists of them, in the order they have.
-template <class Visit>
-void each(double& x, const Visit& visit) {
-  visit(x);
-}
-template <int Rows, int Columns, class Visit>
-void each(Eigen::Matrix<double, Rows, Columns>& m, const Visit& visit) {
-  for (double& x : m.reshaped()) visit(x);
-}
-template <class Visit>
-void each(Pose<double>& pose, const Visit& visit) {
-  each(pose.position, visit), each(pose.rotation, visit);
-}
-template <class Visit>
-void each(bool& flag, const Visit& visit) {
-  double x = flag;
-  visit(x);
-  flag = x != 0;
-}
+// visit(double&) for every number of flags, poses, vectors and lists of them, in the order they have.
 template <class T, class Visit>
-void each(std::vector<T>& all, const Visit& visit) {
-  for (T& one : all) each(one, visit);
+void each(T& x, const Visit& visit) {
+  if constexpr (std::is_same_v<T, bool>) {
+    double flag = x;
+    visit(flag);
+    x = flag != 0;
+  } else if constexpr (std::is_same_v<T, double>) {
+    visit(x);
+  } else if constexpr (std::is_same_v<T, Pose<double>>) {
+    each(x.position, visit), each(x.rotation, visit);
+  } else if constexpr (requires { x.reshaped(); }) {
+    for (double& entry : x.reshaped()) visit(entry);
+  } else {
+    for (auto& one : x) each(one, visit);
+  }
 }
 
 }  // namespace
@@ -235,9 +229,8 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     each(m.blocked, visit), each(m.retry_linear, visit), each(m.step_scale, visit);
     if (reading) c.restore(m);
   }
-  Coupling::Memory coupled = coupling->memory();
-  each(coupled.hand_speed, visit), each(coupled.wrench, visit);
-  Measures::Memory seen = measures->memory();
+  each(coupling->memory().hand_speed, visit), each(coupling->memory().wrench, visit);
+  Measures::Memory& seen = measures->memory();
   for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
   each(object, visit);
   for (std::size_t o = 0; physics && o < object.size(); ++o) {
@@ -249,10 +242,7 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     physics->place(o, pose, velocity);
     for (Cluster& c : clusters) c.place_object(o, object[o]);
   }
-  if (!reading) return;
-  if (physics) physics->forget();
-  coupling->restore(coupled);
-  measures->restore(seen);
+  if (reading && physics) physics->forget();
 }
 
 std::vector<double> Simulation::checkpoint() {
@@ -311,9 +301,9 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 
 void Simulation::watch(Watch watch) { state_->watch = std::move(watch); }
 
-const Surroundings& Simulation::surroundings() const { return state_->surroundings; }
-
 std::span<const Pose<double>> Simulation::object_poses() const { return state_->object; }
+
+const Problem& Simulation::problem(std::size_t cluster) const { return state_->clusters.at(cluster).problem(); }
 
 std::vector<collision::Shape> Simulation::shapes() const {
   std::vector<collision::Shape> all;

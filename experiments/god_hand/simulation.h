@@ -39,8 +39,8 @@ class Simulation {
       std::function<void(std::size_t first, std::span<const Pose<double>> from, std::span<const Pose<double>> to)>;
   void watch(Watch watch);
 
-  const Surroundings& surroundings() const;
   std::span<const Pose<double>> object_poses() const;  // of the surroundings, now
+  const Problem& problem(std::size_t cluster) const;   // of its last solve
   // The shapes of the god objects, in the order of Frame::god.
   std::vector<collision::Shape> shapes() const;
 

@@ -1,13 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/scenes/hand.h>
+#include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/program/commands.h>
 
 namespace zwang {
@@ -29,19 +29,16 @@ std::vector<Section> sections(const Instance& instance) {
   return all;
 }
 
-std::string plain(const std::string& type) {
-  if (type == "universal_joint") return "universal joints";
-  if (type == "revolute_joint") return "revolute joints";
-  if (type == "joint_limit") return "limits";
-  if (type == "contact") return "contacts";
-  return type;
-}
+struct Look {
+  const char* name;
+  const char* color;
+};
 
-std::string color(const std::string& type) {
-  if (type == "universal_joint") return "#8a6fd1";
-  if (type == "revolute_joint") return "#3d83d0";
-  if (type == "joint_limit") return "#c79a1e";
-  return "#2aa08f";
+Look look(const std::string& type) {
+  if (type == "universal_joint") return {"universal joints", "#8a6fd1"};
+  if (type == "revolute_joint") return {"revolute joints", "#3d83d0"};
+  if (type == "joint_limit") return {"limits", "#c79a1e"};
+  return {"contacts", "#2aa08f"};
 }
 
 std::string attributes(const char* form, double a, double b, double c, double d) {
@@ -78,14 +75,14 @@ std::string matrix_svg(const Instance& instance) {
   for (const Section& s : sections(instance)) {
     const double y = top + cell * static_cast<double>(s.first), tall = cell * static_cast<double>(s.rows);
     if (s.first > 0) rect(left - 12, y - 0.5, width - left - right + 12, 1, "#9aa4b1");
-    rect(left - 12, y + 2, 4, tall - 4, color(s.type));
-    text(left - 20, y + tall / 2 - 1, "text-anchor=\"end\" font-weight=\"600\"", plain(s.type));
+    rect(left - 12, y + 2, 4, tall - 4, look(s.type).color);
+    text(left - 20, y + tall / 2 - 1, "text-anchor=\"end\" font-weight=\"600\"", look(s.type).name);
     text(left - 20, y + tall / 2 + 12, "text-anchor=\"end\" fill=\"#57606a\"", std::to_string(s.rows) + " rows");
     for (Index i = s.first; i < s.first + s.rows; ++i)
       for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator at(p.J, i); at; ++at)
         if (at.value() != 0)
           rect(left + cell * static_cast<double>(at.col()) + 0.5, top + cell * static_cast<double>(i) + 0.5, cell - 1,
-               cell - 1, color(s.type));
+               cell - 1, look(s.type).color);
   }
   text(left, height - 10, "fill=\"#57606a\"",
        "J of " + p.name + ": " + std::to_string(p.rows()) + " x " + std::to_string(p.size()) +
@@ -104,7 +101,7 @@ void print_matrix(const Instance& instance) {
   std::puts("");
   for (const Section& s : sections(instance))
     for (Index i = s.first; i < s.first + s.rows; i += 2) {
-      const std::string label = i == s.first ? plain(s.type) + " " + std::to_string(s.rows) : "";
+      const std::string label = i == s.first ? std::string(look(s.type).name) + " " + std::to_string(s.rows) : "";
       std::printf("%-20s", label.c_str());
       for (Index j = 0; j < p.size(); j += 2) {
         if (j > 0 && j % 18 == 6) std::printf(" ");
@@ -142,10 +139,7 @@ int hand_command(std::vector<std::string> words) {
               static_cast<long>(p.size()), static_cast<long>(p.J.nonZeros()),
               100.0 * static_cast<double>(p.J.nonZeros()) / static_cast<double>(p.rows() * p.size()));
   if (out.empty()) return done;
-  std::ofstream file(out);
-  file << matrix_svg(hand);
-  file.close();
-  if (!file) throw BadFile("cannot write " + out);
+  replace_file(out, matrix_svg(hand));
   std::printf("Figure: %s\n", out.c_str());
   return done;
 }

@@ -21,7 +21,6 @@ namespace zwang {
 namespace {
 
 using god::Asked;
-using god::Options;
 namespace fs = std::filesystem;
 
 struct Typed {
@@ -30,93 +29,55 @@ struct Typed {
   std::string out = {}, resume = {};
 };
 
-// An option that takes one of two words.
-void add_choice(CLI::App& options, const std::string& name, const std::string& no, const std::string& yes,
-                const std::string& line, const std::function<void(bool)>& choose) {
-  options
-      .add_option_function<std::string>(
-          "--" + name,
-          [=](const std::string& word) {
-            if (word != no && word != yes)
-              throw std::invalid_argument("--" + name + " " + word + " should be " + no + " or " + yes +
-                                          did_you_mean(word, {no, yes}));
-            choose(word == yes);
-          },
-          line)
-      ->type_name(no + "|" + yes)
-      ->group("What is compared");
-}
+// An option of the simulation: a number or a name, or one of two words.
+struct AddOption {
+  CLI::App& app;
+
+  template <class T>
+  void operator()(const god::OptionText& text, T& value) const {
+    if (text.name == nullptr) return;
+    CLI::Option* option = app.add_option("--" + std::string(text.name), value, text.line)->group("How");
+    if constexpr (std::is_arithmetic_v<T>) option->check(text.open ? above(text.low) : from_to(text.low, text.high));
+  }
+  template <class T>
+  void operator()(const god::OptionText& text, T& value, const god::Words& words) const {
+    const auto choose = [name = "--" + std::string(text.name), &value, words](const std::string& word) {
+      if (word != words[0] && word != words[1])
+        throw std::invalid_argument(name + " " + word + " should be " + words[0] + " or " + words[1] +
+                                    did_you_mean(word, {words[0], words[1]}));
+      value = static_cast<T>(word == words[1]);
+    };
+    app.add_option_function<std::string>("--" + std::string(text.name), choose, text.line)
+        ->type_name(std::string(words[0]) + "|" + words[1])
+        ->group("What is compared");
+  }
+};
 
 void add_options(CLI::App& options, Typed& typed) {
   Asked& a = typed.asked;
-  Options& o = a.options;
+  const auto add = [&options](const char* group, const char* name, auto& value, const char* line) {
+    return options.add_option(name, value, line)->group(group);
+  };
   options.add_option("SCENE", a.scene, "a name (below), or mesh files as fixed parts: a.stl@mm,b.obj")->type_name("");
-  options.add_option("--motion", a.motion, "a name (below), or a file: Leap recording (.json, .gz), angles (.csv)")
-      ->group("What is simulated")
+  add("What is simulated", "--motion", a.motion,
+      "a name (below), or a file: Leap recording (.json, .gz), angles (.csv)")
       ->type_name("FILE|NAME");
-  options.add_option("--parts", a.parts, "folder of real parts for the scenes simple and engine")
-      ->group("What is simulated")
+  add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")
       ->type_name("FOLDER");
-  options
-      .add_option("--place", a.share,
-                  "a recording is placed so that its target is inside an object in this share of its frames; 0: as "
-                  "recorded; default: 0.45")
-      ->group("What is simulated")
+  add("What is simulated", "--place", a.share,
+      "a recording is placed so that its target is inside an object in this share of its frames; 0: as recorded; "
+      "default: 0.45")
       ->check(from_to(0.0, 1.0))
       ->type_name("SHARE");
-  options.add_option("--frames", a.frames, "stop after so many")->group("What is simulated")->check(above(0));
-  options.add_option("--seconds", typed.seconds, "stop after so much simulated time")
-      ->group("What is simulated")
-      ->check(above(0));
-  options.add_option("--solver", o.solver, "NAME:key=value,...; default: dual_active_set (./zwang solvers)")
-      ->group("How");
-  options.add_option("--rate", typed.rate, "simulated steps a second; default: 1000")
-      ->group("How")
+  add("What is simulated", "--frames", a.frames, "stop after so many")->check(above(0));
+  add("What is simulated", "--seconds", typed.seconds, "stop after so much simulated time")->check(above(0));
+  add("How", "--rate", typed.rate, "simulated steps a second; default: 1000")
       ->check(from_to(1.0, 1e5))
       ->type_name("HZ");
-  options.add_option("--tolerance", o.tolerance, "that the solver is asked for; default: 1e-10")
-      ->group("How")
-      ->check(from_to(1e-16, 1));
-  options.add_option("--k-f", o.force_stiffness, "stiffness of the coupling to the engine [1/s^2]; default: 1000")
-      ->group("How")
-      ->check(from_to(0));
-  options.add_option("--cap", o.force_cap, "largest push on one object [N]; default: 60")
-      ->group("How")
-      ->check(from_to(0));
-  options.add_option("--gap", o.gap, "that contact rows keep [m]; default: 2e-4")->group("How")->check(above(0));
-  options.add_option("--activation", o.activation, "distance from which contacts are rows [m]; default: 2e-3")
-      ->group("How")
-      ->check(above(0));
-  options.add_option("--sub-steps", o.sub_steps, "of a frame, at most; default: 3")
-      ->group("How")
-      ->check(from_to(1, 100));
+  each_option(a.options, AddOption{options});
   options.add_flag("--audit", a.audit, "FCL looks at every committed frame at the end")->group("How");
-  add_choice(options, "limits", "predictive", "violated", "rows of joint limits before they are met, or once violated",
-             [&o](bool yes) { o.limits = yes ? Options::Limits::violated : Options::Limits::predictive; });
-  add_choice(options, "commit", "cycle", "printed", "close the joints after each step, or the linear step alone",
-             [&o](bool yes) { o.commit = yes ? Options::Commit::printed : Options::Commit::cycle; });
-  add_choice(options, "toc", "once", "twice", "time of contact applied once, or as Eq. 29-30 are printed",
-             [&o](bool yes) { o.toc_twice = yes; });
-  add_choice(options, "toc-of", "cluster", "all", "whose time of contact ends a sub-step (all: Algorithm 1)",
-             [&o](bool yes) { o.toc_of_all = yes; });
-  add_choice(options, "clusters", "off", "on", "each hand solved apart", [&o](bool yes) { o.clusters = yes; });
-  add_choice(options, "thinning", "off", "on", "contacts reduced to those that carry",
-             [&o](bool yes) { o.reduce_contacts = yes; });
-  add_choice(options, "lazy", "off", "on",
-             "what thinning took is given back where the solve needs it; off: all of it, at once",
-             [&o](bool yes) { o.lazy_contacts = yes; });
-  add_choice(options, "model", "reduced", "maximal", "26 unknowns a hand, or 96 with 70 joint rows",
-             [&o](bool yes) { o.maximal = yes; });
-  options
-      .add_option("--verify", o.verify,
-                  "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"
-                  "which is not in the figures")
-      ->check(from_to(0));
-  options.add_option("--out", typed.out, "folder for the run; default: results/<date>-<time>")
-      ->group("Where it goes")
-      ->type_name("DIR");
-  options.add_option("--resume", typed.resume, "go on with a run that was stopped, or write its page anew")
-      ->group("Where it goes")
+  add("Where it goes", "--out", typed.out, "folder for the run; default: results/<date>-<time>")->type_name("DIR");
+  add("Where it goes", "--resume", typed.resume, "go on with a run that was stopped, or write its page anew")
       ->type_name("DIR");
 }
 

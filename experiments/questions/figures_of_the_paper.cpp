@@ -7,13 +7,6 @@
 namespace zwang::questions {
 namespace {
 
-constexpr const char* stage_names[] = {"collision", "solve", "assembly", "physics", "resolution", "other"};
-
-double stage(const god::StageTimes& t, std::size_t k) {
-  const double times[] = {t.collision(), t.solve, t.assembly, t.physics, t.resolution, t.other};
-  return times[k];
-}
-
 Chart frame_times(const std::string& name, const std::string& title, const std::vector<god::Frame>& frames,
                   std::vector<Level> levels) {
   Chart chart{.name = name,
@@ -37,15 +30,14 @@ Chart contacts(const std::string& name, const std::string& title, const std::vec
 std::vector<std::vector<std::string>> rate_rows(const std::vector<god::Frame>& frames, const char* mean,
                                                 const char* least, const char* collision) {
   const Rates r = rates(frames);
-  int raw = 0, kept = 0;
-  for (const god::Frame& f : frames) raw = std::max(raw, f.raw), kept = std::max(kept, f.kept);
+  const god::Totals all(frames);
   return {{"frames a second, median", number(r.median), ""},
           {"frames a second, mean", number(r.mean), mean},
           {"frames a second, slowest frame", number(r.least), least},
           {"share of collision detection", number(100 * r.collision) + " %", collision},
           {"frames that touch",
-           number(100. * static_cast<double>(touching(frames)) / static_cast<double>(frames.size())) + " %", ""},
-          {"contacts, most in a frame: found, kept", number(raw) + ", " + number(kept), ""}};
+           number(100. * static_cast<double>(all.touching()) / static_cast<double>(all.frames())) + " %", ""},
+          {"contacts, most in a frame: found, kept", number(all.most("raw")) + ", " + number(all.most("kept")), ""}};
 }
 
 struct Played {
@@ -82,16 +74,18 @@ Findings stages(const Asking& asking) {
               .kind = Chart::Kind::shares};
   double whole = 0;
   for (const god::Frame& f : frames) whole += f.times.total();
-  for (std::size_t k = 0; k < std::size(stage_names); ++k) {
+  for (std::size_t k = 0; k < god::stage_names.size(); ++k) {
     double sum = 0;
-    for (const god::Frame& f : frames) sum += stage(f.times, k);
-    found.rows.push_back({stage_names[k], number(100 * sum / whole) + " %", k == 0 ? "about 40 %" : ""});
+    for (const god::Frame& f : frames) sum += god::stages(f.times)[k];
+    found.rows.push_back({god::stage_names[k], number(100 * sum / whole) + " %",
+                          god::stage_names[k] == std::string("collision") ? "about 40 %" : ""});
     // Sums over stretches, so that the shares of a stretch are those of its time.
     const std::size_t stretch = std::max<std::size_t>(1, frames.size() / 200);
     for (std::size_t begin = 0; begin < frames.size(); begin += stretch) {
       double part = 0;
-      for (std::size_t i = begin; i < std::min(begin + stretch, frames.size()); ++i) part += stage(frames[i].times, k);
-      chart.points.push_back({stage_names[k], frames[begin].time, part});
+      for (std::size_t i = begin; i < std::min(begin + stretch, frames.size()); ++i)
+        part += god::stages(frames[i].times)[k];
+      chart.points.push_back({god::stage_names[k], frames[begin].time, part});
     }
   }
   found.charts.push_back(std::move(chart));

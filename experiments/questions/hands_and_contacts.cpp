@@ -2,9 +2,12 @@
 // costs to model more than the scene needs.
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <zwang/bench/report/tables/statistics.h>
+#include <zwang/bench/suite/flow.h>
+#include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/questions/list.h>
 #include <zwang/experiments/questions/play.h>
@@ -19,7 +22,7 @@ double median_in_contact(const std::vector<god::Frame>& frames, double (*value)(
   std::vector<double> values;
   for (const god::Frame& f : frames)
     if (f.kept > 0) values.push_back(value(f));
-  return report::median(values);
+  return median(values);
 }
 
 std::string microseconds(double seconds) { return number(1e6 * seconds) + " us"; }
@@ -47,7 +50,7 @@ Findings side_by_side(const std::string& first_column, const std::vector<Variant
     if (&v != &variants.front() && v.options.clusters == variants.front().options.clusters) {
       const std::vector<double> within =
           apart_within_frames(surroundings, motion, variants.front().options, v.options, asking, v.name);
-      apart = millimetres(*std::max_element(within.begin(), within.end())) + ", " + millimetres(report::median(within));
+      apart = millimetres(*std::max_element(within.begin(), within.end())) + ", " + millimetres(median(within));
     }
     found.rows.push_back({v.name, microseconds(of(in_equations)),
                           microseconds(of([](const god::Frame& f) { return f.times.total(); })),
@@ -64,15 +67,30 @@ Findings side_by_side(const std::string& first_column, const std::vector<Variant
 
 }  // namespace
 
+// Every touch a row. The problems that come up in a grasp, one for each quarter of an octave of their contacts, so that
+// a rare count does not stand for itself; each is timed apart from the simulation, as the suites time theirs.
 Findings growth_with_contacts(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  const auto frames =
-      play(scene, motion_for("grasp", scene, asking),
-           {.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0}, asking, "growth");
-  // Medians over quarters of an octave, so that a rare count does not stand for itself.
-  std::map<int, std::vector<const god::Frame*>> bins;
-  for (const god::Frame& f : frames)
-    if (f.kept > 0) bins[static_cast<int>(std::floor(4 * std::log2(f.kept)))].push_back(&f);
+  const god::HandMotion motion = motion_for("grasp", scene, asking);
+  const god::Options options{.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0};
+  struct Bin {
+    Problem problem;
+    std::size_t contacts;
+    std::vector<double> assembly;  // s, of frames
+  };
+  std::map<int, Bin> bins;
+  god::Play play(scene, motion, options);
+  each_frame(motion, options.dt, asking, "growth", [&](long k) {
+    const god::Frame& f = play.step(k);
+    if (f.contacts.empty()) return true;
+    Bin& bin = bins[static_cast<int>(std::floor(4 * std::log2(f.contacts.size())))];
+    bin.problem = play.simulation().problem(0);
+    bin.contacts = f.contacts.size();
+    bin.assembly.push_back(f.times.assembly);
+    return true;
+  });
+
+  Findings found{.columns = {"contacts", "assembly, in a frame", "solve", "verified"}};
   Chart chart{.name = "growth",
               .title = "Assembly and solve against the number of contacts",
               .x = "contacts (rows)",
@@ -81,16 +99,27 @@ Findings growth_with_contacts(const Asking& asking) {
               .log_x = true,
               .log_y = true};
   std::vector<double> counts, times;
-  for (const auto& [bin, members] : bins) {
-    if (members.size() < 3) continue;
-    std::vector<double> kept, time;
-    for (const god::Frame* f : members) kept.push_back(f->kept), time.push_back(in_equations(*f));
-    counts.push_back(report::median(kept));
-    times.push_back(report::median(time));
-    chart.points.push_back({asking.solver, counts.back(), 1e6 * times.back()});
+  Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
+  const std::atomic<bool> never = false;
+  for (const auto& entry : bins) {
+    const Bin& bin = entry.second;
+    const double assembly = median(bin.assembly);
+    const auto assemble = [&bin] { return Instance{.problem = bin.problem, .family = "growth"}; };
+    const auto append = [&](const Instance&, std::vector<Cell>& cells) {
+      const Result& r = cells[0].result;
+      counts.push_back(static_cast<double>(bin.contacts));
+      times.push_back(assembly + r.solve_s);
+      chart.points.push_back({asking.solver, counts.back(), 1e6 * times.back()});
+      found.rows.push_back({number(counts.back()), microseconds(assembly), microseconds(r.solve_s),
+                            std::string(to_string(r.metrics.verdict))});
+    };
+    const Run run{
+        .solver = asking.solver, .foreign = find_solver(asking.solver)->foreign, .tolerance = options.tolerance};
+    if (!run_flow({.assemble = assemble, .runs = {run}, .limits = {.budget = 0.2}, .append = append}, dispatcher,
+                  asking.interrupted ? *asking.interrupted : never))
+      throw Interrupted{};
   }
-  Findings found{.columns = {"contacts", "assembly and solve"}, .charts = {chart}};
-  for (std::size_t k = 0; k < counts.size(); ++k) found.rows.push_back({number(counts[k]), microseconds(times[k])});
+  found.charts.push_back(std::move(chart));
   if (counts.size() >= 3) {
     const report::PowerLaw law = report::fit_power_law(counts, times);
     found.remarks.push_back("Fitted exponent over all counts: " + number(law.exponent) + " +- " + number(law.error, 2) +

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/questions/list.h>
@@ -16,7 +15,7 @@ Findings artificial_friction(const Asking& asking) {
       play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = 0}, asking, "slide");
   double lost = 0, way = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (frames[k].gap > hand::touching) continue;
+    if (!frames[k].touches()) continue;
     lost = std::max(lost, frames[k].lost_slide);
     way += (frames[k].target[0].position - frames[k - 1].target[0].position).norm();
   }
@@ -59,15 +58,12 @@ Findings rate_of_a_push(const Asking& asking) {
   for (const double rate : {250., 500., 1000.}) {
     const std::string name = number(rate) + " Hz";
     const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = 0}, asking, name);
-    double fastest = 0, balance = 0;
-    for (const god::Frame& f : frames) {
-      fastest = std::max(fastest, f.object_speed);
-      balance = std::max(balance, f.impulse_error);
-    }
+    const god::Totals all(frames);
+    const double fastest = all.most("speed");
     const Vec3 start = frames.front().loose[0].position;
     const double moved = (frames.back().loose[0].position - start).norm();
-    found.rows.push_back(
-        {name, number(1e3 * moved, 4) + " mm", number(fastest) + " m/s", number(fastest / 0.4), number(balance)});
+    found.rows.push_back({name, number(1e3 * moved, 4) + " mm", number(fastest) + " m/s", number(fastest / 0.4),
+                          number(all.most("impulse"))});
     add_series(chart, name, frames, [&](const god::Frame& f) { return (f.loose[0].position - start).norm(); });
   }
   found.charts.push_back(std::move(chart));
@@ -89,20 +85,13 @@ Findings recordings(const Asking& asking) {
       god::HandMotion motion = god::read_motion(file);
       god::place(motion, scene);
       const auto frames = play(scene, motion, {.solver = asking.solver, .verify = 0}, asking, file.stem().string());
-      double depth = 0, gap = 1, joints = 0, limits = 0, held = 0, stuck = 0;
-      for (const god::Frame& f : frames) {
-        depth = std::max(depth, f.target_depth);
-        gap = std::min(gap, f.gap);
-        joints = std::max(joints, f.separation);
-        limits = std::max(limits, f.limit);
-        held += f.held;
-        stuck += f.stuck;
-      }
+      const god::Totals all(frames);
       const Rates r = rates(frames);
-      found.rows.push_back({file.stem().string() + ", " + name, number(static_cast<double>(frames.size())),
-                            number(static_cast<double>(touching(frames))), number(1e3 * depth) + " mm",
-                            number(1e6 * gap) + " um", number(joints) + " m", number(limits) + " rad", number(held),
-                            number(stuck), number(r.median) + " Hz", number(r.least) + " Hz"});
+      found.rows.push_back({file.stem().string() + ", " + name, number(static_cast<double>(all.frames())),
+                            number(static_cast<double>(all.touching())), number(1e3 * all.most("depth")) + " mm",
+                            number(1e6 * all.least("gap")) + " um", number(all.most("joint")) + " m",
+                            number(all.most("limit")) + " rad", number(all.sum("held")), number(all.sum("stuck")),
+                            number(r.median) + " Hz", number(r.least) + " Hz"});
     }
   return found;
 }

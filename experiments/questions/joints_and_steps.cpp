@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include <zwang/bench/results/statistics.h>
 #include <zwang/collision/world.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/questions/list.h>
 #include <zwang/experiments/questions/play.h>
-#include <zwang/solvers/registry.h>
 
 namespace zwang::questions {
 
@@ -26,13 +26,9 @@ Findings separation(const Asking& asking) {
               .log_y = true};
   for (const auto& [name, options] : variants) {
     const auto frames = play(scene, motion, options, asking, name);
-    double widest = 0, limit = 0, held = 0;
-    for (const god::Frame& f : frames) {
-      widest = std::max(widest, f.separation);
-      limit = std::max(limit, f.limit);
-      held += f.held;
-    }
-    found.rows.push_back({name, number(widest) + " m", number(limit) + " rad", number(held)});
+    const god::Totals all(frames);
+    found.rows.push_back(
+        {name, number(all.most("joint")) + " m", number(all.most("limit")) + " rad", number(all.sum("held"))});
     add_series(chart, name, frames, [](const god::Frame& f) { return std::max(f.separation, 1e-17); });
   }
   found.charts.push_back(std::move(chart));
@@ -92,18 +88,16 @@ Findings solver_swap(const Asking& asking) {
     const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver}, asking, solver, 1);
     if (first.empty()) first = frames;
     std::vector<double> times;
-    double verified = 0, doubtful = 0, held = 0, joints = 0;
+    double verified = 0, doubtful = 0;
     for (const god::Frame& f : frames) {
       times.push_back(f.times.solve);
       if (f.verified)
         (f.verified == Verdict::solved || f.verified == Verdict::infeasible_proven ? verified : doubtful)++;
-      held += f.held;
-      joints = std::max(joints, f.separation);
     }
-    std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
-    const double time = times[times.size() / 2], apart = farthest(first, frames);
-    found.rows.push_back({solver, number(1e6 * time) + " us", number(verified), number(doubtful), number(held),
-                          number(joints) + " m", number(apart) + " m"});
+    const god::Totals all(frames);
+    const double time = median(times), apart = farthest(first, frames);
+    found.rows.push_back({solver, number(1e6 * time) + " us", number(verified), number(doubtful),
+                          number(all.sum("held")), number(all.most("joint")) + " m", number(apart) + " m"});
     chart.points.push_back({solver, std::max(apart, 1e-17), 1e6 * time});
   }
   found.charts.push_back(std::move(chart));

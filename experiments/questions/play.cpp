@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include <zwang/bench/collision/hand_shapes.h>
-#include <zwang/bench/report/tables/statistics.h>
+#include <zwang/bench/results/statistics.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/play.h>
 
 namespace zwang::questions {
 
@@ -21,28 +21,6 @@ god::HandMotion motion_for(const std::string& name, const god::Surroundings& abo
 
 namespace {
 
-// What a motion asks of simulations: hands, their start, and targets by frame.
-struct Course {
-  Course(const god::HandMotion& motion_, const Asking& asking, double dt_) : motion(motion_), dt(dt_) {
-    for (const god::Track& hand : motion.hands) {
-      models.push_back(hand.model);
-      targets.push_back(hand.at(0));
-    }
-    const double seconds = asking.seconds > 0 ? std::min(asking.seconds, motion.duration) : motion.duration;
-    frames = std::lround(seconds / dt);
-  }
-
-  void aim(long frame) {
-    for (std::size_t h = 0; h < targets.size(); ++h) targets[h] = motion.hands[h].at(static_cast<double>(frame) * dt);
-  }
-
-  const god::HandMotion& motion;
-  double dt;
-  long frames;
-  std::vector<hand::Model> models;
-  std::vector<god::Target> targets;
-};
-
 double farthest(const god::Frame& a, const god::Frame& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.god.size(); ++i) most = std::max(most, (a.god[i].position - b.god[i].position).norm());
@@ -51,41 +29,41 @@ double farthest(const god::Frame& a, const god::Frame& b) {
 
 }  // namespace
 
+void each_frame(const god::HandMotion& motion, double dt, const Asking& asking, const std::string& what,
+                const std::function<bool(long)>& step) {
+  const double seconds = asking.seconds > 0 ? std::min(asking.seconds, motion.duration) : motion.duration;
+  const long frames = std::lround(seconds / dt);
+  Progress bar(asking.terminal);
+  for (long k = 1; k <= frames && step(k); ++k) {
+    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(frames), what, -1);
+    if (asking.interrupted != nullptr && *asking.interrupted) throw Interrupted{};
+  }
+}
+
 std::vector<god::Frame> play(const god::Surroundings& surroundings, const god::HandMotion& motion,
                              const god::Options& options, const Asking& asking, const std::string& what,
                              double contact) {
-  Course course(motion, asking, options.dt);
-  god::Simulation simulation(surroundings, course.models, course.targets, options);
+  god::Play play(surroundings, motion, options);
   std::vector<god::Frame> frames;
-  frames.reserve(static_cast<std::size_t>(course.frames));
   double last = std::numeric_limits<double>::infinity();
-  Progress bar(asking.terminal);
-  for (long k = 1; k <= course.frames; ++k) {
-    course.aim(k);
-    frames.push_back(simulation.step(course.targets));
+  each_frame(motion, options.dt, asking, what, [&](long k) {
+    frames.push_back(play.step(k));
     if (frames.back().kept > 0) last = std::min(last, frames.back().time + contact);
-    if (frames.back().time > last) break;
-    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(course.frames), what, -1);
-    if (asking.interrupted != nullptr && *asking.interrupted) throw Interrupted{};
-  }
+    return frames.back().time <= last;
+  });
   return frames;
 }
 
 std::vector<double> apart_within_frames(const god::Surroundings& surroundings, const god::HandMotion& motion,
                                         const god::Options& options, const god::Options& other, const Asking& asking,
                                         const std::string& what) {
-  Course course(motion, asking, options.dt);
-  god::Simulation one(surroundings, course.models, course.targets, options),
-      two(surroundings, course.models, course.targets, other);
+  god::Play one(surroundings, motion, options), two(surroundings, motion, other);
   std::vector<double> apart;
-  Progress bar(asking.terminal);
-  for (long k = 1; k <= course.frames; ++k) {
-    two.restore(one.checkpoint());
-    course.aim(k);
-    apart.push_back(farthest(one.step(course.targets), two.step(course.targets)));
-    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(course.frames), what, -1);
-    if (asking.interrupted != nullptr && *asking.interrupted) throw Interrupted{};
-  }
+  each_frame(motion, options.dt, asking, what, [&](long k) {
+    two.simulation().restore(one.simulation().checkpoint());
+    apart.push_back(farthest(one.step(k), two.step(k)));
+    return true;
+  });
   return apart;
 }
 
@@ -97,13 +75,8 @@ Rates rates(const std::vector<god::Frame>& frames) {
     whole += f.times.total();
     collision += f.times.collision();
   }
-  return {1 / report::median(times), static_cast<double>(frames.size()) / whole,
+  return {1 / median(times), static_cast<double>(frames.size()) / whole,
           1 / *std::max_element(times.begin(), times.end()), collision / whole};
-}
-
-std::size_t touching(const std::vector<god::Frame>& frames) {
-  return static_cast<std::size_t>(
-      std::count_if(frames.begin(), frames.end(), [](const god::Frame& f) { return f.gap < hand::touching; }));
 }
 
 void add_series(Chart& chart, const std::string& name, const std::vector<god::Frame>& frames,
@@ -114,7 +87,7 @@ void add_series(Chart& chart, const std::string& name, const std::vector<god::Fr
   for (std::size_t begin = 0; begin < frames.size(); begin += stretch) {
     std::vector<double> values;
     for (std::size_t k = begin; k < std::min(begin + stretch, frames.size()); ++k) values.push_back(value(frames[k]));
-    chart.points.push_back({name, frames[begin].time, report::median(values)});
+    chart.points.push_back({name, frames[begin].time, median(values)});
     largest.push_back({name + ", largest", frames[begin].time, *std::max_element(values.begin(), values.end())});
   }
   if (stretch > 1) chart.points.insert(chart.points.end(), largest.begin(), largest.end());

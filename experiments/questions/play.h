@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include <zwang/experiments/god_hand/measure/columns.h>
 #include <zwang/experiments/god_hand/motion/hand_motion.h>
 #include <zwang/experiments/god_hand/simulation.h>
 #include <zwang/experiments/questions/question.h>
@@ -15,6 +16,11 @@ struct Interrupted {};
 
 // A motion by name about the surroundings, or a recording placed among them; `asking.motion` goes before `name`.
 god::HandMotion motion_for(const std::string& name, const god::Surroundings& about, const Asking& asking);
+
+// Calls step(k) for the frames of a motion, k = 1, 2, ..., until it is over or step() returns false. Throws
+// Interrupted.
+void each_frame(const god::HandMotion& motion, double dt, const Asking& asking, const std::string& what,
+                const std::function<bool(long k)>& step);
 
 // Simulates the motion and keeps every frame, up to `contact` seconds after the first one with contacts. Throws
 // Interrupted.
@@ -28,8 +34,6 @@ struct Rates {
   double collision;            // share of the whole time
 };
 Rates rates(const std::vector<god::Frame>& frames);
-
-std::size_t touching(const std::vector<god::Frame>& frames);  // frames with a god object nearer than 0.5 mm
 
 // One value a frame as series of a chart: where there are more than 600 frames, the median and the largest of each of
 // 600 stretches, as "NAME" and "NAME, largest".

@@ -1,14 +1,22 @@
 #include <zwang/experiments/questions/record.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/core/files/stored_file.h>
 
 namespace zwang::questions {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Point, series, x, y)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Level, y, text)
+NLOHMANN_JSON_SERIALIZE_ENUM(Chart::Kind, {{Chart::Kind::lines, "lines"},
+                                           {Chart::Kind::points, "points"},
+                                           {Chart::Kind::shares, "shares"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Chart, name, title, x, y, kind, log_x, log_y, points, levels)
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,23 +37,6 @@ std::string to_csv(const Findings& findings) {
       text += k + 1 < row.size() ? "\"," : "\"\n";
     }
   return text;
-}
-
-json to_json(const Chart& chart) {
-  json points = json::array(), levels = json::array();
-  for (const Point& p : chart.points) points.push_back({{"series", p.series}, {"x", p.x}, {"y", p.y}});
-  for (const Level& l : chart.levels) levels.push_back({{"y", l.y}, {"text", l.text}});
-  constexpr const char* kinds[] = {"lines", "points", "shares"};
-  return {{"name", chart.name}, {"title", chart.title}, {"x", chart.x},
-          {"y", chart.y},       {"log_x", chart.log_x}, {"log_y", chart.log_y},
-          {"points", points},   {"levels", levels},     {"kind", kinds[static_cast<int>(chart.kind)]}};
-}
-
-void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
 }  // namespace
@@ -69,8 +60,6 @@ std::vector<fs::path> record(const Findings& findings, const Question& question,
                              const fs::path& directory) {
   fs::create_directories(directory);
   const Conditions c = conditions();
-  json charts = json::array();
-  for (const Chart& chart : findings.charts) charts.push_back(to_json(chart));
   const json all = {{"question", question.line},
                     {"paper", question.paper},
                     {"command", command},
@@ -79,10 +68,10 @@ std::vector<fs::path> record(const Findings& findings, const Question& question,
                     {"columns", findings.columns},
                     {"rows", findings.rows},
                     {"remarks", findings.remarks},
-                    {"charts", charts}};
+                    {"charts", findings.charts}};
   std::vector<fs::path> files = {directory / (question.name + ".csv"), directory / (question.name + ".json")};
-  write(files[0], to_csv(findings));
-  write(files[1], all.dump(1, ' ', false, json::error_handler_t::replace));
+  replace_file(files[0], to_csv(findings));
+  replace_file(files[1], all.dump(1, ' ', false, json::error_handler_t::replace));
   if (!findings.charts.empty()) report::draw(files[1], directory);
   for (const Chart& chart : findings.charts) files.push_back(directory / (chart.name + ".svg"));
   return files;

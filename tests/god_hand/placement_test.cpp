@@ -31,7 +31,7 @@ void expect_placed(const std::string& what, HandMotion motion, const Surrounding
   for (const Track& track : motion.hands) {
     const Target start = track.at(0);
     const hand::Poses poses = hand::forward_kinematics(start.palm, start.angles, track.model);
-    EXPECT_LE(depth.of(poses, balls(track.model), 0.02).depth, -0.00999) << what;
+    EXPECT_LE(depth.of(poses, balls(track.model), 0.02), -0.00999) << what;
     for (std::size_t k = 1; k < track.keys.size(); ++k) EXPECT_GT(track.keys[k].time, track.keys[k - 1].time);
   }
   // The printed figures are those of the motion that comes back.
@@ -40,8 +40,8 @@ void expect_placed(const std::string& what, HandMotion motion, const Surrounding
     double deepest = 0;
     for (const Track& track : motion.hands) {
       const Target at = track.at(motion.duration * k / 300);
-      deepest = std::max(deepest,
-                         depth.of(hand::forward_kinematics(at.palm, at.angles, track.model), balls(track.model)).depth);
+      deepest =
+          std::max(deepest, depth.of(hand::forward_kinematics(at.palm, at.angles, track.model), balls(track.model)));
     }
     inside += deepest > 0 ? 1.0 / 301 : 0;
   }

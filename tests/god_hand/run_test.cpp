@@ -230,6 +230,19 @@ TEST(Run, RecordComesBack) {
   EXPECT_EQ(back.motion, record.motion);
   EXPECT_EQ(back.notes, record.notes);
   EXPECT_NO_THROW(require_same_program(folder.path));
+  // Values that the command line would not take either.
+  const std::string good = text_of(folder.path / "run.json");
+  for (const auto& [was, is] : {std::pair{R"("sub_steps": 3)", R"("sub_steps": 0)"},
+                                {R"("gap": 0.0002)", R"("gap": 0.0)"},
+                                {R"("commit": "printed")", R"("commit": "print")"},
+                                {R"("clusters": true)", R"("clusters": "on")"},
+                                {R"("share": 0.5)", R"("share": 1.5)"},
+                                {R"("title")", R"("no title")"}}) {
+    ASSERT_NE(good.find(was), std::string::npos) << was;
+    std::string bad = good;
+    std::ofstream(folder.path / "run.json") << bad.replace(bad.find(was), std::string(was).size(), is);
+    EXPECT_THROW(read_record(folder.path), BadFile) << is;
+  }
   std::ofstream(folder.path / "run.json") << "{";
   EXPECT_THROW(read_record(folder.path), BadFile);
 }

@@ -9,23 +9,13 @@
 #include <string_view>
 
 #include <zwang/bench/report/page/charts.h>
+#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/sweeps.h>
 
 // page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, is part of the program:
 // writing a report needs neither Node nor a file beside it.
-asm(R"(
-  .pushsection .rodata
-  .global zwang_report_page
-  .global zwang_report_page_end
-zwang_report_page:
-  .incbin ")" ZWANG_REPORT_PAGE R"("
-zwang_report_page_end:
-  .byte 0
-  .popsection
-)");
-extern "C" const char zwang_report_page[];
-extern "C" const char zwang_report_page_end[];
+ZWANG_EMBEDDED(report_page, ZWANG_REPORT_PAGE)
 
 namespace zwang::report {
 namespace {
@@ -173,9 +163,7 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
   return data + "\"charts\":" + chart_rows(run) + "}";
 }
 
-std::string page(const std::string& data) {
-  return filled({zwang_report_page, static_cast<std::size_t>(zwang_report_page_end - zwang_report_page)}, data);
-}
+std::string page(const std::string& data) { return filled(report_page(), data); }
 
 std::string filled(std::string_view whole, const std::string& data) {
   constexpr std::string_view slot = "{\"slot\":\"data\"}";

@@ -6,11 +6,12 @@
 namespace zwang::god {
 namespace {
 
-constexpr double gap_reach = 1e-3;  // m: gaps beyond are not told apart. (Not the cluster's own distance: World would
-                                    // keep what it finds for the next frame, and nobody would pay for it.)
-constexpr double touching = 3e-4;   // m: at this gap a contact counts for sliding
-constexpr double reached = 5e-4;    // m: so near to its target a god object is there
-constexpr double speck = 1e-6;      // m
+// m: larger gaps are given as this. Other than the activation distance on purpose: World reuses the pairs of a query at
+// the same distance, and the search of the next frame would look cheaper than it is.
+constexpr double gap_reach = 1e-3;
+constexpr double touching = 3e-4;  // m: at this gap a contact counts for sliding
+constexpr double reached = 5e-4;   // m: so near to its target a god object is there
+constexpr double speck = 1e-6;     // m
 
 }  // namespace
 
@@ -19,9 +20,7 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
     : depth_(surroundings) {
   for (const hand::Model& model : models) balls_.push_back(balls(model));
   sight_.add(collision::Shape::sphere(speck));
-  parts_.resize(surroundings.objects.size());
-  for (const MetPart& part : met_parts(surroundings))
-    parts_[part.object].emplace_back(add_part(sight_, surroundings, part), part.at);
+  scenery_ = Scenery(sight_, surroundings, [](const Object&) { return Scenery::Role{}; });
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
   for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
 }
@@ -62,8 +61,8 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
 }
 
 // In the sum over a cluster the forces of joints, limits and contacts within it cancel, and those of contacts with
-// objects act along their normals. Across all of those, the centre of mass goes exactly where the targets' goes: the
-// closed form. What is missing of that is friction that nobody asked for.
+// objects act along their normals. Orthogonal to all of those the centre of mass moves as the targets' does. What is
+// missing of that is friction, which the model does not have.
 double Measures::lost_slide(const Cluster& cluster) const {
   Mat3 normals = Mat3::Zero();
   for (const Contacts::Row& row : cluster.rows())
@@ -106,15 +105,14 @@ double Measures::jitter(const Frame& frame) const {
   return most;
 }
 
-// How deep the targets are in the objects, and whether one that is clear of them all lies behind one: a speck that goes
-// from the god object straight to it meets something.
+// How deep the targets are in the objects, and whether one that is clear of all of them is behind one: a very small
+// sphere that goes straight from the god object to it meets something.
 void Measures::measure_depth(std::span<const Pose<double>> objects, Frame& frame) {
-  for (std::size_t o = 0; o < parts_.size(); ++o)
-    for (const auto& [collider, at] : parts_[o]) sight_.place(collider, placed(objects[o], at));
+  for (std::size_t o = 0; o < objects.size(); ++o) scenery_.place(sight_, o, objects[o]);
   for (std::size_t h = 0; h < balls_.size(); ++h) {
     hand::Poses hand;
     std::copy_n(frame.target.begin() + static_cast<long>(h * hand.size()), hand.size(), hand.begin());
-    const double depth = depth_.of(hand, balls_[h], 0, objects).depth;
+    const double depth = depth_.of(hand, balls_[h], 0, objects);
     frame.target_depth = std::max(frame.target_depth, depth);
     if (depth > 0) continue;
     for (std::size_t b = h * hand.size(); b < (h + 1) * hand.size() && !frame.behind; ++b) {

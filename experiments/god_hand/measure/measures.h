@@ -9,8 +9,8 @@
 
 namespace zwang::god {
 
-// What a frame shows to somebody who looks on, from poses and shapes; of the solves only which contacts were rows, and
-// how many rows there were.
+// The measures of a frame, from poses and shapes; of the solves they use which contacts were rows, and how many rows
+// there were.
 class Measures {
  public:
   // models: of the hands, which the clusters are made of one after the other; none: god objects of other kinds.
@@ -26,8 +26,7 @@ class Measures {
   struct Memory {
     std::vector<Pose<double>> god[2], target[2];
   };
-  const Memory& memory() const { return memory_; }
-  void restore(const Memory& memory) { memory_ = memory; }
+  Memory& memory() { return memory_; }
 
  private:
   double lost_slide(const Cluster& cluster) const;
@@ -37,9 +36,9 @@ class Measures {
 
   std::vector<std::vector<Ball>> balls_;  // by hand
   Depth depth_;
-  collision::World sight_;                                        // a speck, and the objects
-  std::vector<std::vector<std::pair<int, Pose<double>>>> parts_;  // by object: collider and place of its pieces
-  std::vector<Pose<double>> start_;                               // of the god objects, before they moved
+  collision::World sight_;  // a speck, and the objects
+  Scenery scenery_;
+  std::vector<Pose<double>> start_;  // of the god objects, before they moved
   Memory memory_;
 };
 

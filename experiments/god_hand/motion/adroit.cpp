@@ -22,26 +22,19 @@ constexpr Limit limits[] = {
     {"LFJ3", -0.436, 0.436}, {"LFJ2", 0, 1.571}, {"LFJ1", 0, 1.571},      {"LFJ0", 0, 1.571},
     {"THJ4", -1.047, 1.047}, {"THJ3", 0, 1.309}, {"THJ2", -0.262, 0.262}, {"THJ1", -0.524, 0.524},
     {"THJ0", -1.571, 0},     {"LFJ4", 0, 0.698}, {"WRJ1", -0.524, 0.175}, {"WRJ0", -0.785, 0.611}};
-constexpr const char* others[] = {"step",
-                                  "ARTx",
-                                  "ARTy",
-                                  "ARTz",
-                                  "ARRx",
-                                  "ARRy",
-                                  "ARRz",
-                                  "latch",
-                                  "door_hinge",
-                                  "palm_x",
-                                  "palm_y",
-                                  "palm_z",
-                                  "handle_x",
-                                  "handle_y",
-                                  "handle_z",
-                                  "palm_minus_handle_x",
-                                  "palm_minus_handle_y",
-                                  "palm_minus_handle_z",
-                                  "door_open"};
 constexpr const char* needed[] = {"step", "ARRx", "ARRy", "ARRz", "palm_x", "palm_y", "palm_z"};
+constexpr const char* passed_over[] = {"ARTx",
+                                       "ARTy",
+                                       "ARTz",
+                                       "latch",
+                                       "door_hinge",
+                                       "handle_x",
+                                       "handle_y",
+                                       "handle_z",
+                                       "palm_minus_handle_x",
+                                       "palm_minus_handle_y",
+                                       "palm_minus_handle_z",
+                                       "door_open"};
 constexpr double step = 0.01;  // s
 const Vec3 knuckle[4] = {{0.033, 0, 0.095}, {0.011, 0, 0.099}, {-0.011, 0, 0.095}, {-0.034, 0, 0.088}};
 const Vec3 thumb_base(0.034, -0.009, 0.029), grasp(0.007, -0.05, 0.07);  // m; palm_x.. is where `grasp` is
@@ -50,11 +43,12 @@ constexpr double finger_bones[3] = {0.045, 0.025, 0.026}, thumb_bones[3] = {0.03
 }  // namespace
 
 Recording adroit_recording(const JointTable& table) {
-  std::vector<std::string> known(std::begin(others), std::end(others));
-  for (const Limit& limit : limits) known.emplace_back(limit.name);
+  std::vector<std::string> wanted(std::begin(needed), std::end(needed));
+  for (const Limit& limit : limits) wanted.emplace_back(limit.name);
+  std::vector<std::string> known = wanted;
+  known.insert(known.end(), std::begin(passed_over), std::end(passed_over));
   table.only(known);
-  for (const Limit& limit : limits) table.column(limit.name);
-  for (const char* name : needed) table.column(name);
+  for (const std::string& name : wanted) table.column(name);
 
   RecordedTrack track;
   std::string farthest;
@@ -66,11 +60,8 @@ Recording adroit_recording(const JointTable& table) {
       ++torn;
       continue;
     }
-    bool whole = true;
-    for (const char* name : needed) whole = whole && std::isfinite(value(name));
-    for (const Limit& limit : limits) whole = whole && std::isfinite(value(limit.name));
     track.frames.push_back({time, std::nullopt});
-    if (!whole) continue;
+    if (!std::ranges::all_of(wanted, [&](const std::string& name) { return std::isfinite(value(name)); })) continue;
     for (const Limit& limit : limits) {
       const double over = std::max(limit.low - value(limit.name), value(limit.name) - limit.high);
       if (over > track.beyond) track.beyond = over, farthest = limit.name;
@@ -106,9 +97,8 @@ Recording adroit_recording(const JointTable& table) {
     track.frames.back().hand = hand;
   }
   Recording out;
-  if (torn > 0) out.notes.push_back(frames(torn, "without a step"));
-  if (const std::size_t repeated = put_in_order(track.frames); repeated > 0)
-    out.notes.push_back(frames(repeated, "with the step of another"));
+  note(out.notes, torn, "without a step");
+  note(out.notes, put_in_order(track.frames), "with the step of another");
   const auto whole = std::count_if(track.frames.begin(), track.frames.end(),
                                    [](const RecordedTrack::Sample& f) { return f.hand.has_value(); });
   if (2 * static_cast<std::size_t>(whole) < table.rows.size() || whole < 2)

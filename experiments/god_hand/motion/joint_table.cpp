@@ -104,10 +104,7 @@ HandMotion plain_motion(const JointTable& table) {
   std::vector<std::string> prefixes;
   for (const std::string prefix : {"", "right_", "left_"}) {
     bool any = false;
-    for (const std::string& name : of_hand) {
-      known.push_back(prefix + name);
-      any = any || table.has(known.back());
-    }
+    for (const std::string& name : of_hand) any |= table.has(known.emplace_back(prefix + name));
     if (any) prefixes.push_back(prefix);
   }
   if (prefixes.empty()) prefixes = {""};  // whose columns are missed below
@@ -124,10 +121,9 @@ HandMotion plain_motion(const JointTable& table) {
     if (std::isfinite(row.values[time])) rows.push_back({row.values[time], &row.values});
   const std::size_t timeless = table.rows.size() - rows.size();
   if (2 * timeless >= table.rows.size()) table.refuse("most rows have no time; seconds expected");
-  const std::size_t repeated = put_in_order(rows);
   HandMotion motion;
-  if (timeless > 0) motion.notes.push_back(frames(timeless, "without a time"));
-  if (repeated > 0) motion.notes.push_back(frames(repeated, "with the time of another"));
+  note(motion.notes, timeless, "without a time");
+  note(motion.notes, put_in_order(rows), "with the time of another");
   for (std::size_t k = 1; k < rows.size(); ++k)
     if (rows[k].time - rows[k - 1].time > 600) table.refuse("more than 10 minutes between two rows; seconds expected");
   motion.duration = rows.back().time - rows.front().time;

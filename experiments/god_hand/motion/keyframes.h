@@ -25,7 +25,7 @@ class Keyframes {
   Keyframes& to(double time, const Pose<double>& palm, Way way = Way::eased);
   Keyframes& stay(double time);
 
-  // What a tracker does to it: the keys of [from, to) come through append() again, spoilt.
+  // Changes the keys of [from, to) as a faulty tracker would; append() takes them again.
   Keyframes& spoil(double from, double to, const std::function<void(Target&)>& how);
 
   const Pose<double>& start() const { return track_.keys.front().target.palm; }

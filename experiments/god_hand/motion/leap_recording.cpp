@@ -18,8 +18,8 @@ class Reader {
     std::vector<LeapRow>& rows = read.rows;
     if (read.torn >= rows.size()) refuse(read.fault);
     const std::size_t repeated = put_in_order(rows);
-    if (read.torn > 0) note(read.torn, "torn: " + read.fault);
-    if (repeated > 0) note(repeated, "with the time stamp of another");
+    note(read.torn, "torn: " + read.fault);
+    note(repeated, "with the time stamp of another");
     check_times(rows);
 
     std::array<RecordedTrack, 2> track;
@@ -35,8 +35,8 @@ class Reader {
       if (sound == 0) continue;
       const std::size_t odd = drop_odd(track[s]);
       if (2 * odd > sound) refuse("the bones of the " + std::string(side_name[s]) + " hand change their lengths");
-      if (seen > sound) note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + read.hand_fault[s]);
-      if (odd > 0) note(odd, "of the " + std::string(side_name[s]) + " hand with a bone of another length");
+      note(seen - sound, "of the " + std::string(side_name[s]) + " hand torn: " + read.hand_fault[s]);
+      note(odd, "of the " + std::string(side_name[s]) + " hand with a bone of another length");
       kept_[s] = sound - odd;
     }
     for (std::size_t s = 0; s < 2; ++s) {
@@ -53,7 +53,7 @@ class Reader {
     std::replace(why.begin(), why.end(), '\n', ' ');
     throw BadFile(file_.string() + ": " + why);
   }
-  void note(std::size_t count, const std::string& what) { out_.notes.push_back(god::frames(count, what)); }
+  void note(std::size_t count, const std::string& what) { god::note(out_.notes, count, what); }
   LeapRows rows_of(const std::string& text) const {
     try {
       return read_leap_rows(text);
@@ -81,9 +81,7 @@ class Reader {
       std::vector<double> lengths;
       for (const auto& f : track.frames)
         if (f.hand) lengths.push_back(f.hand->bone(b / 3, b % 3));
-      const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-      std::nth_element(lengths.begin(), middle, lengths.end());
-      usual[b] = *middle;
+      usual[b] = upper_median(lengths);
       if (!(usual[b] > 2e-3 && usual[b] < 0.2))
         refuse("a bone of the " + std::string(finger_name[b / 3]) + " is " + std::to_string(1e3 * usual[b]) +
                " mm long: millimetres and a hand's bones expected");

@@ -47,7 +47,7 @@ bool vector(const Json& value, Vec3& out) {
 }
 // The device looks up along y, from a table whose far side is -z; here z is up and the far side is y. mm to m.
 Vec3 turned(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
-Vec3 placed(const Vec3& v) { return 1e-3 * turned(v); }
+Vec3 in_metres(const Vec3& v) { return 1e-3 * turned(v); }
 
 // How rows are read that stand under `header`; what is wrong with them goes to `faults`.
 class RowReader {
@@ -144,7 +144,7 @@ std::optional<RecordedHand> RowReader::read_hand(const Json& h, const Json& fing
   const Vec3 y = turned(ahead).normalized(), z = (-turned(normal) + y * y.dot(turned(normal))).normalized();
   if (!(y.squaredNorm() > 0.5 && z.squaredNorm() > 0.5)) return bad("direction and palmNormal span no frame");
   out.palm.rotation << y.cross(z), y, z;
-  out.palm.position = placed(place);
+  out.palm.position = in_metres(place);
 
   std::size_t count = 0;
   std::array<bool, 5> met = {};
@@ -160,7 +160,7 @@ std::optional<RecordedHand> RowReader::read_hand(const Json& h, const Json& fing
       Vec3 p;
       if (!vector(f[at_.joint[k]], p))
         return bad(std::string(finger_name[which]) + ": " + joint_column[k] + " is not three numbers");
-      out.joints[which][k] = placed(p);
+      out.joints[which][k] = in_metres(p);
     }
     if (at_.bases != none && (!f[at_.bases].is_array() || f[at_.bases].size() != 4))
       return bad(std::string(finger_name[which]) + ": bases are not those of 4 bones");

@@ -10,20 +10,18 @@
 namespace zwang::god {
 namespace {
 
-constexpr double approach = 0.5;    // s
-constexpr double clearance = 0.01;  // m, at the start
+constexpr double approach = 0.5;          // s
+constexpr double start_clearance = 0.01;  // m, at the start
 
-// What stays where it is: a loose part makes way, and a hand that was to go into it does not. Where all are loose, all.
+// The fixed objects: a loose one is pushed away before a hand is inside it. All objects where none is fixed.
 Surroundings staying(Surroundings about) {
   const auto loose = [](const Object& o) { return o.loose(); };
   if (!std::all_of(about.objects.begin(), about.objects.end(), loose)) std::erase_if(about.objects, loose);
   return about;
 }
 
-// The poses of all hands at some times.
-struct Moment {
-  std::vector<hand::Poses> hands;
-};
+// The poses of all hands at one time.
+using Moment = std::vector<hand::Poses>;
 
 std::vector<Moment> moments(const HandMotion& motion, double step) {
   std::vector<Moment> out;
@@ -32,16 +30,9 @@ std::vector<Moment> moments(const HandMotion& motion, double step) {
     out.emplace_back();
     for (const Track& track : motion.hands) {
       const Target at = track.at(motion.duration * k / count);
-      out.back().hands.push_back(hand::forward_kinematics(at.palm, at.angles, track.model));
+      out.back().push_back(hand::forward_kinematics(at.palm, at.angles, track.model));
     }
   }
-  return out;
-}
-
-hand::Poses moved(const Pose<double>& by, const hand::Poses& hand) {
-  hand::Poses out;
-  for (std::size_t b = 0; b < hand.size(); ++b)
-    out[b] = {by.rotation * hand[b].position + by.position, by.rotation * hand[b].rotation};
   return out;
 }
 
@@ -52,8 +43,8 @@ class Finder {
     for (const Track& track : motion.hands) balls_.push_back(balls(track.model));
     for (const Moment& m : moments_) {
       Vec3 middle = Vec3::Zero();
-      for (const hand::Poses& hand : m.hands)
-        for (const Pose<double>& pose : hand) middle += pose.position / static_cast<double>(16 * m.hands.size());
+      for (const hand::Poses& hand : m)
+        for (const Pose<double>& pose : hand) middle += pose.position / static_cast<double>(16 * m.size());
       middles_.push_back(middle);
     }
   }
@@ -62,8 +53,11 @@ class Finder {
     Placement out;
     for (const Moment& m : moments_) {
       double deepest = -1e-9;
-      for (std::size_t h = 0; h < m.hands.size(); ++h)
-        deepest = std::max(deepest, depth_.of(moved(by, m.hands[h]), balls_[h]).depth);
+      for (std::size_t h = 0; h < m.size(); ++h) {
+        hand::Poses moved = m[h];
+        for (Pose<double>& pose : moved) pose = placed(by, pose);
+        deepest = std::max(deepest, depth_.of(moved, balls_[h]));
+      }
       out.inside += deepest > 0 ? 1.0 / static_cast<double>(moments_.size()) : 0;
       out.depth = std::max(out.depth, deepest);
     }
@@ -122,7 +116,7 @@ void clear_start(HandMotion& motion, const Depth& depth) {
     const std::vector<Ball> of_hand = balls(track.model);
     const auto clear = [&] {
       const hand::Poses poses = hand::forward_kinematics(at.palm, at.angles, track.model);
-      return depth.of(poses, of_hand, clearance).depth <= -clearance;
+      return depth.of(poses, of_hand, start_clearance) <= -start_clearance;
     };
     while (!clear() && at.palm.position.z() < before + 1) at.palm.position.z() += 0.01;
     raise.push_back(at.palm.position.z() - before);
@@ -161,10 +155,7 @@ Placement place(HandMotion& motion, const Surroundings& about, double share, dou
   if (!by) by = finder.lowered(0, 1, 0, depth);
   if (!by) by = finder.lowered(0, 1, 0, 0);
   for (Track& track : motion.hands)
-    for (Track::Key& key : track.keys) {
-      Pose<double>& palm = key.target.palm;
-      palm = {by->rotation * palm.position + by->position, by->rotation * palm.rotation};
-    }
+    for (Track::Key& key : track.keys) key.target.palm = placed(*by, key.target.palm);
   clear_start(motion, solid);
   return Finder(motion, about, firm).evaluate({});
 }

@@ -17,10 +17,7 @@ constexpr std::size_t longest = 256 << 20;  // bytes of text, unpacked: hours of
 double usual_pause(const Track& track) {
   std::vector<double> pauses;
   for (std::size_t k = 1; k < track.keys.size(); ++k) pauses.push_back(track.keys[k].time - track.keys[k - 1].time);
-  if (pauses.empty()) return 0;
-  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
-  std::nth_element(pauses.begin(), middle, pauses.end());
-  return *middle;
+  return upper_median(pauses);
 }
 
 }  // namespace
@@ -53,10 +50,8 @@ HandMotion read_motion(const fs::path& file) {
   }
   for (Track& track : motion.hands) track.patience = std::max(track.patience, 2.5 * usual_pause(track));
   for (const Track& track : motion.hands)
-    if (track.held_over > 0)
-      motion.notes.push_back(frames(
-          track.held_over,
-          std::string("without the ") + (track.model.left ? "left" : "right") + " hand: its last pose held over"));
+    note(motion.notes, track.held_over,
+         std::string("without the ") + (track.model.left ? "left" : "right") + " hand: its last pose held over");
   return motion;
 }
 

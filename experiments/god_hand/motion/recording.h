@@ -51,9 +51,17 @@ std::size_t put_in_order(std::vector<Row>& rows) {
   return sorted.size() - rows.size();
 }
 
-// "3 frames <what>", "1 frame <what>".
-inline std::string frames(std::size_t count, const std::string& what) {
-  return std::to_string(count) + (count == 1 ? " frame " : " frames ") + what;
+// Of two middle ones the larger; 0 of none.
+inline double upper_median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Adds "3 frames <what>", "1 frame <what>", nothing of none.
+inline void note(std::vector<std::string>& notes, std::size_t count, const std::string& what) {
+  if (count > 0) notes.push_back(std::to_string(count) + (count == 1 ? " frame " : " frames ") + what);
 }
 
 // The text of a LeapJS Playback recording: {metadata, frames}, frames[0] the nested header that names the columns.

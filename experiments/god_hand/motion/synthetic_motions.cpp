@@ -123,7 +123,7 @@ std::vector<Track> teleport(const Site& s) {
   return {keys.track()};
 }
 
-// The slide of a hand that goes on while nobody sees it.
+// A slide that goes on while tracking is lost.
 std::vector<Track> lost(const Site& s) {
   Keyframes keys = at_flat_start(s);
   const Palm start = keys.start();

@@ -10,48 +10,39 @@
 namespace zwang::god {
 namespace {
 
-struct Float3 {
-  float x, y, z;
-};
+using Point = Eigen::Vector3f;
+static_assert(sizeof(Point) == 3 * sizeof(float));
 
 // Corners welded where they are the same point.
 struct Indexed {
-  std::vector<Float3> points;
+  std::vector<Point> points;
   std::vector<unsigned> index;
 };
 
 Indexed indexed(const collision::Tree& tree, const Vec3& centre) {
-  std::vector<Float3> corners;
+  std::vector<Point> corners;
   corners.reserve(3 * tree.size());
   for (const collision::Triangle& triangle : tree.triangles())
-    for (const Vec3& corner : triangle.corner) {
-      const Eigen::Vector3f p = (corner - centre).cast<float>();
-      corners.push_back({p.x(), p.y(), p.z()});
-    }
+    for (const Vec3& corner : triangle.corner) corners.emplace_back((corner - centre).cast<float>());
   std::vector<unsigned> remap(corners.size());
-  const std::size_t points = meshopt_generateVertexRemap(remap.data(), nullptr, corners.size(), corners.data(),
-                                                         corners.size(), sizeof(Float3));
-  Indexed mesh{std::vector<Float3>(points), std::vector<unsigned>(corners.size())};
-  meshopt_remapVertexBuffer(mesh.points.data(), corners.data(), corners.size(), sizeof(Float3), remap.data());
+  const std::size_t points =
+      meshopt_generateVertexRemap(remap.data(), nullptr, corners.size(), corners.data(), corners.size(), sizeof(Point));
+  Indexed mesh{std::vector<Point>(points), std::vector<unsigned>(corners.size())};
+  meshopt_remapVertexBuffer(mesh.points.data(), corners.data(), corners.size(), sizeof(Point), remap.data());
   meshopt_remapIndexBuffer(mesh.index.data(), nullptr, corners.size(), remap.data());
   return mesh;
 }
 
-Eigen::Vector3f point(const Indexed& mesh, unsigned v) {
-  const Float3& p = mesh.points[v];
-  return {p.x, p.y, p.z};
-}
-
 // Twice the area times the unit normal.
-Eigen::Vector3f area_normal(const Indexed& mesh, const unsigned* corner) {
-  const Eigen::Vector3f a = point(mesh, corner[0]);
-  return (point(mesh, corner[1]) - a).cross(point(mesh, corner[2]) - a);
+Point area_normal(const Indexed& mesh, const unsigned* corner) {
+  const Point a = mesh.points[corner[0]];
+  return (mesh.points[corner[1]] - a).cross(mesh.points[corner[2]] - a);
 }
 
 // The normals of the full mesh's triangles around each vertex.
 struct Fans {
   std::vector<unsigned> start, triangle;
-  std::vector<Eigen::Vector3f> normal;
+  std::vector<Point> normal;
 
   explicit Fans(const Indexed& mesh) : start(mesh.points.size() + 1, 0), triangle(mesh.index.size()) {
     for (const unsigned v : mesh.index) ++start[v + 1];
@@ -62,13 +53,13 @@ struct Fans {
   }
 
   // Of a corner of a shown triangle: the mean over the fan's triangles that face the same way to within 40 degrees.
-  // What is smooth stays smooth, and a part keeps its edges. The mean over all of the fan rounded boxes off; the
-  // normals of the simplified triangles alone gave black flecks.
-  Eigen::Vector3f at(unsigned vertex, const Eigen::Vector3f& facing) const {
+  // Smooth surfaces look smooth and edges stay sharp. The mean over the whole fan makes boxes look rounded; the normals
+  // of the simplified triangles alone give black spots.
+  Point at(unsigned vertex, const Point& facing) const {
     constexpr float same_side = 0.766f;
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero(), all = sum;
+    Point sum = Point::Zero(), all = sum;
     for (unsigned k = start[vertex]; k < start[vertex + 1]; ++k) {
-      const Eigen::Vector3f& n = normal[triangle[k]];
+      const Point& n = normal[triangle[k]];
       all += n;
       if (n.dot(facing) > same_side * n.norm()) sum += n;
     }
@@ -78,7 +69,7 @@ struct Fans {
 };
 
 // Unit vector -> the octahedron, unfolded to a square: two numbers in -32767 .. 32767.
-std::array<std::int16_t, 2> octahedral(const Eigen::Vector3f& n) {
+std::array<std::int16_t, 2> octahedral(const Point& n) {
   const float sum = n.lpNorm<1>();
   Eigen::Vector2f p = n.head<2>() / (sum > 0 ? sum : 1);
   if (n.z() < 0)
@@ -106,26 +97,26 @@ DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
   std::vector<unsigned> shown = mesh.index;
   if (3 * triangles < shown.size()) {
     float error = 0;
-    const float* points = &mesh.points[0].x;
+    const float* points = mesh.points[0].data();
     shown.resize(meshopt_simplify(shown.data(), mesh.index.data(), mesh.index.size(), points, mesh.points.size(),
-                                  sizeof(Float3), 3 * triangles, 1.f, 0, &error));
+                                  sizeof(Point), 3 * triangles, 1.f, 0, &error));
     // Loose triangles (a soup, many small shells) cannot be collapsed while the topology is kept.
     if (shown.size() > 6 * triangles) {
       shown = mesh.index;
       shown.resize(meshopt_simplifySloppy(shown.data(), mesh.index.data(), mesh.index.size(), points,
-                                          mesh.points.size(), sizeof(Float3), 3 * triangles, 1.f, &error));
+                                          mesh.points.size(), sizeof(Point), 3 * triangles, 1.f, &error));
     }
-    out.error = error * meshopt_simplifyScale(points, mesh.points.size(), sizeof(Float3));
+    out.error = error * meshopt_simplifyScale(points, mesh.points.size(), sizeof(Point));
   }
 
   // One vertex for each corner, welded where position and normal are the same.
   const Fans fans(mesh);
-  const Eigen::Vector3f low = (tree.low() - centre).cast<float>();
+  const Point low = (tree.low() - centre).cast<float>();
   std::vector<Vertex> corners;
   for (std::size_t i = 0; i < shown.size(); i += 3) {
-    const Eigen::Vector3f facing = area_normal(mesh, &shown[i]).normalized();
+    const Point facing = area_normal(mesh, &shown[i]).normalized();
     for (std::size_t k = i; k < i + 3; ++k) {
-      const Eigen::Vector3f steps = (point(mesh, shown[k]) - low) * (65535 / static_cast<float>(out.size));
+      const Point steps = (mesh.points[shown[k]] - low) * (65535 / static_cast<float>(out.size));
       Vertex v{{}, octahedral(fans.at(shown[k], facing)), 0};
       for (int axis = 0; axis < 3; ++axis)
         v.position[static_cast<std::size_t>(axis)] =

@@ -2,12 +2,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <zwang/core/files/hdf5.h>
-#include <zwang/experiments/god_hand/step/frame.h>
+#include <zwang/experiments/god_hand/measure/columns.h>
 
 namespace zwang::god {
 
@@ -20,19 +19,15 @@ namespace zwang::god {
 
 inline constexpr long checkpoint_every = 500;  // a resumed run repeats fewer frames than this
 
-// A number of a frame and its name in frames.h5: one of the three members.
-struct Column {
-  const char* key;
-  const char* unit;
-  double Frame::* number = nullptr;
-  int Frame::* count = nullptr;
-  bool Frame::* flag = nullptr;
-
-  double of(const Frame& frame) const {
-    return number ? frame.*number : count ? frame.*count : static_cast<double>(frame.*flag);
-  }
+// A dataset of frames.h5: a row for each frame, or for each contact, frame after frame.
+struct Dataset {
+  std::string name = {}, unit = {}, meaning = {};
+  hdf5::Group::Stored type = {};
+  std::vector<std::size_t> row = {};  // its shape; {}: one number
+  bool of_contacts = false;
+  std::function<void(const Frame&, std::vector<double>&)> put = {};  // appends a frame's numbers
+  std::function<void(Frame&, const double*&)> take = {};             // and takes them back
 };
-std::span<const Column> columns();
 
 class FrameWriter {
  public:
@@ -43,13 +38,10 @@ class FrameWriter {
   void flush();  // throws BadFile when the disk is full
 
  private:
-  struct Dataset {
-    std::string name;
-    std::vector<double> values;  // not yet written
-  };
   std::size_t bodies_, loose_;
+  std::vector<Dataset> datasets_;
+  std::vector<std::vector<double>> waiting_;  // by dataset: not yet written
   hdf5::Group file_;
-  std::vector<Dataset> waiting_;  // of frames, then of contacts
 };
 
 // The frames of a folder, each read once. What a killed run left torn at the end does not count; anything else that is
@@ -61,7 +53,11 @@ class FrameReader {
   void each(const std::function<void(const Frame&)>& visit) const;  // in order
 
  private:
+  std::size_t size_of(const std::string& poses) const;
+
   hdf5::Group file_;
+  std::size_t bodies_, loose_;
+  std::vector<Dataset> datasets_;
   long frames_ = 0;
 };
 

@@ -6,13 +6,13 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/run/display_mesh.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay_page.h>
@@ -223,10 +223,7 @@ std::filesystem::path write_replay(const std::filesystem::path& directory, const
        words_json(frames, [](const Frame& f) { return f.verified ? to_string(*f.verified) : "not looked at"; })},
       {"fault", words_json(frames, fault)}};
   const std::filesystem::path file = directory / "replay.html";
-  std::ofstream out(file, std::ios::binary);
-  out << report::replay_page(data.dump(-1, ' ', false, Json::error_handler_t::replace));
-  out.close();
-  if (!out) throw BadFile("cannot write " + file.string());
+  replace_file(file, report::replay_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
   return file;
 }
 

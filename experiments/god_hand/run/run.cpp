@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include <zwang/bench/collision/audit.h>
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
-#include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
+#include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
@@ -20,26 +20,12 @@ bool names_file(const std::string& motion) {
   return motion.find_first_of("./") != std::string::npos || std::filesystem::exists(motion);
 }
 
-std::vector<hand::Model> models_of(const HandMotion& motion) {
-  std::vector<hand::Model> models;
-  for (const Track& track : motion.hands) models.push_back(track.model);
-  return models;
-}
-
 // Of all objects, the fixed ones too.
 std::vector<Pose<double>> object_poses(const Surroundings& surroundings, const Frame& frame) {
   std::vector<Pose<double>> poses;
   auto loose = frame.loose.begin();
   for (const Object& object : surroundings.objects) poses.push_back(object.loose() ? *loose++ : object.pose);
   return poses;
-}
-
-// Where a hand is when it is first seen.
-Target first_of(const Track& track) {
-  const auto seen =
-      std::find_if(track.keys.begin(), track.keys.end(), [](const Track::Key& key) { return key.target.tracked; });
-  if (seen == track.keys.end()) throw std::invalid_argument("the motion has a hand that is never tracked");
-  return seen->target;
 }
 
 }  // namespace
@@ -75,24 +61,19 @@ Setup set_up(Record& record) {
 
 long simulate(const std::filesystem::path& directory, const Record& record, const Setup& setup, bool resume,
               const ShowProgress& progress, const std::atomic<bool>& interrupted) {
-  const std::vector<Track>& hands = setup.motion.hands;
-  std::vector<Target> targets;
-  for (const Track& track : hands) targets.push_back(first_of(track));
-  const Options& options = record.asked.options;
-  Simulation simulation(setup.surroundings, models_of(setup.motion), targets, options);
+  Play play(setup.surroundings, setup.motion, record.asked.options);
   const Checkpoint from = resume ? read_checkpoint(directory) : Checkpoint{};
-  if (from.frames > 0) simulation.restore(from.state);
+  if (from.frames > 0) play.simulation().restore(from.state);
   FrameWriter writer(directory, record.hands * hand::bodies, record.loose, from.frames);
   long k = from.frames;
   for (; k < record.asked.frames && !interrupted; ++k) {
-    for (std::size_t h = 0; h < hands.size(); ++h) targets[h] = hands[h].at(static_cast<double>(k) * options.dt);
-    const Frame& frame = simulation.step(targets);
+    const Frame& frame = play.step(k);
     writer.write(frame);
     progress(static_cast<double>(k + 1) / static_cast<double>(record.asked.frames),
              grouped(static_cast<std::size_t>(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");
     if ((k + 1) % checkpoint_every != 0) continue;
     writer.flush();
-    write_checkpoint(directory, {k + 1, simulation.checkpoint()});
+    write_checkpoint(directory, {k + 1, play.simulation().checkpoint()});
   }
   writer.flush();
   return k;
@@ -125,11 +106,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   });
   if (record.asked.audit) out.summary.set_audit(audit.checked(), audit.found(), first, audit.crossed());
   out.lines = out.summary.lines(record);
-  const auto file = directory / "summary.json";
-  std::ofstream json(file);
-  json << out.summary.json(record);
-  json.close();
-  if (!json) throw BadFile("cannot write " + file.string());
+  replace_file(directory / "summary.json", out.summary.json(record));
   if (out.summary.frames() > 0)
     out.replay = write_replay(directory, record, out.summary, shown.frames(), setup.surroundings, models);
   return out;

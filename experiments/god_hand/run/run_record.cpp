@@ -1,7 +1,6 @@
 #include <zwang/experiments/god_hand/run/run_record.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <nlohmann/json.hpp>
 
@@ -14,44 +13,72 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// One list of the options for writing and for reading: visit(name, option), and with names for those that are words.
-template <class Some, class Visit>
-void each_option(Some& o, Visit&& visit) {
-  visit("dt", o.dt);
-  visit("solver", o.solver);
-  visit("tolerance", o.tolerance);
-  visit("limits", o.limits, std::array{"predictive", "violated"});
-  visit("commit", o.commit, std::array{"cycle", "printed"});
-  visit("toc_twice", o.toc_twice);
-  visit("toc_of_all", o.toc_of_all);
-  visit("clusters", o.clusters);
-  visit("reduce_contacts", o.reduce_contacts);
-  visit("lazy_contacts", o.lazy_contacts);
-  visit("maximal", o.maximal);
-  visit("force_stiffness", o.force_stiffness);
-  visit("force_cap", o.force_cap);
-  visit("gap", o.gap);
-  visit("activation", o.activation);
-  visit("sub_steps", o.sub_steps);
-  visit("verify", o.verify);
+// Everything in a record but the conditions, once for writing and for reading: visit(place in the JSON, value), and for
+// the options as each_option() does.
+template <class SomeRecord, class Visit>
+void each_entry(SomeRecord& r, const Visit& visit) {
+  visit("/command", r.command);
+  visit("/started", r.started);
+  visit("/finished", r.finished);
+  visit("/scene", r.asked.scene);
+  visit("/parts", r.asked.parts);
+  visit("/motion", r.asked.motion);
+  visit("/title", r.title);
+  visit("/share", r.asked.share);
+  visit("/frames", r.asked.frames);
+  visit("/audit", r.asked.audit);
+  each_option(r.asked.options, visit);
+  visit("/hands", r.hands);
+  visit("/loose", r.loose);
+  visit("/notes", r.notes);
+  visit("/recorded", r.recorded);
+  visit("/held_over", r.held_over);
+  visit("/misfit_mean", r.misfit_mean);
+  visit("/misfit_most", r.misfit_most);
+  visit("/placement/inside", r.placement.inside);
+  visit("/placement/depth", r.placement.depth);
+  visit.hexadecimal("/fingerprints/motion", r.motion);
+  visit.hexadecimal("/fingerprints/surroundings", r.surroundings);
 }
+
+using Place = Json::json_pointer;
 
 struct Write {
   Json& out;
-  void operator()(const char* name, const auto& option) { out[name] = option; }
-  void operator()(const char* name, auto choice, const auto& words) {
-    out[name] = words[static_cast<std::size_t>(choice)];
+  void operator()(const char* place, const auto& value) const { out[Place(place)] = value; }
+  void operator()(const OptionText& text, const auto& option) const { out["options"][text.key] = option; }
+  void operator()(const OptionText& text, bool option, const Words&) const { out["options"][text.key] = option; }
+  void operator()(const OptionText& text, auto choice, const Words& words) const {
+    out["options"][text.key] = words[static_cast<std::size_t>(choice)];
+  }
+  void hexadecimal(const char* place, std::uint64_t word) const {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(word));
+    out[Place(place)] = text;
   }
 };
 
 struct Read {
   const Json& in;
-  void operator()(const char* name, auto& option) { in.at(name).get_to(option); }
-  void operator()(const char* name, auto& choice, const auto& words) {
-    const std::string word = in.at(name);
+  void operator()(const char* place, auto& value) const { in.at(Place(place)).get_to(value); }
+  template <class T>
+  void operator()(const OptionText& text, T& option) const {
+    in.at("options").at(text.key).get_to(option);
+    if constexpr (std::is_arithmetic_v<T>)
+      if (!text.holds(static_cast<double>(option)))
+        throw std::invalid_argument("options: " + std::string(text.key) + " is out of its range");
+  }
+  void operator()(const OptionText& text, bool& option, const Words&) const {
+    in.at("options").at(text.key).get_to(option);
+  }
+  void operator()(const OptionText& text, auto& choice, const Words& words) const {
+    const std::string word = in.at("options").at(text.key);
     const auto at = std::ranges::find(words, word);
-    if (at == words.end()) throw std::invalid_argument("no " + std::string(name) + " '" + word + "'");
+    if (at == words.end()) throw std::invalid_argument("no " + std::string(text.key) + " '" + word + "'");
     choice = static_cast<std::remove_reference_t<decltype(choice)>>(at - words.begin());
+  }
+  void hexadecimal(const char* place, std::uint64_t& word) const {
+    word = std::stoull(in.at(Place(place)).get<std::string>(), nullptr, 16);
   }
 };
 
@@ -82,74 +109,27 @@ class Fingerprint {
   std::uint64_t hash_ = 14695981039346656037ull;
 };
 
-std::string hex(std::uint64_t word) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(word));
-  return text;
-}
-
 }  // namespace
 
 void write_record(const std::filesystem::path& directory, const Record& r) {
   const Conditions c = conditions();
-  Json j = {{"zwang", c.version},
-            {"kind", "simulation"},
-            {"command", r.command},
-            {"started", r.started},
-            {"finished", r.finished.empty() ? Json(nullptr) : Json(r.finished)}};
+  Json j = {{"zwang", c.version}, {"kind", "simulation"}};
   j.update(Json::parse(fixed_conditions()));
   j["debug"] = c.debug;
   j["cores"] = c.cores;
-  j["scene"] = r.asked.scene;
-  j["parts"] = r.asked.parts;
-  j["motion"] = r.asked.motion;
-  j["title"] = r.title;
-  j["share"] = r.asked.share;
-  j["frames"] = r.asked.frames;
-  j["audit"] = r.asked.audit;
-  each_option(r.asked.options, Write{j["options"]});
-  j["hands"] = r.hands;
-  j["loose"] = r.loose;
-  j["notes"] = r.notes;
-  j["recorded"] = r.recorded;
-  j["held_over"] = r.held_over;
-  j["misfit_mean"] = r.misfit_mean;
-  j["misfit_most"] = r.misfit_most;
-  j["placement"] = {{"inside", r.placement.inside}, {"depth", r.placement.depth}};
-  j["fingerprints"] = {{"motion", hex(r.motion)}, {"surroundings", hex(r.surroundings)}};
+  each_entry(r, Write{j});
+  if (r.finished.empty()) j["finished"] = nullptr;
   replace_record(directory, j.dump(2));
 }
 
 Record read_record(const std::filesystem::path& directory) {
-  const Json j = load(directory);
+  Json j = load(directory);
   try {
+    if (j.at("finished").is_null()) j["finished"] = "";
     Record r;
-    r.command = j.at("command");
-    r.started = j.at("started");
-    if (j.at("finished").is_string()) r.finished = j.at("finished");
-    r.asked = {.scene = j.at("scene"),
-               .parts = j.at("parts"),
-               .motion = j.at("motion"),
-               .share = j.at("share"),
-               .frames = j.at("frames"),
-               .audit = j.at("audit")};
-    each_option(r.asked.options, Read{j.at("options")});
-    const Options& o = r.asked.options;  // what the command line would not take
-    if (!(o.dt >= 1e-5 && o.dt <= 1 && o.tolerance >= 1e-16 && o.tolerance <= 1 && o.force_stiffness >= 0 &&
-          o.force_cap >= 0 && o.gap > 0 && o.activation > 0 && o.sub_steps >= 1 && o.sub_steps <= 100 &&
-          o.verify >= 0 && r.asked.share >= 0 && r.asked.share <= 1 && r.asked.frames > 0))
-      throw std::invalid_argument("an option is out of its range");
-    r.title = j.at("title");
-    r.hands = j.at("hands");
-    r.loose = j.at("loose");
-    r.notes = j.at("notes").get<std::vector<std::string>>();
-    r.recorded = j.at("recorded");
-    r.held_over = j.at("held_over");
-    r.misfit_mean = j.at("misfit_mean");
-    r.misfit_most = j.at("misfit_most");
-    r.placement = {.inside = j.at("placement").at("inside"), .depth = j.at("placement").at("depth")};
-    r.motion = std::stoull(j.at("fingerprints").at("motion").get<std::string>(), nullptr, 16);
-    r.surroundings = std::stoull(j.at("fingerprints").at("surroundings").get<std::string>(), nullptr, 16);
+    each_entry(r, Read{j});
+    if (!(r.asked.share >= 0 && r.asked.share <= 1 && r.asked.frames > 0))
+      throw std::invalid_argument("share or frames are out of their ranges");
     return r;
   } catch (const std::exception& broken) {
     throw BadFile((directory / "run.json").string() + ": written by another version of zwang (" + broken.what() + ")");

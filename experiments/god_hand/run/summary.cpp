@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
 
 namespace zwang::god {
@@ -13,14 +12,13 @@ namespace {
 
 constexpr double closed = 1e-9;  // m and rad: what joints and limits are kept to
 
+// The smaller of two middle ones, 0 of none: what is counted stays a count.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
-
-double median(const std::vector<int>& values) { return quantile({values.begin(), values.end()}, 0.5); }
 
 std::string text(const char* form, double value) {
   char out[32];
@@ -56,10 +54,6 @@ bool finite(const Frame& frame) {
 
 }  // namespace
 
-std::array<double, 6> stages(const StageTimes& t) {
-  return {t.physics, t.resolution, t.assembly, t.solve, t.collision(), t.other};
-}
-
 std::string fault(const Frame& frame) {
   if (!finite(frame)) return "NaN";
   if (frame.gap < 0) return "penetration";
@@ -73,22 +67,7 @@ void Summary::add(const Frame& f) {
   totals_.push_back(f.times.total());
   const std::array<double, 6> of_frame = stages(f.times);
   for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_frame[k];
-  gap_ = std::min(gap_, f.gap);
-  depth_ = std::max(depth_, f.target_depth);
-  separation_ = std::max(separation_, f.separation);
-  limit_ = std::max(limit_, f.limit);
-  distance_ = std::max(distance_, f.distance);
-  impulse_ = std::max(impulse_, f.impulse_error);
-  jitter_ = std::max(jitter_, f.jitter);
-  speed_ = std::max(speed_, f.object_speed);
-  lost_slide_ += f.lost_slide;
-  work_ += f.work;
-  touching_ += f.gap <= hand::touching;
-  held_ += f.held;
-  stuck_ += f.stuck;
-  behind_ += f.behind;
-  untracked_ += !f.tracked;
-  returned_ += f.returned;
+  columns_.add(f);
   broken_ += !fault(f).empty();
   if (f.raw > 0) {
     raw_.push_back(f.raw);
@@ -113,9 +92,9 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   std::vector<std::string> out;
   out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
                 grouped(static_cast<std::size_t>(std::lround(1 / dt_))) + " Hz: deepest penetration " +
-                length(std::max(0.0, -gap_)) + ", joints " + length(separation_) + ", " +
-                (limit_ <= closed ? "limits kept" : "limits crossed by " + text("%.2g rad", limit_)) + ", stuck " +
-                std::to_string(stuck_) + ", held " + std::to_string(held_));
+                length(std::max(0.0, -columns_.least("gap"))) + ", joints " + length(most("joint")) + ", " +
+                (most("limit") <= closed ? "limits kept" : "limits crossed by " + text("%.2g rad", most("limit"))) +
+                ", stuck " + std::to_string(count("stuck")) + ", held " + std::to_string(count("held")));
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   std::vector<std::size_t> order(stages_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -125,24 +104,27 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   for (const std::size_t k : order)
     if (stages_[k] > 0)
       shares += (shares.empty() ? "" : ", ") + std::string(stage_names[k]) + " " + percent(stages_[k] / all);
-  out.push_back(
-      "median " + milliseconds(quantile(totals_, 0.5)) + " a step" + (shares.empty() ? "" : " (" + shares + ")") +
-      ", 99th percentile " + milliseconds(quantile(totals_, 0.99)) + ", worst " + milliseconds(quantile(totals_, 1)) +
-      (raw_.empty()
-           ? ""
-           : ", contacts " + text("%.0f", median(raw_)) + " -> " + text("%.0f", median(kept_)) + " (medians)"));
-  out.push_back(
-      "The hand touches in " + percent(static_cast<double>(touching_) / n) + " of the frames; its target is at most " +
-      length(depth_) + " inside an object and " + length(distance_) + " from the hand" +
-      (behind_ > 0 ? "; the target was beyond a thin part in " + counted(behind_, "frame") + ", the hand before it"
-                   : ""));
+  out.push_back("median " + milliseconds(quantile(totals_, 0.5)) + " a step" +
+                (shares.empty() ? "" : " (" + shares + ")") + ", 99th percentile " +
+                milliseconds(quantile(totals_, 0.99)) + ", worst " + milliseconds(quantile(totals_, 1)) +
+                (raw_.empty() ? ""
+                              : ", contacts " + text("%.0f", quantile(raw_, 0.5)) + " -> " +
+                                    text("%.0f", quantile(kept_, 0.5)) + " (medians)"));
+  out.push_back("The hand touches in " + percent(static_cast<double>(columns_.touching()) / n) +
+                " of the frames; its target is at most " + length(most("depth")) + " inside an object and " +
+                length(most("dist")) + " from the hand" +
+                (count("behind") > 0 ? "; the target was beyond a thin part in " + counted(count("behind"), "frame") +
+                                           ", the hand before it"
+                                     : ""));
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
                   length(record.misfit_most) + " at most; " +
                   counted(static_cast<long>(record.held_over), "recorded frame") + " without a hand held over");
   out.insert(out.end(), record.notes.begin(), record.notes.end());
-  if (untracked_ > 0) out.push_back(counted(untracked_, "frame") + " without tracking: the last target was kept");
-  if (returned_ > 0) out.push_back(counted(returned_, "object") + " put back clear of the hand");
+  if (const long untracked = frames() - count("tracked"); untracked > 0)
+    out.push_back(counted(untracked, "frame") + " without tracking: the last target was kept");
+  if (const long returned = count("returned"); returned > 0)
+    out.push_back(counted(returned, "object") + " put back clear of the hand");
   if (!claimed_.empty())
     out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
                   (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
@@ -168,31 +150,31 @@ std::string Summary::json(const Record& record) const {
       {"rate_hz", 1 / dt_},
       {"frames", frames()},
       {"finished", !record.finished.empty()},
-      {"penetration_m", std::max(0.0, -gap_)},
-      {"smallest_gap_m", gap_},
-      {"joint_separation_m", separation_},
-      {"limit_violation_rad", limit_},
-      {"stuck_frames", stuck_},
-      {"held_frames", held_},
+      {"penetration_m", std::max(0.0, -columns_.least("gap"))},
+      {"smallest_gap_m", columns_.least("gap")},
+      {"joint_separation_m", most("joint")},
+      {"limit_violation_rad", most("limit")},
+      {"stuck_frames", count("stuck")},
+      {"held_frames", count("held")},
       {"faulty_frames", broken_},
-      {"target_beyond_thin_part_frames", behind_},
-      {"untracked_frames", untracked_},
-      {"objects_put_back", returned_},
-      {"touching_share", frames() > 0 ? static_cast<double>(touching_) / static_cast<double>(frames()) : 0},
-      {"target_depth_m", depth_},
-      {"target_distance_m", distance_},
-      {"lost_slide_m", lost_slide_},
-      {"jitter_m", jitter_},
-      {"work_j", work_},
-      {"impulse_error", impulse_},
-      {"object_speed_m_s", speed_},
+      {"target_beyond_thin_part_frames", count("behind")},
+      {"untracked_frames", frames() - count("tracked")},
+      {"objects_put_back", count("returned")},
+      {"touching_share", frames() > 0 ? static_cast<double>(columns_.touching()) / static_cast<double>(frames()) : 0},
+      {"target_depth_m", most("depth")},
+      {"target_distance_m", most("dist")},
+      {"lost_slide_m", columns_.sum("slide")},
+      {"jitter_m", most("jitter")},
+      {"work_j", columns_.sum("work")},
+      {"impulse_error", most("impulse")},
+      {"object_speed_m_s", most("speed")},
       {"step_s",
        {{"median", quantile(totals_, 0.5)},
         {"p99", quantile(totals_, 0.99)},
         {"worst", quantile(totals_, 1)},
         {"median_hz", quantile(totals_, 0.5) > 0 ? 1 / quantile(totals_, 0.5) : 0},
         {"shares", shares}}},
-      {"contacts", {{"raw_median", median(raw_)}, {"kept_median", median(kept_)}}},
+      {"contacts", {{"raw_median", quantile(raw_, 0.5)}, {"kept_median", quantile(kept_, 0.5)}}},
       {"claimed", claimed_},
       {"verified", verified_},
       {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}, {"hands_crossed", crossed_}}

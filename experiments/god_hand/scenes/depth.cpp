@@ -6,16 +6,12 @@
 #include <limits>
 
 #include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/bench/collision/hull_faces.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/collision/narrow_phase/closest.h>
+#include <zwang/collision/nearest.h>
 
 namespace zwang::god {
-
-// A half space that holds a hull: normal . p <= offset.
-struct HullFace {
-  Vec3 normal;
-  double offset;
-};
 
 namespace {
 
@@ -23,27 +19,6 @@ using collision::Core;
 using collision::Shape;
 using collision::Tree;
 using collision::TreeNode;
-
-// Every plane through three corners that has all others on one side. Corners are at most 64. A flat hull has its own
-// plane from both sides, and no inside.
-std::vector<HullFace> faces_of(std::span<const Vec3> corners) {
-  std::vector<HullFace> faces;
-  double size = 0;
-  for (const Vec3& p : corners) size = std::max(size, (p - corners[0]).norm());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t j = i + 1; j < corners.size(); ++j)
-      for (std::size_t k = j + 1; k < corners.size(); ++k) {
-        const Vec3 n = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
-        if (n.norm() <= 1e-10 * size * size) continue;
-        for (const Vec3& normal : {Vec3(n.normalized()), Vec3(-n.normalized())}) {
-          const double offset = normal.dot(corners[i]);
-          if (std::all_of(corners.begin(), corners.end(),
-                          [&](const Vec3& p) { return normal.dot(p) <= offset + 1e-9 * size; }))
-            faces.push_back({normal, offset});
-        }
-      }
-  return faces;
-}
 
 double distance_to(const Shape& shape, std::span<const HullFace> faces, const Vec3& p) {
   if (shape.core() == Core::box) {
@@ -54,31 +29,6 @@ double distance_to(const Shape& shape, std::span<const HullFace> faces, const Ve
   for (const HullFace& face : faces) inside = std::max(inside, face.normal.dot(p) - face.offset);
   if (!faces.empty() && inside <= 0) return inside - shape.radius();
   return collision::closest(std::span<const Vec3>(&p, 1), shape.corners()).distance - shape.radius();
-}
-
-double distance2(const TreeNode& node, const Vec3& p) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double x = p[static_cast<Index>(k)];
-    const double d = std::max({0.0, static_cast<double>(node.low[k]) - x, x - static_cast<double>(node.high[k])});
-    sum += d * d;
-  }
-  return sum;
-}
-
-// The nearest triangle, nearer child first.
-void nearest(const Tree& tree, std::size_t at, const Vec3& p, double& best) {
-  static const Shape point = Shape::sphere(1);
-  if (tree.leaf(at)) {
-    for (const collision::Triangle& t : tree.triangles(tree.range(at)))
-      best = std::min(best, closest(point, {{t.corner[0] - p, t.corner[1] - p, t.corner[2] - p}}, best).distance);
-    return;
-  }
-  std::array<std::size_t, 2> child{at + 1, tree.nodes()[at + 1].skip};
-  std::array<double, 2> far{distance2(tree.nodes()[child[0]], p), distance2(tree.nodes()[child[1]], p)};
-  if (far[1] < far[0]) std::swap(child[0], child[1]), std::swap(far[0], far[1]);
-  for (std::size_t k = 0; k < 2; ++k)
-    if (far[k] < best * best) nearest(tree, child[k], p, best);
 }
 
 bool meets(const TreeNode& node, const Vec3& p, const Vec3& inverse) {
@@ -141,7 +91,7 @@ struct Depth::Volume {
     const bool within =
         (p.array() >= mesh->low().array()).all() && (p.array() <= mesh->high().array()).all() && inside(*mesh, p);
     double surface = within ? (high - low).norm() : best;
-    nearest(*mesh, 0, p, surface);
+    if (const auto found = collision::nearest(*mesh, p, surface)) surface = found->distance;
     return std::min(best, within ? -surface : surface);
   }
 };
@@ -156,7 +106,7 @@ Depth::Depth(const Surroundings& surroundings) {
     for (const Object::Piece& piece : object.pieces) {
       const bool hull = piece.shape.core() == Core::hull;
       volume.pieces.push_back(
-          {piece.shape, piece.at, hull ? faces_of(piece.shape.corners()) : std::vector<HullFace>()});
+          {piece.shape, piece.at, hull ? hull_faces(piece.shape.corners()) : std::vector<HullFace>()});
       for (const Vec3& corner : piece.shape.corners()) {
         const Vec3 p = piece.at * corner;
         volume.low = volume.low.cwiseMin(p - Vec3::Constant(piece.shape.radius()));
@@ -167,7 +117,6 @@ Depth::Depth(const Surroundings& surroundings) {
   }
 }
 Depth::~Depth() = default;
-Depth::Depth(Depth&&) noexcept = default;
 
 double Depth::distance(const Vec3& point, std::size_t object, double reach, std::span<const Pose<double>> poses) const {
   const Pose<double>& pose = poses.empty() ? volumes_[object].pose : poses[object];
@@ -179,17 +128,17 @@ double Depth::distance(const Vec3& point, double reach, std::span<const Pose<dou
   return reach;
 }
 
-Depth::Deepest Depth::of(const hand::Poses& hand, std::span<const Ball> balls, double reach,
-                         std::span<const Pose<double>> poses) const {
-  Deepest out{.depth = -reach};
+double Depth::of(const hand::Poses& hand, std::span<const Ball> balls, double reach,
+                 std::span<const Pose<double>> poses) const {
+  double deepest = -reach;
   for (const Ball& ball : balls) {
     const Vec3 p = hand[static_cast<std::size_t>(ball.body)] * ball.at;
     for (std::size_t k = 0; k < volumes_.size(); ++k) {
-      const double near = std::max(1e-9, ball.radius - out.depth), gap = distance(p, k, near, poses);
-      if (gap < near && ball.radius - gap > out.depth) out = {ball.radius - gap, ball.body, static_cast<int>(k)};
+      const double near = std::max(1e-9, ball.radius - deepest), gap = distance(p, k, near, poses);
+      if (gap < near) deepest = std::max(deepest, ball.radius - gap);
     }
   }
-  return out;
+  return deepest;
 }
 
 std::vector<Ball> balls(const hand::Model& model) {

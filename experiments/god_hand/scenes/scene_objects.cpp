@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/collision/world.h>
@@ -163,33 +164,23 @@ std::vector<Pose<double>> laid_out(const std::vector<TreePointer>& parts, double
 
 void lift_clear(Surroundings& surroundings) {
   collision::World world;
-  std::vector<std::size_t> owner;
-  std::vector<Pose<double>> local;
   std::uint64_t bit = 1;
-  for (std::size_t k = 0; k < surroundings.objects.size(); ++k) {
-    const Object& object = surroundings.objects[k];
-    const bool as_mesh = !object.loose() && object.mesh;
-    if (as_mesh) {
-      world.add(object.mesh, object.pose);
-      owner.push_back(k), local.emplace_back();
-      continue;
-    }
-    if (object.loose() && bit >> 62) throw std::runtime_error(surroundings.name + ": more than 62 loose objects");
-    if (object.loose()) bit *= 2;
-    const collision::Filter filter = object.loose() ? collision::Filter{bit, ~bit} : collision::Filter{};
-    for (const Object::Piece& piece : object.pieces) {
-      world.add(piece.shape, placed(object.pose, piece.at), filter, !object.loose());
-      owner.push_back(k), local.push_back(piece.at);
-    }
-  }
+  const Object* last = nullptr;
+  const Scenery scenery(world, surroundings, [&](const Object& object) -> Scenery::Role {
+    if (!object.loose()) return {};
+    if (&object != last && bit >> 62) throw std::runtime_error(surroundings.name + ": more than 62 loose objects");
+    if (std::exchange(last, &object) != &object) bit *= 2;
+    return {{bit, ~bit}, true};
+  });
   std::vector<double> lifted(surroundings.objects.size(), 0);
   for (int round = 0;; ++round) {
     const collision::Touch* deepest = nullptr;
     for (const collision::Touch& touch : world.touches(1e-4))
       if (touch.gap < 2e-5 && (!deepest || touch.gap < deepest->gap)) deepest = &touch;
     if (!deepest) return;
-    const std::size_t a = owner[static_cast<std::size_t>(deepest->a)], b = owner[static_cast<std::size_t>(deepest->b)];
-    // The one that lies higher gives way.
+    const auto a = static_cast<std::size_t>(scenery.object_of(deepest->a)),
+               b = static_cast<std::size_t>(scenery.object_of(deepest->b));
+    // The higher one is lifted.
     const bool second = surroundings.objects[b].loose() &&
                         surroundings.objects[b].pose.position.z() > surroundings.objects[a].pose.position.z();
     const std::size_t k = second || !surroundings.objects[a].loose() ? b : a;
@@ -200,8 +191,7 @@ void lift_clear(Surroundings& surroundings) {
                                "' overlaps '" + surroundings.objects[k == a ? b : a].name +
                                "' and is not clear of it 5 mm higher either");
     surroundings.objects[k].pose.position.z() += lift;
-    for (std::size_t c = 0; c < owner.size(); ++c)
-      if (owner[c] == k) world.place(static_cast<int>(c), placed(surroundings.objects[k].pose, local[c]));
+    scenery.place(world, k, surroundings.objects[k].pose);
   }
 }
 

@@ -132,10 +132,7 @@ SceneSize size_of(const Surroundings& surroundings) {
   SceneSize size;
   for (const Object& object : surroundings.objects) {
     ++(object.loose() ? size.loose : size.fixed);
-    if (object.loose() || !object.mesh) continue;
-    const std::size_t n = object.mesh->size();
-    size.triangles += n;
-    size.largest = std::max(size.largest, n);
+    if (!object.loose() && object.mesh) size.triangles += object.mesh->size();
   }
   return size;
 }

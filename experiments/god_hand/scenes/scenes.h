@@ -26,8 +26,8 @@ Surroundings make_surroundings(const std::string& scene, const std::filesystem::
 
 // How much a hand meets.
 struct SceneSize {
-  std::size_t fixed = 0, loose = 0;        // objects
-  std::size_t triangles = 0, largest = 0;  // of the meshes of fixed objects; of the largest of them
+  std::size_t fixed = 0, loose = 0;  // objects
+  std::size_t triangles = 0;         // of the meshes of fixed objects
 };
 SceneSize size_of(const Surroundings& surroundings);
 

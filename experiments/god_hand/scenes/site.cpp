@@ -35,7 +35,7 @@ Pose<double> Site::flat(double height, double forth, double sideways) const {
 }
 
 bool Site::clear(const Pose<double>& palm, const hand::Angles& angles, const hand::Model& model) const {
-  return depth.of(hand::forward_kinematics(palm, angles, model), of_hand, 0.01).depth <= -0.01;
+  return depth.of(hand::forward_kinematics(palm, angles, model), of_hand, 0.01) <= -0.01;
 }
 
 double Site::clear_height(double least, const std::function<Pose<double>(double)>& place, const hand::Angles& angles,

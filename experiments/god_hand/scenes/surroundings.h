@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
@@ -48,10 +49,6 @@ struct Surroundings {
 // Object after object.
 std::vector<MetPart> met_parts(const Surroundings& surroundings);
 
-// Adds it to a world as scenery, where its object is; returns the collider.
-int add_part(collision::World& world, const Surroundings& surroundings, const MetPart& part,
-             collision::Filter filter = {});
-
 // A part's pose, given in the axes of what it is `on`, in the world.
 inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
   return {on * part.position, on.rotation * part.rotation};
@@ -59,5 +56,24 @@ inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
 
 // m, from the origin of a shape to its farthest point.
 inline double reach_of(const collision::Shape& shape) { return shape.reach() + shape.radius(); }
+
+// The parts of all objects in a world of colliders, to be placed object by object.
+class Scenery {
+ public:
+  Scenery() = default;
+  // Adds them to the world, where their objects are; as scenery, but for what `moves`.
+  struct Role {
+    collision::Filter filter = {};
+    bool moves = false;
+  };
+  Scenery(collision::World& world, const Surroundings& surroundings, const std::function<Role(const Object&)>& role);
+
+  void place(collision::World& world, std::size_t object, const Pose<double>& pose) const;
+  int object_of(int collider) const;  // -1: none
+
+ private:
+  int first_ = 0;  // collider
+  std::vector<MetPart> parts_ = {};
+};
 
 }  // namespace zwang::god

@@ -181,11 +181,11 @@ double Cluster::longest(std::span<const Vec<double, 6>> ways) const {
 
 void Cluster::slow_down() { step_scale_ = std::max(step_scale_ / 2, still / largest_step_); }
 
-// The motion of a cluster that presses: half as far again as its targets went in this frame, at least at a metre a
-// second to catch up with, at most what contacts are looked for over. Where it turns back on itself, as between two
-// contacts that the linear rows put too far apart, it is bounded to half as much each time, but never below its
-// targets' pace. A cluster at rest trembles by nanometres, to and fro: bounded to half of that again and again, it
-// would follow no target that comes back elsewhere.
+// Bounds the motion of a cluster that presses: to 1.5 times what its targets moved in this frame, but at least to
+// `catch_up`, and at most to the distance over which contacts are looked for. Each time it reverses, as between two
+// contacts that the linear rows put too far apart, the bound is halved, but not below what the targets move. Reversals
+// of nanometres, which a cluster at rest always makes, do not count: they would reduce the bound until the cluster
+// followed no target any more.
 void Cluster::bound() {
   const double most = longest(step_);
   double along = 0;
@@ -211,11 +211,11 @@ double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const 
   return sum;
 }
 
-// The linear step does not know that joints bend it: a finger that hangs 30 mm behind its target overshoots by more
-// than it came to mend, and trembles or worse (Gauss-Newton with a large residual). So the candidate is weighed: D is
-// how much higher Gauss' function is there than the linear step promised, |v|^2 the step's own norm. Along the step it
-// is then E0 - s |v|^2 + s^2 (|v|^2 / 2 + D), least at s = 1 / (1 + 2 D / |v|^2). Where nothing bends, as when a hand
-// slides, D = 0 and the step stays whole.
+// The linear step neglects that joints turn it into a curve: 30 mm behind its target a finger overshoots by more than
+// the step was to correct, and oscillates or diverges (Gauss-Newton with a large residual). So the step is damped: D is
+// by how much Gauss' function at its end exceeds the linear prediction, |v|^2 the norm of the step. Along the step the
+// function is about E0 - s |v|^2 + s^2 (|v|^2 / 2 + D), least at s = 1 / (1 + 2 D / |v|^2). Where there is no
+// curvature, as when a hand slides, D = 0 and the step stays whole.
 void Cluster::damp(Frame& frame) {
   candidate(1, frame);
   const Lap lap(frame.times.other);
@@ -231,8 +231,8 @@ void Cluster::damp(Frame& frame) {
   for (std::size_t b = 0; b < size(); ++b) step_[b] /= 1 + 2 * bent / norm;
 }
 
-// Straight to the targets, by a quarter of a radian at a time: on longer screws, each about its own centre, bodies that
-// turn together would run through each other. Returns whether there is more to go.
+// Straight to the targets, by at most `leg` of rotation at a time: on longer screws, each about its own centre, bodies
+// that turn together would run through each other. Returns whether there is more to go.
 bool Cluster::go_freely() {
   double turn = 0;
   for (std::size_t b = 0; b < size(); ++b) {
@@ -266,10 +266,10 @@ double Cluster::sweep(Frame& frame) {
   return contacts_.time_of_contact(swept_step_);
 }
 
-// The way straight to the targets is for a hand in the air. A finger that unrolls along it by a quarter of a radian may
-// go down before it goes up, where the linear rows see it leave: what ends it is then nearer than what rows are written
-// for, and the linear step, which they know, is taken instead. Otherwise the hand would creep toward that obstacle by
-// ever smaller times of contact, and stay.
+// The way straight to the targets is for a hand that nothing presses on. A finger that unrolls along it may go down
+// before it goes up, where the linear rows see it leave. If it is stopped by something nearer than the activation
+// distance, the linear step, whose rows include that contact, is taken instead. Otherwise the hand would approach the
+// obstacle by ever smaller times of contact and stop there.
 double Cluster::propose(Frame& frame) {
   {
     const Lap lap(frame.times.other);
@@ -316,11 +316,11 @@ double Cluster::propose(Frame& frame) {
   return sweep(frame);
 }
 
-// The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step is cut there and that is all: what
-// lies before a time of contact is clear. In the cycle the end at that part of the way is put onto the joints, which
-// changes the way: it is swept again from the start, and cut again, somewhat shorter, where it meets something. What is
-// left of the bend then shrinks with the square of the step: after a held one, shorter steps are taken. A
-// free way of which next to nothing is left is not gone: a linear step is taken in its place.
+// The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step ends there: the way before a time of
+// contact is clear. In the cycle the pose at that part of the way is put onto the joints, which changes the way: it is
+// swept again from the start, and shortened again where it meets something. The change by the joints falls with the
+// square of the step, so that shorter steps are taken after one that was held. A straight way of which almost nothing
+// is left is not taken; a linear step takes its place.
 void Cluster::commit(double toc, Frame& frame) {
   double part = options_.toc_twice ? toc * toc : toc;
   if (part < 1 || !more_legs_) ++sub_step_;

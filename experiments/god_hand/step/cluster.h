@@ -14,7 +14,7 @@
 
 namespace zwang::god {
 
-// One cluster of god objects among the objects: section 4 of the paper, with the mends of docs/formulation.md.
+// One cluster of god objects among the objects: section 4 of the paper, with the corrections of docs/formulation.md.
 //
 // A sub-step. Contacts within `activation` become rows that keep a gap; z = the least constraint against
 // z_u = k_s (target - god), k_s = 1/dt^2. Where no contact presses, the targets themselves are the candidate: they

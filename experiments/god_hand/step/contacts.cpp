@@ -13,7 +13,7 @@ using collision::Filter;
 using collision::Shape;
 using collision::Touch;
 
-constexpr double clearance = 1e-4;  // m: stop distance of the sweeps
+constexpr double stop_distance = 1e-4;  // m: of the sweeps
 constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
 constexpr std::size_t most_planes = 4;          // of a sphere against one mesh
 constexpr double small_lift = 2e-8;             // m
@@ -41,21 +41,16 @@ Vec3 into(const Pose<double>& axes, const Vec3& p) { return axes.rotation.transp
 
 }  // namespace
 
-Contacts::Contacts(const GodObjects& objects, const Surroundings& surroundings) : world_({.stop = clearance}) {
+Contacts::Contacts(const GodObjects& objects, const Surroundings& surroundings) : world_({.stop = stop_distance}) {
   for (std::size_t b = 0; b < objects.shapes.size(); ++b)
     world_.add(objects.shapes[b], objects.scene.bodies[b].pose, objects.filters[b]);
   choose_corners(objects);
-  object_.assign(objects.shapes.size(), -1);
-  parts_.resize(surroundings.objects.size());
-  for (const MetPart& part : met_parts(surroundings)) {
-    parts_[part.object].push_back({add_part(world_, surroundings, part, object_filter), part.at});
-    object_.push_back(static_cast<int>(part.object));
-  }
+  scenery_ = Scenery(world_, surroundings, [](const Object&) { return Scenery::Role{object_filter}; });
   motion_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
 }
 
-// A corner that coincides with a thicker one, or an earlier one as thick, of a body that it does not meet (a finger's
-// joint) goes the same way and says less: it has no rows of its own.
+// A corner that coincides with a thicker one, or an earlier one as thick, of a body that it does not meet (at a
+// finger's joint) moves with that one, whose rows imply its own: it has none.
 void Contacts::choose_corners(const GodObjects& objects) {
   const auto place = [&](std::size_t b, const Vec3& corner) { return Vec3(objects.scene.bodies[b].pose * corner); };
   const auto said_by = [&](std::size_t b, const Vec3& corner) {
@@ -73,10 +68,6 @@ void Contacts::choose_corners(const GodObjects& objects) {
     corners_.emplace_back();
     for (const Vec3& corner : objects.shapes[b].corners()) corners_[b].push_back({corner, said_by(b, corner)});
   }
-}
-
-void Contacts::place_object(std::size_t object, const Pose<double>& pose) {
-  for (const PlacedCollider& part : parts_[object]) world_.place(part.collider, placed(pose, part.at));
 }
 
 void Contacts::find_rows(double activation, Choice choice) {
@@ -155,8 +146,8 @@ void Contacts::meet_shape(int a, int b, double activation) {
   }
 }
 
-// The planes of a pair's rows that every corner keeps off, by a row or by being far from it. What lies under one of
-// them the god object keeps off, too.
+// The planes of a pair's rows from which every corner keeps its distance, by a row or by being far from it. The god
+// object then keeps it from everything below such a plane.
 void Contacts::find_planes(int a, int b, std::size_t first_row, double activation) {
   const Pose<double>& pose = world_.pose(a);
   const double radius = world_.shape(a)->radius();
@@ -178,9 +169,9 @@ void Contacts::find_planes(int a, int b, std::size_t first_row, double activatio
   }
 }
 
-// A touch as the sphere of its core point. Of one that stands for a patch of triangles that is the one nearest to its
-// vertex: straight up from there one comes out beside the shape, by up to 0.8 mm, and a sphere there meets what the
-// shape does not.
+// A touch as the sphere of its core point. Of a touch that stands for a patch of triangles that is the core point
+// nearest to the patch's vertex: straight above the vertex one may be beside the shape, by up to 0.8 mm, and a sphere
+// there would meet what the shape does not.
 void Contacts::make_row(std::size_t left) {
   Touch& t = as_row_[left];
   const collision::Tree* tree = world_.mesh(t.b);
@@ -189,7 +180,7 @@ void Contacts::make_row(std::size_t left) {
   const Pose<double>&at_a = world_.pose(t.a), &mesh = world_.pose(t.b);
   const Vec3 center = shape.core() == Core::hull ? Vec3(t.point_a + shape.radius() * t.normal)
                                                  : Vec3(at_a * shape.nearest(into(at_a, t.point_b)));
-  if (const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + clearance);
+  if (const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + stop_distance);
       found && found->distance > 0)
     t = touch_of(t.a, t.b, center, shape.radius(), mesh * found->point);
 }
@@ -202,9 +193,9 @@ void Contacts::add_kept(std::size_t from) {
   }
 }
 
-// Only touches that the motion crosses are looked at as rows. A row is about the nearest triangle, which may not be its
-// touch's own, so that some rows are crossed of which the touches are not: to look at them all, too, made the motion
-// that of all rows to 9e-9 m (else 0.2 mm in a few frames of a grasp), and slow frames take twice as long.
+// Only touches that the motion violates are tried as rows. A row is about the nearest triangle, which may be another
+// than its touch's, so that a row may be violated though its touch is not. Trying all of them gave the motion of all
+// rows to 9e-9 m (else 0.2 mm in a few frames of a grasp), at twice the time of the slow frames.
 int Contacts::complete(std::span<const Vec<double, 6>> motion, double gap, bool push) {
   std::copy(motion.begin(), motion.end(), motion_.begin());
   for (std::size_t i = 0; i < left_.size(); ++i) {

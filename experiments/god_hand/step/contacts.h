@@ -13,24 +13,24 @@ namespace zwang::god {
 
 // What the god objects of a cluster are near to, what of it becomes contact rows, and how far they may go.
 //
-// collision::World gives one touch for a shape and a triangle, or for a shape and a shape. Rows made of those as they
-// come hold a hand back where nothing is in its way, and make it tremble on the spot:
+// collision::World gives one touch for a shape and a triangle, or for a shape and a shape. If each of them became a
+// row, a hand would be held back where nothing is in its way, and tremble on the spot:
 // - The triangles around a finger tip touch it at their edges, with normals that lean; a tip that slides over a flat
 //   floor runs into the edge of the triangle ahead.
 // - A palm flat on a table touches each triangle anywhere in the patch they share. It tips over those points, and in
 // the
-//   next frame they lie on the other side.
+//   next frame they are on the other side.
 // So rows are written for spheres that are part of a shape. The corners of its core, with its radius, are where a flat
-// contact ends; every point of the core being a mean of them, their rows imply those of all touches with the same
+// contact ends; every point of the core is a mean of them, so that their rows imply those of all touches with the same
 // plane. Against a mesh each sphere has the nearest point of all, then the nearest that the first one's plane does not
-// hide, and so on. Of the touches that are left, those that the manifold keeps are each looked at again as a sphere at
-// that point of the core. Sweeps know nothing of this: they go by the shapes.
+// hide, and so on. Of the touches that are left, those that the manifold keeps are each replaced by a sphere at that
+// point of the core. Sweeps do not use any of this: they use the shapes.
 class Contacts {
  public:
   Contacts(const GodObjects& objects, const Surroundings& surroundings);
 
   void place(BodyId body, const Pose<double>& pose) { world_.place(body, pose); }
-  void place_object(std::size_t object, const Pose<double>& pose);
+  void place_object(std::size_t object, const Pose<double>& pose) { scenery_.place(world_, object, pose); }
 
   // Of a touch, a is a god object, b a god object or a collider of object_of().
   struct Row {
@@ -48,7 +48,7 @@ class Contacts {
   // `gap` [m]; without `push`, what they have of it.
   int complete(std::span<const Vec<double, 6>> motion, double gap, bool push);
 
-  int object_of(int collider) const { return object_[static_cast<std::size_t>(collider)]; }  // -1: a god object
+  int object_of(int collider) const { return scenery_.object_of(collider); }  // -1: a god object
 
   // The part of the way that all god objects may go (m, rad; by god object).
   double time_of_contact(std::span<const Vec<double, 6>> screws);
@@ -56,10 +56,6 @@ class Contacts {
   double gap(double reach);
 
  private:
-  struct PlacedCollider {
-    int collider;
-    Pose<double> at;  // in the object's axes
-  };
   struct Corner {
     Vec3 at;         // m, in the god object's axes
     BodyId said_by;  // whose rows say it
@@ -75,11 +71,10 @@ class Contacts {
 
   collision::World world_;
   collision::Manifold manifold_;
-  std::vector<std::vector<Corner>> corners_;        // of the cores, by god object
-  std::vector<std::vector<PlacedCollider>> parts_;  // by object
-  std::vector<int> object_;                         // by collider
-  std::vector<collision::Touch> left_;              // that corners do not imply
-  std::vector<collision::Touch> as_row_;            // the same, as they are or would be rows, where made_
+  Scenery scenery_;
+  std::vector<std::vector<Corner>> corners_;  // of the cores, by god object
+  std::vector<collision::Touch> left_;        // that corners do not imply
+  std::vector<collision::Touch> as_row_;      // the same, as they are or would be rows, where made_
   std::vector<char> made_;
   std::vector<Row> rows_;
   std::vector<collision::Plane> planes_;  // m, world; of the pair at hand

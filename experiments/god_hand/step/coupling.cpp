@@ -22,15 +22,10 @@ Mat3 inverse_inertia(const Object& object, const Mat3& rotation) {
 Coupling::Coupling(const Surroundings& surroundings, const Options& options, std::size_t clusters)
     : surroundings_(&surroundings),
       options_(options),
-      hand_speed_(clusters, 0),
+      memory_{std::vector<double>(clusters, 0),
+              std::vector<Vec<double, 6>>(surroundings.objects.size(), Vec<double, 6>::Zero())},
       target_velocity_(clusters),
-      wrench_(surroundings.objects.size(), Vec<double, 6>::Zero()),
-      change_(wrench_) {}
-
-void Coupling::restore(const Memory& memory) {
-  hand_speed_ = memory.hand_speed;
-  wrench_ = memory.wrench;
-}
+      change_(memory_.wrench) {}
 
 void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now) {
   std::vector<Vec<double, 6>>& velocity = target_velocity_[cluster];
@@ -44,11 +39,11 @@ void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std:
     for (Vec<double, 6>& v : velocity) v.setZero();
     fastest = 0;
   }
-  hand_speed_[cluster] = std::max(fastest, hand_speed_[cluster] * std::exp(-options_.dt / fade));
+  memory_.hand_speed[cluster] = std::max(fastest, memory_.hand_speed[cluster] * std::exp(-options_.dt / fade));
 }
 
 void Coupling::push(std::span<const Cluster> clusters, const Physics* physics, Frame& frame) {
-  for (Vec<double, 6>& w : wrench_) w.setZero();
+  for (Vec<double, 6>& w : memory_.wrench) w.setZero();
   collect(clusters, physics, frame);
   if (!physics || pushes_.empty()) return;
   cap();
@@ -82,7 +77,7 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
       p.contact = frame.contacts.size() - 1;
       p.lever = t.point_a - physics->pose(p.object).position, p.along = along;
       p.most = push * options_.dt;
-      p.bound = std::min(std::max(closing, 0.0) + std::max(stretch, 0.0) / tau, share * hand_speed_[c]);
+      p.bound = std::min(std::max(closing, 0.0) + std::max(stretch, 0.0) / tau, share * memory_.hand_speed[c]);
       pushes_.push_back(p);
     }
   }
@@ -136,7 +131,7 @@ void Coupling::add(std::span<const Cluster> clusters, Frame& frame) {
   for (const Push& p : pushes_) {
     Vec<double, 6> on_object;
     on_object << p.impulse * p.along, p.lever.cross(p.impulse * p.along);
-    wrench_[p.object] += on_object / options_.dt;
+    memory_.wrench[p.object] += on_object / options_.dt;
     frame.contacts[p.contact].push = p.impulse / options_.dt;
 
     const Cluster& cluster = clusters[p.cluster];

@@ -39,15 +39,14 @@ class Coupling {
   void push(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);
 
   // N, N m about the centres of mass, by object.
-  std::span<const Vec<double, 6>> wrenches() const { return wrench_; }
+  std::span<const Vec<double, 6>> wrenches() const { return memory_.wrench; }
 
   // What is kept from frame to frame.
   struct Memory {
     std::vector<double> hand_speed;  // m/s, by cluster
     std::vector<Vec<double, 6>> wrench;
   };
-  Memory memory() const { return {hand_speed_, wrench_}; }
-  void restore(const Memory& memory);
+  Memory& memory() { return memory_; }
 
  private:
   struct Push {
@@ -66,9 +65,9 @@ class Coupling {
 
   const Surroundings* surroundings_;
   Options options_;
-  std::vector<double> hand_speed_;
+  Memory memory_;
   std::vector<std::vector<Vec<double, 6>>> target_velocity_;  // m/s, rad/s, by cluster and god object
-  std::vector<Vec<double, 6>> wrench_, change_;               // change_: of the objects' velocities
+  std::vector<Vec<double, 6>> change_;                        // of the objects' velocities
   std::vector<Push> pushes_;
 };
 

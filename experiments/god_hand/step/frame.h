@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/core/model/pose.h>
 #include <zwang/core/referee/measure.h>
 
@@ -51,6 +52,8 @@ struct Frame {
   Status claimed = Status::unsolved;
   std::optional<Verdict> verified = {};  // of the worst solve of the frame; none: the referee did not look
   StageTimes times = {};
+
+  bool touches() const { return gap <= hand::touching; }  // a god object touches something
 
   // Back to the beginning, with the storage kept.
   void reset() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <limits>
 #include <string>
 
 namespace zwang::god {
@@ -25,5 +27,62 @@ struct Options {
   int sub_steps = 3;
   int verify = 10;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
+
+// What people type and read for an option.
+struct OptionText {
+  const char* key;                                        // in run.json
+  const char* name;                                       // --name; null: not typed as such
+  const char* line;                                       // help
+  double low = -std::numeric_limits<double>::infinity();  // the least value
+  double high = std::numeric_limits<double>::infinity();  // the largest
+  bool open = false;                                      // `low` itself is out
+  bool holds(double value) const { return (open ? value > low : value >= low) && value <= high; }
+};
+// What is typed for the two values of a choice: of an enumeration in its order, of a bool false first.
+using Words = std::array<const char*, 2>;
+
+// Every option once, for the command line, for run.json and for what may be read back: visit(text, option), and
+// visit(text, option, words) for a choice.
+template <class SomeOptions, class Visit>
+void each_option(SomeOptions& o, const Visit& visit) {
+  visit(OptionText{"dt", nullptr, "", 1e-5, 1}, o.dt);
+  visit(OptionText{"solver", "solver", "NAME:key=value,...; default: dual_active_set (./zwang solvers)"}, o.solver);
+  visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", 1e-16, 1}, o.tolerance);
+  visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
+        Words{"predictive", "violated"});
+  visit(OptionText{"commit", "commit", "close the joints after each step, or the linear step alone"}, o.commit,
+        Words{"cycle", "printed"});
+  visit(OptionText{"toc_twice", "toc", "time of contact applied once, or as Eq. 29-30 are printed"}, o.toc_twice,
+        Words{"once", "twice"});
+  visit(OptionText{"toc_of_all", "toc-of", "whose time of contact ends a sub-step (all: Algorithm 1)"}, o.toc_of_all,
+        Words{"cluster", "all"});
+  visit(OptionText{"clusters", "clusters", "each hand solved apart"}, o.clusters, Words{"off", "on"});
+  visit(OptionText{"reduce_contacts", "thinning", "contacts reduced to those that carry"}, o.reduce_contacts,
+        Words{"off", "on"});
+  visit(OptionText{"lazy_contacts", "lazy",
+                   "what thinning took is given back where the solve needs it; off: all of it, at once"},
+        o.lazy_contacts, Words{"off", "on"});
+  visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
+        Words{"reduced", "maximal"});
+  visit(OptionText{"force_stiffness", "k-f", "stiffness of the coupling to the engine [1/s^2]; default: 1000", 0},
+        o.force_stiffness);
+  visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
+  visit(
+      OptionText{
+          .key = "gap", .name = "gap", .line = "that contact rows keep [m]; default: 2e-4", .low = 0, .open = true},
+      o.gap);
+  visit(OptionText{.key = "activation",
+                   .name = "activation",
+                   .line = "distance from which contacts are rows [m]; default: 2e-3",
+                   .low = 0,
+                   .open = true},
+        o.activation);
+  visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", 1, 100}, o.sub_steps);
+  visit(OptionText{"verify", "verify",
+                   "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"
+                   "which is not in the figures",
+                   0},
+        o.verify);
+}
 
 }  // namespace zwang::god

@@ -202,8 +202,6 @@ Physics::Physics(const Surroundings& surroundings) : world_(std::make_unique<Wor
 }
 
 Physics::~Physics() = default;
-Physics::Physics(Physics&&) noexcept = default;
-Physics& Physics::operator=(Physics&&) noexcept = default;
 
 void Physics::step(double dt, std::span<const Vec<double, 6>> wrench) {
   for (std::size_t k = 0; k < wrench.size(); ++k) {

@@ -14,8 +14,6 @@ class Physics {
   // Throws std::invalid_argument for a loose object without pieces, or whose axes are not its principal ones.
   explicit Physics(const Surroundings& surroundings);
   ~Physics();
-  Physics(Physics&&) noexcept;
-  Physics& operator=(Physics&&) noexcept;
 
   // One step of length dt [s]. wrench [N; N m] acts at the centres of mass in world axes, one per object (of fixed
   // ones: not looked at); none: no forces but gravity.

@@ -9,14 +9,18 @@ namespace {
 using collision::Shape;
 using collision::Touch;
 
+constexpr double clearance = 5e-5;  // m: objects that are moved end at this gap
+constexpr double accepted = 2e-5;   // m: nearer than this an object is moved, or does not stay
+constexpr double slack = 5e-4;      // m: how deep objects may lie in each other, as the engine leaves them
+constexpr int most_rounds = 40;     // contacts that are projected
 constexpr int most_loose = 62;
-constexpr double still = 1e-9;  // m/s
+constexpr double resting = 1e-9;  // m/s
 constexpr std::uint64_t god_bit = std::uint64_t{1} << 63, fixed_bit = std::uint64_t{1} << 62;
 
 }  // namespace
 
-Resolution::Resolution(const Surroundings& surroundings, std::span<const Shape> gods, const Limits& limits)
-    : limits_(limits), objects_(surroundings.objects), gods_(gods.begin(), gods.end()), fast_(1) {
+Resolution::Resolution(const Surroundings& surroundings, std::span<const Shape> gods)
+    : objects_(surroundings.objects), gods_(gods.begin(), gods.end()), fast_(1) {
   for (const Shape& god : gods) {
     for (collision::World* world : {&hands_, &all_}) world->add(god, {}, {god_bit, ~god_bit}, true);
     fast_ = std::min(fast_, god.radius() / 2);
@@ -45,7 +49,6 @@ Resolution::Resolution(const Surroundings& surroundings, std::span<const Shape> 
       all_.add(piece.shape, placed(object.pose, piece.at), {fixed_bit, ~(god_bit | fixed_bit)}, true);
   }
   owner_.resize(static_cast<std::size_t>(all_.size()), nullptr);
-  impulses_.resize(objects_.size());
 }
 
 void Resolution::place(collision::World& world, const Loose& loose) const {
@@ -98,9 +101,9 @@ bool Resolution::sweep(Loose& loose) {
 // By how much the two are to be moved apart; 0: they may stay.
 double Resolution::lacking(const Touch& touch) const {
   const Loose *a = loose_of(touch.a), *b = loose_of(touch.b);
-  if (is_god(touch.a) || is_god(touch.b)) return touch.gap < limits_.accepted ? limits_.clearance - touch.gap : 0;
+  if (is_god(touch.a) || is_god(touch.b)) return touch.gap < accepted ? clearance - touch.gap : 0;
   const double allowed = std::max(a ? a->allowed : 0, b ? b->allowed : 0);
-  return -touch.gap > allowed ? limits_.slack / 2 - touch.gap - allowed : 0;
+  return -touch.gap > allowed ? slack / 2 - touch.gap - allowed : 0;
 }
 
 // Non-linear projection (Millington, Game Physics Engine Development, 14.3): the penetration is undone by moving and
@@ -145,13 +148,12 @@ void Resolution::put_back(Loose& loose, Resolved& out) {
 Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> before,
                              std::span<const Pose<double>> gods) {
   Resolved out;
-  for (Vec<double, 6>& impulse : impulses_) impulse.setZero();
   read(physics, before, gods);
   if (std::none_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.near; })) return out;
   for (Loose& loose : loose_)
     if (loose.near && sweep(loose)) loose.swept = loose.moved = loose.met = true, ++out.swept;
 
-  meet(limits_.accepted, 0);
+  meet(accepted, 0);
   for (const Meeting& m : meetings_) {
     m.loose->met = true;
     out.deepest = std::max(out.deepest, -m.gap);
@@ -160,7 +162,7 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
   if (std::any_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.met; })) {
     for (std::size_t g = 0; g < gods_.size(); ++g) all_.place(static_cast<int>(g), god_pose_[g]);
     for (Loose& loose : loose_) {
-      loose.allowed = limits_.slack;
+      loose.allowed = slack;
       place(all_, loose);
     }
     // What the engine has left deeper than that stays as deep: it is the engine's to mend.
@@ -170,14 +172,14 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
           if (Loose* loose = loose_of(c)) loose->allowed = std::max(loose->allowed, -touch.gap);
 
     // Far from where the engine had left it an object is not mended but moved.
-    const double far = 3 * out.deepest + limits_.slack;
+    const double far = 3 * out.deepest + slack;
     const auto lost = [&](const Loose& loose) {
       return !loose.swept && (loose.pose.position - physics.pose(loose.object).position).norm() > far;
     };
-    for (; out.rounds < limits_.rounds && std::none_of(loose_.begin(), loose_.end(), lost); ++out.rounds) {
+    for (; out.rounds < most_rounds && std::none_of(loose_.begin(), loose_.end(), lost); ++out.rounds) {
       double most = 0;
       Touch worst;
-      for (const Touch& touch : all_.touches(limits_.clearance))
+      for (const Touch& touch : all_.touches(clearance))
         if (const double here = lacking(touch); here > most) most = here, worst = touch;
       if (most == 0) break;
       project(worst, most);
@@ -187,7 +189,7 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
     // What cannot be mended goes back; whatever then lies in its place goes back, too.
     for (bool changed = true; changed;) {
       changed = false;
-      for (const Touch& touch : all_.touches(limits_.clearance)) {
+      for (const Touch& touch : all_.touches(clearance)) {
         if (lacking(touch) == 0) continue;
         for (const int c : {touch.a, touch.b})
           if (Loose* loose = loose_of(c); loose && !loose->returned) {
@@ -197,8 +199,6 @@ Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> bef
         if (changed) break;
       }
     }
-    for (const Touch& touch : all_.touches(0))
-      if (!is_god(touch.a) && !is_god(touch.b)) out.left = std::max(out.left, -touch.gap);
   }
   slow(physics);
   return out;
@@ -252,26 +252,24 @@ void Resolution::slow(Physics& physics) {
   levers_.clear();
   double ahead = 0;
   for (int round = 0; round < 10; ++round) {
-    meet(round == 0 ? 2 * limits_.clearance : limits_.clearance, ahead);
+    meet(round == 0 ? 2 * clearance : clearance, ahead);
     const std::size_t known = levers_.size();
     for (const Meeting& m : meetings_)
-      if (const Lever l = lever(*m.loose, m.point, m.normal); approach(l) > still) levers_.push_back(l);
+      if (const Lever l = lever(*m.loose, m.point, m.normal); approach(l) > resting) levers_.push_back(l);
     if (levers_.size() == known) break;
     for (int pass = 0; pass < 50; ++pass) {
       bool done = true;
       for (const Lever& l : levers_) {
         const double impulse = approach(l) / l.ease;
-        if (impulse * l.ease <= still) continue;
+        if (impulse * l.ease <= resting) continue;
         done = false;
         l.loose->velocity.head<3>() += impulse / l.loose->mass * l.normal;
         l.loose->velocity.tail<3>() += impulse * l.spin;
         l.loose->moved = true;
-        impulses_[l.loose->object].head<3>() += impulse * l.normal;
-        impulses_[l.loose->object].tail<3>() += impulse * l.turn;
       }
       if (done) break;
     }
-    double fastest = still;
+    double fastest = resting;
     for (const Loose& loose : loose_)
       if (loose.near)
         fastest = std::max(fastest, loose.velocity.head<3>().norm() + loose.velocity.tail<3>().norm() * loose.arm);

@@ -16,32 +16,18 @@ struct Resolved {
   int rounds = 0;       // contacts that were projected
   int returned = 0;     // objects put back to where they were before the step, velocity zeroed: no clear place nearby
   double deepest = 0;   // m, of an object in a god object, as the engine left it
-  double left = 0;      // m, deepest that a loose object lies in another object (no god object) now; 0 if not looked at
 };
 
 // Section 6.2 of the paper: the engine moved the loose objects as if there were no god objects, which stood still. Now
 // whatever got into one is moved out of it.
 class Resolution {
  public:
-  struct Limits {
-    double clearance = 5e-5;  // m: objects that are moved end at this gap
-    double accepted = 2e-5;   // m: nearer than this an object is moved, or does not stay
-    double slack = 5e-4;      // m: how deep objects may lie in each other, as the engine leaves them
-    int rounds = 40;
-  };
-
   // gods: the shapes of all god objects, of all hands. Throws std::invalid_argument for more than 62 loose objects.
-  Resolution(const Surroundings& surroundings, std::span<const collision::Shape> gods, const Limits& limits);
-  Resolution(const Surroundings& surroundings, std::span<const collision::Shape> gods)
-      : Resolution(surroundings, gods, Limits{}) {}
+  Resolution(const Surroundings& surroundings, std::span<const collision::Shape> gods);
 
   // before: by object of the surroundings (fixed ones: not looked at), where it was before the engine's step, clear of
   // the god objects, which stand at `gods` since then. Afterwards every loose object is clear of them again.
   Resolved resolve(Physics& physics, std::span<const Pose<double>> before, std::span<const Pose<double>> gods);
-
-  // N s, N m s about the centre of mass, by object: what taking away the velocities toward god objects did to it in
-  // the last resolve(), projections not counted.
-  std::span<const Vec<double, 6>> impulses() const { return impulses_; }
 
  private:
   struct Loose {
@@ -85,7 +71,6 @@ class Resolution {
   const Loose* loose_of(int collider) const { return owner_[static_cast<std::size_t>(collider)]; }
   bool is_god(int collider) const { return collider < static_cast<int>(gods_.size()); }
 
-  Limits limits_;
   std::vector<Object> objects_;
   std::vector<collision::Shape> gods_;
   std::vector<Pose<double>> god_pose_;
@@ -93,7 +78,6 @@ class Resolution {
   collision::World hands_, all_;  // god and loose objects, numbered alike; and all others after them
   std::vector<Loose> loose_;
   std::vector<Loose*> owner_;  // by collider; null: a god object or a fixed one
-  std::vector<Vec<double, 6>> impulses_;
   std::vector<Meeting> meetings_;
   collision::FaceContacts facing_;
   std::vector<Lever> levers_;

@@ -10,8 +10,7 @@ namespace zwang::god {
 // std::invalid_argument with the nearest name.
 AnySolver solver_of(const Options& options);
 
-// Is there a z to go by? Also the last iterate of a method that stopped early: what is not right of it, the sweep
-// stops.
+// Is there a z to use? Also the last iterate of a method that stopped early: the sweep stops what is wrong about it.
 bool has_answer(const Problem& problem, const Solution& solution);
 
 // Multipliers by least squares, where the method gives none: forces are read from them.

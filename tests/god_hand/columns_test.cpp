@@ -1,0 +1,29 @@
+#include <zwang/experiments/god_hand/measure/columns.h>
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <limits>
+
+namespace zwang::god {
+namespace {
+
+TEST(Totals, AreLeastMostAndSumOfEachColumnWithoutNaN) {
+  std::vector<Frame> frames(3);
+  frames[0].gap = 2e-4, frames[1].gap = std::numeric_limits<double>::quiet_NaN(), frames[2].gap = 0.5;
+  frames[0].held = frames[2].held = true;
+  frames[1].raw = 7, frames[2].raw = 3;
+  const Totals totals(frames);
+  EXPECT_EQ(totals.frames(), 3);
+  EXPECT_EQ(totals.touching(), 1);
+  EXPECT_EQ(totals.least("gap"), 2e-4);
+  EXPECT_EQ(totals.most("gap"), 0.5);
+  EXPECT_EQ(totals.sum("gap"), 2e-4 + 0.5);
+  EXPECT_EQ(totals.sum("held"), 2);
+  EXPECT_EQ(totals.most("raw"), 7);
+  EXPECT_EQ(totals.sum("raw"), 10);
+  EXPECT_THROW(totals.most("no such"), std::logic_error);
+  EXPECT_TRUE(std::isnan(Totals().least("gap")));
+}
+
+}  // namespace
+}  // namespace zwang::god
