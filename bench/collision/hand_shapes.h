@@ -12,8 +12,9 @@ namespace zwang::hand {
 // half its smallest width where that is less), the phalanxes capsules whose caps are centred on their joints.
 std::vector<collision::Shape> shapes(const Model& model);
 
-// A body nearer than this to something touches it.
-inline constexpr double touching = 5e-4;  // m
+// m: a body at most this far from something touches it. Contact rows keep 0.2 mm, and sweeps stop between 0.05 and
+// 0.1 mm: whatever rests on a surface or slides along it is well within this.
+inline constexpr double touching = 5e-4;
 
 // Its bodies that do not meet each other: those of one finger, and those that touch while the hand is straight (that
 // share a joint, the roots of neighbouring fingers).

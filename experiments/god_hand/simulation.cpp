@@ -19,8 +19,6 @@ std::string counts(std::size_t there, const char* what, std::size_t given, const
   return std::to_string(there) + what + std::to_string(given) + of_what;
 }
 
-constexpr double touching = 1e-3;  // m: at this gap an object is touched
-
 // The highest point of anything, in a direction [m].
 double top_of(const Surroundings& surroundings, const Vec3& up) {
   double top = up.dot(surroundings.focus);
@@ -155,7 +153,7 @@ void Simulation::State::step() {
   step_god_objects();
   coupling->push(clusters, physics ? &*physics : nullptr, frame);
   for (const FrameContact& c : frame.contacts)
-    if (c.object >= 0 && c.gap < touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
+    if (c.object >= 0 && c.gap <= hand::touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
       frame.object_speed =
           std::max(frame.object_speed, physics->velocity(static_cast<std::size_t>(c.object)).head<3>().norm());
   measures->measure(clusters, object, options, frame);

@@ -9,9 +9,8 @@ namespace {
 // m: larger gaps are given as this. Other than the activation distance on purpose: World reuses the pairs of a query at
 // the same distance, and the search of the next frame would look cheaper than it is.
 constexpr double gap_reach = 1e-3;
-constexpr double touching = 3e-4;  // m: at this gap a contact counts for sliding
-constexpr double reached = 5e-4;   // m: so near to its target a god object is there
-constexpr double speck = 1e-6;     // m
+constexpr double reached = 5e-4;  // m: so near to its target a god object is there
+constexpr double speck = 1e-6;    // m
 
 }  // namespace
 
@@ -66,7 +65,7 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
 double Measures::lost_slide(const Cluster& cluster) const {
   Mat3 normals = Mat3::Zero();
   for (const Contacts::Row& row : cluster.rows())
-    if (cluster.object_of(row.touch.b) >= 0 && row.touch.gap < touching)
+    if (cluster.object_of(row.touch.b) >= 0 && row.touch.gap <= hand::touching)
       normals += row.touch.normal * row.touch.normal.transpose();
   if (normals.isZero(0)) return 0;
   Vec3 missing = Vec3::Zero();
