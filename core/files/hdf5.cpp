@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include <zwang/core/files/isolated.h>
 #include <zwang/core/files/natural_order.h>
 #include <zwang/core/files/problem_file.h>
 
@@ -121,6 +122,34 @@ void Group::fail(const std::string& name, const std::string& what) const {
 }
 
 Group Group::open(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(file, error)) {
+    const auto bytes = static_cast<double>(std::filesystem::file_size(file, error));
+    const IsolationLimits limits{.seconds = 5 + bytes / 5e6,
+                                 .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)};
+    isolated(file, limits, [&file](const WriteAnswer&) { open_here(file).read_all(); });
+  }
+  return open_here(file);
+}
+
+// What cannot be read is passed over: it may not be needed.
+void Group::read_all() const {
+  std::vector<char> values;
+  for (const std::string& name : links()) try {
+      if (has_group(name)) group(name).read_all();
+      if (!has_data(name)) continue;
+      const Dataset data(*this, name);
+      if (H5Tget_class(data.type) == H5T_STRING) {
+        read_strings(name);
+        continue;
+      }
+      values.resize(data.n * H5Tget_size(data.type));
+      H5Dread(data.id, data.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    } catch (const BadFile&) {
+    }
+}
+
+Group Group::open_here(const std::filesystem::path& file) {
   silence();
   std::error_code error;
   const std::string name = file.string();
@@ -178,15 +207,20 @@ Group Group::group(const std::string& name) const {
   return {file_, share(id, H5Gclose), path_to(name)};
 }
 
-std::vector<std::string> Group::groups() const {
-  std::vector<std::string> links, names;
+std::vector<std::string> Group::links() const {
+  std::vector<std::string> names;
   const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
     static_cast<std::vector<std::string>*>(into)->emplace_back(name);
     return 0;
   };
-  if (H5Literate(*id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &links) < 0)
+  if (H5Literate(*id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names) < 0)
     fail("", "its list of contents is damaged; expected a readable group");
-  std::ranges::copy_if(links, std::back_inserter(names), [&](const std::string& name) { return has_group(name); });
+  return names;
+}
+
+std::vector<std::string> Group::groups() const {
+  std::vector<std::string> names;
+  std::ranges::copy_if(links(), std::back_inserter(names), [&](const std::string& name) { return has_group(name); });
   std::ranges::sort(names, natural_less);
   return names;
 }

@@ -14,7 +14,9 @@ namespace zwang::hdf5 {
 // more than it could hold. A dataset that was declared but never written counts as absent. Not for use by two threads.
 class Group {
  public:
-  static Group open(const std::filesystem::path& file);    // the root group, for reading
+  // The root group, for reading. A child process reads the whole file first (isolated.h): HDF5 1.10 crashes on some
+  // damaged files.
+  static Group open(const std::filesystem::path& file);
   static Group create(const std::filesystem::path& file);  // the root group of a new file
   // The root group of a new file that grows while it is written: once its datasets are there and start_growing() was
   // called, it stays readable at every moment, also when the writer is killed (HDF5's single writer, multiple readers).
@@ -66,6 +68,9 @@ class Group {
  private:
   struct File;
   struct Dataset;
+  static Group open_here(const std::filesystem::path& file);
+  void read_all() const;                   // every group and dataset below
+  std::vector<std::string> links() const;  // names of all that is inside
   Group(std::shared_ptr<const File> file, std::shared_ptr<const std::int64_t> id, std::string path)
       : file_(std::move(file)), id_(std::move(id)), path_(std::move(path)) {}
   std::string path_to(const std::string& name) const;
