@@ -10,15 +10,13 @@
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang::hdf5 {
-namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>);
-using Close = herr_t (*)(hid_t);
 
 // An identifier of the library with the function that gives it back.
 class Handle {
  public:
-  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() {
@@ -28,15 +26,10 @@ class Handle {
 
  private:
   hid_t id_;
-  Close close_;
+  herr_t (*close_)(hid_t);
 };
 
-std::shared_ptr<const std::int64_t> share(hid_t id, Close close) {
-  return {new hid_t(id), [close](const hid_t* p) {
-            close(*p);
-            delete p;
-          }};
-}
+namespace {
 
 // A number's type in memory, and on disk: little-endian, whatever machine writes.
 struct NumberType {
@@ -62,18 +55,18 @@ H5O_type_t type_of(hid_t group, const std::string& name) {
   return found ? info.type : H5O_TYPE_UNKNOWN;
 }
 
-// How large a dataset is; empty where it is none.
-struct Extent {
-  std::vector<hsize_t> size;
-  explicit Extent(hid_t dataset) {
-    const Handle space(dataset < 0 ? -1 : H5Dget_space(dataset), H5Sclose);
-    size.resize(space < 0 ? 0 : static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-    if (!size.empty()) H5Sget_simple_extent_dims(space, size.data(), nullptr);
-  }
-};
+std::vector<hsize_t> extent(hid_t space) {
+  std::vector<hsize_t> size(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  H5Sget_simple_extent_dims(space, size.data(), nullptr);
+  return size;
+}
 
 // gzip's best ratio: what n stored bytes can grow to.
 constexpr std::uintmax_t largest_expansion = 1032;
+// Groups within groups that a problem, a collection or a run has, and some to spare. (Links may form a circle.)
+constexpr int deepest = 6;
+// From 1 ns on the last pause is then 1 ms.
+constexpr unsigned most_attempts = 20;
 
 }  // namespace
 
@@ -94,18 +87,14 @@ struct Group::Dataset {
         space(id < 0 ? -1 : H5Dget_space(id), H5Sclose),
         type(id < 0 ? -1 : H5Dget_type(id), H5Tclose) {
     if (id < 0) group.fail(name, "missing; expected a dataset");
-    const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
-    if (rank < 0 || type < 0) group.fail(name, "damaged; expected a dataset with a shape and a type");
-    dims.resize(static_cast<std::size_t>(rank));
-    H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+    if (space < 0 || type < 0) group.fail(name, "damaged; expected a dataset with a shape and a type");
+    dims = extent(space);
     const std::size_t width = std::max<std::size_t>(H5Tget_size(type), 1);
     const std::uintmax_t most = largest_expansion * group.file_->bytes / width;
     n = H5Sget_simple_extent_type(space) == H5S_NULL ? 0 : 1;
     for (const hsize_t d : dims) {
       if (d != 0 && n > most / d)
-        group.fail(name,
-                   "more elements than the file can hold; expected an "
-                   "undamaged dataset");
+        group.fail(name, "more elements than the file can hold; expected an undamaged dataset");
       n *= d;
     }
     if (n > 0 && H5Dget_storage_size(id) == 0) group.fail(name, "declared but never written; expected its numbers");
@@ -122,31 +111,30 @@ void Group::fail(const std::string& name, const std::string& what) const {
 }
 
 Group Group::open(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(file, error)) {
-    const auto bytes = static_cast<double>(std::filesystem::file_size(file, error));
-    const IsolationLimits limits{.seconds = 5 + bytes / 5e6,
-                                 .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)};
-    isolated(file, limits, [&file](const WriteAnswer&) { open_here(file).read_all(); });
-  }
+  std::error_code absent;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(file, absent));
+  if (!absent)
+    isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)},
+             [&file](const WriteAnswer&) { open_here(file).rehearse(deepest); });
   return open_here(file);
 }
 
 // What cannot be read is passed over: it may not be needed.
-void Group::read_all() const {
-  std::vector<char> values;
-  for (const std::string& name : links()) try {
-      if (has_group(name)) group(name).read_all();
-      if (!has_data(name)) continue;
-      const Dataset data(*this, name);
-      if (H5Tget_class(data.type) == H5T_STRING) {
-        read_strings(name);
-        continue;
-      }
-      values.resize(data.n * H5Tget_size(data.type));
-      H5Dread(data.id, data.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+void Group::rehearse(int depth) const {
+  const auto attempt = [](const auto& reading) {
+    try {
+      reading();
     } catch (const BadFile&) {
     }
+  };
+  std::vector<std::string> names;
+  attempt([&] { names = links(); });
+  for (const std::string& name : names) {
+    if (depth > 0) attempt([&] { group(name).rehearse(depth - 1); });
+    attempt([&] { read<double>(name); });
+    attempt([&] { read<std::int64_t>(name); });
+    attempt([&] { read_strings(name); });
+  }
 }
 
 Group Group::open_here(const std::filesystem::path& file) {
@@ -160,37 +148,29 @@ Group Group::open_here(const std::filesystem::path& file) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);
   hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access);
-  if (id < 0) id = H5Fopen(name.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ,
-                           access);  // its writer was killed
+  if (id < 0) {  // its writer was killed
+    // A damaged block is read again, for a writer might be at work: after a pause that doubles each time, 100 times.
+    H5Pset_metadata_read_attempts(access, most_attempts);
+    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access);
+  }
   if (id < 0) throw BadFile(name + ": truncated or damaged; expected a complete HDF5 file");
-  return {std::make_shared<File>(name, bytes), share(id, H5Fclose), "/"};
+  return {std::make_shared<File>(name, bytes), std::make_shared<Handle>(id, H5Fclose), "/"};
 }
 
-Group Group::create(const std::filesystem::path& file) {
-  silence();
-  const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0)
-    throw BadFile(file.string() +
-                  ": cannot be written; expected a folder that "
-                  "exists and may be written to");
-  return {std::make_shared<File>(file.string(), 0), share(id, H5Fclose), "/"};
-}
-
-Group Group::create_growing(const std::filesystem::path& file) {
+Group Group::create(const std::filesystem::path& file, bool growing) {
   silence();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  if (growing) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  if (id < 0)
-    throw BadFile(file.string() +
-                  ": cannot be written; expected a folder that "
-                  "exists and may be written to");
-  return {std::make_shared<File>(file.string(), 0), share(id, H5Fclose), "/"};
+  if (id < 0) throw BadFile(file.string() + ": cannot be written; expected a folder that exists and may be written to");
+  return {std::make_shared<File>(file.string(), 0), std::make_shared<Handle>(id, H5Fclose), "/"};
 }
 
-void Group::start_growing() {
-  if (H5Fstart_swmr_write(*id_) < 0) fail("", "cannot be written; expected room on the disk");
+void Group::require_written(bool done, const std::string& name) const {
+  if (!done) fail(name, "cannot be written; expected room on the disk");
 }
+
+void Group::start_growing() { require_written(H5Fstart_swmr_write(*id_) >= 0); }
 
 bool Group::has_group(const std::string& name) const { return type_of(*id_, name) == H5O_TYPE_GROUP; }
 
@@ -204,7 +184,7 @@ bool Group::has_data(const std::string& name) const {
 Group Group::group(const std::string& name) const {
   const hid_t id = has_group(name) ? H5Gopen2(*id_, name.c_str(), H5P_DEFAULT) : -1;
   if (id < 0) fail(name, "missing; expected a group");
-  return {file_, share(id, H5Gclose), path_to(name)};
+  return {file_, std::make_shared<Handle>(id, H5Gclose), path_to(name)};
 }
 
 std::vector<std::string> Group::links() const {
@@ -241,10 +221,8 @@ std::vector<T> Group::read(const std::string& name, std::size_t expected) const 
     fail(name, std::string("not of the right type; expected ") + (std::is_same_v<T, double> ? "numbers" : "integers"));
   std::vector<T> values(data.n);
   if (data.n > 0 && H5Dread(data.id, number_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    fail(name,
-         "cannot be read (damaged, or compressed by a filter that is not "
-         "installed); expected " +
-             std::to_string(data.n) + " numbers");
+    fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
+                   std::to_string(data.n) + " numbers");
   return values;
 }
 
@@ -270,8 +248,8 @@ std::vector<std::string> Group::read_strings(const std::string& name) const {
 
 Group Group::add_group(const std::string& name) {
   const hid_t id = H5Gcreate2(*id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0) fail(name, "cannot be written; expected room on the disk");
-  return {file_, share(id, H5Gclose), path_to(name)};
+  require_written(id >= 0, name);
+  return {file_, std::make_shared<Handle>(id, H5Gclose), path_to(name)};
 }
 
 // No time stamps: the same contents give the same bytes.
@@ -281,8 +259,7 @@ void Group::write_raw(const std::string& name, std::int64_t disk, std::int64_t m
   const Handle space(H5Screate_simple(1, &dim, nullptr), H5Sclose), settings(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(settings, false);
   const Handle id(H5Dcreate2(*id_, name.c_str(), disk, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose);
-  if (id < 0 || (n > 0 && H5Dwrite(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
-    fail(name, "cannot be written; expected room on the disk");
+  require_written(id >= 0 && (n == 0 || H5Dwrite(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0), name);
 }
 
 template <class T>
@@ -303,9 +280,7 @@ void Group::write_strings(const std::string& name, std::span<const std::string> 
   write_raw(name, type, type, texts.size(), raw.data());
 }
 
-void Group::flush() {
-  if (H5Fflush(*id_, H5F_SCOPE_GLOBAL) < 0) fail("", "cannot be written; expected room on the disk");
-}
+void Group::flush() { require_written(H5Fflush(*id_, H5F_SCOPE_GLOBAL) >= 0); }
 
 void Group::add_rows(const std::string& name, Stored type, const std::vector<std::size_t>& row) {
   constexpr hsize_t chunk_bytes = 1 << 16, chunk_rows = 512;
@@ -321,12 +296,12 @@ void Group::add_rows(const std::string& name, Stored type, const std::vector<std
   H5Pset_obj_track_times(settings, false);
   H5Pset_chunk(settings, rank, chunk.data());
   const Handle id(H5Dcreate2(*id_, name.c_str(), disk, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose);
-  if (id < 0) fail(name, "cannot be written; expected room on the disk");
+  require_written(id >= 0, name);
 }
 
 void Group::append_rows(const std::string& name, std::span<const double> values) {
   const Handle id(H5Dopen2(*id_, name.c_str(), H5P_DEFAULT), H5Dclose);
-  std::vector<hsize_t> size = Extent(id).size;
+  std::vector<hsize_t> size = extent(Handle(H5Dget_space(id), H5Sclose));
   hsize_t numbers = 1;
   for (std::size_t k = 1; k < size.size(); ++k) numbers *= size[k];
   if (values.size() % numbers != 0) fail(name, "not whole rows");
@@ -335,12 +310,11 @@ void Group::append_rows(const std::string& name, std::span<const double> values)
   count[0] = values.size() / numbers;
   size[0] += count[0];
   if (count[0] == 0) return;
-  if (H5Dset_extent(id, size.data()) < 0) fail(name, "cannot be written; expected room on the disk");
+  require_written(H5Dset_extent(id, size.data()) >= 0, name);
   const Handle space(H5Dget_space(id), H5Sclose),
       memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
   H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
-  if (H5Dwrite(id, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) < 0)
-    fail(name, "cannot be written; expected room on the disk");
+  require_written(H5Dwrite(id, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) >= 0, name);
 }
 
 std::vector<double> Group::read_rows(const std::string& name, std::size_t first, std::size_t count) const {
@@ -361,16 +335,6 @@ std::vector<double> Group::read_rows(const std::string& name, std::size_t first,
   return values;
 }
 
-void Group::copy_rows(const Group& from, const std::string& name, std::size_t rows) {
-  const bool copied = H5Ocopy(*from.id_, name.c_str(), *id_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
-  const Handle id(copied ? H5Dopen2(*id_, name.c_str(), H5P_DEFAULT) : -1, H5Dclose);
-  std::vector<hsize_t> size = Extent(id).size;
-  if (size.empty()) from.fail(name, "missing or damaged; expected rows");
-  if (size[0] < rows) from.fail(name, "too short; expected " + std::to_string(rows) + " rows");
-  size[0] = rows;
-  if (H5Dset_extent(id, size.data()) < 0) fail(name, "cannot be written; expected room on the disk");
-}
-
 void Group::write_attribute(const std::string& dataset, const std::string& name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   H5Tset_size(type, H5T_VARIABLE);
@@ -379,7 +343,7 @@ void Group::write_attribute(const std::string& dataset, const std::string& name,
   const Handle id(
       H5Acreate_by_name(*id_, dataset.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
-  if (id < 0 || H5Awrite(id, type, &characters) < 0) fail(dataset, "cannot be written; expected room on the disk");
+  require_written(id >= 0 && H5Awrite(id, type, &characters) >= 0, dataset);
 }
 
 template std::vector<double> Group::read(const std::string&, std::size_t) const;

@@ -9,6 +9,8 @@
 
 namespace zwang::hdf5 {
 
+class Handle;
+
 // A group of an open HDF5 file. Whatever goes wrong is a BadFile whose one line names the file, the place in it and
 // what was expected. Sizes are checked against the file's before memory is taken, so that a damaged file cannot ask for
 // more than it could hold. A dataset that was declared but never written counts as absent. Not for use by two threads.
@@ -17,10 +19,10 @@ class Group {
   // The root group, for reading. A child process reads the whole file first (isolated.h): HDF5 1.10 crashes on some
   // damaged files.
   static Group open(const std::filesystem::path& file);
-  static Group create(const std::filesystem::path& file);  // the root group of a new file
-  // The root group of a new file that grows while it is written: once its datasets are there and start_growing() was
-  // called, it stays readable at every moment, also when the writer is killed (HDF5's single writer, multiple readers).
-  static Group create_growing(const std::filesystem::path& file);
+  // The root group of a new file. One that grows while it is written stays readable at every moment, also when its
+  // writer is killed (HDF5's single writer, multiple readers), once all its datasets are there and start_growing() was
+  // called.
+  static Group create(const std::filesystem::path& file, bool growing = false);
   void start_growing();
 
   bool has_group(const std::string& name) const;
@@ -41,7 +43,7 @@ class Group {
   std::vector<std::string> read_strings(const std::string& dataset) const;
 
   Group add_group(const std::string& name);
-  // T: double, std::int32_t, std::uint64_t, std::uint32_t, std::uint8_t.
+  // T: a number of 8 or 4 bytes, or std::uint8_t.
   template <class T>
   void write(const std::string& dataset, std::span<const T> values);
   template <class T>
@@ -51,14 +53,12 @@ class Group {
   void write_strings(const std::string& dataset, std::span<const std::string> texts);
   void flush();
 
-  // Datasets that grow by rows, in chunks, for files of create_growing(). Numbers are doubles in memory and of this
-  // type on disk. `row`: the shape of a row; {}: one number.
+  // Datasets that grow by rows, in chunks, for files that grow. Numbers are doubles in memory and of this type on disk.
+  // `row`: the shape of a row; {}: one number.
   enum class Stored { real, single, integer, flag };  // f64, f32, i32, u8
   void add_rows(const std::string& dataset, Stored type, const std::vector<std::size_t>& row);
   void append_rows(const std::string& dataset, std::span<const double> values);
   std::vector<double> read_rows(const std::string& dataset, std::size_t first, std::size_t count) const;
-  // The first `rows` of a dataset of another file, which comes with its attributes.
-  void copy_rows(const Group& from, const std::string& dataset, std::size_t rows);
   // Text beside a dataset, such as its unit.
   void write_attribute(const std::string& dataset, const std::string& name, const std::string& text);
 
@@ -69,15 +69,16 @@ class Group {
   struct File;
   struct Dataset;
   static Group open_here(const std::filesystem::path& file);
-  void read_all() const;                   // every group and dataset below
+  void rehearse(int depth) const;          // reads all that is inside, so many groups deep
   std::vector<std::string> links() const;  // names of all that is inside
-  Group(std::shared_ptr<const File> file, std::shared_ptr<const std::int64_t> id, std::string path)
+  Group(std::shared_ptr<const File> file, std::shared_ptr<const Handle> id, std::string path)
       : file_(std::move(file)), id_(std::move(id)), path_(std::move(path)) {}
   std::string path_to(const std::string& name) const;
+  void require_written(bool done, const std::string& name = {}) const;
   void write_raw(const std::string& name, std::int64_t disk, std::int64_t memory, std::size_t n, const void* data);
 
   std::shared_ptr<const File> file_;
-  std::shared_ptr<const std::int64_t> id_;
+  std::shared_ptr<const Handle> id_;
   std::string path_;
 };
 

@@ -1,16 +1,13 @@
 #include <zwang/core/files/isolated.h>
 
-#include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -19,6 +16,7 @@
 #include <new>
 #include <system_error>
 
+#include <zwang/core/files/child_process.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
 
@@ -60,27 +58,14 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
 struct NotWritten {};
 
 void write_all(int file, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t written = write(file, at, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) throw NotWritten{};
-    at += written;
-    bytes -= static_cast<std::size_t>(written);
-  }
+  const char* const from = static_cast<const char*>(data);
+  if (!transfer(bytes, [&](std::size_t done) { return write(file, from + done, bytes - done); })) throw NotWritten{};
 }
 
-// The child's whole life. Destructors and what is registered with atexit belong to the parent.
-[[noreturn]] void live(int answer, pid_t parent, const std::filesystem::path& file, const IsolationLimits& limits,
-                       const std::function<void(const WriteAnswer&)>& work) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(refused);
-  std::signal(SIGINT, SIG_IGN);  // the parent decides
-  for (const int signal : {SIGTERM, SIGXCPU, SIGABRT}) std::signal(signal, SIG_DFL);
-  if (const int null = open("/dev/null", O_RDWR); null >= 0)
-    for (const int stream : {0, 1, 2}) dup2(null, stream);
+// What the child does.
+void live(int answer, const std::filesystem::path& file, const IsolationLimits& limits,
+          const std::function<void(const WriteAnswer&)>& work) {
   const auto seconds = static_cast<rlim_t>(std::ceil(limits.seconds));
-  limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_CPU, seconds, seconds + 1);
 #ifndef ZWANG_ADDRESS_SANITIZER
   const std::size_t most = bytes_held() + limits.bytes;
@@ -93,8 +78,7 @@ void write_all(int file, const void* data, std::size_t bytes) {
   };
   try {
     try {
-      work([answer](const void* data, std::size_t bytes) { write_all(answer, data, bytes); });
-      _exit(returned);
+      return work([answer](const void* data, std::size_t bytes) { write_all(answer, data, bytes); });
     } catch (const BadFile& bad) {
       refuse(bad.what());
     } catch (const std::bad_alloc&) {
@@ -105,13 +89,11 @@ void write_all(int file, const void* data, std::size_t bytes) {
   } catch (...) {
     _exit(out_of_memory);
   }
-  _exit(crashed);
 }
 
 // Waits for the child, no longer than to the deadline. Returns its status as waitpid does; -1: it was stopped.
 int wait_for(pid_t child, double seconds) {
   using Clock = std::chrono::steady_clock;
-  int status = -1;
   try {
     const Descriptor watched(static_cast<int>(syscall(SYS_pidfd_open, child, 0)), "no handle of a child process");
     const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
@@ -120,14 +102,12 @@ int wait_for(pid_t child, double seconds) {
       if (poll(&ending, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 1000))) > 0) break;
       if (left > 0) continue;
       kill(child, SIGKILL);
-      waitpid(child, nullptr, 0);
+      wait_for_child(child);
       return -1;
     }
   } catch (const std::system_error&) {  // none to be had: the limit on CPU time ends it
   }
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
+  return wait_for_child(child);
 }
 
 }  // namespace
@@ -148,10 +128,7 @@ IsolatedAnswer::~IsolatedAnswer() {
 IsolatedAnswer isolated(const std::filesystem::path& file, const IsolationLimits& limits,
                         const std::function<void(const WriteAnswer&)>& work) {
   const Descriptor answer(memfd_create("answer", MFD_CLOEXEC), "no memory for a child process's answer");
-  const pid_t parent = getpid(), child = fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "no child process");
-  if (child == 0) live(answer.number, parent, file, limits, work);
-
+  const pid_t child = start_child([&] { live(answer.number, file, limits, work); });
   const int status = wait_for(child, 10 * limits.seconds);
   const int ending = status >= 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   if (ending == returned) return IsolatedAnswer(answer.number);

@@ -4,9 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
@@ -166,6 +168,30 @@ TEST(FrameStore, RefusesWhatIsNoFrameAndAFrameOfAnotherRun) {
   EXPECT_THROW(frames_in(folder.path), BadFile);
 }
 
+// Of a file whose writer was killed HDF5 reads a damaged block again and again, after pauses that double.
+TEST(FrameStore, DamageEndsWithinSecondsInOneLine) {
+  const Folder folder;
+  const fs::path file = folder.path / "frames.h5";
+  write_frames(folder.path, 600);
+  const std::string whole = text_of(file);
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int k = 0; k < 60; ++k) {
+    std::string damaged = whole;
+    damaged[random() % (k % 2 == 0 ? 800 : damaged.size())] ^= static_cast<char>(1 + random() % 255);
+    std::ofstream(file, std::ios::binary) << damaged;
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      frames_in(folder.path);
+    } catch (const BadFile& bad) {
+      ++refused;
+      EXPECT_EQ(std::string(bad.what()).find('\n'), std::string::npos) << bad.what();
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10)) << k;
+  }
+  EXPECT_GT(refused, 10);
+}
+
 TEST(FrameStore, CheckpointsComeBackToTheBit) {
   const Folder folder;
   EXPECT_EQ(read_checkpoint(folder.path).frames, 0);
@@ -175,6 +201,11 @@ TEST(FrameStore, CheckpointsComeBackToTheBit) {
   EXPECT_EQ(back.frames, 1500);
   ASSERT_EQ(back.state.size(), state.size());
   EXPECT_EQ(std::memcmp(back.state.data(), state.data(), state.size() * sizeof(double)), 0);
+  std::string damaged = text_of(folder.path / "checkpoint.h5");
+  const std::string third(reinterpret_cast<const char*>(&state[3]), sizeof(double));
+  damaged[damaged.find(third)] ^= 1;
+  std::ofstream(folder.path / "checkpoint.h5", std::ios::binary) << damaged;
+  EXPECT_THROW(read_checkpoint(folder.path), BadFile);
   std::ofstream(folder.path / "checkpoint.h5") << "nonsense";
   EXPECT_THROW(read_checkpoint(folder.path), BadFile);
 }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang::god {
 namespace {
@@ -135,28 +136,47 @@ std::size_t contacts_in(const hdf5::Group& file, std::size_t first, std::size_t 
   return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0.0));
 }
 
+// How many a dataset has.
+std::size_t rows_of(const hdf5::Group& file, const Dataset& d) {
+  const std::vector<std::size_t> shape = file.shape(d.name);
+  if (shape.empty() || !std::ranges::equal(std::span(shape).subspan(1), d.row))
+    file.fail(d.name, "its rows are not of the expected shape");
+  return shape[0];
+}
+
 // A new file, or one with the first `keep` frames of the old one, which it takes the place of.
 hdf5::Group growing_file(const std::filesystem::path& directory, const std::vector<Dataset>& datasets, long keep) {
+  constexpr std::size_t block = 4096;  // rows that are copied at once
   const auto name = file_of(directory), draft = directory / "frames.h5.new";
-  if (const long there = keep > 0 ? FrameReader(directory).frames() : 0; there < keep)
-    throw BadFile(name.string() + ": holds " + std::to_string(there) + " whole frames, the checkpoint is after " +
-                  std::to_string(keep));
-  hdf5::Group file = hdf5::Group::create_growing(keep == 0 ? name : draft);
-  if (keep == 0) {
-    for (const Dataset& d : datasets) {
-      file.add_rows(d.name, d.type, d.row);
-      file.write_attribute(d.name, "unit", d.unit);
-      if (!d.meaning.empty()) file.write_attribute(d.name, "meaning", d.meaning);
-    }
-  } else {
-    const hdf5::Group old = hdf5::Group::open(name);
-    const auto frames = static_cast<std::size_t>(keep), contacts = contacts_in(old, 0, frames);
-    for (const Dataset& d : datasets) file.copy_rows(old, d.name, d.of_contacts ? contacts : frames);
+  std::optional<FrameReader> old;
+  if (keep > 0) old.emplace(directory);
+  if (old && old->frames() < keep)
+    throw BadFile(name.string() + ": holds " + std::to_string(old->frames()) +
+                  " whole frames, the checkpoint is after " + std::to_string(keep));
+  if (old)
+    for (const Dataset& d : datasets) rows_of(old->file(), d);
+  hdf5::Group file = hdf5::Group::create(old ? draft : name, true);
+  for (const Dataset& d : datasets) {
+    file.add_rows(d.name, d.type, d.row);
+    file.write_attribute(d.name, "unit", d.unit);
+    if (!d.meaning.empty()) file.write_attribute(d.name, "meaning", d.meaning);
+  }
+  if (old) {
+    const auto frames = static_cast<std::size_t>(keep), contacts = contacts_in(old->file(), 0, frames);
+    for (const Dataset& d : datasets)
+      for (std::size_t first = 0, rows = d.of_contacts ? contacts : frames; first < rows; first += block)
+        file.append_rows(d.name, old->file().read_rows(d.name, first, std::min(block, rows - first)));
     file.flush();
     std::filesystem::rename(draft, name);
   }
   file.start_growing();
   return file;
+}
+
+// Of all else that is stored: a simulation may never end in a state that is not the one written.
+std::uint64_t checksum(const Checkpoint& c) {
+  return fnv1a({reinterpret_cast<const char*>(c.state.data()), c.state.size() * sizeof(double)},
+               mix_bits(static_cast<std::uint64_t>(c.frames)));
 }
 
 }  // namespace
@@ -196,16 +216,13 @@ FrameReader::FrameReader(const std::filesystem::path& directory)
       datasets_(datasets(bodies_, loose_)) {
   std::size_t frames = ~std::size_t{0}, contacts = frames;
   for (const Dataset& d : datasets_) {
-    const std::vector<std::size_t> shape = file_.shape(d.name);
-    if (shape.empty() || !std::ranges::equal(std::span(shape).subspan(1), d.row))
-      file_.fail(d.name, "its rows are not of the expected shape");
     std::size_t& least = d.of_contacts ? contacts : frames;
-    least = std::min(least, shape[0]);
+    least = std::min(least, rows_of(file_, d));
   }
   double held = 0;
   for (const double n : file_.read_rows("contacts", 0, frames)) {
     held += n;
-    if (n < 0 || held > static_cast<double>(contacts)) break;
+    if (!(n >= 0) || held > static_cast<double>(contacts)) break;
     ++frames_;
   }
 }
@@ -224,6 +241,8 @@ void FrameReader::each(const std::function<void(const Frame&)>& visit) const {
                        : contacts > 0 ? file_.read_rows(d.name, first_contact, contacts)
                                       : std::vector<double>());
       at.push_back(values.back().data());
+      if (d.name == "times" && std::ranges::any_of(values.back(), [](double t) { return !std::isfinite(t); }))
+        file_.fail(d.name, "not a number or infinite; expected seconds");
     }
     first_contact += contacts;
     for (std::size_t k = 0; k < count; ++k) {
@@ -239,6 +258,7 @@ void write_checkpoint(const std::filesystem::path& directory, const Checkpoint& 
     hdf5::Group root = hdf5::Group::create(draft);
     root.write_one("frames", static_cast<std::uint64_t>(checkpoint.frames));
     root.write("state", std::span<const double>(checkpoint.state));
+    root.write_one("checksum", checksum(checkpoint));
     root.flush();
   }
   std::filesystem::rename(draft, file);
@@ -248,7 +268,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& directory) {
   const auto file = directory / "checkpoint.h5";
   if (!std::filesystem::exists(file)) return {};
   const hdf5::Group root = hdf5::Group::open(file);
-  return {static_cast<long>(root.read_one<std::uint64_t>("frames")), root.read<double>("state")};
+  Checkpoint checkpoint{static_cast<long>(root.read_one<std::uint64_t>("frames")), root.read<double>("state")};
+  if (root.read_one<std::uint64_t>("checksum") != checksum(checkpoint))
+    root.fail("checksum", "does not fit the state; expected an undamaged checkpoint");
+  return checkpoint;
 }
 
 }  // namespace zwang::god

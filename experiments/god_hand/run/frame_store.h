@@ -50,6 +50,7 @@ class FrameReader {
  public:
   explicit FrameReader(const std::filesystem::path& directory);
   long frames() const { return frames_; }
+  const hdf5::Group& file() const { return file_; }
   void each(const std::function<void(const Frame&)>& visit) const;  // in order
 
  private:
