@@ -1,89 +1,58 @@
 #include <zwang/bench/timing/child.h>
 
-#include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
-#include <cerrno>
-#include <chrono>
+#include <algorithm>
 #include <csignal>
 #include <ctime>
-#include <stdexcept>
 #include <system_error>
 
 #include <zwang/bench/timing/wire.h>
+#include <zwang/core/files/child_process.h>
 
 namespace zwang {
 namespace {
 
-enum class Message : char { problem, call };
+enum class Message { problem, call, reply };
 
-bool write_all(int socket, const char* data, std::size_t size) {
-  while (size > 0) {
-    const ssize_t sent = send(socket, data, size, MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) return false;
-    data += sent;
-    size -= static_cast<std::size_t>(sent);
-  }
-  return true;
+bool send_bytes(int socket, const void* data, std::size_t size) {
+  const char* const from = static_cast<const char*>(data);
+  return transfer(size, [&](std::size_t done) { return send(socket, from + done, size - done, MSG_NOSIGNAL); });
+}
+bool receive_bytes(int socket, void* data, std::size_t size) {
+  char* const to = static_cast<char*>(data);
+  return transfer(size, [&](std::size_t done) { return recv(socket, to + done, size - done, 0); });
 }
 
-bool read_all(int socket, char* data, std::size_t size) {
-  while (size > 0) {
-    const ssize_t got = recv(socket, data, size, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    data += got;
-    size -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
-// A message is its length, then its bytes.
-bool send_message(int socket, const Outgoing& out) {
-  const std::size_t size = out.bytes().size();
-  return write_all(socket, reinterpret_cast<const char*>(&size), sizeof size) &&
-         write_all(socket, out.bytes().data(), size);
-}
-
-bool receive_message(int socket, std::vector<char>& bytes) {
+// A message is its header, then its bytes.
+struct Header {
+  Message kind;
   std::size_t size = 0;
-  if (!read_all(socket, reinterpret_cast<char*>(&size), sizeof size)) return false;
-  bytes.resize(size);
-  return read_all(socket, bytes.data(), size);
+};
+bool send_message(int socket, Message kind, const std::string& bytes) {
+  const Header header{kind, bytes.size()};
+  return send_bytes(socket, &header, sizeof header) && send_bytes(socket, bytes.data(), bytes.size());
+}
+bool receive_message(int socket, Message& kind, std::string& bytes) {
+  Header header{};
+  if (!receive_bytes(socket, &header, sizeof header)) return false;
+  kind = header.kind;
+  bytes.resize(header.size);
+  return receive_bytes(socket, bytes.data(), bytes.size());
 }
 
-// The child's whole life.
-[[noreturn]] void serve(int socket, MakeSolver make, pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(0);
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGTERM, SIG_DFL);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  const int null = open("/dev/null", O_RDWR);
-  if (null >= 0)
-    for (const int fd : {0, 1, 2}) dup2(null, fd);
-
+// What the child does.
+void serve(int socket, MakeSolver make) {
   SolveService bench(std::move(make));
   Problem problem;
-  std::vector<char> bytes;
-  while (receive_message(socket, bytes)) {
-    Incoming in(std::move(bytes));
-    if (in.get<Message>() == Message::problem) {
-      problem = get_problem(in);
-      continue;
-    }
-    Outgoing reply;
-    put(reply, bench.run(problem, get_call(in)));
-    if (!send_message(socket, reply)) break;
-    bytes = {};
+  std::string bytes;
+  for (Message kind; receive_message(socket, kind, bytes);) {
+    if (kind == Message::problem)
+      problem = unpack<Problem>(bytes);
+    else if (!send_message(socket, Message::reply, pack(bench.run(problem, unpack<SolveRequest>(bytes)))))
+      break;
   }
-  _exit(0);
 }
 
 double seconds_of(clockid_t clock) {
@@ -97,13 +66,10 @@ void Child::start() {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::system_error(errno, std::generic_category(), "no socket for a child process");
-  const pid_t parent = getpid();
-  pid_ = fork();
-  if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "no child process");
-  if (pid_ == 0) {
+  pid_ = start_child([&] {
     close(ends[0]);
-    serve(ends[1], std::move(make_), parent);
-  }
+    serve(ends[1], std::move(make_));
+  });
   close(ends[1]);
   socket_ = ends[0];
   if (problem_) load(*problem_);
@@ -112,7 +78,7 @@ void Child::start() {
 void Child::stop() {
   if (pid_ < 0) return;
   kill(pid_, SIGKILL);
-  waitpid(pid_, nullptr, 0);
+  wait_for_child(pid_);
   close(socket_);
   pid_ = socket_ = -1;
 }
@@ -120,10 +86,7 @@ void Child::stop() {
 void Child::load(const Problem& problem) {
   problem_ = &problem;
   if (pid_ < 0) return;
-  Outgoing out;
-  out.put(Message::problem);
-  put(out, problem);
-  if (!send_message(socket_, out)) stop();
+  if (!send_message(socket_, Message::problem, pack(problem))) stop();
 }
 
 SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interrupted) {
@@ -142,10 +105,8 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
   const double cpu_start = seconds_of(cpu), wall_start = seconds_of(CLOCK_MONOTONIC);
   const double deadline = (call.solves + call.warm_up) * (1.25 * call.time_limit + 0.2);
 
-  Outgoing out;
-  out.put(Message::call);
-  put(out, call);
-  if (!send_message(socket_, out)) return give_up(Status::crashed, "the solver's process died", 0);
+  if (!send_message(socket_, Message::call, pack(call)))
+    return give_up(Status::crashed, "the solver's process died", 0);
 
   // Wait for the first bytes of the reply; look at the clocks 100 times within the deadline.
   for (pollfd waiting{socket_, POLLIN, 0};;) {
@@ -156,11 +117,10 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
     if (used > deadline || wall > 5 * deadline)
       return give_up(Status::time_limit, "stopped from outside at its deadline", used);
   }
-  std::vector<char> bytes;
-  if (!receive_message(socket_, bytes))
+  std::string bytes;
+  if (Message kind; !receive_message(socket_, kind, bytes))
     return give_up(Status::crashed, "the solver's process died", seconds_of(CLOCK_MONOTONIC) - wall_start);
-  Incoming in(std::move(bytes));
-  return get_answer(in);
+  return unpack<SolveReply>(bytes);
 }
 
 }  // namespace zwang

@@ -1,162 +1,109 @@
 #include <zwang/bench/timing/wire.h>
 
+#include <array>
+#include <cstring>
 #include <stdexcept>
+#include <type_traits>
 
 namespace zwang {
 namespace {
 
-template <class Sparse>
-void put_matrix(Outgoing& out, Sparse A) {
-  A.makeCompressed();
-  const auto nonzeros = static_cast<std::size_t>(A.nonZeros());
-  out.put(A.rows());
-  out.put(A.cols());
-  out.put(A.outerIndexPtr(), static_cast<std::size_t>(A.outerSize() + 1));
-  out.put(A.innerIndexPtr(), nonzeros);
-  out.put(A.valuePtr(), nonzeros);
-}
+struct Outgoing {
+  std::string bytes = {};
+  void move(const void* from, std::size_t size) { bytes.append(static_cast<const char*>(from), size); }
+};
 
-template <class Sparse>
-Sparse get_matrix(Incoming& in) {
-  const auto rows = in.get<Index>(), cols = in.get<Index>();
-  const auto outer = in.get_all<std::vector<typename Sparse::StorageIndex>>();
-  const auto inner = in.get_all<std::vector<typename Sparse::StorageIndex>>();
-  const auto values = in.get_all<std::vector<double>>();
-  return Eigen::Map<const Sparse>(rows, cols, static_cast<Index>(values.size()), outer.data(), inner.data(),
-                                  values.data());
-}
-
-void put_keys(Outgoing& out, const std::vector<RowKey>& keys) {
-  out.put(keys.size());
-  for (const RowKey& key : keys) {
-    out.put(key.constraint);
-    out.put(key.row);
+struct Incoming {
+  std::string_view left;
+  void require(std::size_t count, std::size_t size) const {
+    if (count > left.size() / size) throw std::runtime_error("a message ends too early");
   }
+  void move(void* to, std::size_t size) {
+    require(size, 1);
+    if (size > 0) std::memcpy(to, left.data(), size);
+    left.remove_prefix(size);
+  }
+};
+
+// The fields of each type, in one list for both directions.
+template <class Visit>
+void fields(Visit visit, auto& x) {
+  if constexpr (requires { x.z_u; })
+    visit(x.name, x.M, x.z_u, x.J, x.c, x.kind, x.key);
+  else if constexpr (requires { x.solves; })
+    visit(x.solver, x.tolerance, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe, x.warm.key,
+          x.warm.lambda);
+  else if constexpr (requires { x.iterates; })
+    visit(x.solution, x.seconds, x.prepare_s, x.allocations, x.iterates);
+  else if constexpr (requires { x.certificate; })
+    visit(x.status, x.z, x.lambda, x.iterations, x.certificate, x.redundant, x.margins, x.fallback, x.range_gap,
+          x.handed_to, x.message);
+  else
+    visit(x.iteration, x.z, x.lambda);
 }
 
-std::vector<RowKey> get_keys(Incoming& in) {
-  std::vector<RowKey> keys(in.get<std::size_t>());
-  for (RowKey& key : keys) {
-    key.constraint = in.get<decltype(key.constraint)>();
-    key.row = in.get<decltype(key.row)>();
+// Sends a value, or receives it: numbers as they are, lists behind their length, else field by field.
+template <class Wire, class T>
+void walk(Wire& wire, T& value) {
+  constexpr bool receives = std::is_same_v<Wire, Incoming>;
+  if constexpr (std::is_trivially_copyable_v<std::remove_const_t<T>>) {
+    wire.move(&value, sizeof value);
+  } else if constexpr (requires { value.outerIndexPtr(); }) {
+    if (!value.isCompressed()) {
+      auto compressed = value;
+      compressed.makeCompressed();
+      return walk(wire, compressed);
+    }
+    std::array<Index, 3> size{value.rows(), value.cols(), value.nonZeros()};
+    walk(wire, size);
+    if constexpr (receives) {
+      wire.require(static_cast<std::size_t>(size[2]), sizeof(double));
+      value.resize(size[0], size[1]);
+      value.resizeNonZeros(size[2]);
+    }
+    const auto count = static_cast<std::size_t>(size[2]);
+    wire.move(value.outerIndexPtr(), sizeof(int) * static_cast<std::size_t>(value.outerSize() + 1));
+    wire.move(value.innerIndexPtr(), sizeof(int) * count);
+    wire.move(value.valuePtr(), sizeof(double) * count);
+  } else if constexpr (requires { value.data(); }) {
+    using Element = std::remove_cvref_t<decltype(*value.data())>;
+    auto count = value.size();
+    walk(wire, count);
+    if constexpr (receives) {
+      wire.require(static_cast<std::size_t>(count), sizeof(Element));
+      value.resize(count);
+    }
+    if constexpr (std::is_trivially_copyable_v<Element>)
+      wire.move(value.data(), sizeof(Element) * static_cast<std::size_t>(count));
+    else
+      for (auto& element : value) walk(wire, element);
+  } else {
+    fields([&wire](auto&... all) { (walk(wire, all), ...); }, value);
   }
-  return keys;
 }
 
 }  // namespace
 
-void Incoming::require(std::size_t count, std::size_t size) const {
-  if (count > (bytes_.size() - at_) / size) throw std::runtime_error("a message ends too early");
+template <class T>
+std::string pack(const T& value) {
+  Outgoing out;
+  walk(out, value);
+  return std::move(out.bytes);
 }
 
-void Incoming::take(void* to, std::size_t size) {
-  require(size, 1);
-  if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
-  at_ += size;
+template <class T>
+T unpack(std::string_view bytes) {
+  Incoming in{bytes};
+  T value;
+  walk(in, value);
+  return value;
 }
 
-void put(Outgoing& out, const Problem& p) {
-  out.put(p.name);
-  put_matrix(out, p.M);
-  out.put(p.z_u);
-  put_matrix(out, p.J);
-  out.put(p.c);
-  out.put(p.kind.data(), p.kind.size());
-  put_keys(out, p.key);
-}
-
-Problem get_problem(Incoming& in) {
-  Problem p;
-  p.name = in.get_all<std::string>();
-  p.M = get_matrix<decltype(p.M)>(in);
-  p.z_u = in.get_all<Vector>();
-  p.J = get_matrix<decltype(p.J)>(in);
-  p.c = in.get_all<Vector>();
-  p.kind = in.get_all<std::vector<RowKind>>();
-  p.key = get_keys(in);
-  return p;
-}
-
-void put(Outgoing& out, const SolveRequest& c) {
-  out.put(c.solver);
-  out.put(c.tolerance);
-  out.put(c.time_limit);
-  out.put(c.max_iterations);
-  out.put(c.solves);
-  out.put(c.fresh);
-  out.put(c.warm_up);
-  out.put(c.observe);
-  put_keys(out, c.warm.key);
-  out.put(c.warm.lambda);
-}
-
-SolveRequest get_call(Incoming& in) {
-  SolveRequest c;
-  c.solver = in.get_all<std::string>();
-  c.tolerance = in.get<double>();
-  c.time_limit = in.get<double>();
-  c.max_iterations = in.get<int>();
-  c.solves = in.get<int>();
-  c.fresh = in.get<bool>();
-  c.warm_up = in.get<bool>();
-  c.observe = in.get<bool>();
-  c.warm.key = get_keys(in);
-  c.warm.lambda = in.get_all<Vector>();
-  return c;
-}
-
-void put(Outgoing& out, const SolveReply& a) {
-  const Solution& s = a.solution;
-  out.put(s.status);
-  out.put(s.z);
-  out.put(s.lambda);
-  out.put(s.iterations);
-  out.put(s.certificate);
-  out.put(s.redundant.data(), s.redundant.size());
-  out.put(s.margins.rank);
-  out.put(s.margins.smallest_accepted);
-  out.put(s.margins.largest_rejected);
-  out.put(s.fallback);
-  out.put(s.range_gap);
-  out.put(s.handed_to);
-  out.put(s.message);
-  out.put(a.seconds);
-  out.put(a.prepare_s);
-  out.put(a.allocations);
-  out.put(a.iterates.size());
-  for (const Iterate& it : a.iterates) {
-    out.put(it.iteration);
-    out.put(it.z);
-    out.put(it.lambda);
-  }
-}
-
-SolveReply get_answer(Incoming& in) {
-  SolveReply a;
-  Solution& s = a.solution;
-  s.status = in.get<Status>();
-  s.z = in.get_all<Vector>();
-  s.lambda = in.get_all<Vector>();
-  s.iterations = in.get<int>();
-  s.certificate = in.get_all<Vector>();
-  s.redundant = in.get_all<std::vector<Index>>();
-  s.margins.rank = in.get<Index>();
-  s.margins.smallest_accepted = in.get<double>();
-  s.margins.largest_rejected = in.get<double>();
-  s.fallback = in.get<bool>();
-  s.range_gap = in.get<double>();
-  s.handed_to = in.get_all<std::string>();
-  s.message = in.get_all<std::string>();
-  a.seconds = in.get<double>();
-  a.prepare_s = in.get<double>();
-  a.allocations = in.get<double>();
-  a.iterates.resize(in.get<std::size_t>());
-  for (Iterate& it : a.iterates) {
-    it.iteration = in.get<int>();
-    it.z = in.get_all<Vector>();
-    it.lambda = in.get_all<Vector>();
-  }
-  return a;
-}
+template std::string pack(const Problem&);
+template std::string pack(const SolveRequest&);
+template std::string pack(const SolveReply&);
+template Problem unpack(std::string_view);
+template SolveRequest unpack(std::string_view);
+template SolveReply unpack(std::string_view);
 
 }  // namespace zwang

@@ -50,10 +50,7 @@ TEST(Child, SendsWhatASolutionSaysOfItself) {
   sent.solution.handed_to = "nnls";
   sent.solution.range_gap = 0.25;
   sent.solution.message = "said";
-  Outgoing out;
-  put(out, sent);
-  Incoming in(out.bytes());
-  const Solution got = get_answer(in).solution;
+  const Solution got = unpack<SolveReply>(pack(sent)).solution;
   EXPECT_EQ(got.handed_to, "nnls");
   EXPECT_EQ(got.range_gap, 0.25);
   EXPECT_EQ(got.message, "said");
@@ -106,10 +103,7 @@ TEST(Wire, CarriesAProblemBitForBit) {
   Problem p = tests::chain(5).problem;
   p.c[2] = -0.0;
   p.kind[1] = RowKind::inequality;
-  Outgoing out;
-  put(out, p);
-  Incoming in(out.bytes());
-  const Problem q = get_problem(in);
+  const Problem q = unpack<Problem>(pack(p));
   EXPECT_EQ(q.name, p.name);
   EXPECT_EQ(Matrix(q.M), Matrix(p.M));
   EXPECT_EQ(Matrix(q.J), Matrix(p.J));
@@ -120,12 +114,9 @@ TEST(Wire, CarriesAProblemBitForBit) {
 }
 
 TEST(Wire, RefusesAMessageThatEndsEarly) {
-  Outgoing out;
-  put(out, tests::chain(5).problem);
-  std::vector<char> bytes = out.bytes();
-  bytes.resize(bytes.size() / 2);
-  Incoming in(bytes);
-  EXPECT_THROW(get_problem(in), std::runtime_error);
+  const std::string whole = pack(tests::chain(5).problem);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_THROW(unpack<Problem>(std::string_view(whole).substr(0, size)), std::runtime_error) << size;
 }
 
 }  // namespace
