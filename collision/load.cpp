@@ -1,12 +1,12 @@
 #include <zwang/collision/load.h>
 
-#include <unistd.h>
-
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <stdexcept>
+
+#include <zwang/core/files/isolated.h>
 
 namespace zwang::collision {
 namespace {
@@ -21,39 +21,48 @@ fs::path place_of(const StoredFile& file, const MeshFileOptions& options) {
   char how[64];
   std::snprintf(how, sizeof how, "-%016llx-%016llx", std::bit_cast<unsigned long long>(options.unit),
                 std::bit_cast<unsigned long long>(options.weld));
-  return options.cache / (file.sha256 + how + ".tree");
+  return options.cache / (sha256(file.bytes) + how + ".tree");
+}
+
+// Far more than a sound file needs: the slowest format takes a second for 10 MB, the most wasteful 30 bytes a byte.
+IsolationLimits limits_of(const StoredFile& file) {
+  const double bytes = static_cast<double>(file.bytes.size()) * (file.packed() ? 8 : 1);
+  return {.seconds = 5 + bytes / 1e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(80 * bytes)};
+}
+
+// A tree as the cache holds it and as the child process writes it: the report, then the tree.
+IsolatedAnswer build(const StoredFile& file, const MeshFileOptions& options) {
+  return isolated(file.path, limits_of(file), [&](const WriteAnswer& write) {
+    const MeshFile read = read_mesh(file, options);
+    const std::string tree = Tree(read.mesh).to_bytes();
+    write(&read.report, sizeof(MeshReport));
+    write(tree.data(), tree.size());
+  });
+}
+
+// Throws std::runtime_error unless it is a whole one.
+void take(std::string_view bytes, LoadedTree& out) {
+  out.tree = Tree::from_bytes(bytes.substr(std::min(bytes.size(), sizeof(MeshReport))));
+  std::memcpy(static_cast<void*>(&out.report), bytes.data(), sizeof(MeshReport));
 }
 
 bool read_cached(const fs::path& place, LoadedTree& out) {
-  std::ifstream in(place, std::ios::binary | std::ios::ate);
-  if (!in) return false;
-  std::string bytes(static_cast<std::size_t>(in.tellg()), '\0');
-  in.seekg(0);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || bytes.size() < sizeof(MeshReport))
-    return false;
   try {
-    out.tree = Tree::from_bytes(std::string_view(bytes).substr(sizeof(MeshReport)));
+    take(read_stored(place).bytes, out);
   } catch (const std::runtime_error&) {
-    return false;  // torn: built anew, and written over
+    return false;  // absent, or torn: built anew, and written over
   }
-  std::memcpy(static_cast<void*>(&out.report), bytes.data(), sizeof(MeshReport));
   return out.cached = true;
 }
 
-// Under its name only when complete. A cache that cannot be written is done without.
-void write_cached(const fs::path& place, const LoadedTree& loaded) {
+// A cache that cannot be written is done without.
+void write_cached(const fs::path& place, std::string_view bytes) {
   std::error_code ignored;
   fs::create_directories(place.parent_path(), ignored);
-  const fs::path beside = place.string() + "." + std::to_string(::getpid());
-  std::ofstream out(beside, std::ios::binary);
-  const std::string bytes = loaded.tree.to_bytes();
-  out.write(reinterpret_cast<const char*>(&loaded.report), sizeof(MeshReport));
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (out)
-    fs::rename(beside, place, ignored);
-  else
-    fs::remove(beside, ignored);
+  try {
+    replace_file(place, bytes);
+  } catch (const BadFile&) {
+  }
 }
 
 }  // namespace
@@ -63,11 +72,10 @@ LoadedTree load_tree(const fs::path& file, const MeshFileOptions& options) {
   const fs::path place = place_of(stored, options);
   LoadedTree out;
   if (place.empty() || !read_cached(place, out)) {
-    MeshFile read = read_mesh(stored, options);
-    if (options.progress) options.progress(0.75, "building the tree");
-    out.report = read.report;
-    out.tree = Tree(read.mesh);
-    if (!place.empty()) write_cached(place, out);
+    if (options.progress) options.progress(0, "reading");
+    const IsolatedAnswer built = build(stored, options);
+    take(built.bytes(), out);
+    if (!place.empty()) write_cached(place, built.bytes());
   }
   if (options.progress) options.progress(1, "ready");
   return out;

@@ -168,7 +168,6 @@ MeshReport clean(Mesh& mesh, double weld) {
   require_sound(mesh);
   MeshReport report;
   report.triangles_read = mesh.triangles.size();
-  report.vertices_read = mesh.vertices.size();
 
   const std::vector<std::uint32_t> first = welded(mesh.vertices, weld);
   for (std::uint32_t v = 0; v < first.size(); ++v) report.welded += first[v] != v;

@@ -18,7 +18,7 @@ struct Mesh {
 
 // What clean() changed and found.
 struct MeshReport {
-  std::size_t triangles_read = 0, vertices_read = 0;
+  std::size_t triangles_read = 0;
   std::size_t welded = 0;                        // vertices merged into an earlier one
   std::size_t degenerate = 0;                    // triangles dropped: no area
   std::size_t repeated = 0;                      // triangles dropped: the same three corners again

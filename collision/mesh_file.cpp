@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <cstring>
 
-#include <zwang/core/files/isolated.h>
 #include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang::collision {
@@ -65,33 +63,6 @@ Mesh parse(const StoredFile& stored, const std::string& kind, const std::string&
   return mesh;
 }
 
-// A mesh on its way out of the child process.
-void write_mesh(const Mesh& mesh, const WriteAnswer& write) {
-  const std::uint64_t vertices = mesh.vertices.size();
-  write(&vertices, sizeof vertices);
-  write(mesh.vertices.data(), vertices * sizeof(Vec3));
-  write(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
-}
-
-Mesh received(std::string_view bytes) {
-  Mesh mesh;
-  std::uint64_t vertices;
-  std::memcpy(&vertices, bytes.data(), sizeof vertices);
-  bytes.remove_prefix(sizeof vertices);
-  const std::size_t first = vertices * sizeof(Vec3), second = bytes.size() - first;
-  mesh.vertices.resize(vertices);
-  mesh.triangles.resize(second / sizeof(mesh.triangles[0]));
-  std::memcpy(static_cast<void*>(mesh.vertices.data()), bytes.data(), first);
-  std::memcpy(mesh.triangles.data(), bytes.data() + first, second);
-  return mesh;
-}
-
-// Far more than a sound file needs: the slowest format takes a second for 10 MB, the most wasteful 30 bytes a byte.
-IsolationLimits limits_of(const StoredFile& file) {
-  const double bytes = static_cast<double>(file.bytes.size()) * (file.packed() ? 8 : 1);
-  return {.seconds = 5 + bytes / 1e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(80 * bytes)};
-}
-
 }  // namespace
 
 double metres_per(std::string_view unit) {
@@ -123,14 +94,9 @@ MeshFile read_mesh(const StoredFile& stored, const MeshFileOptions& options) {
   const std::string kind = stored.kind();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
     refuse(stored.path, "meshes are .stl, .obj, .ply, .gltf, .glb or .dxf, or one of them with .gz");
-  if (options.progress) options.progress(0, "reading");
-  MeshFile out;
-  out.mesh = received(isolated(stored.path, limits_of(stored), [&](const WriteAnswer& write) {
-                        const std::string inner = stored.packed() ? unpacked(stored, most) : std::string();
-                        write_mesh(parse(stored, kind, stored.packed() ? inner : stored.bytes, options.unit), write);
-                      }).bytes());
+  const std::string inner = stored.packed() ? unpacked(stored, most) : std::string();
+  MeshFile out{.mesh = parse(stored, kind, stored.packed() ? inner : stored.bytes, options.unit)};
   if (out.mesh.triangles.empty()) refuse(stored.path, "no triangles in it");
-  if (options.progress) options.progress(0.5, "welding");
   try {
     out.report = clean(out.mesh, options.weld);
   } catch (const std::invalid_argument& bad) {

@@ -33,8 +33,8 @@ struct MeshFile {
 };
 
 // STL, OBJ, PLY, glTF/GLB, DXF, each also as .gz. Node transforms are applied, polygons cut into triangles, points and
-// lines skipped. assimp parses in a child process (core/files/isolated.h), with time and memory in proportion to the
-// file's size. Throws BadFile, one line: the file and what is wrong with it.
+// lines skipped. Throws BadFile, one line: the file and what is wrong with it. assimp reads some damaged files for
+// ever: load_tree (load.h) calls this in a child process.
 MeshFile read_mesh(const StoredFile& file, const MeshFileOptions& options = {});
 inline MeshFile read_mesh(const std::filesystem::path& file, const MeshFileOptions& options = {}) {
   return read_mesh(read_stored(file), options);

@@ -17,16 +17,6 @@ bool hides(const Plane& plane, const TreeNode& node) {
   return highest <= plane.offset + Plane::tolerance;
 }
 
-double square_to(const TreeNode& node, const Vec3& p) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double x = p[static_cast<Index>(k)];
-    const double out = std::max({static_cast<double>(node.low[k]) - x, x - static_cast<double>(node.high[k]), 0.0});
-    sum += out * out;
-  }
-  return sum;
-}
-
 }  // namespace
 
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
@@ -34,7 +24,7 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
   std::optional<NearestPoint> best;
   double least = reach * reach;
   const auto enter = [&](const TreeNode& node, std::size_t) {
-    return square_to(node, p) < least && !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
+    return node.distance2(p) < least && !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
   };
   tree.walk(enter, [&](std::uint32_t t, std::uint32_t end) {
     for (; t < end; ++t) {

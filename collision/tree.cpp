@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang::collision {
 namespace {
@@ -30,31 +31,23 @@ void build(const Mesh& mesh, Model& model) {
   if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
 }
 
-constexpr std::uint64_t magic = 0x3265657274677a0au;  // "\nzgtree2" where bytes run from low to high
+constexpr std::uint64_t magic = 0x3365657274677a0au;  // "\nzgtree3" where bytes run from low to high
 
-// FNV-1a over 64-bit words, then the rest.
+// By words, as trees are large.
 std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t h = 14695981039346656037u;
+  std::uint64_t hash = 0;
   for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
     std::uint64_t word;
     std::memcpy(&word, bytes.data(), 8);
-    h = (h ^ word) * 1099511628211u;
-    h ^= h >> 29;
+    hash = mix_bits(hash ^ word);
   }
-  for (const char byte : bytes) h = (h ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return h;
+  return fnv1a(bytes, hash);
 }
 
 struct Header {
+  std::uint64_t checksum;  // of all that follows it
   std::uint64_t magic, nodes, triangles, points;
-  double low[3], high[3];
-  std::uint64_t checksum;  // of what stands before it and of what follows it
 };
-
-std::uint64_t checksum(const Header& header, std::string_view body) {
-  const std::string_view before(reinterpret_cast<const char*>(&header), offsetof(Header, checksum));
-  return checksum(before) + 31 * checksum(body);
-}
 
 }  // namespace
 
@@ -127,6 +120,10 @@ Tree::Tree(const Mesh& mesh) {
   nodes_.shrink_to_fit();
   points_.shrink_to_fit();
 
+  find_box();
+}
+
+void Tree::find_box() {
   low_ = high_ = points_.front();
   for (const Vec3& p : points_) {
     low_ = low_.cwiseMin(p);
@@ -141,34 +138,27 @@ double Tree::bytes_per_triangle() const {
 }
 
 std::string Tree::to_bytes() const {
-  std::string body;
-  const auto put = [&body](const auto& list) {
-    body.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof(list[0]));
+  Header header{0, magic, nodes_.size(), corners_.size(), points_.size()};
+  std::string bytes(sizeof header, '\0');
+  std::memcpy(bytes.data(), &header, sizeof header);
+  const auto put = [&bytes](const auto& list) {
+    bytes.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof(list[0]));
   };
   put(nodes_);
   put(points_);
   put(corners_);
   put(origin_);
-  Header header{magic, nodes_.size(), corners_.size(), points_.size(), {}, {}, 0};
-  for (int k = 0; k < 3; ++k) header.low[k] = low_[k], header.high[k] = high_[k];
-  header.checksum = checksum(header, body);
-  std::string bytes(sizeof header, '\0');
+  header.checksum = checksum(std::string_view(bytes).substr(sizeof header.checksum));
   std::memcpy(bytes.data(), &header, sizeof header);
-  return bytes += body;
+  return bytes;
 }
 
 Tree Tree::from_bytes(std::string_view bytes) {
-  const auto torn = [] { return std::runtime_error("not a whole tree of this version"); };
-  Header header;
-  if (bytes.size() < sizeof header) throw torn();
-  std::memcpy(&header, bytes.data(), sizeof header);
+  Header header{};
+  if (bytes.size() > sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic != magic || header.points == 0 || checksum(bytes.substr(sizeof header.checksum)) != header.checksum)
+    throw std::runtime_error("not a whole tree of this version");
   bytes.remove_prefix(sizeof header);
-  constexpr std::size_t each = 4 * sizeof(std::uint32_t);
-  if (header.magic != magic || header.nodes == 0 || header.nodes > (1u << 30) || header.triangles > (1u << 28) ||
-      header.points > 3 * header.triangles ||
-      bytes.size() != header.nodes * sizeof(TreeNode) + header.points * sizeof(Vec3) + header.triangles * each ||
-      checksum(header, bytes) != header.checksum)
-    throw torn();
   Tree tree;
   const auto get = [&bytes](auto& list, std::size_t count) {
     list.resize(count);
@@ -179,7 +169,7 @@ Tree Tree::from_bytes(std::string_view bytes) {
   get(tree.points_, header.points);
   get(tree.corners_, header.triangles);
   get(tree.origin_, header.triangles);
-  for (int k = 0; k < 3; ++k) tree.low_[k] = header.low[k], tree.high_[k] = header.high[k];
+  tree.find_box();
   return tree;
 }
 

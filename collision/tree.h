@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <ranges>
 #include <span>
@@ -19,6 +20,17 @@ struct TreeNode {
   std::array<float, 3> low, high;
   std::uint32_t skip;
   std::uint32_t first;  // triangle of its subtree
+
+  // From p to the box, squared.
+  double distance2(const Vec3& p) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = p[static_cast<Index>(k)];
+      const double out = std::max({static_cast<double>(low[k]) - x, x - static_cast<double>(high[k]), 0.0});
+      sum += out * out;
+    }
+    return sum;
+  }
 };
 static_assert(sizeof(TreeNode) == 32);
 
@@ -82,6 +94,8 @@ class Tree {
   static Tree from_bytes(std::string_view bytes);
 
  private:
+  void find_box();
+
   std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one after the last, whose first triangle is size()
   std::vector<Vec3> points_ = {};
   std::vector<std::array<std::uint32_t, 3>> corners_ = {};  // of each triangle, in points_

@@ -1,25 +1,17 @@
-#include <openssl/evp.h>
-
 #include <bit>
-#include <memory>
-#include <stdexcept>
 
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
 
 namespace zwang {
 namespace {
 
-// Feeds numbers to the digest as little-endian 64-bit words.
-class Digest {
- public:
-  Digest() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    check(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
-  }
+// Numbers as little-endian 64-bit words.
+struct CanonicalBytes {
+  std::string bytes = {};
 
   void add(std::uint64_t word) {
-    unsigned char bytes[8];
-    for (int k = 0; k < 8; ++k) bytes[k] = static_cast<unsigned char>(word >> (8 * k));
-    check(EVP_DigestUpdate(context_.get(), bytes, sizeof bytes));
+    for (int k = 0; k < 64; k += 8) bytes += static_cast<char>(word >> k);
   }
   void add(Index number) { add(static_cast<std::uint64_t>(number)); }
   void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
@@ -38,38 +30,20 @@ class Digest {
         }
     add(Index{-1});
   }
-
-  std::string hexadecimal() {
-    unsigned char bytes[32];
-    unsigned int size = 0;
-    check(EVP_DigestFinal_ex(context_.get(), bytes, &size));
-    std::string text;
-    for (const unsigned char byte : bytes) {
-      text += "0123456789abcdef"[byte >> 4];
-      text += "0123456789abcdef"[byte & 15];
-    }
-    return text;
-  }
-
- private:
-  static void check(int ok) {
-    if (ok != 1) throw std::runtime_error("SHA-256 is not available in this OpenSSL");
-  }
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
 }  // namespace
 
 std::string problem_sha256(const Problem& p) {
-  Digest digest;
-  digest.add(p.size());
-  digest.add(p.rows());
-  digest.add(p.M);
-  digest.add(p.J);
-  digest.add(p.z_u);
-  digest.add(p.c);
-  for (const RowKind kind : p.kind) digest.add(static_cast<std::uint64_t>(kind));
-  return digest.hexadecimal();
+  CanonicalBytes canonical;
+  canonical.add(p.size());
+  canonical.add(p.rows());
+  canonical.add(p.M);
+  canonical.add(p.J);
+  canonical.add(p.z_u);
+  canonical.add(p.c);
+  for (const RowKind kind : p.kind) canonical.add(static_cast<std::uint64_t>(kind));
+  return sha256(canonical.bytes);
 }
 
 }  // namespace zwang

@@ -1,6 +1,7 @@
 #include <zwang/core/files/stored_file.h>
 
 #include <openssl/evp.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -25,17 +26,6 @@ std::string lower_extension(const fs::path& file) {
   return text;
 }
 
-std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, 32> digest;
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("SHA-256 is not available");
-  std::string text;
-  for (const unsigned char byte : digest)
-    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
-}
-
 }  // namespace
 
 bool StoredFile::packed() const { return lower_extension(path) == ".gz"; }
@@ -53,8 +43,19 @@ StoredFile read_stored(const fs::path& file) {
   in.seekg(0);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) refuse(file, "cannot be read to its end");
   if (bytes.empty()) refuse(file, "0 bytes");
-  std::string hash = sha256(bytes);
-  return {file, std::move(bytes), std::move(hash)};
+  return {file, std::move(bytes)};
+}
+
+void replace_file(const fs::path& file, std::string_view bytes) {
+  const fs::path beside = file.string() + "." + std::to_string(getpid());
+  std::ofstream out(beside, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  std::error_code error;
+  if (out) fs::rename(beside, file, error);
+  if (out && !error) return;
+  fs::remove(beside, error);
+  refuse(file, "cannot be written; expected a writable place with room");
 }
 
 // A gzip file may hold several members one behind the other, which are one file.
@@ -85,13 +86,15 @@ std::string unpacked(const StoredFile& file, std::size_t most) {
   return out;
 }
 
-void replace_file(const fs::path& file, std::string_view bytes) {
-  const fs::path draft = file.string() + ".new";
-  std::ofstream out(draft, std::ios::binary);
-  out << bytes;
-  out.close();
-  if (!out) throw BadFile("cannot write " + file.string());
-  fs::rename(draft, file);
+std::string sha256(std::string_view bytes) {
+  std::array<unsigned char, 32> digest;
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("SHA-256 is not available");
+  std::string text;
+  for (const unsigned char byte : digest)
+    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
+  return text;
 }
 
 std::string one_line(std::string text) {

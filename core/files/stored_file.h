@@ -6,11 +6,10 @@
 
 namespace zwang {
 
-// A file's bytes as they are stored, and their SHA-256 in hexadecimal.
+// A file's bytes as they are stored.
 struct StoredFile {
   std::filesystem::path path = {};
   std::string bytes = {};
-  std::string sha256 = {};
 
   // The extension in lower case, ".gz" left out: ".stl" of part.STL.gz.
   std::string kind() const;
@@ -25,6 +24,9 @@ std::string unpacked(const StoredFile& file, std::size_t most);
 
 // Replaces the file in one step: a killed program leaves the old one or the new one. Throws BadFile.
 void replace_file(const std::filesystem::path& file, std::string_view bytes);
+
+// 64 hexadecimal digits.
+std::string sha256(std::string_view bytes);
 
 // One line of at most 300 characters without control characters, for what a library or a file says.
 std::string one_line(std::string text);

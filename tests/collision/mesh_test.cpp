@@ -25,7 +25,7 @@ struct MeshFiles : testing::Test {
   }
   std::string complaint(const fs::path& file) const {
     try {
-      read_mesh(file);
+      load_tree(file);
     } catch (const BadFile& bad) {
       return bad.what();
     }

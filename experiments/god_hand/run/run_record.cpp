@@ -7,6 +7,7 @@
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang::god {
 namespace {
@@ -92,9 +93,7 @@ Json load(const std::filesystem::path& directory) {
 // FNV-1a over the bits of numbers.
 class Fingerprint {
  public:
-  void add(std::uint64_t word) {
-    for (int shift = 0; shift < 64; shift += 8) hash_ = (hash_ ^ (word >> shift & 0xff)) * 1099511628211ull;
-  }
+  void add(std::uint64_t word) { hash_ = fnv1a({reinterpret_cast<const char*>(&word), sizeof word}, hash_); }
   void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
   void add(const Vec3& v) {
     for (const double number : v) add(number);
@@ -106,7 +105,7 @@ class Fingerprint {
   std::uint64_t hash() const { return hash_; }
 
  private:
-  std::uint64_t hash_ = 14695981039346656037ull;
+  std::uint64_t hash_ = fnv1a({});
 };
 
 }  // namespace

@@ -39,23 +39,19 @@ class TreeShape : public btConcaveShape {
   }
 
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override {
-    const auto nodes = tree_->nodes();
-    for (std::size_t i = 0; i < nodes.size();) {
-      const collision::TreeNode& node = nodes[i];
-      bool apart = false;
+    const auto enter = [&](const collision::TreeNode& node, std::size_t) {
+      bool meets = true;
       for (std::size_t k = 0; k < 3; ++k)
-        apart = apart || node.low[k] > high.m_floats[k] || node.high[k] < low.m_floats[k];
-      if (apart) {
-        i = node.skip;
-        continue;
-      }
-      if (!tree_->leaf(i++)) continue;
-      for (auto [t, end] = tree_->range(i - 1); t < end; ++t) {
+        meets = meets && node.low[k] <= high.m_floats[k] && node.high[k] >= low.m_floats[k];
+      return meets;
+    };
+    tree_->walk(enter, [&](std::uint32_t t, std::uint32_t end) {
+      for (; t < end; ++t) {
         const auto [a, b, c] = tree_->triangle(t).corner;
         btVector3 corners[3] = {vector(a), vector(b), vector(c)};
         callback->processTriangle(corners, 0, static_cast<int>(t));
       }
-    }
+    });
   }
   void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override {
     btTransformAabb(vector(tree_->low()), vector(tree_->high()), 0, t, low, high);

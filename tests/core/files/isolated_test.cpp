@@ -93,21 +93,21 @@ TEST_F(StoredFiles, WhatIsNoFileIsRefusedAtOnce) {
 }
 
 TEST_F(StoredFiles, KindIsTheExtensionBelowGz) {
-  EXPECT_EQ((StoredFile{"a.b/Part.STL.gz", {}, {}}.kind()), ".stl");
-  EXPECT_TRUE((StoredFile{"Part.obj.GZ", {}, {}}.packed()));
-  EXPECT_EQ((StoredFile{"part.ply", {}, {}}.kind()), ".ply");
-  EXPECT_FALSE((StoredFile{"part.ply", {}, {}}.packed()));
+  EXPECT_EQ((StoredFile{"a.b/Part.STL.gz", {}}.kind()), ".stl");
+  EXPECT_TRUE((StoredFile{"Part.obj.GZ", {}}.packed()));
+  EXPECT_EQ((StoredFile{"part.ply", {}}.kind()), ".ply");
+  EXPECT_FALSE((StoredFile{"part.ply", {}}.packed()));
 }
 
 // "ab" packed twice, one behind the other, as `cat a.gz b.gz` makes it.
 TEST_F(StoredFiles, SeveralGzipMembersAreOneFile) {
   const std::string member("\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03\x4b\x4c\x02\x00\x6d\x48\x83\x9e\x02\x00\x00\x00",
                            22);
-  EXPECT_EQ(unpacked({"a.gz", member + member, {}}, 100), "abab");
-  EXPECT_EQ(unpacked({"a.txt", member, {}}, 100), member);
-  EXPECT_THROW(unpacked({"a.gz", member + "junk", {}}, 100), BadFile);
-  EXPECT_THROW(unpacked({"a.gz", member.substr(0, 20), {}}, 100), BadFile);
-  EXPECT_THROW(unpacked({"a.gz", member + member, {}}, 3), BadFile);
+  EXPECT_EQ(unpacked({"a.gz", member + member}, 100), "abab");
+  EXPECT_EQ(unpacked({"a.txt", member}, 100), member);
+  EXPECT_THROW(unpacked({"a.gz", member + "junk"}, 100), BadFile);
+  EXPECT_THROW(unpacked({"a.gz", member.substr(0, 20)}, 100), BadFile);
+  EXPECT_THROW(unpacked({"a.gz", member + member}, 3), BadFile);
 }
 
 }  // namespace
