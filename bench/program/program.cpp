@@ -104,14 +104,14 @@ int program(int count, char** arguments, const Extensions& extensions) {
   } catch (const std::filesystem::filesystem_error& bad) {
     std::fprintf(stderr, "%s: %s\n", bad.path1().c_str(), bad.code().message().c_str());
     return bad_file;
-  } catch (const std::runtime_error& bad) {
-    std::fprintf(stderr, "%s\n", bad.what());
-    return bad_file;
   } catch (const std::invalid_argument& wrong) {
     std::fprintf(stderr, "%s\n", wrong.what());
     return wrong_use;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "out of memory\n");
+    return bad_file;
+  } catch (const std::exception& bad) {  // BadFile, and what a library throws over a file
+    std::fprintf(stderr, "%s\n", bad.what());
     return bad_file;
   }
 }
