@@ -1,33 +1,16 @@
 #include <zwang/core/problem/solver.h>
 
+#include <array>
 #include <new>
 
 namespace zwang {
 
 std::string_view to_string(Status status) {
-  switch (status) {
-    case Status::unsolved:
-      return "unsolved";
-    case Status::solved:
-      return "solved";
-    case Status::solved_ill_conditioned:
-      return "solved, ill-conditioned";
-    case Status::infeasible:
-      return "infeasible";
-    case Status::iteration_limit:
-      return "iteration limit";
-    case Status::time_limit:
-      return "time limit";
-    case Status::unsupported:
-      return "unsupported";
-    case Status::bad_input:
-      return "bad input";
-    case Status::numerical_failure:
-      return "numerical failure";
-    case Status::crashed:
-      return "crashed";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 10> words{
+      "unsolved",    "solved",    "solved, ill-conditioned", "infeasible", "iteration limit", "time limit",
+      "unsupported", "bad input", "numerical failure",       "crashed"};
+  const auto k = static_cast<std::size_t>(status);
+  return k < words.size() ? words[k] : "unknown";
 }
 
 void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {

@@ -14,8 +14,6 @@ namespace {
 
 using Rows = DistanceBound::Rows;
 
-double or_infinity(double x) { return std::isnan(x) ? std::numeric_limits<double>::infinity() : x; }
-
 // The bound of the answer as it is: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
 // stops at 1e-8 for answers in double; a z outside a row by more than rounding gets no bound.
 DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector& given) {
@@ -24,7 +22,7 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   DoubleDouble weighted_slack;
   for (Index i = 0; i < scaled.rows(); ++i) {
     DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
-    if (scaled.is_vacuous(i) || scaled.is_zero(i)) {
+    if (!scaled.counts(i)) {
       if (scaled.is_zero(i) && !scaled.zero_row_holds(i)) return bound;
       weight = 0;
       continue;

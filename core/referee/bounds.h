@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <string>
 
 #include <zwang/core/referee/scaled_problem.h>
 
 namespace zwang {
+
+// What overflowed to NaN is as bad as can be.
+inline double or_infinity(double x) { return std::isnan(x) ? std::numeric_limits<double>::infinity() : x; }
 
 // How far a motion d = z - z_u is from the true one, found without a reference; in scaled units.
 struct DistanceBound {

@@ -27,9 +27,8 @@ std::vector<IslandPart> split_islands(const ScaledProblem& scaled) {
   for (Index j = 0; j < n; ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
       if (it.value() != 0) sets.join(it.row(), j);
-  const auto in_use = [&](Index i) { return !scaled.is_vacuous(i) && !scaled.is_zero(i); };
   for (Index i = 0; i < scaled.rows(); ++i) {
-    if (!in_use(i)) continue;
+    if (!scaled.counts(i)) continue;
     const Index first = SparseRows::InnerIterator(scaled.J, i).col();
     for (SparseRows::InnerIterator it(scaled.J, i); it; ++it) sets.join(it.col(), first);
   }
@@ -49,7 +48,7 @@ std::vector<IslandPart> split_islands(const ScaledProblem& scaled) {
     part(j).columns.push_back(j);
   }
   for (Index i = 0; i < scaled.rows(); ++i)
-    if (in_use(i)) part(SparseRows::InnerIterator(scaled.J, i).col()).rows.push_back(i);
+    if (scaled.counts(i)) part(SparseRows::InnerIterator(scaled.J, i).col()).rows.push_back(i);
   if (parts.size() <= 1) return parts;
 
   std::vector<Eigen::Triplet<double>> entries;

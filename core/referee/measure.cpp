@@ -1,7 +1,9 @@
 #include <zwang/core/referee/measure.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
@@ -11,8 +13,6 @@ namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double or_infinity(double x) { return std::isnan(x) ? infinity : x; }
 
 // The six residuals, each on unit rows and divided by s (s^2).
 void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda, double s,
@@ -105,31 +105,11 @@ Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Ref
 }  // namespace
 
 std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::solved:
-      return "solved";
-    case Verdict::near:
-      return "near";
-    case Verdict::wrong:
-      return "wrong";
-    case Verdict::infeasible_proven:
-      return "infeasible, proven";
-    case Verdict::infeasible_claimed:
-      return "infeasible, claimed only";
-    case Verdict::undecided:
-      return "undecided";
-    case Verdict::no_answer:
-      return "no answer";
-    case Verdict::timeout:
-      return "timeout";
-    case Verdict::crashed:
-      return "crashed";
-    case Verdict::bad_input:
-      return "bad input";
-    case Verdict::unsupported:
-      return "unsupported";
-  }
-  return "unknown verdict";
+  static constexpr std::array<std::string_view, 11> words{
+      "solved",  "near",    "wrong",     "infeasible, proven", "infeasible, claimed only", "undecided", "no answer",
+      "timeout", "crashed", "bad input", "unsupported"};
+  const auto k = static_cast<std::size_t>(verdict);
+  return k < words.size() ? words[k] : "unknown verdict";
 }
 
 Metrics measure(const Problem& problem, const Solution& solution, const Reference* reference, double tolerance) {
@@ -163,6 +143,30 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   const Verdict verdict = judge_z(scaled, solution, reference, tolerance, out);
   const bool close = verdict == Verdict::solved || verdict == Verdict::near;
   return with(stopped && !close ? Verdict::timeout : verdict);
+}
+
+std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z) {
+  const Problem& p = instance.problem;
+  const ScaledProblem scaled(p);
+  const ExtendedVector d = scaled.motion(z);
+  const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), scaled.least_scale()});
+  std::map<std::string, TypeResidual> worst;
+  for (Index i = 0; i < p.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
+    double violation = 0, relative = 0;
+    if (!scaled.is_vacuous(i)) {
+      const double slack = scaled.slack(i, d).hi;
+      violation = scaled.is_equality(i) ? std::abs(slack) : std::max(-slack, 0.0);
+      if (violation > 0) relative = violation / scaled.row_norm[i] / s;
+      violation *= scaled.row_scale(i);
+    }
+    const auto [it, first] = worst.try_emplace(type, TypeResidual{type, violation, relative, i});
+    if (!first && relative > it->second.relative) it->second = {type, violation, relative, i};
+  }
+  std::vector<TypeResidual> out;
+  for (auto& [type, residual] : worst) out.push_back(residual);
+  return out;
 }
 
 }  // namespace zwang

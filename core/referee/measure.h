@@ -61,11 +61,4 @@ struct TypeResidual {
 };
 std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z);
 
-// The constraints behind some rows, in people's words: each origin once, in the order of the rows, without its
-// "[row]"; "row 12" where nobody named it.
-std::vector<std::string> constraint_names(const Instance& instance, const std::vector<Index>& rows);
-
-// Rows that are combinations of the rows before them among the equality rows and those that z touches.
-std::vector<Index> redundant_rows(const Problem& problem, const Vector& z);
-
 }  // namespace zwang

@@ -107,17 +107,11 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   return out;
 }
 
-double unit_slack(const ScaledProblem& scaled, Index i, const ExtendedVector& d) {
-  return scaled.slack(i, d).hi / scaled.row_norm[i];
-}
-
-bool counts(const ScaledProblem& scaled, Index i) { return !scaled.is_vacuous(i) && !scaled.is_zero(i); }
-
 // How far the exact point on the anchored rows can be from d: |slack| / sigma_min.
 double off_anchor(const ScaledProblem& scaled, const Anchored& anchored, const ExtendedVector& d) {
   double squared = 0;
   for (const Index i : anchored.basis) {
-    const double slack = std::abs(unit_slack(scaled, i, d)) + scaled.rounding(i, d);
+    const double slack = std::abs(scaled.unit_slack(i, d)) + scaled.rounding(i, d);
     squared += slack * slack;
   }
   return squared == 0 ? 0
@@ -129,11 +123,11 @@ double radius_at(const ScaledProblem& scaled, const Anchored& anchored, const Ex
                  double off) {
   double weighted_slack = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
-    if (!counts(scaled, i)) continue;
+    if (!scaled.counts(i)) continue;
     DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
     if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
     if (anchored.is[static_cast<std::size_t>(i)]) continue;
-    const double error = scaled.rounding(i, d) + off, slack = unit_slack(scaled, i, d);
+    const double error = scaled.rounding(i, d) + off, slack = scaled.unit_slack(i, d);
     if (!(slack >= error)) return infinity;
     weighted_slack += weight.hi * scaled.row_norm[i] * (slack + error);
   }
@@ -156,7 +150,7 @@ class Prover {
  public:
   Prover(const ScaledProblem& scaled, const RefereeActiveSet& own) : scaled_(scaled), own_(own) {
     for (Index i = 0; i < scaled.rows(); ++i)
-      if (scaled.is_equality(i) && counts(scaled, i)) equality_.push_back(i);
+      if (scaled.is_equality(i) && scaled.counts(i)) equality_.push_back(i);
   }
 
   Proof prove() {
@@ -169,8 +163,8 @@ class Prover {
   std::vector<Index> near_rows(const Anchored& anchored, double off) const {
     std::vector<Index> near;
     for (Index i = 0; i < scaled_.rows(); ++i)
-      if (counts(scaled_, i) && !anchored.is[static_cast<std::size_t>(i)] &&
-          unit_slack(scaled_, i, own_.d) <= referee::near * (scaled_.rounding(i, own_.d) + off))
+      if (scaled_.counts(i) && !anchored.is[static_cast<std::size_t>(i)] &&
+          scaled_.unit_slack(i, own_.d) <= referee::near * (scaled_.rounding(i, own_.d) + off))
         near.push_back(i);
     return near;
   }
@@ -211,7 +205,7 @@ class Prover {
         ExtendedVector inside = own_.d;
         double shift = 0;
         for (const Index i : near)
-          shift = std::max(shift, referee::inward * (std::max(-unit_slack(scaled_, i, own_.d), 0.0) +
+          shift = std::max(shift, referee::inward * (std::max(-scaled_.unit_slack(i, own_.d), 0.0) +
                                                      scaled_.rounding(i, own_.d) + off));
         for (std::size_t j = 0; j < inside.size(); ++j)
           inside[j] += DoubleDouble::exact_product(shift, inward.v[static_cast<Index>(j)]);

@@ -43,10 +43,10 @@ void RefereeActiveSet::guess(const ExtendedVector& guess_d, const ExtendedVector
   std::vector<Candidate> candidates;
   const double scale = std::max(scaled_.norm_of_free_motion(), scaled_.norm(guess_d));
   for (Index i = 0; i < scaled_.rows(); ++i) {
-    if (scaled_.is_vacuous(i) || scaled_.is_zero(i)) continue;
+    if (!scaled_.counts(i)) continue;
     const double norm = scaled_.row_norm[i];
     const double weight = guess_lambda ? (*guess_lambda)[static_cast<std::size_t>(i)].hi * norm : 0;
-    const double slack = scaled_.slack(i, guess_d).hi / norm;
+    const double slack = scaled_.unit_slack(i, guess_d);
     if (scaled_.is_equality(i))
       take(i, weight);
     else if (guess_lambda ? weight > slack && weight > 0 : slack <= referee::touched_by_guess * scale)
@@ -68,13 +68,16 @@ void RefereeActiveSet::take(Index row, Real weight) {
     const bool all = scaled_.is_equality(row) || weight <= step;
     const Real moved = all ? weight : step;
     for (Index k = 0; k < rows.rank(); ++k) mu_[static_cast<std::size_t>(k)] += moved * s.alpha[k];
-    if (scaled_.is_equality(row)) dependent_equality.push_back(row);
     if (all) return;
     weight -= moved;
     drop(place);
     s = split(row);
     if (s.dependent) return;
   }
+  hold(row, weight, s);
+}
+
+void RefereeActiveSet::hold(Index row, Real weight, const OrthogonalRows::Split& s) {
   rows.append(s);
   basis.push_back(row);
   mu_.push_back(weight);
@@ -91,11 +94,7 @@ void RefereeActiveSet::drop(Index place) {
   rows.truncate(place);
   for (std::size_t k = 0; k < tail.size(); ++k) {
     const OrthogonalRows::Split s = split(tail[k]);
-    if (s.dependent) continue;
-    rows.append(s);
-    basis.push_back(tail[k]);
-    mu_.push_back(weight[k]);
-    place_[static_cast<std::size_t>(tail[k])] = 1;
+    if (!s.dependent) hold(tail[k], weight[k], s);
   }
 }
 
@@ -161,8 +160,8 @@ Index RefereeActiveSet::worst_violated() const {
   Index worst = -1;
   double most = 0;
   for (Index i = 0; i < scaled_.rows(); ++i) {
-    if (held(i) || scaled_.is_vacuous(i) || scaled_.is_zero(i)) continue;
-    const double slack = unit_slack(i);
+    if (held(i) || !scaled_.counts(i)) continue;
+    const double slack = scaled_.unit_slack(i, d);
     const double violation = scaled_.is_equality(i) ? std::abs(slack) : -slack;
     if (violation > most && violation > referee::violated * scaled_.rounding(i, d)) {
       most = violation;
@@ -200,10 +199,7 @@ RefereeActiveSet::Outcome RefereeActiveSet::add(Index row) {
     for (Index k = 0; k < rows.rank(); ++k) mu_[static_cast<std::size_t>(k)] -= step * s.alpha[k];
     weight += step;
     if (full_step <= dual_step) {
-      rows.append(s);
-      basis.push_back(row);
-      mu_.push_back(weight);
-      place_[static_cast<std::size_t>(row)] = 1;
+      hold(row, weight, s);
       return Outcome::optimal;
     }
     if (!s.dependent) slack += step * s.left * s.left;

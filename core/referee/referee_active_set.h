@@ -28,12 +28,11 @@ class RefereeActiveSet {
   // guess_lambda may be null: rows touched to 1e-6 are then guessed to hold.
   Outcome solve(const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
 
-  ExtendedVector d, lambda;               // when optimal; lambda only on `basis`
-  std::vector<Index> basis;               // independent rows that hold, equality rows first
-  std::vector<Index> dependent_equality;  // equality rows that are combinations of those in `basis`
-  Index equality_rank = 0;                // how many of `basis` are equality rows
-  OrthogonalRows rows;                    // factors of `basis`
-  Vector farkas;                          // when infeasible: m, u of the scaled problem
+  ExtendedVector d, lambda;  // when optimal; lambda only on `basis`
+  std::vector<Index> basis;  // independent rows that hold, equality rows first
+  Index equality_rank = 0;   // how many of `basis` are equality rows
+  OrthogonalRows rows;       // factors of `basis`
+  Vector farkas;             // when infeasible: m, u of the scaled problem
 
  private:
   using Real = OrthogonalRows::Real;
@@ -41,6 +40,7 @@ class RefereeActiveSet {
 
   void guess(const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
   void take(Index row, Real weight);
+  void hold(Index row, Real weight, const OrthogonalRows::Split& s);
   void drop(Index place);
   bool refine();
   bool drop_negative();
@@ -50,7 +50,6 @@ class RefereeActiveSet {
   // The place of the inequality row whose multiplier first reaches zero along mu - t alpha, and t.
   std::pair<Index, Real> first_blocked(const Column& alpha) const;
   void store_farkas(Index row, Real sign, const Column& alpha);
-  double unit_slack(Index row) const { return scaled_.slack(row, d).hi / scaled_.row_norm[row]; }
   bool held(Index row) const { return place_[static_cast<std::size_t>(row)]; }
 
   const ScaledProblem& scaled_;

@@ -26,6 +26,7 @@ class ScaledProblem {
   // A row that says nothing (c = -Inf), and a row of zeros.
   bool is_vacuous(Index i) const { return !std::isfinite(c[i]); }
   bool is_zero(Index i) const { return row_norm[i] == 0; }
+  bool counts(Index i) const { return !is_vacuous(i) && !is_zero(i); }
   bool zero_row_holds(Index i) const { return is_equality(i) ? c[i] == 0 : c[i] <= 0; }
 
   // From the problem's units to these, and back.
@@ -37,12 +38,13 @@ class ScaledProblem {
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
   double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
 
-  double norm(const ExtendedVector& d) const;                        // sqrt(d' M d)
-  double norm_of(const Vector& z) const;                             // the same of z itself, z in the problem's units
-  double norm_of_free_motion() const;                                // |z_u|_M
-  double norm_with_free_motion(ExtendedVector d) const;              // |z_u + d|_M
-  double dual_norm(const ExtendedVector& r) const;                   // sqrt(r' M^-1 r)
-  DoubleDouble slack(Index i, const ExtendedVector& d) const;        // J_i (z_u + d) - c_i, not divided by |G_i|
+  double norm(const ExtendedVector& d) const;                  // sqrt(d' M d)
+  double norm_of(const Vector& z) const;                       // the same of z itself, z in the problem's units
+  double norm_of_free_motion() const;                          // |z_u|_M
+  double norm_with_free_motion(ExtendedVector d) const;        // |z_u + d|_M
+  double dual_norm(const ExtendedVector& r) const;             // sqrt(r' M^-1 r)
+  DoubleDouble slack(Index i, const ExtendedVector& d) const;  // J_i (z_u + d) - c_i, not divided by |G_i|
+  double unit_slack(Index i, const ExtendedVector& d) const { return slack(i, d).hi / row_norm[i]; }
   DoubleDouble violation(Index i) const;                             // h_i = c_i - J_i z_u
   VectorX<FactorReal> unit_row(Index i) const;                       // G_i / |G_i|, n, permuted as Q = L'P
   VectorX<FactorReal> whiten(const ExtendedVector& r) const;         // Q^-T r: |.| is the dual norm

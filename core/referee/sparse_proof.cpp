@@ -26,8 +26,6 @@ class SparseProof {
   }
 
  private:
-  bool counts(Index i) const { return !scaled_.is_vacuous(i) && !scaled_.is_zero(i); }
-  double unit_slack(Index i) const { return scaled_.slack(i, d_).hi / scaled_.row_norm[i]; }
   double unit_product(Index i, const Vector& p) const { return scaled_.J.row(i).dot(p) / scaled_.row_norm[i]; }
 
   // Rows that push, and rows that push or touch.
@@ -37,11 +35,11 @@ class SparseProof {
     const double near = referee::touched * std::max(scaled_.norm_of_free_motion(), scaled_.norm(d));
     for (Index i = 0; i < scaled_.rows(); ++i) {
       DoubleDouble& own = lambda_[static_cast<std::size_t>(i)];
-      const double slack = counts(i) ? unit_slack(i) : 0;
-      const bool pushes = counts(i) && own.hi > 0 && own.hi * scaled_.row_norm[i] > slack;
+      const double slack = scaled_.counts(i) ? scaled_.unit_slack(i, d_) : 0;
+      const bool pushes = scaled_.counts(i) && own.hi > 0 && own.hi * scaled_.row_norm[i] > slack;
       if (pushes) pushing_.push_back(i);
       if (!pushes) own = 0;
-      if (pushes || (counts(i) && slack < near)) touching_.push_back(i);
+      if (pushes || (scaled_.counts(i) && slack < near)) touching_.push_back(i);
     }
   }
 
@@ -71,7 +69,7 @@ class SparseProof {
       for (Index j = 0; j < scaled_.size(); ++j) right[j] = -force[static_cast<std::size_t>(j)].hi;
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
-        slack[static_cast<Index>(k)] = unit_slack(i);
+        slack[static_cast<Index>(k)] = scaled_.unit_slack(i, d_);
         add(i, -penalty * slack[static_cast<Index>(k)] / scaled_.row_norm[i], right);
       }
       const double error = scaled_.dual_norm(force) + slack.norm();
@@ -115,8 +113,9 @@ class SparseProof {
     // How far y_f may go, mu'max(s, 0), and the worst v.
     double t = std::numeric_limits<double>::infinity(), held = 0, worst = 0;
     for (Index i = 0; i < scaled_.rows(); ++i) {
-      if (!counts(i)) continue;
-      const double rounding = scaled_.rounding(i, d_), slack = unit_slack(i), own = unit_product(i, opening_);
+      if (!scaled_.counts(i)) continue;
+      const double rounding = scaled_.rounding(i, d_), slack = scaled_.unit_slack(i, d_),
+                   own = unit_product(i, opening_);
       held += lambda_[static_cast<std::size_t>(i)].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
       if (slack - rounding <= 0 && own <= opened_ / 2) return {};
       worst = std::max(worst, rounding - slack);

@@ -24,8 +24,6 @@ inline constexpr int rank = 64;
 inline constexpr FactorReal clear_rest = 1e-6L;
 // What a direction inward has to do on each near row, of the 1 that it is solved for.
 inline constexpr FactorReal reaches = 0.5L;
-// For people: below it a row is named redundant, though stored doubles may make it independent by rounding.
-inline constexpr double redundant = 1e-10;
 
 // Of the motion: rows that an answer in double touches. 1e-6 where there are no multipliers to tell, so that answers
 // of a tolerance of 1e-6 find their rows; a row too many leaves by its multiplier's sign.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include <zwang/bench/references/reference.h>
@@ -156,10 +157,10 @@ TEST(Atlas, InfeasibleHandNamesWhatContradicts) {
   ASSERT_EQ(s.status, Status::infeasible) << s.message;
   const Metrics m = measure(hand.problem, s, nullptr, 1e-10);
   EXPECT_EQ(m.verdict, Verdict::infeasible_proven);
-  std::vector<std::string> names = constraint_names(hand, m.conflicting);
-  std::ranges::sort(names);
-  EXPECT_EQ(names, (std::vector<std::string>{"joint_limit/index PIP lower", "revolute_joint/index PIP",
-                                             "weld/index PIP locked"}));
+  std::set<std::string> names;
+  for (const Index i : m.conflicting) names.insert(constraint_name(hand.origin[static_cast<std::size_t>(i)]));
+  EXPECT_EQ(names, (std::set<std::string>{"joint_limit/index PIP lower", "revolute_joint/index PIP",
+                                          "weld/index PIP locked"}));
 }
 
 // What the referee says of every solver's z when nobody tells it the truth. MMA and CCSAQ take the whole time limit on

@@ -62,11 +62,6 @@ TEST(Certificate, NamesTheConflictingRowsLargestPartFirst) {
   const Problem p = dense_problem(J, (Vector(4) << -1, 2, 1, -1).finished(), std::vector(4, RowKind::inequality));
   const Metrics m = claim_infeasible(p, (Vector(4) << 0, 0.2, 2, 1e-14).finished());
   EXPECT_EQ(m.conflicting, (std::vector<Index>{2, 1})) << "parts |u_i| |G_i| are 2 and 1";
-  Instance instance{.problem = p,
-                    .origin = {{"contact", "a"}, {"contact", "b", 1}, {"limit", "elbow"}, {"contact", "c"}}};
-  EXPECT_EQ(constraint_names(instance, m.conflicting), (std::vector<std::string>{"limit/elbow", "contact/b"}));
-  instance.origin.clear();
-  EXPECT_EQ(constraint_names(instance, {3, 3}), (std::vector<std::string>{"row 3"}));
 }
 
 TEST(Certificate, ARowOfZerosThatCannotHoldProvesIt) {
@@ -75,16 +70,7 @@ TEST(Certificate, ARowOfZerosThatCannotHoldProvesIt) {
   EXPECT_EQ(measure(p, {.status = Status::solved, .z = Vector::Zero(2)}, nullptr, 1e-10).verdict, Verdict::wrong);
 }
 
-TEST(Redundancy, NamesRowsThatAreCombinationsOfEarlierOnes) {
-  Matrix J(5, 3);
-  J << 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0, 0, 0, 1;
-  const Problem p = dense_problem(
-      J, Vector::Zero(5),
-      {RowKind::inequality, RowKind::equality, RowKind::inequality, RowKind::equality, RowKind::inequality});
-  EXPECT_EQ(redundant_rows(p, Vec3(0, 0, 5)), (std::vector<Index>{0, 2})) << "equality rows come first";
-}
-
-TEST(Redundancy, WorstRowOfEachTypeInItsOwnUnit) {
+TEST(Measure, WorstRowOfEachTypeInItsOwnUnit) {
   Matrix J(3, 2);
   J << 2, 0, 0, 1, 0, 4;
   const Problem p = dense_problem(J, Vec3(3, 1, 8), std::vector(3, RowKind::inequality));
