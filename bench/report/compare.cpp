@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
 #include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/statistics.h>
 
 namespace zwang::report {
@@ -15,8 +15,7 @@ namespace {
 std::string identity(const Result& r) { return r.problem_sha256.empty() ? r.problem : r.problem_sha256; }
 
 bool holds(const Run& run, const std::string& solver) {
-  return std::any_of(run.solvers.begin(), run.solvers.end(),
-                     [&solver](const SolverInfo& s) { return s.name == solver; });
+  return std::ranges::find(run.solvers, solver, &SolverInfo::name) != run.solvers.end();
 }
 
 void append(Run& out, const Run& run, const Run& other, const std::string& mark,
@@ -78,16 +77,8 @@ Run merged(const Run& a, const Run& b) {
 
 Table comparison_table(const Run& a, const Run& b) {
   constexpr double error = 1e-6;
-  Table table{"comparison",
-              "",
-              {{"solver"},
-               {"problems in both", true},
-               {"reached 1e-6 @A", true},
-               {"reached 1e-6 @B", true},
-               {"time B/A", true},
-               {"lies @A", true},
-               {"lies @B", true}},
-              {}};
+  Table table("comparison",
+              "solver; #problems in both; #reached 1e-6 @A; #reached 1e-6 @B; #time B/A; #lies @A; #lies @B");
   for (const SolverInfo& s : a.solvers) {
     if (!holds(b, s.name)) continue;
     const auto in_a = by_problem(a, s.name), in_b = by_problem(b, s.name);
@@ -105,38 +96,19 @@ Table comparison_table(const Run& a, const Run& b) {
       if (std::isfinite(ta) && std::isfinite(tb)) ratios.push_back(tb / ta);
     }
     const double ratio = geometric_mean(ratios);
-    const auto cell = [](int n, const char* tone = "") {
-      return Cell{std::to_string(n), static_cast<double>(n), tone};
-    };
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2fx", ratio);
-    table.rows.push_back({"",
-                          "",
-                          {{s.name},
-                           cell(both),
-                           cell(reached_a),
-                           cell(reached_b, reached_b < reached_a   ? "bad"
-                                           : reached_b > reached_a ? "good"
-                                                                   : ""),
-                           ratios.empty() ? Cell{"-"}
-                                          : Cell{text, ratio,
-                                                 ratio > 1.1   ? "warn"
-                                                 : ratio < 0.9 ? "good"
-                                                               : ""},
-                           cell(lies_a),
-                           cell(lies_b, lies_b > lies_a   ? "bad"
-                                        : lies_b < lies_a ? "good"
-                                                          : "")},
-                          ""});
+    const char* tone = ratio > 1.1 ? "warn" : tone_of(false, ratio < 0.9);
+    table.add("", "",
+              {s.name, whole_cell(both), whole_cell(reached_a),
+               whole_cell(reached_b, tone_of(reached_b<reached_a, reached_b> reached_a)),
+               ratios.empty() ? Cell("-") : Cell(fixed(ratio, 2) + "x", ratio, tone), whole_cell(lies_a),
+               whole_cell(lies_b, tone_of(lies_b > lies_a, lies_b < lies_a))});
   }
-  std::string added;
+  table.explain("Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.",
+                "No solver is in both runs.");
+  std::vector<std::string> added;
   for (const SolverInfo& s : b.solvers)
-    if (!holds(a, s.name)) added += (added.empty() ? "" : ", ") + s.name;
-  table.note =
-      table.rows.empty()
-          ? "No solver is in both runs."
-          : "Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.";
-  if (!added.empty()) table.note += " Only in run B: " + added + ".";
+    if (!holds(a, s.name)) added.push_back(s.name);
+  if (!added.empty()) table.note += " Only in run B: " + joined(added) + ".";
   return table;
 }
 

@@ -40,11 +40,23 @@ std::string duration(double seconds) {
   for (const auto& [size, unit] : units)
     if (seconds >= 0.9995 * size || size == 1e-9) {
       const double value = seconds / size;
-      char text[32];
-      std::snprintf(text, sizeof text, "%.*f %s", value < 9.95 ? 1 : 0, value, unit);
-      return text;
+      return fixed(value, value < 9.95 ? 1 : 0) + " " + unit;
     }
   return "";
 }
+
+std::string fixed(double value, int digits) {
+  char text[320];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return std::isfinite(value) ? text : "";
+}
+
+std::string joined(const std::vector<std::string>& texts, const char* separator) {
+  std::string all;
+  for (const std::string& text : texts) all += (&text == &texts.front() ? "" : separator) + text;
+  return all;
+}
+
+std::string part_of(long part, long whole) { return std::to_string(part) + " of " + std::to_string(whole); }
 
 }  // namespace zwang::report

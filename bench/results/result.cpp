@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <system_error>
 
 #include <zwang/core/files/problem_file.h>
@@ -16,17 +17,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) {
-  if (std::isnan(x)) return nullptr;
+// JSON has no infinity: the largest number stands for it. NaN becomes null.
+double known(double x) {
   return std::clamp(x, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
-Json number_or_null(Index x) { return x < 0 ? Json(nullptr) : Json(x); }
+void put(Json&) {}
+
+// Sets a key, its value, a key, its value, ...
+template <class Value, class... Rest>
+void put(Json& object, const char* key, const Value& value, const Rest&... rest) {
+  if constexpr (std::is_same_v<Value, double>)
+    object[key] = known(value);
+  else
+    object[key] = value;
+  put(object, rest...);
+}
 
 Json numbers(const Vector& v) {
   Json all = Json::array();
-  for (const double x : v) all.push_back(number(x));
+  for (const double x : v) all.push_back(known(x));
   return all;
+}
+
+// The value of the enum whose name this is. Throws std::out_of_range.
+template <class Enum>
+Enum named(const std::string& name, Enum last) {
+  for (int k = 0; k <= static_cast<int>(last); ++k)
+    if (to_string(static_cast<Enum>(k)) == name) return static_cast<Enum>(k);
+  throw std::out_of_range(name);
 }
 
 }  // namespace
@@ -77,100 +96,54 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
 
 std::string to_json(const Result& r, const Solution* with) {
   const Metrics& k = r.metrics;
-  Json types = Json::array(), feasible = nullptr;
-  for (const Result::WorstRow& worst : r.worst_by_type)
-    types.push_back({{"type", worst.type},
-                     {"violation", number(worst.violation)},
-                     {"relative", number(worst.relative)},
-                     {"unit", worst.unit},
-                     {"row", worst.name}});
-  if (r.feasible != Result::Feasible::unknown) feasible = r.feasible == Result::Feasible::yes;
-  Json line = {{"problem", r.problem},
-               {"family", r.family},
-               {"knob", r.knob},
-               {"knob_value", number(r.knob_value)},
-               {"n", r.n},
-               {"m", r.m},
-               {"equalities", r.equalities},
-               {"seed", r.seed},
-               {"problem_sha256", r.problem_sha256},
-               {"problem_file", r.problem_file},
-               {"solver", r.solver},
-               {"foreign", r.foreign},
-               {"tolerance", number(r.tolerance)},
-               {"claimed", to_string(r.claimed)},
-               {"verified", to_string(k.verdict)},
-               {"z_error", number(k.z_error)},
-               {"z_bound", number(k.z_bound)},
-               {"bound_method", k.bound_method},
-               {"bound_sigma_min", number(k.bound_sigma_min)},
-               {"primal", number(k.primal)},
-               {"dual", number(k.dual)},
-               {"stationarity", number(k.stationarity)},
-               {"complementarity", number(k.complementarity)},
-               {"gap", number(k.gap)},
-               {"natural", number(k.natural)},
-               {"scale", number(k.scale)},
-               {"farkas", number(k.farkas)},
-               {"setup_s", number(r.setup_s)},
-               {"solve_s", number(r.solve_s)},
-               {"solve_s_q1", number(r.solve_s_q1)},
-               {"solve_s_q3", number(r.solve_s_q3)},
-               {"prepare_s", number(r.prepare_s)},
-               {"kernel_s", number(r.kernel_s)},
-               {"allocations", number(r.allocations)},
-               {"repetitions", r.repetitions},
-               {"iterations", r.iterations},
-               {"reference", r.reference.empty() ? Json(nullptr) : Json(r.reference)},
-               {"reference_bound", number(r.reference_bound)},
-               {"feasible", feasible},
-               {"worst_row", r.worst_row},
-               {"worst_by_type", types},
-               {"rank", number_or_null(r.margins.rank)},
-               {"smallest_pivot", number(r.margins.smallest_accepted)},
-               {"largest_rejected_pivot", number(r.margins.largest_rejected)},
-               {"redundant", r.redundant},
-               {"conflicting", r.conflicting},
-               {"fallback", r.fallback},
-               {"handed_to", r.handed_to},
-               {"range_gap", number(r.range_gap)},
-               {"message", r.message},
-               {"batch", r.batch}};
-  if (with) {
-    line["z"] = numbers(with->z);
-    line["lambda"] = numbers(with->lambda);
-  }
+  Json types = Json::array();
+  for (const Result::WorstRow& w : r.worst_by_type)
+    put(types.emplace_back(), "type", w.type, "violation", w.violation, "relative", w.relative, "unit", w.unit, "row",
+        w.name);
+  const Json reference = r.reference.empty() ? Json() : Json(r.reference);
+  const Json feasible = r.feasible == Result::Feasible::unknown ? Json() : Json(r.feasible == Result::Feasible::yes);
+  Json line;
+  put(line, "problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value, "n", r.n, "m", r.m,
+      "equalities", r.equalities, "seed", r.seed, "problem_sha256", r.problem_sha256, "problem_file", r.problem_file,
+      "solver", r.solver, "foreign", r.foreign, "tolerance", r.tolerance, "claimed", to_string(r.claimed), "verified",
+      to_string(k.verdict));
+  put(line, "z_error", k.z_error, "z_bound", k.z_bound, "bound_method", k.bound_method, "bound_sigma_min",
+      k.bound_sigma_min, "primal", k.primal, "dual", k.dual, "stationarity", k.stationarity, "complementarity",
+      k.complementarity, "gap", k.gap, "natural", k.natural, "scale", k.scale, "farkas", k.farkas);
+  put(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
+      "prepare_s", r.prepare_s, "kernel_s", r.kernel_s, "allocations", r.allocations, "repetitions", r.repetitions,
+      "iterations", r.iterations);
+  put(line, "reference", reference, "reference_bound", r.reference_bound, "feasible", feasible, "worst_row",
+      r.worst_row, "worst_by_type", types, "rank", r.margins.rank < 0 ? Json() : Json(r.margins.rank), "smallest_pivot",
+      r.margins.smallest_accepted, "largest_rejected_pivot", r.margins.largest_rejected, "redundant", r.redundant,
+      "conflicting", r.conflicting, "fallback", r.fallback, "handed_to", r.handed_to, "range_gap", r.range_gap,
+      "message", r.message, "batch", r.batch);
+  if (with) put(line, "z", numbers(with->z), "lambda", numbers(with->lambda));
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 void Tally::count(Status claimed, Verdict verdict) {
+  const auto part = [&]() -> std::size_t& {
+    switch (verdict) {
+      case Verdict::solved:
+      case Verdict::infeasible_proven:
+        return solved;
+      case Verdict::near:
+        return near;
+      case Verdict::wrong:
+        return wrong;
+      case Verdict::undecided:
+      case Verdict::infeasible_claimed:
+        return undecided;
+      case Verdict::unsupported:
+        return unsupported;
+      default:
+        return failed;
+    }
+  };
   ++runs;
+  ++part();
   lies += zwang::lies(claimed, verdict);
-  switch (verdict) {
-    case Verdict::solved:
-    case Verdict::infeasible_proven:
-      ++solved;
-      break;
-    case Verdict::near:
-      ++near;
-      break;
-    case Verdict::wrong:
-      ++wrong;
-      break;
-    case Verdict::undecided:
-    case Verdict::infeasible_claimed:
-      ++undecided;
-      break;
-    case Verdict::unsupported:
-      ++unsupported;
-      break;
-    case Verdict::no_answer:
-    case Verdict::timeout:
-    case Verdict::crashed:
-    case Verdict::bad_input:
-      ++failed;
-      break;
-  }
 }
 
 ResultFile::ResultFile(const std::filesystem::path& file)
@@ -196,13 +169,6 @@ Stored load_results(const std::filesystem::path& file) {
   Stored stored;
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::map<std::string, Status> status_of;
-  for (int s = 0; s <= static_cast<int>(Status::crashed); ++s)
-    status_of[std::string(to_string(static_cast<Status>(s)))] = static_cast<Status>(s);
-  std::map<std::string, Verdict> verdict_of;
-  for (int v = 0; v <= static_cast<int>(Verdict::unsupported); ++v)
-    verdict_of[std::string(to_string(static_cast<Verdict>(v)))] = static_cast<Verdict>(v);
-
   std::size_t start = 0;
   int line_number = 1;
   for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1, ++line_number) {
@@ -210,7 +176,7 @@ Stored load_results(const std::filesystem::path& file) {
       const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
                                     text.begin() + static_cast<std::ptrdiff_t>(end));
       stored.finished.emplace(line.at("problem_file"), line.at("solver"), line.at("tolerance"));
-      stored.tally.count(status_of.at(line.at("claimed")), verdict_of.at(line.at("verified")));
+      stored.tally.count(named(line.at("claimed"), Status::crashed), named(line.at("verified"), Verdict::unsupported));
     } catch (const std::exception&) {
       throw BadFile(file.string() + ", line " + std::to_string(line_number) + ": not a line of results");
     }

@@ -8,38 +8,38 @@
 #include <zwang/bench/timing/conditions.h>
 
 namespace zwang {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(Friction, {{Friction::none, "none"}, {Friction::pyramid, "pyramid"}})
+
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const SuiteOptions& o) {
-  Json problems = Json::array();
-  for (const auto& path : o.problems) problems.push_back(path.string());
-  return {{"suite", o.suite},
-          {"scenes", o.scenes},
-          {"families", o.families},
-          {"problems", problems},
-          {"friction", o.friction == Friction::pyramid ? "pyramid" : "none"},
-          {"solvers", o.solvers},
-          {"tolerances", o.tolerances},
-          {"repetitions", o.repetitions},
-          {"seed", o.seed},
-          {"trace", o.trace}};
+// The options of a run, by the names they have on the command line.
+template <class Options, class Visit>
+void visit_options(Options& o, Visit visit) {
+  visit("suite", o.suite);
+  visit("scenes", o.scenes);
+  visit("families", o.families);
+  visit("problems", o.problems);
+  visit("friction", o.friction);
+  visit("solvers", o.solvers);
+  visit("tolerances", o.tolerances);
+  visit("repetitions", o.repetitions);
+  visit("seed", o.seed);
+  visit("trace", o.trace);
+}
+
+Json to_json(const SuiteOptions& options) {
+  Json j;
+  visit_options(options, [&j](const char* name, const auto& value) { j[name] = value; });
+  return j;
 }
 
 SuiteOptions options_from(const Json& j) {
-  SuiteOptions o;
-  o.suite = j.at("suite");
-  o.scenes = j.at("scenes");
-  o.families = j.at("families");
-  for (const std::string path : j.at("problems")) o.problems.emplace_back(path);
-  o.friction = j.at("friction") == "pyramid" ? Friction::pyramid : Friction::none;
-  o.solvers = j.at("solvers");
-  o.tolerances = j.at("tolerances").get<std::vector<double>>();
-  o.repetitions = j.at("repetitions");
-  o.seed = j.at("seed");
-  o.trace = j.at("trace");
-  return o;
+  SuiteOptions options;
+  visit_options(options, [&j](const char* name, auto& value) { j.at(name).get_to(value); });
+  return options;
 }
 
 Json load(const std::filesystem::path& directory) {

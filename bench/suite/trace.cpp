@@ -47,13 +47,12 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatch
 }
 
 std::string to_json(const TracePoint& p) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  return Json({{"iteration", p.iteration},
-               {"time_s", number(p.time_s)},
-               {"z_error", number(p.metrics.z_error)},
-               {"primal", number(p.metrics.primal)},
-               {"stationarity", number(p.metrics.stationarity)},
-               {"gap", number(p.metrics.gap)}})
+  return Json{{"iteration", p.iteration},
+              {"time_s", p.time_s},
+              {"z_error", p.metrics.z_error},
+              {"primal", p.metrics.primal},
+              {"stationarity", p.metrics.stationarity},
+              {"gap", p.metrics.gap}}
       .dump();
 }
 

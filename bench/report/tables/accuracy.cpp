@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <tuple>
 
+#include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/report/wording.h>
 
@@ -15,16 +15,17 @@ namespace zwang::report {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 std::vector<ProblemRuns> group_by_problem(const std::vector<Result>& results, const std::vector<std::string>& solvers) {
-  std::vector<ProblemRuns> groups;
-  std::map<std::string, std::size_t> group_of, solver_index;
-  for (std::size_t i = 0; i < solvers.size(); ++i) solver_index[solvers[i]] = i;
+  InOrder<std::string, ProblemRuns> groups;
+  std::map<std::string, std::size_t> index;
+  for (std::size_t i = 0; i < solvers.size(); ++i) index[solvers[i]] = i;
   for (const Result& r : results) {
-    const auto [it, fresh] = group_of.try_emplace(r.problem, groups.size());
-    if (fresh) groups.push_back({r.problem, r.family, std::vector<std::vector<const Result*>>(solvers.size())});
-    if (const auto s = solver_index.find(r.solver); s != solver_index.end())
-      groups[it->second].by_solver[s->second].push_back(&r);
+    ProblemRuns& group = groups[r.problem];
+    if (group.problem.empty()) group = {r.problem, r.family, {solvers.size(), std::vector<const Result*>()}};
+    if (const auto s = index.find(r.solver); s != index.end()) group.by_solver[s->second].push_back(&r);
   }
-  return groups;
+  std::vector<ProblemRuns> all;
+  for (auto& [problem, group] : groups.items) all.push_back(std::move(group));
+  return all;
 }
 
 double time_to_error(const std::vector<const Result*>& runs, double error) {
@@ -96,7 +97,7 @@ std::string accuracy_headline(const std::vector<Result>& results, double error) 
     problems = entry.problems;
     const bool all = entry.reached == problems;
     std::string aside = entry.ratio == 1 ? "" : ratio_text(entry.ratio);
-    if (!all) aside += (aside.empty() ? "" : ", ") + std::to_string(entry.reached) + " of " + std::to_string(problems);
+    if (!all) aside += (aside.empty() ? "" : ", ") + part_of(entry.reached, problems);
     std::string& list = all ? on_all : on_some;
     list += (list.empty() ? "" : ", ") + entry.solver + " " + duration(entry.time_s);
     if (!aside.empty()) list += " (" + aside + ")";
@@ -110,9 +111,7 @@ std::string accuracy_headline(const std::vector<Result>& results, double error) 
 
 std::string ratio_text(double ratio) {
   if (!std::isfinite(ratio)) return "";
-  char text[32];
-  std::snprintf(text, sizeof text, ratio < 9.95 ? "%.1fx" : "%.0fx", ratio);
-  return text;
+  return fixed(ratio, ratio < 9.95 ? 1 : 0) + "x";
 }
 
 }  // namespace zwang::report

@@ -18,11 +18,23 @@ inline std::vector<std::string> names(const Run& run) {
   return out;
 }
 
-inline Cell count_cell(int n, std::string tone = "") {
-  return {n == 0 ? "" : std::to_string(n), static_cast<double>(n), n == 0 ? "" : std::move(tone)};
+// Empty for 0.
+inline Cell count_cell(std::size_t n, std::string tone = "") {
+  return n == 0 ? Cell("", 0) : Cell(std::to_string(n), static_cast<double>(n), std::move(tone));
 }
-
+inline Cell whole_cell(long n, std::string tone = "") {
+  return {std::to_string(n), static_cast<double>(n), std::move(tone)};
+}
+// "3 of 5", of the value 3.
+inline Cell part_cell(long part, long whole, std::string tone = "") {
+  return {part_of(part, whole), static_cast<double>(part), std::move(tone)};
+}
 inline Cell number_cell(double value, int digits = 1) { return {scientific(value, digits), value}; }
+inline Cell fixed_cell(double value, int digits) { return {fixed(value, digits), value}; }
+inline Cell time_cell(double seconds) { return {duration(seconds), seconds}; }
+inline Cell knob_cell(double value) { return {knob_text(value), value}; }
+
+inline const char* tone_of(bool bad, bool good) { return bad ? "bad" : good ? "good" : ""; }
 
 // The error the referee measured, or the bound that stands in for it.
 inline Cell error_cell(const Result& r) {

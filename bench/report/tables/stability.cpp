@@ -88,12 +88,12 @@ std::span<const StabilityFamily> stability_families() {
 }
 
 Table stability_table(const Run& run) {
-  Table table{"stability", "", {{"family"}, {"knob"}, {"what it shows, and why methods fail there"}}, {}};
+  Table table("stability", "family; knob; what it shows, and why methods fail there");
   const std::vector<std::string> present = families_of(run.results);
   for (const StabilityFamily& f : stability_families())
     if (std::ranges::find(present, f.name) != present.end())
-      table.rows.push_back({"", "", {{std::string(f.name)}, {std::string(f.knob)}, {std::string(f.shows)}}, ""});
-  if (table.rows.empty()) table.note = "This run holds none of the stability families (docs/stability.md).";
+      table.add("", "", {std::string(f.name), std::string(f.knob), std::string(f.shows)});
+  table.explain("", "This run holds none of the stability families (docs/stability.md).");
   return table;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/tables/stability.h>
 
 namespace zwang::report {
@@ -12,16 +13,15 @@ namespace {
 
 constexpr double broken = 1e-6;  // an error above this is a broken answer, whatever the tolerance
 
-const Result* tightest(const std::vector<const Result*>& runs) {
-  const auto it = std::min_element(runs.begin(), runs.end(),
-                                   [](const Result* a, const Result* b) { return a->tolerance < b->tolerance; });
-  return it == runs.end() ? nullptr : *it;
-}
-
 // The size a family sweeps: its knob where rows or columns grow with it, else the rows.
 double size_of(const Result& r) { return std::isfinite(r.knob_value) ? r.knob_value : static_cast<double>(r.m); }
 
 }  // namespace
+
+const Result* tightest(const std::vector<const Result*>& runs) {
+  const auto it = std::ranges::min_element(runs, {}, &Result::tolerance);
+  return it == runs.end() ? nullptr : *it;
+}
 
 bool is_stability_family(const std::string& family) {
   return std::ranges::any_of(stability_families(), [&](const StabilityFamily& f) { return f.name == family; });
@@ -53,18 +53,14 @@ std::string sweep_mark(const Result& r) {
 }
 
 std::vector<BreakPoint> break_points(const std::vector<Result>& results, const std::vector<std::string>& solvers) {
-  std::map<std::pair<std::string, std::string>, BreakPoint> found;
-  std::vector<std::pair<std::string, std::string>> order;
+  InOrder<std::pair<std::string, std::string>, BreakPoint> found;
   for (const ProblemRuns& group : group_by_problem(results, solvers)) {
     if (!is_stability_family(group.family)) continue;
     for (std::size_t s = 0; s < solvers.size(); ++s) {
       const Result* r = tightest(group.by_solver[s]);
       if (!r) continue;
-      const auto key = std::pair(group.family, solvers[s]);
-      auto [it, fresh] =
-          found.try_emplace(key, BreakPoint{.family = group.family, .solver = solvers[s], .knob = r->knob});
-      if (fresh) order.push_back(key);
-      BreakPoint& point = it->second;
+      BreakPoint& point = found[{group.family, solvers[s]}];
+      if (point.solver.empty()) point = {.family = group.family, .solver = solvers[s], .knob = r->knob};
       const std::string state = sweep_state(*r);
       if (state.empty()) continue;
       ++point.problems;
@@ -74,7 +70,7 @@ std::vector<BreakPoint> break_points(const std::vector<Result>& results, const s
     }
   }
   std::vector<BreakPoint> table;
-  for (const auto& key : order) table.push_back(found[key]);
+  for (const auto& [key, point] : found.items) table.push_back(point);
   return table;
 }
 

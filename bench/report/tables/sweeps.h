@@ -11,6 +11,9 @@ namespace zwang::report {
 // Families whose knob goes from benign to impossible at a fixed size, and what the knob is.
 bool is_stability_family(const std::string& family);
 
+// The run at the tightest tolerance; null where there is none.
+const Result* tightest(const std::vector<const Result*>& runs);
+
 // What one solver does over a sweep, problems in file order (benign to hard), each at the tightest tolerance it ran.
 struct BreakPoint {
   std::string family = {}, solver = {}, knob = {};

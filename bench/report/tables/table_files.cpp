@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <utility>
 
 #include <zwang/bench/report/tables/tables.h>
+#include <zwang/bench/report/wording.h>
 
 namespace zwang::report {
 namespace {
@@ -12,15 +14,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
   return text;
-}
-
-std::string joined(const std::vector<std::string>& fields, const char* separator) {
-  std::string out;
-  for (const std::string& field : fields) {
-    if (&field != &fields.front()) out += separator;
-    out += field;
-  }
-  return out;
 }
 
 std::string csv_field(const std::string& text) {
@@ -39,6 +32,14 @@ std::string tex_text(std::string text) {
 }
 
 }  // namespace
+
+void Table::add_columns(const std::string& titles) {
+  std::stringstream parts(titles);
+  for (std::string title; std::getline(parts >> std::ws, title, ';');) {
+    const bool numeric = title.starts_with('#');
+    columns.push_back({title.substr(numeric), numeric});
+  }
+}
 
 std::string to_csv(const Table& table) {
   std::vector<std::string> fields;

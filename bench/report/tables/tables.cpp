@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -23,53 +24,42 @@ std::string knob_text(double value) {
 }
 
 Table break_point_table(const Run& run) {
-  Table table{"break-points", "", {{"solver"}}, {}};
+  Table table("break-points", "solver");
   std::vector<std::string> families;
   std::map<std::string, std::map<std::string, BreakPoint>> found;
   for (const BreakPoint& point : break_points(run.results, names(run))) {
-    if (std::find(families.begin(), families.end(), point.family) == families.end()) {
+    if (std::ranges::find(families, point.family) == families.end()) {
       families.push_back(point.family);
       table.columns.push_back({point.family + (point.knob.empty() ? "" : " (" + point.knob + ")")});
     }
     found[point.solver][point.family] = point;
   }
+  const auto at = [](const Result* r) {
+    return !r ? "never" : std::isfinite(r->knob_value) ? knob_text(r->knob_value) : r->problem;
+  };
   for (const std::string& solver : names(run)) {
     if (!found.contains(solver)) continue;
-    Row row{solver, "", {{solver}}, ""};
+    std::vector<Cell> cells = {solver};
     for (const std::string& family : families) {
-      const auto it = found[solver].find(family);
-      if (it == found[solver].end() || it->second.problems == 0) {
-        row.cells.push_back({"unsupported"});
-        continue;
-      }
-      const BreakPoint& p = it->second;
-      const auto at = [](const Result* r) {
-        return r ? (std::isfinite(r->knob_value) ? knob_text(r->knob_value) : r->problem) : "never";
-      };
-      Cell cell{at(p.fails) + " / " + at(p.lies), p.fails ? p.fails->knob_value : unknown,
-                p.lies    ? "bad"
-                : p.fails ? "warn"
-                          : "good"};
+      const BreakPoint& p = found[solver][family];
+      Cell& cell = cells.emplace_back("unsupported");
+      if (p.problems == 0) continue;
+      cell = {at(p.fails) + " / " + at(p.lies), p.fails ? p.fails->knob_value : unknown,
+              p.fails && !p.lies ? "warn" : tone_of(p.lies, true)};
       if (p.undecided) cell.text += " (" + std::to_string(p.undecided) + " undecided)";
-      row.cells.push_back(cell);
     }
-    table.rows.push_back(row);
+    table.add(solver, "", std::move(cells));
   }
-  table.note = table.rows.empty()
-                   ? "This run holds none of the stability families (docs/stability.md)."
-                   : "First knob value, from benign to hard, where z fails / where the solver makes a false claim, "
-                     "each solver at its "
-                     "tightest tolerance. Fails: error above 1e-6, no answer, or wrong about feasibility.";
+  table.explain(
+      "First knob value, from benign to hard, where z fails / where the solver makes a false claim, each solver at its "
+      "tightest tolerance. Fails: error above 1e-6, no answer, or wrong about feasibility.",
+      "This run holds none of the stability families (docs/stability.md).");
   return table;
 }
 
 Table reference_table(const Run& run) {
-  Table table{"references",
-              "Where the true answers come from.",
-              {{"family"}, {"problems", true}, {"reference"}, {"infeasible", true}},
-              {}};
-  std::vector<std::string> families = families_of(run.results);
-  for (const std::string& family : families) {
+  Table table("references", "family; #problems; reference; #infeasible");
+  for (const std::string& family : families_of(run.results)) {
     std::map<std::string, std::set<std::string>> by_reference;
     std::set<std::string> problems, infeasible;
     for (const Result& r : run.results) {
@@ -78,34 +68,28 @@ Table reference_table(const Run& run) {
       by_reference[r.reference.empty() ? "none (bound only)" : r.reference].insert(r.problem);
       if (r.feasible == std::optional(false)) infeasible.insert(r.problem);
     }
-    std::string text;
+    std::vector<std::string> origins;
     for (const auto& [name, which] : by_reference)
-      text += (text.empty() ? "" : "; ") + name + (by_reference.size() > 1 ? ": " + std::to_string(which.size()) : "");
-    table.rows.push_back({"",
-                          family,
-                          {{family},
-                           {std::to_string(problems.size()), static_cast<double>(problems.size())},
-                           {text},
-                           count_cell(static_cast<int>(infeasible.size()))},
-                          ""});
+      origins.push_back(name + (by_reference.size() > 1 ? ": " + std::to_string(which.size()) : ""));
+    table.add("", family,
+              {family, whole_cell(std::ssize(problems)), joined(origins, "; "), count_cell(infeasible.size())});
   }
-  if (table.rows.empty()) table.note = "The run holds no results.";
+  table.explain("Where the true answers come from.", "The run holds no results.");
   return table;
 }
 
 Table solver_table(const Run& run) {
-  Table table{"solvers", "", {{"solver"}, {"method"}, {"limits"}, {"runs in"}}, {}};
+  Table table("solvers", "solver; method; limits; runs in");
   for (const SolverInfo& s : run.solvers)
-    table.rows.push_back(
-        {s.name, "", {{s.name}, {s.method}, {s.limits}, {s.foreign ? "a child process" : "this process"}}, ""});
-  if (table.rows.empty()) table.note = "No solver has run yet.";
+    table.add(s.name, "", {s.name, s.method, s.limits, s.foreign ? "a child process" : "this process"});
+  table.explain("", "No solver has run yet.");
   return table;
 }
 
 Table conditions_table(const Run& run) {
-  Table table{"conditions", "", {{"condition"}, {"value"}}, {}};
-  for (const auto& [name, value] : run.conditions) table.rows.push_back({"", "", {{name}, {value}}, ""});
-  if (table.rows.empty()) table.note = "The run has no run.json: its circumstances are unknown.";
+  Table table("conditions", "condition; value");
+  for (const auto& [name, value] : run.conditions) table.add("", "", {name, value});
+  table.explain("", "The run has no run.json: its circumstances are unknown.");
   return table;
 }
 

@@ -12,6 +12,11 @@ struct Cell {
   std::string text = {};
   double value = unknown;  // what .csv holds and sorting uses; NaN where the text is all there is
   std::string tone = {};   // "bad", "good", "warn" or ""
+
+  Cell() = default;
+  Cell(std::string shown, double number = unknown, std::string colour = "")
+      : text(std::move(shown)), value(number), tone(std::move(colour)) {}
+  Cell(const char* shown) : text(shown) {}
 };
 
 struct Column {
@@ -27,9 +32,17 @@ struct Row {
 
 // One table of the page, of a .csv and of a .tex file.
 struct Table {
-  std::string id, note;  // note: what the figures mean, or why there are none
-  std::vector<Column> columns;
-  std::vector<Row> rows;
+  std::string id, note = {};  // note: what the figures mean, or why there are none
+  std::vector<Column> columns = {};
+  std::vector<Row> rows = {};
+
+  Table(std::string name, const std::string& titles) : id(std::move(name)) { add_columns(titles); }
+  // Titles with "; " between them; "#" before one: a column of numbers.
+  void add_columns(const std::string& titles);
+  void add(std::string solver, std::string group, std::vector<Cell> cells, std::string command = "") {
+    rows.push_back({std::move(solver), std::move(group), std::move(cells), std::move(command)});
+  }
+  void explain(const char* with_rows, const char* without) { note = rows.empty() ? without : with_rows; }
 };
 
 Table claim_counts_table(const Run& run);  // false claims, counted by solver
