@@ -6,7 +6,6 @@
 #include <zwang/bench/collision/suite.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/page/collision_page.h>
 #include <zwang/bench/report/report.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/collision/load.h>
@@ -21,7 +20,7 @@ int bench_collision(const std::filesystem::path& directory, const std::string& c
       interrupted, whole);
   for (const std::string& line : lines) std::printf("%s\n", line.c_str());
   if (!whole) std::printf("Stopped. What was finished is in %s\n", (directory / "collision.json").c_str());
-  std::printf("Report: %s\n", report::write_collision_report(directory).c_str());
+  std::printf("Report: %s\n", report::write_report(directory).c_str());
   return whole ? done : stopped;
 }
 

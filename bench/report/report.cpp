@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <zwang/bench/report/compare.h>
-#include <zwang/bench/report/page/collision_page.h>
 #include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/report/page/page.h>
 #include <zwang/bench/report/tables/tables.h>
@@ -25,13 +25,25 @@ void write(const fs::path& file, const std::string& text) {
 
 std::string title(const Run& run) { return run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite"; }
 
+std::string collision_data(const fs::path& file) try {
+  std::ifstream in(file);
+  using nlohmann::json;
+  return json::parse(in).dump(-1, ' ', false, json::error_handler_t::replace);
+} catch (const nlohmann::json::exception&) {
+  throw std::runtime_error(file.string() + ": not the results of a collision run");
+}
+
 }  // namespace
 
 fs::path write_report(const fs::path& dir) {
-  if (fs::exists(dir / "collision.json")) return write_collision_report(dir);
+  const fs::path page_file = dir / "report.html", collision = dir / "collision.json";
+  if (fs::exists(collision)) {
+    write(page_file, collision_page(collision_data(collision)));
+    return page_file;
+  }
   const Run run = read_run(dir);
-  write(dir / "report.html", page(page_data(run, {title(run), headline(run)}, all_tables(run))));
-  return dir / "report.html";
+  write(page_file, page(page_data(run, {title(run), headline(run)}, all_tables(run))));
+  return page_file;
 }
 
 fs::path write_comparison(const fs::path& run_a, const fs::path& run_b, const fs::path& out) {

@@ -4,14 +4,13 @@
 #include <string>
 #include <vector>
 
-#include <zwang/bench/report/results.h>
 #include <zwang/bench/report/tables/accuracy.h>
 
 namespace zwang::report {
 
 // All three read a run's folder (docs/formats.md) and throw std::runtime_error with one line on what is wrong with it.
 
-// DIR/report.html: one file that opens offline.
+// DIR/report.html: one file that opens offline. Of a suite's results or, where they are there, of collision.json.
 std::filesystem::path write_report(const std::filesystem::path& run);
 
 // Two runs side by side: two commits, or a solver added to stored results. A solver that both runs hold appears twice,

@@ -14,37 +14,36 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-double number(const json& line, const char* key) {
+// What is there of this type; else NaN, 0, "" or false.
+void read(const json& line, const char* key, std::string& into) {
   const auto it = line.find(key);
-  return it != line.end() && it->is_number() ? it->get<double>() : unknown;
+  into = it == line.end() || it->is_null() ? "" : it->is_string() ? it->get<std::string>() : it->dump();
 }
-
-long count(const json& line, const char* key) {
-  const double value = number(line, key);
-  return std::isfinite(value) ? static_cast<long>(value) : 0;
-}
-
-std::string text(const json& line, const char* key) {
+void read(const json& line, const char* key, double& into) {
   const auto it = line.find(key);
-  if (it == line.end() || it->is_null()) return "";
-  return it->is_string() ? it->get<std::string>() : it->dump();
+  into = it != line.end() && it->is_number() ? it->get<double>() : unknown;
 }
-
-bool flag(const json& line, const char* key) {
+void read(const json& line, const char* key, long& into) {
+  double value;
+  read(line, key, value);
+  into = std::isfinite(value) ? static_cast<long>(value) : 0;
+}
+void read(const json& line, const char* key, bool& into) {
   const auto it = line.find(key);
-  return it != line.end() && it->is_boolean() && it->get<bool>();
+  into = it != line.end() && it->is_boolean() && it->get<bool>();
 }
-
-void read(const json& line, const char* key, std::string& into) { into = text(line, key); }
-void read(const json& line, const char* key, double& into) { into = number(line, key); }
-void read(const json& line, const char* key, long& into) { into = count(line, key); }
-void read(const json& line, const char* key, bool& into) { into = flag(line, key); }
 
 // Key, member, key, member, ...
 template <class Member, class... Rest>
 void read(const json& line, const char* key, Member& into, Rest&&... rest) {
   read(line, key, into);
   read(line, rest...);
+}
+
+std::string text(const json& line, const char* key) {
+  std::string value;
+  read(line, key, value);
+  return value;
 }
 
 Result parse_result(const json& line) {
@@ -96,7 +95,7 @@ void parse_speed(const json& line, Run& run) {
     StageTimes& t = run.stages.emplace_back();
     read(line, "scene", t.scene, "contacts", t.contacts);
     for (const char* stage : {"checks", "whiten", "joints", "climb", "refine"})
-      t.stages.emplace_back(stage, number(line, stage));
+      read(line, stage, t.stages.emplace_back(stage, unknown).second);
   }
   if (kind == "sequence") {
     SequenceTimes t;
@@ -128,36 +127,30 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
   }
 }
 
-std::string joined(const json& list) {
-  std::string out;
-  for (const json& item : list)
-    out += (out.empty() ? "" : ", ") + (item.is_number() ? scientific(item, 0) : item.dump());
-  return out;
-}
-
 void read_conditions(const json& about, Run& run) {
-  const auto add = [&run](const std::string& name, const std::string& value) {
+  const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) run.conditions.emplace_back(name, value);
   };
-  run.suite = text(about, "suite");
-  run.commit = text(about, "commit");
-  add("zwang", text(about, "version"));
-  add("commit", run.commit.empty() ? "" : run.commit + (flag(about, "dirty") ? " with uncommitted changes" : ""));
-  add("suite", run.suite);
-  add("command", text(about, "command"));
-  add("started", text(about, "started"));
+  const auto add_text = [&](const char* name, const char* key) { add(name, text(about, key)); };
+  bool dirty;
+  read(about, "suite", run.suite, "commit", run.commit, "dirty", dirty);
+  std::vector<std::string> tolerances;
+  for (const json& item : about.value("tolerances", json::array()))
+    tolerances.push_back(item.is_number() ? scientific(item, 0) : item.dump());
+  add_text("zwang", "version");
+  add("commit", run.commit + (dirty && !run.commit.empty() ? " with uncommitted changes" : ""));
+  add_text("suite", "suite");
+  add_text("command", "command");
+  add_text("started", "started");
   add("finished", about.contains("finished") && about["finished"].is_null() ? "not finished" : text(about, "finished"));
-  add("seed", text(about, "seed"));
-  add("tolerances", joined(about.value("tolerances", json::array())));
-  add("problems", text(about, "problems"));
-  add("compiler", text(about, "compiler"));
-  add("flags", text(about, "flags"));
-  add("build type", text(about, "build_type"));
-  add("CPU", text(about, "cpu"));
-  add("cores", text(about, "cores"));
+  add_text("seed", "seed");
+  add("tolerances", joined(tolerances));
+  for (const char* name : {"problems", "compiler", "flags"}) add_text(name, name);
+  add_text("build type", "build_type");
+  add_text("CPU", "cpu");
+  add_text("cores", "cores");
   const json libraries = about.value("libraries", json::object());
-  for (const auto& [name, version] : libraries.items())
-    add(name, version.is_string() ? version.get<std::string>() : version.dump());
+  for (const auto& [name, version] : libraries.items()) add(name, text(libraries, name.c_str()));
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
   for (const json& line : about.value("solvers", json::array())) {
     SolverInfo& s = run.solvers.emplace_back();
@@ -168,7 +161,7 @@ void read_conditions(const json& about, Run& run) {
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::* field) {
   std::vector<std::string> names;
   for (const Result& r : results)
-    if (std::find(names.begin(), names.end(), r.*field) == names.end()) names.push_back(r.*field);
+    if (std::ranges::find(names, r.*field) == names.end()) names.push_back(r.*field);
   return names;
 }
 
@@ -194,12 +187,11 @@ Run read_run(const fs::path& dir) {
       throw std::runtime_error((dir / "run.json").string() + ": not what zwang writes");
     }
   }
-  for (const std::string& name : solvers_of(run.results))
-    if (std::none_of(run.solvers.begin(), run.solvers.end(), [&name](const SolverInfo& s) { return s.name == name; }))
+  const std::vector<std::string> present = solvers_of(run.results);
+  std::erase_if(run.solvers, [&](const SolverInfo& s) { return std::ranges::find(present, s.name) == present.end(); });
+  for (const std::string& name : present)
+    if (std::ranges::find(run.solvers, name, &SolverInfo::name) == run.solvers.end())
       run.solvers.push_back({.name = name});
-  std::erase_if(run.solvers, [&run](const SolverInfo& s) {
-    return std::none_of(run.results.begin(), run.results.end(), [&s](const Result& r) { return r.solver == s.name; });
-  });
   return run;
 }
 

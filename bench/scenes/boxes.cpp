@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
@@ -29,56 +30,52 @@ Vector pushed(const Scene& scene, double push, Draw& draw) {
 }
 
 // z* = 0 and the multipliers that a statics book gives.
-Reference at_rest(const Problem& problem, Vector lambda) {
-  return {.z = Vector::Zero(problem.size()), .lambda = std::move(lambda), .method = "closed form"};
+Reference at_rest(const Problem& problem, const std::vector<double>& lambda) {
+  return {.z = Vector::Zero(problem.size()),
+          .lambda = Eigen::Map<const Vector>(lambda.data(), static_cast<Index>(lambda.size())),
+          .method = "closed form"};
+}
+
+// Boxes of 1 kg one on another, box i as wide as width(i), four corner contacts each. At rest a quarter of the weight
+// above on each corner is one valid lambda.
+Scene pile_up(int boxes, double height, const std::function<double(int)>& width, std::vector<double>& lambda) {
+  Scene scene;
+  BodyId below = add_fixed(scene);
+  for (int i = 0; i < boxes; ++i) {
+    const double wide = width(i), foot = height * i;
+    const BodyId box = scene.add(box_body({wide, wide, height}, 1, {0, 0, foot + height / 2}));
+    add_patch(scene, box, below, {-wide / 2, -wide / 2, foot}, {wide / 2, wide / 2, foot},
+              "box " + std::to_string(i + 1) + (i == 0 ? " on ground" : " on box " + std::to_string(i)));
+    lambda.insert(lambda.end(), 4, -gravity.z() * (boxes - i) / 4);
+    below = box;
+  }
+  return scene;
+}
+
+Instance released(Scene& scene, const Knobs& knobs, const std::vector<double>& lambda) {
+  const double push = knobs.contains("push") ? knobs.at("push") : 0;
+  Draw draw(push > 0 ? knobs.at("seed") : 0);
+  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
+  if (push == 0) instance.reference = at_rest(instance.problem, lambda);
+  return instance;
 }
 
 }  // namespace
 
-// Boxes one on another, each a bit narrower than the one below, four corner contacts a face: z* = 0, and a quarter of
-// the weight above on each corner is one valid lambda.
+// Boxes one on another, each a bit narrower than the one below.
 Instance tower(const Knobs& knobs) {
   const int boxes = static_cast<int>(knobs.at("boxes"));
   const double taper = std::ldexp(0.5, -std::ilogb(boxes) - 1);
-  Scene scene;
-  BodyId below = add_fixed(scene);
-  for (int i = 0; i < boxes; ++i) {
-    const double width = 1 - taper * i, foot = i;
-    const BodyId box = scene.add(box_body({width, width, 1}, 1, {0, 0, foot + 0.5}));
-    const Vec3 corner(width / 2, width / 2, 0), height(0, 0, foot);
-    add_patch(scene, box, below, height - corner, height + corner,
-              "box " + std::to_string(i + 1) + (i == 0 ? " on ground" : " on box " + std::to_string(i)));
-    below = box;
-  }
-  Vector z_u;
-  move_freely(scene, gravity, {}, z_u);
-  Instance instance = to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
-  Vector lambda(4 * boxes);
-  for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
-  instance.reference = at_rest(instance.problem, std::move(lambda));
-  return instance;
+  std::vector<double> lambda;
+  Scene scene = pile_up(boxes, 1, [taper](int i) { return 1 - taper * i; }, lambda);
+  return released(scene, knobs, lambda);
 }
 
-// Equal boxes, each with four corner contacts to the one below, pushed about. With push = 0 all rest.
+// Equal boxes, pushed about. With push = 0 all rest.
 Instance stack(const Knobs& knobs) {
-  const int boxes = static_cast<int>(knobs.at("boxes"));
-  const double push = knobs.at("push");
-  Draw draw(knobs.at("seed"));
-  Scene scene;
-  BodyId below = add_fixed(scene);
-  for (int i = 0; i < boxes; ++i) {
-    const double foot = 0.5 * i;
-    const BodyId box = scene.add(box_body({1, 1, 0.5}, 1, {0, 0, foot + 0.25}));
-    add_patch(scene, box, below, {-0.5, -0.5, foot}, {0.5, 0.5, foot},
-              "box " + std::to_string(i + 1) + (i == 0 ? " on ground" : " on box " + std::to_string(i)));
-    below = box;
-  }
-  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
-  if (push > 0) return instance;
-  Vector lambda(4 * boxes);
-  for (int i = 0; i < boxes; ++i) lambda.segment<4>(4 * i).setConstant(-gravity.z() * (boxes - i) / 4);
-  instance.reference = at_rest(instance.problem, std::move(lambda));
-  return instance;
+  std::vector<double> lambda;
+  Scene scene = pile_up(static_cast<int>(knobs.at("boxes")), 0.5, [](int) { return 1; }, lambda);
+  return released(scene, knobs, lambda);
 }
 
 // A brick wall in running bond, about as many courses as bricks in a course; every second course begins and ends with
@@ -86,8 +83,7 @@ Instance stack(const Knobs& knobs) {
 Instance wall(const Knobs& knobs) {
   const int boxes = static_cast<int>(knobs.at("boxes"));
   const int across = static_cast<int>(std::ceil(std::sqrt(boxes)));
-  const double push = knobs.at("push"), width = 1, height = 0.5;
-  Draw draw(knobs.at("seed"));
+  const double width = 1, height = 0.5;
 
   struct Brick {
     double left, right;
@@ -123,11 +119,7 @@ Instance wall(const Knobs& knobs) {
         if (left < right) stand_on(under.body, left, right, "brick " + std::to_string(j + 1));
       }
   }
-  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
-  if (push > 0) return instance;
-  instance.reference =
-      at_rest(instance.problem, Eigen::Map<const Vector>(lambda.data(), static_cast<Index>(lambda.size())));
-  return instance;
+  return released(scene, knobs, lambda);
 }
 
 }  // namespace zwang

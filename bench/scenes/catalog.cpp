@@ -1,108 +1,134 @@
 #include <zwang/bench/scenes/catalog.h>
 
+#include <algorithm>
+
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/physical.h>
 
 namespace zwang {
 namespace {
 
-const Knob push_knob{"push", 0.25, 0, 4, false, "largest random push on a box, in weights; 0 leaves it at rest"};
-const Knob limits_knob{"limits", 5, 0, 20, true, "violated joint limits"};
-const Knob drift_knob{"drift", 0x1p-13, 0, 0x1p-7, false, "opening of the joints (m)"};
+Knob integer(const char* name, double value, double low, double high, const char* help) {
+  return {name, value, low, high, true, help};
+}
+Knob real(const char* name, double value, double low, double high, const char* help) {
+  return {name, value, low, high, false, help};
+}
+Knob seed(const char* help) { return integer("seed", 1, 0, 1e9, help); }
 
-std::vector<SceneEntry> mechanical_scenes() {
-  return {
-      {"tower",
-       "tower",
-       "boxes one on another, narrower upwards, four corner contacts a face; at rest",
-       "boxes",
-       {{"boxes", 10, 1, 1000, true, "number of boxes"}},
-       tower},
-      {"stack",
-       "stack",
-       "equal boxes one on another, four corner contacts a face, pushed about",
-       "boxes",
-       {{"boxes", 10, 1, 1000, true, "number of boxes"}, push_knob, seed_knob},
-       stack},
-      {"wall",
-       "wall",
-       "bricks in running bond, four corner contacts where two overlap, pushed about",
-       "boxes",
-       {{"boxes", 25, 1, 2000, true, "number of bricks, rounded up to whole courses"}, push_knob, seed_knob},
-       wall},
-      {"pile",
-       "pile",
-       "spheres heaped into a square pyramid on the ground, rolling apart",
-       "spheres",
-       {{"spheres", 30, 1, 2000, true, "number of spheres"},
-        {"gap", 0x1p-8, 0, 0.125, false, "largest gap or penetration, as a part of the diameter"},
-        seed_knob},
-       pile},
-      {"arch",
-       "arch",
-       "wedge-shaped stones in half a circle, four contacts a joint, no friction",
-       "stones",
-       {{"stones", 9, 3, 500, true, "number of stones"}},
-       arch},
-      {"chain",
-       "chain",
-       "links on ball joints, hanging from one end, tumbling",
-       "links",
-       {{"links", 16, 1, 4000, true, "number of links"},
-        {"drift", 0, 0, 0.125, false, "opening of the joints (m)"},
-        seed_knob},
-       chain},
-      {"four_bar",
-       "four_bar",
-       "a linkage of three bars and four hinges: 20 rows of rank 17",
-       "",
-       {{"lean", 0.5, -2, 2, false, "horizontal offset of the coupler (m)"}},
-       four_bar},
-      {"leash",
-       "leash",
-       "the constraint of docs/add-a-constraint.md: dogs pulling at their leashes",
-       "dogs",
-       {{"dogs", 4, 1, 1000, true, "number of dogs"}, seed_knob},
-       leash},
-      {"hand",
-       "hand",
-       "the 16-body hand pressed into a wall: joints, violated limits, redundant contacts",
-       "contacts",
-       {{"contacts", 16, 0, 400, true, "number of contacts"},
-        limits_knob,
-        drift_knob,
-        {"feasible", 1, 0, 1, true, "1: feasible by construction; 0: gaps at random, perhaps infeasible"},
-        {"locked", 0, 0, 1, true, "1: index PIP welded; with limits=20 and drift=0 its limit contradicts the weld"},
-        seed_knob},
-       hands},
-      {"hands",
-       "hands",
-       "independent hands in one problem",
-       "hands",
-       {{"hands", 2, 1, 64, true, "number of hands"},
-        {"contacts", 16, 0, 400, true, "contacts of each hand"},
-        limits_knob,
-        drift_knob,
-        seed_knob},
-       hands},
-  };
+const Knob push_knob = real("push", 0.25, 0, 4, "largest random push on a box, in weights; 0 leaves it at rest");
+const Knob limits_knob = integer("limits", 5, 0, 20, "violated joint limits");
+const Knob drift_knob = real("drift", 0x1p-13, 0, 0x1p-7, "opening of the joints (m)");
+
+// Its family is its name, and charts sweep its first knob, where that counts something.
+template <class... Knobs>
+SceneEntry scene(const char* name, Instance (*make)(const zwang::Knobs&), const char* line, const Knobs&... knobs) {
+  SceneEntry entry{.name = name, .family = name, .line = line, .knobs = {knobs...}, .make = make};
+  if (entry.knobs[0].integer) entry.sweep = entry.knobs[0].name;
+  return entry;
+}
+
+SceneEntry of_family(const char* family, SceneEntry entry) {
+  entry.family = family;
+  return entry;
 }
 
 }  // namespace
 
 std::span<const SceneEntry> scenes() {
-  static const std::vector<SceneEntry> all = [] {
-    std::vector<SceneEntry> entries = mechanical_scenes();
-    for (SceneEntry& family : families()) entries.push_back(std::move(family));
-    return entries;
-  }();
+  static const std::vector<SceneEntry> all = {
+      scene("tower", tower, "boxes one on another, narrower upwards, four corner contacts a face; at rest",
+            integer("boxes", 10, 1, 1000, "number of boxes")),
+      scene("stack", stack, "equal boxes one on another, four corner contacts a face, pushed about",
+            integer("boxes", 10, 1, 1000, "number of boxes"), push_knob, seed("of the random draws")),
+      scene("wall", wall, "bricks in running bond, four corner contacts where two overlap, pushed about",
+            integer("boxes", 25, 1, 2000, "number of bricks, rounded up to whole courses"), push_knob,
+            seed("of the random draws")),
+      scene("pile", pile, "spheres heaped into a square pyramid on the ground, rolling apart",
+            integer("spheres", 30, 1, 2000, "number of spheres"),
+            real("gap", 0x1p-8, 0, 0.125, "largest gap or penetration, as a part of the diameter"),
+            seed("of the random draws")),
+      scene("arch", arch, "wedge-shaped stones in half a circle, four contacts a joint, no friction",
+            integer("stones", 9, 3, 500, "number of stones")),
+      scene("chain", chain, "links on ball joints, hanging from one end, tumbling",
+            integer("links", 16, 1, 4000, "number of links"), real("drift", 0, 0, 0.125, "opening of the joints (m)"),
+            seed("of the random draws")),
+      scene("four_bar", four_bar, "a linkage of three bars and four hinges: 20 rows of rank 17",
+            real("lean", 0.5, -2, 2, "horizontal offset of the coupler (m)")),
+      scene("leash", leash, "the constraint of docs/add-a-constraint.md: dogs pulling at their leashes",
+            integer("dogs", 4, 1, 1000, "number of dogs"), seed("of the random draws")),
+      scene(
+          "hand", hands, "the 16-body hand pressed into a wall: joints, violated limits, redundant contacts",
+          integer("contacts", 16, 0, 400, "number of contacts"), limits_knob, drift_knob,
+          integer("feasible", 1, 0, 1, "1: feasible by construction; 0: gaps at random, perhaps infeasible"),
+          integer("locked", 0, 0, 1, "1: index PIP welded; with limits=20 and drift=0 its limit contradicts the weld"),
+          seed("of the random draws")),
+      scene("hands", hands, "independent hands in one problem", integer("hands", 2, 1, 64, "number of hands"),
+            integer("contacts", 16, 0, 400, "contacts of each hand"), limits_knob, drift_knob,
+            seed("of the random draws")),
+      scene("MR", mass_ratio, "ten boxes on four corners each, the top one heavier: mass ratio 2^k",
+            integer("k", 4, 0, 48, "log2 of the mass ratio")),
+      scene("MR1", mass_ratio_one_contact,
+            "ten masses on a line with one contact each, the top one heavier: mass ratio 2^k",
+            integer("k", 4, 0, 48, "log2 of the mass ratio")),
+      scene("MRC", mass_ratio_chain,
+            "six bodies on ball joints, masses 1 and 2^k in turn, one contact each; known answer",
+            integer("k", 4, 0, 48, "log2 of the mass ratio"), seed("of the geometry and the answer")),
+      scene("NPE", near_parallel_equalities,
+            "three pairs of equality rows a and a + 2^-k d, six contacts: near-parallel equalities",
+            integer("k", 3, 1, 45, "-log2 of the angle between the rows of a pair"), seed("of the rows")),
+      scene("LOOP", four_bar_loop, "four-bar linkage, 20 rows of rank 17, one hinge tilted by 2^-k",
+            integer("k", 3, 0, zero_knob, "-log2 of the tilt; 60: no tilt")),
+      scene("GAP", contact_gap, "three contact rows whose sum is 0, infeasible (or feasible) by 2^-k",
+            integer("k", 3, 1, zero_knob, "-log2 of the gap; 60: none, feasible"),
+            integer("feasible", 0, 0, 1, "1: the gap leaves room")),
+      scene("INC", inconsistent_equalities, "equality rows a and 2a that contradict each other by 2^-k",
+            integer("k", 3, 0, zero_knob, "-log2 of the contradiction; 60: none, feasible")),
+      scene("WEAK", weak_contacts, "twelve touching contacts, six of them push with 2^-k only",
+            integer("k", 0, 0, zero_knob, "-log2 of the weak multipliers; 60: none"), seed("of the rows")),
+      scene("NPI", near_parallel_contacts, "four pairs of pushing contacts with normals a and a + 2^-k d",
+            integer("k", 3, 1, 45, "-log2 of the angle between the rows of a pair"), seed("of the rows")),
+      scene("WED", wedges, "three wedges that open by 2^-k and push a mass out with 2^k",
+            integer("k", 3, 1, 48, "-log2 of the opening")),
+      scene("MANYF", many_on_a_face, "one body on many contacts of one face: rank 3",
+            integer("contacts", 6, 4, 1000, "number of contacts"), seed("of the rows")),
+      scene("MANYR", many_tilted, "one body among many contacts of tilted normals: rank 6",
+            integer("contacts", 6, 1, 1000, "number of contacts"), seed("of the rows")),
+      scene("UNIT", length_unit, "chain of four bodies, eight contacts, lengths in units of 2^-k m",
+            integer("k", 0, -20, 20, "log2 of the length unit's inverse"), seed("of the rows")),
+      scene("ROW", row_scale, "the same chain, three of its rows times 2^k",
+            integer("k", 0, -500, 500, "log2 of the factor"),
+            integer("zero", 0, 0, 3, "1..3: one more row without entries, c = 0, 2^-40 (infeasible), -2^-40"),
+            seed("of the rows")),
+      scene("HUGE", huge_offsets, "the same chain, c times 2^k", integer("k", 0, 0, 1000, "log2 of the factor"),
+            seed("of the rows")),
+      scene("ANI", thin_bodies, "the same chain, one inertia of each body divided by 2^k",
+            integer("k", 0, 0, 44, "log2 of the ratio"), seed("of the rows")),
+      scene("CHAIN", long_chain, "rods on ball joints end to end, dyadic, with a known answer",
+            integer("links", 8, 1, 4096, "number of links"), seed("of the answer")),
+      scene("STK", stack_of_masses, "equal masses one on another, one contact each; at rest",
+            integer("boxes", 16, 1, 4096, "number of masses")),
+      scene("PIVOT", exponential_pivots, "Murty's rows, on which exchanging one row at a time takes 2^n - 1 steps",
+            integer("n", 4, 1, 16, "unknowns, and rows"), integer("reversed", 0, 0, 1, "1: rows in reversed order")),
+      of_family("PIVOT", scene("CYCLE", pivot_cycle, "small integers on which block principal pivoting cycles",
+                               integer("n", 5, 5, 8, "unknowns, and rows"))),
+      scene("FLIP", flipping_stack, "a frame of a stack of ten boxes whose contacts come and go within 2^-k",
+            integer("k", 3, 3, 48, "-log2 of the heights (m)"), integer("frame", 0, 0, 4095, "number of the frame"),
+            seed("of the film")),
+      scene("HAND", crowded_hands, "hands with all limits violated and 30 contacts: more rows than unknowns",
+            integer("hands", 1, 1, 64, "number of hands"), seed("of the random draws")),
+      scene("random", random_rows, "sparse random rows with a known answer", integer("n", 60, 1, 100000, "unknowns"),
+            integer("m", 80, 0, 200000, "rows"), integer("entries", 6, 1, 100, "entries of a row"),
+            real("equalities", .25, 0, 1, "fraction of equality rows"),
+            real("active", .5, 0, 1, "fraction of inequality rows that push"),
+            integer("condition", 4, 0, 80, "log2 of the ratio of largest to smallest mass"),
+            real("redundancy", .1, 0, 1, "fraction of rows that are sums of two others"), seed("of everything"))};
   return all;
 }
 
 const SceneEntry* find_scene(std::string_view name) {
-  for (const SceneEntry& e : scenes())
-    if (e.name == name) return &e;
-  return nullptr;
+  const auto found = std::ranges::find(scenes(), name, &SceneEntry::name);
+  return found == scenes().end() ? nullptr : &*found;
 }
 
 }  // namespace zwang

@@ -20,8 +20,6 @@ struct Knob {
   std::string help;  // with the unit
 };
 
-inline const Knob seed_knob{"seed", 1, 0, 1e9, true, "of the random draws"};
-
 using Knobs = std::map<std::string, double>;
 
 // One line of `./zwang scenes`: a seeded, parametric generator.
@@ -29,12 +27,12 @@ struct SceneEntry {
   std::string name;
   std::string family;  // groups problems in charts; usually the name
   std::string line;
-  std::string sweep;  // the knob that scaling and break-point charts use, or ""; it runs from benign to hard upwards
+  std::string sweep = {};  // the knob that scaling and break-point charts use, or ""; it runs from benign to hard
   std::vector<Knob> knobs;
   std::function<Instance(const Knobs&)> make;  // all knobs present and in range
 };
 
-// Every scene there is. Explicit: a new scene is one line in catalog.cpp, a new family in family_catalog.cpp.
+// Every scene there is. Explicit: a new one is one line in catalog.cpp.
 std::span<const SceneEntry> scenes();
 const SceneEntry* find_scene(std::string_view name);
 

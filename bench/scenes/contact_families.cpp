@@ -24,7 +24,7 @@ Instance near_parallel_contacts(const Knobs& knobs) {
   RowByRow rows(Vector::Ones(n), z_u);
   for (Index i = 0; i < 2 * pairs; ++i) {
     const Vector& row = J[static_cast<std::size_t>(i)];
-    rows.add(RowKind::inequality, row, row.dot(z0), numbered("contact/pair ", i / 2) + (i % 2 ? " tilted" : ""));
+    rows.add_contact(row, row.dot(z0), numbered("pair ", i / 2) + (i % 2 ? " tilted" : ""));
   }
   return rows.finish({.z = z0, .lambda = Vector::Ones(2 * pairs), .method = "closed form"});
 }
@@ -50,8 +50,8 @@ Instance wedges(const Knobs& knobs) {
     ceiling[4 * w + 1] = eps * dy;
     z[4 * w] = dx * out;
     z[4 * w + 1] = dy * out;
-    rows.add(RowKind::inequality, Vector::Unit(n, 4 * w + 2), 0, numbered("contact/floor of wedge ", w + 1));
-    rows.add(RowKind::inequality, ceiling, eps * c, numbered("contact/ceiling of wedge ", w + 1));
+    rows.add_contact(Vector::Unit(n, 4 * w + 2), 0, numbered("floor of wedge ", w + 1));
+    rows.add_contact(ceiling, eps * c, numbered("ceiling of wedge ", w + 1));
   }
   return rows.finish({.z = z, .bound = 2e-16, .method = "closed form"});
 }
@@ -76,9 +76,7 @@ Instance many_on_a_face(const Knobs& knobs) {
     const bool corner = i < 4;
     const double x = corner ? (i % 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
     const double y = corner ? (i / 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
-    Vector row = Vector::Zero(6);
-    add_point(row, 0, 1, Vec3(x, y, 0), Vec3::UnitZ());
-    rows.add(RowKind::inequality, row, 0, numbered("contact/", i + 1));
+    rows.add_contact(point_row(6, 0, Vec3(x, y, 0), {}, Vec3::UnitZ()), 0, std::to_string(i + 1));
     if (corner) lambda[i] = (g_dyadic - .09375 * x - .1875 * y) / 4;
   }
   return rows.finish({.z = z, .lambda = lambda, .method = "closed form"});
@@ -91,9 +89,8 @@ Instance many_tilted(const Knobs& knobs) {
   RowByRow rows(brick_mass, thrown);
   for (Index i = 0; i < contacts; ++i) {
     const Vec3 point = draw.integers(3, 256) / 256, tilt = draw.integers(3, 32) / 64;
-    Vector row = Vector::Zero(6);
-    add_point(row, 0, 1, point, Vec3(tilt.x(), tilt.y(), 1));
-    rows.add(RowKind::inequality, row, -draw.integer(0, 128) / 1024., numbered("contact/", i + 1));
+    rows.add_contact(point_row(6, 0, point, {}, Vec3(tilt.x(), tilt.y(), 1)), -draw.integer(0, 128) / 1024.,
+                     std::to_string(i + 1));
   }
   return rows.finish();
 }
@@ -119,12 +116,9 @@ Instance flipping_stack(const Knobs& knobs) {
   for (Index i = 0; i < 4 * boxes; ++i) {
     if (!touches[static_cast<std::size_t>(i)]) continue;
     const Index box = i / 4, corner = i % 4;
-    const Vec3 p(corner % 2 ? .5 : -.5, corner / 2 ? .5 : -.5, -.5);
-    Vector row = Vector::Zero(n);
-    add_point(row, box, 1, p, Vec3::UnitZ());
-    if (box > 0) add_point(row, box - 1, -1, p + Vec3::UnitZ(), Vec3::UnitZ());
-    rows.add(RowKind::inequality, row, height, numbered("contact/box ", box) + ", corner " + std::to_string(corner),
-             static_cast<std::uint64_t>(i) + 1);
+    const Vec3 p = box_corner(corner);
+    rows.add_contact(point_row(n, box, p, p + Vec3::UnitZ(), Vec3::UnitZ()), height,
+                     numbered("box ", box) + ", corner " + std::to_string(corner), static_cast<std::uint64_t>(i) + 1);
   }
   return rows.finish();
 }

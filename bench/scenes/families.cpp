@@ -32,15 +32,12 @@ Instance mass_ratio(const Knobs& knobs) {
   }
   RowByRow rows(mass, z_u);
   for (Index i = 0; i < boxes; ++i) {
-    const std::string label =
-        "contact/box " + std::to_string(i) + " on " + (i ? "box " + std::to_string(i - 1) : "floor");
+    const std::string label = numbered("box ", i) + " on " + (i ? numbered("box ", i - 1) : "floor");
     for (int corner = 0; corner < 4; ++corner) {
-      const Vec3 p(corner % 2 ? .5 : -.5, corner / 2 ? .5 : -.5, -.5);
-      Vector row = Vector::Zero(6 * boxes);
-      add_point(row, i, 1, p, Vec3::UnitZ());
-      if (i > 0) add_point(row, i - 1, -1, p + Vec3::UnitZ(), Vec3::UnitZ());
+      const Vec3 p = box_corner(corner);
       lambda[4 * i + corner] = g * (top + static_cast<double>(boxes - 1 - i)) / 4;
-      rows.add(RowKind::inequality, row, 0, label + ", corner " + std::to_string(corner));
+      rows.add_contact(point_row(6 * boxes, i, p, p + Vec3::UnitZ(), Vec3::UnitZ()), 0,
+                       label + ", corner " + std::to_string(corner));
     }
   }
   return rows.finish(at_rest(knobs, 6 * boxes, lambda));
@@ -57,7 +54,7 @@ Instance mass_ratio_one_contact(const Knobs& knobs) {
     Vector row = Vector::Unit(n, i);
     if (i > 0) row[i - 1] = -1;
     lambda[i] = g * (top + static_cast<double>(n - 1 - i));
-    rows.add(RowKind::inequality, row, 0, "contact/mass " + std::to_string(i) + " on the one below");
+    rows.add_contact(row, 0, numbered("mass ", i) + " on the one below");
   }
   return rows.finish(at_rest(knobs, n, lambda));
 }
@@ -97,7 +94,7 @@ Instance four_bar_loop(const Knobs& knobs) {
       };
       add(hinge.a, -1, hinge.on_a);
       add(hinge.b, 1, hinge.on_b);
-      rows.add(RowKind::equality, row, 0, "revolute/hinge " + std::to_string(k + 1) + " [" + std::to_string(i) + "]");
+      rows.add_equality(row, 0, "revolute/hinge " + std::to_string(k + 1) + " [" + std::to_string(i) + "]");
     }
   }
   Vector z = Vector::Zero(n);
@@ -110,16 +107,11 @@ Instance four_bar_loop(const Knobs& knobs) {
 
 namespace {
 
-// The free motion shared by GAP and INC.
-Vector six_numbers() {
-  Vector z_u(6);
-  z_u << 1, 2, -3, .5, .25, -1;
-  return z_u;
-}
-
 Vector row_of(std::initializer_list<double> entries) {
   return Eigen::Map<const Vector>(entries.begin(), static_cast<Index>(entries.size()));
 }
+
+const Vector six_numbers = row_of({1, 2, -3, .5, .25, -1});  // the free motion of GAP and INC
 
 }  // namespace
 
@@ -127,13 +119,13 @@ Vector row_of(std::initializer_list<double> entries) {
 // the third are active (the normal equations of the two solved by hand); below, (1, 1, 1) is the certificate.
 Instance contact_gap(const Knobs& knobs) {
   const double size = small(knobs), gap = knobs.at("feasible") != 0 ? size : -size;
-  const Vector z_u = six_numbers();
+  const Vector z_u = six_numbers;
   const std::array<Vector, 3> J = {row_of({1, 0, 0, 1, 0, 0}), row_of({0, 1, 0, 0, 1, -1}),
                                    row_of({-1, -1, 0, -1, -1, 1})};
   RowByRow rows(Vector::Ones(6), z_u);
-  rows.add(RowKind::inequality, J[0], 1, "contact/left wall");
-  rows.add(RowKind::inequality, J[1], 2, "contact/right wall");
-  rows.add(RowKind::inequality, J[2], -3 - gap, "contact/wedge");
+  rows.add_contact(J[0], 1, "left wall");
+  rows.add_contact(J[1], 2, "right wall");
+  rows.add_contact(J[2], -3 - gap, "wedge");
   if (gap < 0) return rows.finish({.feasible = false, .certificate = Vector::Ones(3), .method = "closed form"});
   const Vector lambda = row_of({(.5 - gap) / 3, 0, (1.25 - gap) / 3});
   return rows.finish(
@@ -143,11 +135,11 @@ Instance contact_gap(const Knobs& knobs) {
 // Equality rows a and 2a with c = 1 and 2 + delta: infeasible iff delta != 0, by the certificate (-2, 1).
 Instance inconsistent_equalities(const Knobs& knobs) {
   const double delta = small(knobs);
-  const Vector z_u = six_numbers(), a = row_of({1, 2, 0, -1, 0, 3});
+  const Vector z_u = six_numbers, a = row_of({1, 2, 0, -1, 0, 3});
   RowByRow rows(Vector::Ones(6), z_u);
-  rows.add(RowKind::equality, a, 1, "equality/first");
-  rows.add(RowKind::equality, 2 * a, 2 + delta, "equality/doubled");
-  rows.add(RowKind::inequality, Vector::Unit(6, 1), 0, "contact/floor");
+  rows.add_equality(a, 1, "equality/first");
+  rows.add_equality(2 * a, 2 + delta, "equality/doubled");
+  rows.add_contact(Vector::Unit(6, 1), 0, "floor");
   if (delta != 0) return rows.finish({.feasible = false, .certificate = row_of({-2, 1, 0}), .method = "closed form"});
   const Vector lambda = row_of({-1. / 30, 0, 0});
   return rows.finish({.z = z_u + a * lambda[0], .lambda = lambda, .bound = 4e-16, .method = "closed form"});

@@ -9,9 +9,6 @@ namespace zwang {
 // The value of k that stands for 2^-k = 0, where a family has such a point.
 inline constexpr double zero_knob = 60;
 
-// Their lines of the catalog.
-std::vector<SceneEntry> families();
-
 Instance mass_ratio(const Knobs& knobs);                // MR: k
 Instance mass_ratio_one_contact(const Knobs& knobs);    // MR1: k
 Instance mass_ratio_chain(const Knobs& knobs);          // MRC: k, seed

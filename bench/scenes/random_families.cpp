@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
@@ -38,9 +38,10 @@ Instance near_parallel_equalities(const Knobs& knobs) {
     const Vector& row = J[static_cast<std::size_t>(i)];
     const bool equality = i < 2 * pairs;
     const double slack = equality || lambda[i] > 0 ? 0 : draw.integer(1, 30);
-    rows.add(
-        equality ? RowKind::equality : RowKind::inequality, row, row.dot(z0) - slack,
-        equality ? numbered("equality/pair ", i / 2) + (i % 2 ? " tilted" : "") : numbered("contact/", i - 2 * pairs));
+    if (equality)
+      rows.add_equality(row, row.dot(z0), numbered("equality/pair ", i / 2) + (i % 2 ? " tilted" : ""));
+    else
+      rows.add_contact(row, row.dot(z0) - slack, std::to_string(i - 2 * pairs));
   }
   return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
 }
@@ -59,19 +60,14 @@ Instance mass_ratio_chain(const Knobs& knobs) {
   const auto eighths = [&] { return Vec3(draw.eighths(3, 8)); };
   for (Index b = 0; b < bodies; ++b) {
     const Vec3 before = eighths(), here = eighths();
-    for (Index axis = 0; axis < 3; ++axis) {
-      Vector row = Vector::Zero(n);
-      add_point(row, b, 1, here, Vec3::Unit(axis));
-      if (b > 0) add_point(row, b - 1, -1, before, Vec3::Unit(axis));
-      rows.add(RowKind::equality, row, 0, numbered("ball_joint/", b) + " [" + std::to_string(axis) + "]");
-    }
+    rows.add_ball_joint(b, here, before);
   }
   for (Index b = 0; b < bodies; ++b) {
     Vector row = Vector::Zero(n);
     Vec3 normal = eighths();
     normal.z() = 1;
     add_point(row, b, 1, eighths(), normal);
-    rows.add(RowKind::inequality, row, 0, numbered("contact/", b));
+    rows.add_contact(row, 0, std::to_string(b));
   }
   return with_known_answer(rows.finish(), static_cast<std::uint64_t>(knobs.at("seed")), .5);
 }
@@ -92,8 +88,7 @@ Instance weak_contacts(const Knobs& knobs) {
   RowByRow rows(Vector::Ones(n), z_u);
   for (Index i = 0; i < m; ++i) {
     const Vector& row = J[static_cast<std::size_t>(i)];
-    rows.add(RowKind::inequality, row, row.dot(z0),
-             numbered(i < m / 2 ? "contact/strong " : "contact/weak ", i % (m / 2)));
+    rows.add_contact(row, row.dot(z0), numbered(i < m / 2 ? "strong " : "weak ", i % (m / 2)));
   }
   return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
 }

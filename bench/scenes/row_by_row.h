@@ -15,6 +15,19 @@ inline void add_point(Vector& row, Index body, double sign, const Vec3& point, c
   row.segment<3>(6 * body + 3) += sign * point.cross(direction);
 }
 
+// The row of the difference of two points' velocities along a direction: of `body` at `point` and of the body before it
+// at `point_before`; of body 0 alone.
+inline Vector point_row(Index unknowns, Index body, const Vec3& point, const Vec3& point_before,
+                        const Vec3& direction) {
+  Vector row = Vector::Zero(unknowns);
+  add_point(row, body, 1, point, direction);
+  if (body > 0) add_point(row, body - 1, -1, point_before, direction);
+  return row;
+}
+
+// A corner of the lower face of a unit box.
+inline Vec3 box_corner(Index corner) { return {corner % 2 ? .5 : -.5, corner / 2 ? .5 : -.5, -.5}; }
+
 // A problem written down row by row, as a paper prints it, with a diagonal M.
 class RowByRow {
  public:
@@ -35,6 +48,17 @@ class RowByRow {
     instance_.problem.key.push_back({key > 0 ? key : static_cast<std::uint64_t>(i) + 1, 0});
     RowOrigin& written = instance_.origin.emplace_back(parse_row_origin(origin));
     if (written.type == "contact" || written.type == "ball_joint") written.unit = "m/s^2";
+  }
+
+  void add_contact(const Vector& row, double c, const std::string& label, std::uint64_t key = 0) {
+    add(RowKind::inequality, row, c, "contact/" + label, key);
+  }
+  void add_equality(const Vector& row, double c, const std::string& origin) { add(RowKind::equality, row, c, origin); }
+  // Ties the body to the one before it, body 0 to the ground.
+  void add_ball_joint(Index body, const Vec3& point, const Vec3& point_before) {
+    for (Index axis = 0; axis < 3; ++axis)
+      add_equality(point_row(instance_.problem.z_u.size(), body, point, point_before, Vec3::Unit(axis)), 0,
+                   "ball_joint/" + std::to_string(body) + " [" + std::to_string(axis) + "]");
   }
 
   Instance finish() {

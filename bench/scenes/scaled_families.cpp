@@ -1,8 +1,8 @@
 #include <array>
 #include <cmath>
 
-#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/row_by_row.h>
 
 namespace zwang {
@@ -21,14 +21,13 @@ struct ChainOfFour {
     for (Index b = 0; b < bodies; ++b) {
       mass.segment<6>(6 * b) << 1, 1, 1, .25, .25, .125;
       const Vec3 here = draw.eighths(3, 6), before = draw.eighths(3, 6);
-      for (Index axis = 0; axis < 3; ++axis) {
-        put_point(3 * b + axis, b, 1, here, Vec3::Unit(axis));
-        if (b > 0) put_point(3 * b + axis, b - 1, -1, before, Vec3::Unit(axis));
-      }
+      for (Index axis = 0; axis < 3; ++axis) J.row(3 * b + axis) = point_row(n, b, here, before, Vec3::Unit(axis));
       for (Index side = 0; side < 2; ++side) {
         Vec3 normal = draw.eighths(3, 8);
         normal.z() = 1;
-        put_point(joints + 2 * b + side, b, 1, draw.eighths(3, 8), normal);
+        Vector row = Vector::Zero(n);
+        add_point(row, b, 1, draw.eighths(3, 8), normal);
+        J.row(joints + 2 * b + side) = row;
       }
     }
   }
@@ -36,19 +35,12 @@ struct ChainOfFour {
   RowByRow rows() const {
     RowByRow out(mass, z_u);
     for (Index i = 0; i < J.rows(); ++i) {
-      const bool joint = i < joints;
-      out.add(joint ? RowKind::equality : RowKind::inequality, J.row(i), c[i],
-              joint ? numbered("ball_joint/", i / 3) + " [" + std::to_string(i % 3) + "]"
-                    : numbered("contact/", i - joints));
+      if (i < joints)
+        out.add_equality(J.row(i), c[i], numbered("ball_joint/", i / 3) + " [" + std::to_string(i % 3) + "]");
+      else
+        out.add_contact(J.row(i), c[i], std::to_string(i - joints));
     }
     return out;
-  }
-
- private:
-  void put_point(Index i, Index body, double sign, const Vec3& point, const Vec3& direction) {
-    Vector row = J.row(i);
-    add_point(row, body, sign, point, direction);
-    J.row(i) = row;
   }
 };
 
@@ -82,11 +74,8 @@ Instance row_scale(const Knobs& knobs) {
   RowByRow rows = chain.rows();
   const int zero = static_cast<int>(knobs.at("zero"));
   if (zero == 0) return rows.finish();
-  rows.add(RowKind::inequality, Vector::Zero(ChainOfFour::n),
-           zero == 1   ? 0
-           : zero == 2 ? 0x1p-40
-                       : -0x1p-40,
-           "contact/without entries");
+  constexpr std::array size = {0., 0x1p-40, -0x1p-40};
+  rows.add_contact(Vector::Zero(ChainOfFour::n), size[static_cast<std::size_t>(zero - 1)], "without entries");
   if (zero != 2) return rows.finish();
   const Index m = chain.c.size() + 1;
   return rows.finish({.feasible = false, .certificate = Vector::Unit(m, m - 1), .method = "closed form"});
@@ -115,13 +104,7 @@ Instance long_chain(const Knobs& knobs) {
   for (Index b = 0; b < links; ++b) mass.segment<3>(6 * b + 3) /= 16;
   RowByRow rows(mass, Vector::Zero(6 * links));
   const Vec3 half(.5, 0, 0);
-  for (Index b = 0; b < links; ++b)
-    for (Index axis = 0; axis < 3; ++axis) {
-      Vector row = Vector::Zero(6 * links);
-      add_point(row, b, 1, -half, Vec3::Unit(axis));
-      if (b > 0) add_point(row, b - 1, -1, half, Vec3::Unit(axis));
-      rows.add(RowKind::equality, row, 0, numbered("ball_joint/", b) + " [" + std::to_string(axis) + "]");
-    }
+  for (Index b = 0; b < links; ++b) rows.add_ball_joint(b, -half, half);
   return with_known_answer(rows.finish(), static_cast<std::uint64_t>(knobs.at("seed")), .5);
 }
 
@@ -134,7 +117,7 @@ Instance stack_of_masses(const Knobs& knobs) {
     Vector row = Vector::Unit(n, i);
     if (i > 0) row[i - 1] = -1;
     lambda[i] = g_dyadic * static_cast<double>(n - i);
-    rows.add(RowKind::inequality, row, 0, numbered("contact/box ", i));
+    rows.add_contact(row, 0, numbered("box ", i));
   }
   return rows.finish({.z = Vector::Zero(n), .lambda = lambda, .method = "closed form"});
 }
@@ -149,7 +132,7 @@ Instance exponential_pivots(const Knobs& knobs) {
     const Index i = reversed ? n - 1 - k : k;
     Vector row = Vector::Unit(n, i);
     row.head(i).setConstant(2);
-    rows.add(RowKind::inequality, row, 1, numbered("contact/", i + 1));
+    rows.add_contact(row, 1, std::to_string(i + 1));
   }
   return rows.finish(
       {.z = Vector::Unit(n, 0), .lambda = Vector::Unit(n, reversed ? n - 1 : 0), .method = "closed form"});
@@ -164,7 +147,7 @@ Instance pivot_cycle(const Knobs& knobs) {
   RowByRow rows(Vector::Ones(n), Vector::Zero(n));
   for (Index i = 0; i < n; ++i) {
     const Vector row = draw.integers(n, 3);
-    rows.add(RowKind::inequality, row, draw.integer(1, 3), numbered("contact/", i + 1));
+    rows.add_contact(row, draw.integer(1, 3), std::to_string(i + 1));
   }
   return rows.finish();
 }

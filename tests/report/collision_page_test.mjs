@@ -27,7 +27,7 @@ const results = {
 };
 const report_of = json => {
   fs.writeFileSync(`${folder}/collision.json`, JSON.stringify(json));
-  return execFileSync(write_pages, [folder, 'collision'], {encoding: 'utf8'}).trim();
+  return execFileSync(write_pages, [folder], {encoding: 'utf8'}).trim();
 };
 const settled = 'new Promise(done => setTimeout(done, 500))';
 const rows = id => `[...document.querySelectorAll('#${id} tbody tr')].map(tr => [...tr.cells].map(td => td.textContent))`;

@@ -1,19 +1,16 @@
 // The report of a run; of two runs side by side; the figures of a run. For the tests in the browser.
-// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures | write_pages DIR collision
+// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures
 #include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include <zwang/bench/report/page/collision_page.h>
 #include <zwang/bench/report/report.h>
 
 int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 1)
     std::cout << zwang::report::write_report(words[0]).string() << "\n";
-  else if (words.size() == 2 && words[1] == "collision")
-    std::cout << zwang::report::write_collision_report(words[0]).string() << "\n";
   else if (words.size() == 3)
     std::cout << zwang::report::write_comparison(words[0], words[1], words[2]).string() << "\n";
   else if (words.size() == 2 && words[1] == "figures")

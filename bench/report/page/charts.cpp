@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/cells.h>
+#include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/tables/profile.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/tables.h>
@@ -22,9 +25,14 @@ constexpr std::size_t curve_steps = 60;
 constexpr std::size_t trace_points = 60;
 
 json known(double value, int digits = 4) {
-  if (!std::isfinite(value)) return nullptr;
-  return json::parse(scientific(std::clamp(value, -1e300, 1e300),
-                                digits - 1));  // four digits draw the same picture in a third of the bytes
+  // Four digits draw the same picture in a third of the bytes.
+  return std::isfinite(value) ? json::parse(scientific(std::clamp(value, -1e300, 1e300), digits - 1)) : json();
+}
+
+// "a b" and rows -> {"fields": ["a", "b"], "rows": [...]}.
+json chart(const std::string& fields, const json& rows) {
+  std::istringstream words(fields);
+  return {{"fields", std::vector<std::string>(std::istream_iterator<std::string>(words), {})}, {"rows", rows}};
 }
 
 json work_precision(const Run& run) {
@@ -35,10 +43,8 @@ json work_precision(const Run& run) {
                     known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.iterations, 6), r.claimed, r.verified, d.of,
                     r.replay});
   }
-  return {{"fields",
-           {"level", "family", "problem", "solver", "tolerance", "drawn", "error", "time", "q1", "q3", "iterations",
-            "claimed", "verified", "of", "replay"}},
-          {"rows", rows}};
+  return chart("level family problem solver tolerance drawn error time q1 q3 iterations claimed verified of replay",
+               rows);
 }
 
 // At most curve_steps steps, evenly chosen, the last one kept.
@@ -80,7 +86,7 @@ json profiles(const Run& run) {
       add("ratio", performance_profile(times), 1);
       add("time", data_profile(times), 0.8 * first);
     }
-  return {{"fields", {"kind", "family", "level", "solver", "at", "share"}}, {"rows", rows}};
+  return chart("kind family level solver at share", rows);
 }
 
 json sweep_states(const Run& run) {
@@ -92,17 +98,13 @@ json sweep_states(const Run& run) {
     const int at = position[group.family]++;
     for (const auto& runs : group.by_solver) {
       if (runs.empty()) continue;
-      const Result& r =
-          **std::min_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->tolerance < b->tolerance; });
+      const Result& r = *tightest(runs);
       const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
       rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
                       r.verified, r.replay, sweep_mark(r), r.problem_file});
     }
   }
-  return {{"fields",
-           {"family", "problem", "knob", "value", "position", "solver", "state", "error", "claimed", "verified",
-            "replay", "mark", "file"}},
-          {"rows", rows}};
+  return chart("family problem knob value position solver state error claimed verified replay mark file", rows);
 }
 
 json scaling_points(const Run& run, bool fits) {
@@ -118,22 +120,16 @@ json scaling_points(const Run& run, bool fits) {
         rows.push_back({family.family, family.axis, p.solver, p.result->problem, known(p.size, 9), known(p.time_s),
                         p.result->n, p.result->m, p.result->replay});
   }
-  if (fits) return {{"fields", {"family", "solver", "size", "time", "exponent"}}, {"rows", rows}};
-  return {{"fields", {"family", "axis", "solver", "problem", "size", "time", "n", "m", "replay"}}, {"rows", rows}};
+  if (fits) return chart("family solver size time exponent", rows);
+  return chart("family axis solver problem size time n m replay", rows);
 }
 
 json convergence(const Run& run) {
   json rows = json::array();
-  std::map<std::pair<std::string, std::string>, std::vector<const TracePoint*>> traces;
-  std::vector<std::pair<std::string, std::string>> order;
-  for (const TracePoint& point : run.traces) {
-    auto& trace = traces[{point.problem, point.solver}];
-    if (trace.empty()) order.emplace_back(point.problem, point.solver);
-    trace.push_back(&point);
-  }
-  for (const auto& key : order) {
-    auto& trace = traces[key];
-    std::sort(trace.begin(), trace.end(), [](auto* a, auto* b) { return a->iteration < b->iteration; });
+  InOrder<std::pair<std::string, std::string>, std::vector<const TracePoint*>> traces;
+  for (const TracePoint& point : run.traces) traces[{point.problem, point.solver}].push_back(&point);
+  for (auto& [key, trace] : traces.items) {
+    std::ranges::sort(trace, {}, &TracePoint::iteration);
     // Each point is a solve of its own, and times scatter; but who stops earlier cannot have needed longer.
     std::vector<double> time(trace.size(), unknown);
     for (std::size_t i = trace.size(); i-- > 0;)
@@ -149,8 +145,7 @@ json convergence(const Run& run) {
                       known(p->stationarity), known(p->gap)});
     }
   }
-  return {{"fields", {"problem", "solver", "iteration", "time", "z_error", "primal", "stationarity", "gap"}},
-          {"rows", rows}};
+  return chart("problem solver iteration time z_error primal stationarity gap", rows);
 }
 
 json range_gaps(const Run& run) {
@@ -159,9 +154,7 @@ json range_gaps(const Run& run) {
     if (std::isfinite(r.range_gap) && std::isfinite(r.z_error))
       rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap), known(r.z_error),
                       r.claimed, r.verified, r.replay});
-  return {
-      {"fields", {"family", "problem", "solver", "m", "tolerance", "gap", "error", "claimed", "verified", "replay"}},
-      {"rows", rows}};
+  return chart("family problem solver m tolerance gap error claimed verified replay", rows);
 }
 
 json stages(const Run& run) {
@@ -174,7 +167,7 @@ json stages(const Run& run) {
     for (const auto& [stage, time] : t.stages)
       rows.push_back({t.contacts, stage, order++, known(time), known(time / whole, 3)});
   }
-  return {{"fields", {"contacts", "stage", "order", "time", "share"}}, {"rows", rows}};
+  return chart("contacts stage order time share", rows);
 }
 
 }  // namespace

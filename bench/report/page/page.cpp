@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -11,11 +12,14 @@
 #include <zwang/bench/report/page/charts.h>
 #include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/accuracy.h>
+#include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/tables/sweeps.h>
+#include <zwang/bench/report/wording.h>
 
-// page.html, bundled by bundle.mjs from the template, the libraries and the chart specs, is part of the program:
-// writing a report needs neither Node nor a file beside it.
-ZWANG_EMBEDDED(report_page, ZWANG_REPORT_PAGE)
+// The pages, which bundle.mjs makes of templates, libraries and chart specs, are part of the program: writing a report
+// needs neither Node nor a file beside it.
+ZWANG_EMBEDDED(report_html, ZWANG_REPORT_PAGE)
+ZWANG_EMBEDDED(collision_html, ZWANG_COLLISION_PAGE)
 
 namespace zwang::report {
 namespace {
@@ -31,8 +35,7 @@ std::string counted(std::size_t n, const std::string& noun) {
 // What a reader must know to compare fairly, beside the run's own notes.
 std::vector<std::string> notes(const Run& run) {
   const auto any = [&run](const char* part) {
-    return std::any_of(run.solvers.begin(), run.solvers.end(),
-                       [part](const SolverInfo& s) { return s.name.find(part) != std::string::npos; });
+    return std::ranges::any_of(run.solvers, [part](const auto& s) { return s.name.find(part) != std::string::npos; });
   };
   std::vector<std::string> out = run.notes;
   if (any("slsqp") && any("nnls"))
@@ -65,22 +68,20 @@ json to_json(const Table& table) {
 
 constexpr std::size_t drawn_by_default = 14;  // as many as there are marker shapes and colours
 
-// The solvers that charts show until a reader chooses: those that got most runs right. Both versions of a solver count
-// as two, and stay together.
+const std::string& style(const SolverInfo& s) { return s.style.empty() ? s.name : s.style; }
+
+// The styles of the solvers that charts show until a reader chooses: those that got most runs right. Both versions of a
+// solver count as two, and stay together.
 std::set<std::string> styles_shown(const Run& run) {
   std::map<std::string, std::string> style_of;
-  std::map<std::string, long> right, versions;
-  std::vector<std::string> order;
-  for (const SolverInfo& s : run.solvers) {
-    const std::string& style = style_of[s.name] = s.style.empty() ? s.name : s.style;
-    if (++versions[style] == 1) order.push_back(style);
-  }
-  for (const Result& r : run.results) right[style_of[r.solver]] += r.is_right();
-  std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) { return right[a] > right[b]; });
+  InOrder<std::string, std::pair<long, std::size_t>> standing;  // of a style: right runs, versions
+  for (const SolverInfo& s : run.solvers) ++standing[style_of[s.name] = style(s)].second;
+  for (const Result& r : run.results) standing[style_of[r.solver]].first += r.is_right();
+  std::ranges::stable_sort(standing.items, std::greater(), [](const auto& item) { return item.second.first; });
   std::set<std::string> shown;
   std::size_t drawn = 0;
-  for (const std::string& style : order)
-    if (drawn + versions[style] <= drawn_by_default) drawn += versions[style], shown.insert(style);
+  for (const auto& [name, of] : standing.items)
+    if (drawn + of.second <= drawn_by_default) drawn += of.second, shown.insert(name);
   return shown;
 }
 
@@ -88,8 +89,8 @@ std::set<std::string> styles_shown(const Run& run) {
 std::string opening(const Run& run) {
   if (run.is_of_speed()) return "speed-ratios";
   const auto families = families_of(run.results);
-  return !families.empty() && std::all_of(families.begin(), families.end(), is_stability_family) ? "break-points"
-                                                                                                 : "work-precision";
+  const bool atlas = !families.empty() && std::ranges::all_of(families, is_stability_family);
+  return atlas ? "break-points" : "work-precision";
 }
 
 }  // namespace
@@ -115,16 +116,18 @@ std::vector<std::string> headline(const Run& run) {
                                 {failed, "without an answer"},
                                 {blank, "not applicable"}})
     if (n > 0) counts += ", " + std::to_string(n) + " " + what;
-  std::string lies;
+  std::vector<std::string> lies;
   std::size_t total = 0;
   for (const auto& [solver, n] : liars) {
-    lies += (lies.empty() ? "" : ", ") + solver + " " + std::to_string(n);
+    lies.push_back(solver + " " + std::to_string(n));
     total += n;
   }
-  std::vector<std::string> lines = {
-      counts + ".", total == 0 ? "No run claimed success, or infeasibility, where the referee found the opposite."
-                               : counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") +
-                                     " wrong (" + lies + "): see the table of false claims."};
+  std::vector<std::string> lines = {counts + "."};
+  if (total == 0)
+    lines.push_back("No run claimed success, or infeasibility, where the referee found the opposite.");
+  else
+    lines.push_back(counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") + " wrong (" +
+                    joined(lies) + "): see the table of false claims.");
   if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
   if (!run.torn.empty()) lines.push_back(run.torn);
   return lines;
@@ -133,26 +136,25 @@ std::vector<std::string> headline(const Run& run) {
 std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables) {
   json solvers = json::array();
   const std::set<std::string> shown = styles_shown(run);
-  for (const SolverInfo& s : run.solvers) {
-    const std::string style = s.style.empty() ? s.name : s.style;
+  for (const SolverInfo& s : run.solvers)
     solvers.push_back({{"name", s.name},
                        {"method", s.method},
-                       {"style", style},
+                       {"style", style(s)},
                        {"second", s.second},
                        {"exact", s.exact},
-                       {"shown", shown.contains(style)}});
-  }
+                       {"shown", shown.contains(style(s))}});
   json all;
   for (const Table& table : tables) all[table.id] = to_json(table);
-  std::string circumstances;
-  for (const auto& [name, value] : run.conditions)
-    if (name == "commit" || name == "compiler" || name == "CPU" || name == "seed")
-      circumstances += (circumstances.empty() ? "" : ", ") + (name == "commit" || name == "seed" ? name + " " : "") +
-                       (name == "commit" ? value.substr(0, 12) : value);
+  std::vector<std::string> circumstances;
+  for (const auto& [name, value] : run.conditions) {
+    if (name == "commit") circumstances.push_back("commit " + value.substr(0, 12));
+    if (name == "seed") circumstances.push_back("seed " + value);
+    if (name == "compiler" || name == "CPU") circumstances.push_back(value);
+  }
   const json about = {{"title", text.title},
                       {"opening", opening(run)},
                       {"headline", text.headline},
-                      {"circumstances", circumstances},
+                      {"circumstances", joined(circumstances)},
                       {"notes", notes(run)},
                       {"solvers", solvers},
                       {"families", families_of(run.results)},
@@ -163,7 +165,9 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
   return data + "\"charts\":" + chart_rows(run) + "}";
 }
 
-std::string page(const std::string& data) { return filled(report_page(), data); }
+std::string page(const std::string& data) { return filled(report_html(), data); }
+
+std::string collision_page(const std::string& data) { return filled(collision_html(), data); }
 
 std::string filled(std::string_view whole, const std::string& data) {
   constexpr std::string_view slot = "{\"slot\":\"data\"}";
@@ -171,11 +175,7 @@ std::string filled(std::string_view whole, const std::string& data) {
   if (at == std::string_view::npos) throw std::logic_error("the embedded report page has no place for its data");
   std::string out(whole.substr(0, at));
   out.reserve(whole.size() + data.size());
-  for (const char ch : data)
-    if (ch == '<')
-      out += "\\u003c";  // no "</script" in the data can end its element
-    else
-      out += ch;
+  for (const char ch : data) out += ch == '<' ? "\\u003c" : std::string_view(&ch, 1);  // no "</script" may end it
   out += whole.substr(at + slot.size());
   return out;
 }

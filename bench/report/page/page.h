@@ -19,8 +19,9 @@ std::vector<std::string> headline(const Run& run);
 // Everything the page and the figures draw, as one JSON object.
 std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables);
 
-// The page embedded at build time with the data in its place.
+// The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);
+std::string collision_page(const std::string& data);
 // Any bundled page with its slot for data filled.
 std::string filled(std::string_view page, const std::string& data);
 
