@@ -64,8 +64,11 @@
     // Label decades; 2 and 5 only where the axis is short, odd ones where it is very short.
     time_label: (value, domain) => is_labelled(value, decades(domain), 2.3) ? duration(value) : '',
     size_label: (value, domain) => is_labelled(value, decades(domain), 3) ? value.toLocaleString('en') : '',
-    // A problem's knob value stands for it: "GAP(k=44)" -> 44.
-    knob_label: problem => /=([^,)]*)/.exec(problem)?.[1] ?? '',
+    // A problem's knob value stands for it: "GAP(k=44)" -> 44; powers of two far from 1 as such.
+    knob_label: problem => {
+      const text = /=([^,)]*)/.exec(problem)?.[1] ?? '', power = Math.log2(text);
+      return Number.isInteger(power) && (power < -3 || power > 9) ? `2${superscript(power)}` : text;
+    },
     ticks: domain => decades(domain) > 3.5 ? Math.floor(decades(domain)) : 20,
     is_decade: value => mantissa(value) < 1.5,
   };
@@ -263,6 +266,8 @@
       const sizes = sizes_of(data, state.size_family);
       return {POSITIONS: sizes.map((_, i) => i), SIZE_LABELS: `${JSON.stringify(sizes)}[datum.value]`};
     },
+    // Room for the numbers beside the bars.
+    'speed-exponents': (data, state) => ({X_MAX: 1.3 * Math.max(1, ...rows['speed-exponents'](data, state).map(row => row.high))}),
     'scaling': (data, state) => ({SIZE: `${all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'} (number)`}),
   };
 
