@@ -44,7 +44,7 @@ void append(Run& out, const Run& run, const Run& other, const std::string& mark,
   out.conditions.emplace_back("run " + mark, run.dir.generic_string());
   for (const auto& [name, value] : run.conditions) out.conditions.emplace_back(name + " @" + mark, value);
   for (const std::string& note : run.notes)
-    if (std::find(out.notes.begin(), out.notes.end(), note) == out.notes.end()) out.notes.push_back(note);
+    if (std::ranges::find(out.notes, note) == out.notes.end()) out.notes.push_back(note);
   if (!run.torn.empty()) out.torn += (out.torn.empty() ? "" : " ") + ("Run " + mark + ": ") + run.torn;
 }
 
@@ -57,7 +57,7 @@ std::map<std::string, std::vector<const Result*>> by_problem(const Run& run, con
 }
 
 int lies(const std::vector<const Result*>& runs) {
-  return static_cast<int>(std::count_if(runs.begin(), runs.end(), [](const Result* r) { return r->lies(); }));
+  return static_cast<int>(std::ranges::count_if(runs, [](const Result* r) { return r->lies(); }));
 }
 
 }  // namespace
@@ -67,11 +67,10 @@ Run merged(const Run& a, const Run& b) {
   std::map<std::string, std::string> name_of;  // problem contents -> the name it first had
   append(out, a, b, "A", name_of);
   append(out, b, a, "B", name_of);
-  // A solver's two versions stand beside each other.
+  // A solver's two versions follow each other.
   std::map<std::string, std::size_t> first;
   for (const SolverInfo& s : out.solvers) first.try_emplace(s.style, first.size());
-  const auto place = [&first](const SolverInfo& s) { return std::pair(first[s.style], s.second); };
-  std::sort(out.solvers.begin(), out.solvers.end(), [&](const auto& x, const auto& y) { return place(x) < place(y); });
+  std::ranges::sort(out.solvers, {}, [&](const SolverInfo& s) { return std::pair(first[s.style], s.second); });
   return out;
 }
 

@@ -40,10 +40,10 @@ struct Result {
   std::vector<WorstRow> worst_by_type = {};
   std::vector<std::string> conflicting = {};
 
-  // The error against the reference, or the proven upper bound that stands in for it; NaN when there is neither.
+  // The error against the reference, or without one the proven upper bound; NaN when there is neither.
   double error() const { return z_error == z_error ? z_error : z_bound; }
   bool claims_solved() const { return claimed == "solved"; }
-  // Says it has the answer (or that there is none), and the referee finds the opposite.
+  // Claims an answer (or that there is none) that the referee refutes.
   bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }
   bool is_right() const { return verified == "solved" || verified == "infeasible, proven"; }
   bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
@@ -91,7 +91,7 @@ struct Run {
   std::filesystem::path dir;
   std::string label;  // names the run where two are compared
   std::string suite, commit;
-  std::vector<std::pair<std::string, std::string>> conditions;  // what and under which circumstances, for people
+  std::vector<std::pair<std::string, std::string>> conditions;  // name and value, as the page shows them
   std::vector<std::string> notes;
   std::vector<SolverInfo> solvers;  // in the order of the run
   std::vector<Result> results;

@@ -8,7 +8,7 @@
 
 namespace zwang::report {
 
-// What a page says beyond its charts.
+// The title and the sentences at the top of a page.
 struct PageText {
   std::string title;
   std::vector<std::string> headline;  // sentences, most important first

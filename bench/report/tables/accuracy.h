@@ -23,7 +23,7 @@ std::vector<ProblemRuns> group_by_problem(const std::vector<Result>& results, co
 // does. Runs that lie never count, and on an infeasible problem only a proof does.
 double time_to_error(const std::vector<const Result*>& runs, double error);
 
-// One solver's standing in a family at equal achieved error.
+// One solver's time in a family at equal achieved error.
 struct AccuracyMatched {
   std::string solver;
   double time_s;  // geometric mean over the problems on which the error was reached

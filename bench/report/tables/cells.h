@@ -36,7 +36,7 @@ inline Cell knob_cell(double value) { return {knob_text(value), value}; }
 
 inline const char* tone_of(bool bad, bool good) { return bad ? "bad" : good ? "good" : ""; }
 
-// The error the referee measured, or the bound that stands in for it.
+// The error the referee measured, or the bound where there is no reference.
 inline Cell error_cell(const Result& r) {
   if (std::isfinite(r.z_error)) return number_cell(r.z_error);
   if (std::isfinite(r.z_bound)) return {"<= " + scientific(r.z_bound), r.z_bound};

@@ -15,7 +15,7 @@
 namespace zwang::report {
 namespace {
 
-// Rejected claims, gravest first: 0 lies, 1 flagged as ill-conditioned but wrong, 2 infeasible without proof.
+// Rejected claims, worst first: 0 false, 1 flagged as ill-conditioned but wrong, 2 infeasible without proof.
 int gravity(const Result& r) {
   if (r.lies()) return 0;
   if (r.claimed == "solved, ill-conditioned" && r.verified == "wrong") return 1;
@@ -97,7 +97,7 @@ Table claims_table(const Run& run) {
     ++group.runs;
     if (r.z_error > group.worst->z_error) group.worst = &r;
   }
-  // The gravest first; among them the largest error, and before all errors an answer where none exists.
+  // The worst kind first; within a kind answers where none exists, then by error, largest first.
   std::vector<Group> sorted;
   for (const auto& [key, group] : groups) sorted.push_back(group);
   std::ranges::sort(sorted, {}, [](const Group& g) {

@@ -25,7 +25,17 @@ Curve staircase(std::vector<double> values, std::size_t problems) {
 
 std::size_t solvers_in(const Times& times) { return times.empty() ? 0 : times.front().size(); }
 
-double fastest(const std::vector<double>& row) { return *std::min_element(row.begin(), row.end()); }
+// `cost`: of a solver's time on one problem, given all times on it.
+template <class Cost>
+std::vector<Curve> curves(const Times& times, Cost cost) {
+  std::vector<Curve> all;
+  for (std::size_t s = 0; s < solvers_in(times); ++s) {
+    std::vector<double> costs;
+    for (const auto& row : times) costs.push_back(cost(row[s], row));
+    all.push_back(staircase(costs, times.size()));
+  }
+  return all;
+}
 
 }  // namespace
 
@@ -40,24 +50,11 @@ Times times_to_error(const std::vector<ProblemRuns>& groups, const std::string& 
 }
 
 std::vector<Curve> performance_profile(const Times& times) {
-  std::vector<Curve> curves;
-  for (std::size_t s = 0; s < solvers_in(times); ++s) {
-    std::vector<double> ratios;
-    for (const auto& row : times)
-      if (std::isfinite(row[s])) ratios.push_back(row[s] / fastest(row));
-    curves.push_back(staircase(ratios, times.size()));
-  }
-  return curves;
+  return curves(times, [](double time, const auto& row) { return time / std::ranges::min(row); });
 }
 
 std::vector<Curve> data_profile(const Times& times) {
-  std::vector<Curve> curves;
-  for (std::size_t s = 0; s < solvers_in(times); ++s) {
-    std::vector<double> column;
-    for (const auto& row : times) column.push_back(row[s]);
-    curves.push_back(staircase(column, times.size()));
-  }
-  return curves;
+  return curves(times, [](double time, const auto&) { return time; });
 }
 
 std::vector<double> shifted_geometric_means(const Times& times, double shift, double penalty) {

@@ -17,15 +17,15 @@ struct Step {
 };
 using Curve = std::vector<Step>;  // a right-continuous staircase: holds from `at` on
 
-// Dolan-More: share of problems solved within tau times the fastest solver's time. A problem that nobody solves stays
-// in the denominator: it is a failure of all.
+// Dolan-More: share of problems solved within tau times the fastest solver's time. A problem that no solver solves
+// stays in the denominator: it is a failure of all.
 std::vector<Curve> performance_profile(const Times& times);
 
 // More-Wild, with seconds as the budget: share of problems solved within that time.
 std::vector<Curve> data_profile(const Times& times);
 
-// Shifted geometric mean [s] per solver over the problems somebody solved; a failure counts as `penalty` times the
-// slowest success on that problem (a mean cannot hold an infinity; the profile does).
+// Shifted geometric mean [s] per solver over the problems that at least one solver solved; a failure counts as
+// `penalty` times the slowest success on that problem (a mean cannot hold an infinity; the profile does).
 std::vector<double> shifted_geometric_means(const Times& times, double shift, double penalty);
 
 // Median of all successes [s], rounded to one digit: the shift that treats half the times as small.

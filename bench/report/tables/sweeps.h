@@ -8,7 +8,7 @@
 
 namespace zwang::report {
 
-// Families whose knob goes from benign to impossible at a fixed size, and what the knob is.
+// Families of the stability atlas: their knob goes from benign to impossible at a fixed size.
 bool is_stability_family(const std::string& family);
 
 // The run at the tightest tolerance; null where there is none.

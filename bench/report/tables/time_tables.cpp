@@ -20,7 +20,7 @@ Table accuracy_table(const Run& run) {
   if (families.size() > 1) families.insert(families.begin(), "");
   for (const std::string& family : families) {
     const std::string shown = family.empty() ? "all" : family;
-    // Rows stand as at the headline's error; who reaches only looser ones comes after, by the tightest reached.
+    // Ordered as at the headline's error; solvers that reach only looser ones follow, by the tightest they reach.
     InOrder<std::string, std::vector<Cell>> rows;
     for (const double error : {headline_error, 1e-6, 1e-3})
       for (const AccuracyMatched& entry : accuracy_matched(run.results, family, error))

@@ -43,7 +43,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
 
   // Medians over the problems of a family that the solver got right at this tolerance, where those are more than half:
   // medians over few easy ones, others at every tolerance, would draw a line to and fro.
-  std::set<const Result*> lone;  // right, but without a median to stand behind
+  std::set<const Result*> lone;  // right, but not part of a median
   std::map<std::tuple<std::string, std::string, double>, std::vector<const Result*>> cells;
   for (const Result& r : run.results)
     if (!undrawn(r)) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
@@ -62,9 +62,8 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
     if (2 * ok.size() <= runs.size()) lone.insert(ok.begin(), ok.end());
     if (ok.empty() || lone.contains(ok.front())) continue;
     const double middle = median(time);
-    const Result& typical = **std::min_element(ok.begin(), ok.end(), [middle](const Result* a, const Result* b) {
-      return std::abs(a->solve_s - middle) < std::abs(b->solve_s - middle);
-    });
+    const Result& typical =
+        **std::ranges::min_element(ok, {}, [middle](const Result* r) { return std::abs(r->solve_s - middle); });
     const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
     const bool several = problems[typical.family].size() > 1;
     points.push_back({several ? "median" : "single", &typical, median(error), middle, median(q1), median(q3),

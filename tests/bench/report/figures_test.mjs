@@ -3,8 +3,8 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
-import '../../bench/report/page/charts.js';
-import '../../bench/report/page/labels.js';
+import '../../../bench/report/page/charts.js';
+import '../../../bench/report/page/labels.js';
 
 const here = new URL('.', import.meta.url).pathname;
 const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);

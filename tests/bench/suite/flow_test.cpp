@@ -7,7 +7,7 @@
 
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/suite/suite.h>
-#include "tests/suite/test_solvers.h"
+#include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
 namespace {

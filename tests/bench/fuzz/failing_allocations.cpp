@@ -1,4 +1,4 @@
-#include "tests/fuzz/failing_allocations.h"
+#include "tests/bench/fuzz/failing_allocations.h"
 
 #include <atomic>
 #include <cerrno>

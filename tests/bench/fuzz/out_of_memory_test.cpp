@@ -2,7 +2,7 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/solvers/registry.h>
-#include "tests/fuzz/failing_allocations.h"
+#include "tests/bench/fuzz/failing_allocations.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {

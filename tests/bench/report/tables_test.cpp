@@ -10,7 +10,7 @@
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/work_precision.h>
 #include <zwang/bench/report/wording.h>
-#include "tests/report/one_run.h"
+#include "tests/bench/report/one_run.h"
 
 namespace zwang::report {
 namespace {
@@ -47,7 +47,8 @@ TEST(Tables, FalseClaimsAreCountedBySolver) {
 }
 
 TEST(Tables, FilesEscapeWhatTheirFormatReads) {
-  const Table table{"t", "", {{"a_b"}, {"x, y", true}}, {{"", "", {{"50 %"}, {"2.0 us", 2e-6}}, ""}}};
+  Table table("t", "a_b; #x, y");
+  table.add("", "", {"50 %", Cell("2.0 us", 2e-6)});
   EXPECT_EQ(to_csv(table), "a_b,\"x, y\"\n50 %,2e-06\n");
   EXPECT_NE(to_tex(table).find("a\\_b & x, y \\\\"), std::string::npos);
   EXPECT_NE(to_tex(table).find("50 \\% & 2.0 $\\mu$s \\\\"), std::string::npos);

@@ -8,7 +8,7 @@
 #include <zwang/bench/report/tables/profile.h>
 #include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/report/tables/sweeps.h>
-#include "tests/report/one_run.h"
+#include "tests/bench/report/one_run.h"
 
 namespace zwang::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <zwang/bench/fuzz/worker.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
-#include "tests/suite/test_solvers.h"
+#include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
 namespace {

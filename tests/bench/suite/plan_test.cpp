@@ -6,7 +6,7 @@
 #include <zwang/bench/suite/progress.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
-#include "tests/suite/test_solvers.h"
+#include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
 namespace {

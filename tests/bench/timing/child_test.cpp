@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <zwang/bench/timing/wire.h>
-#include "tests/suite/test_solvers.h"
+#include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
 namespace {
