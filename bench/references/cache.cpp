@@ -5,61 +5,36 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <string_view>
 
 #include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 namespace {
 
-constexpr std::string_view magic = "zwang reference 1\n";
+using Json = nlohmann::json;
 
-template <class T>
-void put(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+std::vector<double> numbers(const Vector& v) { return {v.begin(), v.end()}; }
+
+Vector vector(const Json& numbers) {
+  const auto values = numbers.get<std::vector<double>>();
+  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
 }
-void put(std::string& bytes, const Vector& v) {
-  put(bytes, static_cast<std::int64_t>(v.size()));
-  bytes.append(reinterpret_cast<const char*>(v.data()), sizeof(double) * static_cast<std::size_t>(v.size()));
-}
-
-// Takes values off the front; throws std::out_of_range at the end.
-struct Reader {
-  std::string_view rest;
-
-  std::string_view take(std::size_t count) {
-    if (count > rest.size()) throw std::out_of_range("torn");
-    const std::string_view bytes = rest.substr(0, count);
-    rest.remove_prefix(count);
-    return bytes;
-  }
-  template <class T>
-  T value() {
-    T v;
-    take(sizeof(T)).copy(reinterpret_cast<char*>(&v), sizeof(T));
-    return v;
-  }
-  Vector vector() {
-    const auto size = static_cast<std::uint64_t>(value<std::int64_t>());
-    if (size > rest.size() / sizeof(double)) throw std::out_of_range("torn");
-    const std::string_view bytes = take(size * sizeof(double));
-    Vector v(static_cast<Index>(size));
-    if (size > 0) std::memcpy(v.data(), bytes.data(), bytes.size());
-    return v;
-  }
-};
 
 }  // namespace
 
 void write_cached(const std::filesystem::path& file, const Reference& r) {
-  std::string bytes(magic);
-  put(bytes, static_cast<char>(r.feasible));
-  put(bytes, r.bound);
-  put(bytes, static_cast<std::int64_t>(r.method.size()));
-  bytes += r.method;
-  for (const Vector* v : {&r.z, &r.lambda, &r.certificate}) put(bytes, *v);
-  put(bytes, fnv1a(bytes));
+  std::string bytes;
+  Json::to_cbor({{"feasible", r.feasible},
+                 {"bound", r.bound},
+                 {"method", r.method},
+                 {"z", numbers(r.z)},
+                 {"lambda", numbers(r.lambda)},
+                 {"certificate", numbers(r.certificate)}},
+                bytes);
+  const std::uint64_t checksum = fnv1a(bytes);
+  bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
 
   std::filesystem::create_directories(file.parent_path());
   const std::filesystem::path beside = file.string() + "." + std::to_string(::getpid());
@@ -74,19 +49,20 @@ void write_cached(const std::filesystem::path& file, const Reference& r) {
 std::optional<Reference> read_cached(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (bytes.size() < magic.size() + sizeof(std::uint64_t)) return {};
-  const std::string_view body = std::string_view(bytes).substr(0, bytes.size() - sizeof(std::uint64_t));
-  if (Reader{std::string_view(bytes).substr(body.size())}.value<std::uint64_t>() != fnv1a(body)) return {};
+  std::uint64_t checksum;
+  if (bytes.size() < sizeof checksum) return {};
+  const std::string_view body(bytes.data(), bytes.size() - sizeof checksum);
+  std::memcpy(&checksum, body.end(), sizeof checksum);
+  if (checksum != fnv1a(body)) return {};
   try {
-    Reader reader{body};
-    if (reader.take(magic.size()) != magic) return {};
-    Reference r;
-    r.feasible = reader.value<char>() != 0;
-    r.bound = reader.value<double>();
-    r.method = reader.take(static_cast<std::size_t>(reader.value<std::int64_t>()));
-    for (Vector* v : {&r.z, &r.lambda, &r.certificate}) *v = reader.vector();
-    return r;
-  } catch (const std::out_of_range&) {
+    const Json j = Json::from_cbor(body);
+    return Reference{.feasible = j.at("feasible"),
+                     .z = vector(j.at("z")),
+                     .lambda = vector(j.at("lambda")),
+                     .certificate = vector(j.at("certificate")),
+                     .bound = j.at("bound"),
+                     .method = j.at("method")};
+  } catch (const Json::exception&) {
     return {};
   }
 }

@@ -12,8 +12,8 @@ namespace zwang {
 // build. It is part of an entry's name: what other sources computed is never read.
 extern const std::string_view reference_sources;
 
-// One file a reference: a line of text, the sizes, the doubles bit for bit, a checksum. Written beside its place and
-// renamed, so that a reader never meets half a file.
+// One file a reference: CBOR, with the doubles bit for bit, and a checksum. Written beside its place and renamed, so
+// that a reader never sees half a file.
 void write_cached(const std::filesystem::path& file, const Reference& reference);
 
 // Empty when the file is absent, torn, altered or of another version.

@@ -12,11 +12,11 @@
 namespace zwang {
 
 // Proves an answer of a problem from its stored doubles and its KKT conditions alone, in a scalar of 100 digits. It
-// shares no code with any solver, and believes nothing of the answer.
+// shares no code with any solver, and assumes nothing about the answer.
 //
 // Let N be the equality rows, the rows with a multiplier and the rows that z touches, but for touched ones that
 // contradict the rest. If the rows of N, as equalities, are consistent (decided exactly: exact_rank.h), then some z~
-// meets them all, and with a basis B of N
+// satisfies them all, and with a basis B of N
 //
 //   |z~ - z|_M <= off = |slack_B| / sigma_min(G_B)           on unit rows G_i = J_i M^-1/2 / |..|.
 //
@@ -28,7 +28,7 @@ namespace zwang {
 // A negative multiplier of an inequality row counts as zero, so it shows in the force balance. sigma_min^2 > delta is
 // what a Cholesky factorization of G_B G_B' - delta I shows by its success (Rump, Verification of positive
 // definiteness, 2006). Rounding in the residuals is bounded by `rounding` of their terms; what it does to the factors
-// is not bounded, but delta and `limit` stand 10 digits and more above it.
+// is not bounded, but delta and `limit` are at least 10 digits above it.
 template <class Scalar>
 class KktCertificate {
   static_assert(std::numeric_limits<Scalar>::digits10 >= 100);
@@ -40,7 +40,7 @@ class KktCertificate {
   // z: n, lambda: m multipliers, both in the problem's units.
   std::string refuse(const VectorX<Scalar>& z, const VectorX<Scalar>& lambda) const;
 
-  // "" where u is Farkas' vector of a problem that no z meets: u_I >= 0, J'u = 0, c'u > 0, up to rounding. Any feasible
+  // "" where u is Farkas' vector of an infeasible problem: u_I >= 0, J'u = 0, c'u > 0, up to rounding. Any feasible
   // z has |z - z_u|_M >= (c - J z_u)'u / |J'u|_M^-1; that has to be 1/limit times as far as |z_u| and as any row of u.
   std::string refuse_infeasible(const VectorX<Scalar>& u) const;
 

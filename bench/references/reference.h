@@ -24,8 +24,9 @@ struct ReferenceOptions {
 //   n <= 300   the dual active-set method in 100-digit arithmetic, bound 0: z* rounded once (6.5 s at n = 280);
 //   n <= 1200  the same method in long double, with the referee's active-set bound;
 //   beyond     nothing.
-// Two witnesses that disagree leave nothing known, and `note` says so. Answers are kept in cache_dir by the hash of the
-// problem's content; an entry that cannot be read, or does not fit, is computed again. An empty cache_dir keeps none.
+// Where two witnesses disagree there is no reference, and `note` says so. Answers are kept in cache_dir by the hash of
+// the problem's content; an entry that cannot be read, or does not fit, is computed again. An empty cache_dir keeps
+// none.
 FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
                              const ReferenceOptions& options = {});
 
