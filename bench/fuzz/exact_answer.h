@@ -12,8 +12,8 @@ namespace zwang {
 //
 // by principal pivoting with the least-index criss-cross rule (Klafszky & Terlaky 1992; Fukuda & Terlaky 1992), which
 // ends on every positive semidefinite S, on a tableau of integers over one denominator (Bareiss 1968: each division
-// leaves no remainder). No tolerance anywhere, and no code shared with a solver; a few microseconds for ten rows.
-// Empty where a number of the tableau would not fit 127 bits, or a number of the problem is not an integer / 2^10.
+// leaves no remainder). No tolerance anywhere, and no code shared with a solver. Empty where a number of the problem is
+// not an integer / 2^10, or larger than 2^40.
 std::optional<Reference> exact_answer(const Problem& problem);
 
 }  // namespace zwang

@@ -1,6 +1,5 @@
 #include <zwang/bench/fuzz/fuzz.h>
 
-#include <chrono>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/suite/progress.h>
 #include <zwang/core/referee/measure.h>
 
 namespace zwang {
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double tolerance = 1e-10, exact_limit = 1e-9, other_limit = 1e4 * tolerance;
 constexpr double warm_limit = 1e-12;
-constexpr int patience = 500;  // iterations of methods that creep
+constexpr int patience = 500;  // iterations of first-order methods
 constexpr std::uint64_t warm_every = 4, spoil_every = 8, film_every = 2000;
 constexpr int frames = 256;
 
@@ -39,7 +39,7 @@ std::optional<Reference> decided_by_both(const Problem& p) {
   return digits;
 }
 
-// What a claim on a problem with an extreme entry has against it. Two things are nobody's fault: an answer that no
+// What contradicts a claim on a problem with an extreme entry. Two cases are not counted as faults: an answer that no
 // double holds, and a contradiction between rows that is smaller than the rounding of their terms.
 std::string contradiction(const Problem& p, const Solution& s, const Reference& truth) {
   if (truth.feasible && !truth.z.allFinite()) return "";
@@ -101,9 +101,9 @@ void Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm)
   Candidate& c = candidates_[i];
   SolveOptions options{.tolerance = tolerance, .warm_start = warm};
   if (!c.exact) options.max_iterations = patience;
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   c.solver.solve(problem, options, c.solution);
-  tally_[i].seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  tally_[i].seconds += wall_seconds() - start;
 }
 
 void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const Reference& truth) {

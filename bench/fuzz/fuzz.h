@@ -51,13 +51,13 @@ std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<con
 //   every fourth        active-set methods again from random multipliers: z as before, to 1e-12
 //   every eighth        one entry NaN or Inf: refused; or denormal or 1e300: no claim that both witnesses of references
 //                       contradict
-//   every 2000th        a film of 256 frames of the FLIP family, each warm-started from the frame before
+//   every 2000th        a sequence of 256 frames of the FLIP family, each warm-started from the frame before
 //
 // Of problems with near-dependent rows only the first is asked. Active-set methods have to be right to 1e-9, the others
 // to 1000 times what "solved" allows at T = 1e-10, within 500 iterations.
 class Fuzzer {
  public:
-  // `tally` has one entry a solver. `at` is told which solver runs next: if it crashes, that is known.
+  // `tally` has one entry a solver. `at` is told which solver runs next, so that a crash can be attributed.
   Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
          std::function<void(std::size_t)> at, std::function<void(Fault)> report);
   void look(std::uint64_t number);

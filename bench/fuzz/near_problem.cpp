@@ -17,26 +17,18 @@ Matrix near_mass(Index n, SmallNumbers& draw) {
   return draw.integer(0, 1) == 0 ? Matrix(D.asDiagonal()) : coupled_mass(D, 2, draw);
 }
 
-struct NearRow {
-  Vector J;
-  double c;
-};
-
-NearRow fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
-  NearRow row{draw.integers(n, 3), 0};
+DrawnRow fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
+  DrawnRow row{draw.integers(n, 3), 0};
   row.c = met ? row.J.dot(*met) : draw.integer(-3, 3);
   if (met && !equality && draw.integer(0, 1) == 1) row.c -= draw.integer(0, 2);
   return row;
 }
 
 // Of one row, or of the sum of two. c goes with J where a motion is to be met.
-NearRow copy(const std::vector<NearRow>& before, const Vector* met, Index n, SmallNumbers& draw) {
-  const auto any = [&]() -> const NearRow& {
-    return before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))];
-  };
-  NearRow row = any();
+DrawnRow copy(const std::vector<DrawnRow>& before, const Vector* met, Index n, SmallNumbers& draw) {
+  DrawnRow row = any_of(before, draw);
   if (draw.integer(0, 2) == 0) {
-    const NearRow& other = any();
+    const DrawnRow& other = any_of(before, draw);
     row = {row.J + other.J, row.c + other.c};
   }
   const double off = std::exp2(-draw.integer(farthest, nearest));
@@ -62,18 +54,12 @@ Problem near_problem(std::uint64_t seed, std::uint64_t number) {
   p.z_u = draw.integers(n, 4);
   const Vector motion = draw.integers(n, 2);
   const Vector* const met = draw.integer(0, 2) > 0 ? &motion : nullptr;
-  Matrix J(m, n);
-  p.c.resize(m);
-  std::vector<NearRow> rows;
+  std::vector<DrawnRow> rows;
   for (Index i = 0; i < m; ++i) {
-    const bool equality = i < equalities, own = rows.empty() || draw.integer(0, 4) < 2;
-    rows.push_back(own ? fresh(met, equality, n, draw) : copy(rows, met, n, draw));
-    J.row(i) = rows.back().J;
-    p.c[i] = rows.back().c;
-    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
-    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    const bool own = rows.empty() || draw.integer(0, 4) < 2;
+    rows.push_back(own ? fresh(met, i < equalities, n, draw) : copy(rows, met, n, draw));
   }
-  p.J = J.sparseView();
+  set_rows(p, rows, equalities);
   return p;
 }
 

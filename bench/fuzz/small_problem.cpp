@@ -28,6 +28,23 @@ Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw) {
   return L * D.asDiagonal() * L.transpose();
 }
 
+const DrawnRow& any_of(const std::vector<DrawnRow>& rows, SmallNumbers& draw) {
+  return rows[static_cast<std::size_t>(draw.index(static_cast<Index>(rows.size())))];
+}
+
+void set_rows(Problem& p, const std::vector<DrawnRow>& rows, Index equalities) {
+  Matrix J(static_cast<Index>(rows.size()), p.size());
+  p.c.resize(J.rows());
+  for (Index i = 0; i < J.rows(); ++i) {
+    const DrawnRow& row = rows[static_cast<std::size_t>(i)];
+    J.row(i) = row.J;
+    p.c[i] = row.c;
+    p.kind.push_back(i < equalities ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+  }
+  p.J = J.sparseView();
+}
+
 namespace {
 
 Matrix mass(Index n, SmallNumbers& draw) {
@@ -36,22 +53,17 @@ Matrix mass(Index n, SmallNumbers& draw) {
   return draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal());
 }
 
-struct Row {
-  Vector J;
-  double c;
-};
-
 // A row of its own, or one made of the rows before it; its c mostly agrees with theirs.
-Row compose_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
+DrawnRow compose_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& draw) {
   const int slip = draw.integer(0, 2) == 0 ? draw.integer(-1, 1) : 0;
   const int origin = before.empty() ? 0 : draw.integer(0, 9);
   if (origin >= 8) {
-    const Row &a = before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))], &b = before.back();
+    const DrawnRow &a = any_of(before, draw), &b = before.back();
     return {a.J + b.J, a.c + b.c + slip};
   }
   if (origin >= 5) {
     constexpr std::array factors = {1., 1., -1., 2., -2., .5};
-    const Row& a = before[static_cast<std::size_t>(draw.index(static_cast<Index>(before.size())))];
+    const DrawnRow& a = any_of(before, draw);
     const double factor = factors[static_cast<std::size_t>(draw.integer(0, 5))];
     return {factor * a.J, factor * a.c + slip};
   }
@@ -59,10 +71,10 @@ Row compose_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
   return {draw.integers(n, 1), static_cast<double>(draw.integer(-1, 1))};
 }
 
-// Rows made of rows that were made of rows must not grow without end: the exact answer has 127 bits.
-Row draw_row(Index n, const std::vector<Row>& before, SmallNumbers& draw) {
+// Rows made of rows that were made of rows must not grow without end.
+DrawnRow draw_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& draw) {
   for (;;) {
-    const Row row = compose_row(n, before, draw);
+    const DrawnRow row = compose_row(n, before, draw);
     const auto size = row.J.cwiseAbs().array();
     if ((size == 0 || (size >= .5 && size <= 4)).all()) return row;
   }
@@ -76,31 +88,21 @@ Problem small_problem(std::uint64_t seed, std::uint64_t number) {
   const int equalities = draw.integer(0, std::min(3, static_cast<int>(m)));
   Problem p{.name = "fuzz " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
   p.z_u = draw.integers(n, 2);
-  p.c.resize(m);
-  Matrix J(m, n);
-  std::vector<Row> rows;
+  std::vector<DrawnRow> rows;
+  std::vector<Index> unlimited;
   for (Index i = 0; i < m; ++i) {
     rows.push_back(draw_row(n, rows, draw));
-    const bool equality = i < equalities;
-    J.row(i) = rows.back().J;
-    p.c[i] = rows.back().c;
-    if (!equality && draw.integer(0, 39) == 0) p.c[i] = -std::numeric_limits<double>::infinity();
-    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
-    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    if (i >= equalities && draw.integer(0, 39) == 0) unlimited.push_back(i);
   }
-  p.J = J.sparseView();
+  set_rows(p, rows, equalities);
+  for (const Index i : unlimited) p.c[i] = -std::numeric_limits<double>::infinity();
   return p;
 }
 
 Spoilt spoil(Problem problem, std::uint64_t seed) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  constexpr std::array values = {std::numeric_limits<double>::quiet_NaN(),
-                                 inf,
-                                 -inf,
-                                 std::numeric_limits<double>::denorm_min(),
-                                 0x1.8p-1060,
-                                 1e300,
-                                 -1e300};
+  using Limits = std::numeric_limits<double>;
+  constexpr double inf = Limits::infinity();
+  constexpr std::array values = {Limits::quiet_NaN(), inf, -inf, Limits::denorm_min(), 0x1.8p-1060, 1e300, -1e300};
   SmallNumbers draw(mix_bits(seed, 1));
   const double value = values[static_cast<std::size_t>(draw.integer(0, 6))];
   Spoilt out{.problem = std::move(problem)};

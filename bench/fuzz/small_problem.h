@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/core/problem/problem.h>
@@ -12,6 +13,14 @@ std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number);
 
 // L D L' with up to `most` units in a few places below the diagonal of L. D: the masses of D.size() unknowns.
 Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw);
+
+struct DrawnRow {
+  Vector J;
+  double c;
+};
+const DrawnRow& any_of(const std::vector<DrawnRow>& rows, SmallNumbers& draw);
+// Puts the rows into the problem, equalities first.
+void set_rows(Problem& problem, const std::vector<DrawnRow>& rows, Index equalities);
 
 // Problem number `number` of a fuzzing run: up to six unknowns and ten rows with entries -1, 0, 1, where ties,
 // degenerate vertices, rows without entries, repeated, opposed, doubled and summed rows, and contradictions are the

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <map>
 #include <memory>
@@ -16,6 +15,7 @@
 #include <system_error>
 #include <tuple>
 
+#include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang {
@@ -23,8 +23,6 @@ namespace {
 
 constexpr std::size_t most_solvers = 32, most_files = 20;
 constexpr double hang = 60;  // s
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // What a worker and its parent both see.
 struct Shared {
@@ -77,9 +75,10 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   FuzzOutcome outcome{.solvers = fuzzed_solvers(options.solvers, among)};
   if (outcome.solvers.size() > most_solvers) throw std::invalid_argument("at most 32 solvers are fuzzed at once");
   std::vector<FuzzTally> unused(outcome.solvers.size());
-  Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});  // a mistyped name costs no process
+  // Throws here, before any process starts, where a name is mistyped.
+  Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
-  const double start = now();
+  const double start = wall_seconds();
   const pid_t parent = getpid();
   std::map<std::string, std::size_t> files, same_name;  // by solver; of further faults of one solver on one problem
 
@@ -124,7 +123,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     }
     close(ends[1]);
     worker.from = ends[0];
-    worker.moved = now();
+    worker.moved = wall_seconds();
   };
   const auto take_lines = [&](Worker& worker) {
     for (std::size_t at; (at = worker.text.find('\n')) != std::string::npos; worker.text.erase(0, at + 1)) {
@@ -135,7 +134,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       outcome.findings.push_back({std::stoull(number), solver, what, file});
     }
   };
-  // The worker has died (or hung): whose fault was it?
+  // The worker died or hung: a fault of the solver that was running.
   const auto bury = [&](Worker& worker, const std::string& how) {
     Shared& shared = *worker.shared;
     const std::string solver = outcome.solvers[shared.solver];
@@ -170,9 +169,9 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       take_lines(w);
       if (w.seen != w.shared->next) {
         w.seen = w.shared->next;
-        w.moved = now();
+        w.moved = wall_seconds();
       }
-      const bool hangs = now() - w.moved > hang;
+      const bool hangs = wall_seconds() - w.moved > hang;
       if (interrupted || hangs) kill(w.pid, SIGKILL);
       if (got > 0 && !interrupted && !hangs) continue;
       int status = 0;
@@ -199,7 +198,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     }
   std::ranges::sort(outcome.findings, {},
                     [](const Finding& f) { return std::tie(f.number, f.solver, f.what, f.file); });
-  outcome.seconds = now() - start;
+  outcome.seconds = wall_seconds() - start;
   outcome.interrupted = interrupted;
   return outcome;
 }
