@@ -37,40 +37,29 @@ std::string earlier(const Outcome& o) {
 struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
-  std::vector<std::string> problems = {};
 };
 
 void add_options(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
-  options
-      .add_option("--suite", s.suite,
-                  "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 minutes), "
-                  "speed (ten minutes) or collision (six minutes)")
-      ->group("What is run");
-  options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)")
-      ->group("What is run");
-  options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems")->group("What is run");
-  options.add_option("--problems", asked.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
-      ->group("What is run")
+  options.option_defaults()->group("What is run");
+  options.add_option("--suite", s.suite,
+                     "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 "
+                     "minutes), speed (ten minutes) or collision (six minutes)");
+  options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)");
+  options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems");
+  options.add_option("--problems", s.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
       ->type_name("PATH");
-  add_friction(options, s.friction)->group("What is run");
-  options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)")->group("What is run");
-  options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder")
-      ->group("What is run");
-  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")
-      ->group("What is run")
-      ->check(from_to(0));
+  add_friction(options, s.friction);
+  options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)");
+  options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder");
+  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->check(from_to(0));
+  options.option_defaults()->group("How it is run");
   options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
-      ->group("How it is run")
       ->check(above(0));
-  options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family")
-      ->group("How it is run");
-  options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")
-      ->group("Where it goes")
-      ->type_name("DIR");
-  options.add_option("--resume", asked.resume, "go on with a run that was stopped")
-      ->group("Where it goes")
-      ->type_name("DIR");
+  options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
+  options.option_defaults()->group("Where it goes");
+  options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
+  options.add_option("--resume", asked.resume, "go on with a run that was stopped")->type_name("DIR");
 }
 
 }  // namespace
@@ -94,18 +83,14 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
     return bench_collision(new_directory(asked.out, ""), command,
                            collision_hands ? collision_hands() : std::vector<HandScene>(), stop_on_interrupt());
   }
-  asked.suite.problems.assign(asked.problems.begin(), asked.problems.end());
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
 
   SuiteSettings settings;
   if (!asked.resume.empty()) {
     if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
-    std::vector<std::string> given;
-    for (const char* name : {"suite", "scenes", "families", "problems", "friction", "solvers", "tolerances",
-                             "repetitions", "seed", "trace"})
-      if (options.count(std::string("--") + name) > 0) given.emplace_back(name);
     settings.directory = asked.resume;
-    asked.suite = options_to_resume(settings.directory, asked.suite, given);
+    asked.suite = options_to_resume(settings.directory, asked.suite,
+                                    [&](const std::string& name) { return options.count("--" + name) > 0; });
   } else {
     settings.directory = new_directory(asked.out, "./zwang bench --resume");
   }
@@ -118,10 +103,9 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
                         ? make_plan(std::move(asked.suite))
                         : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
-  const std::size_t solvers = plan.runs.size() / plan.options.tolerances.size();
   const bool own = asked.resume.empty() && (options.count("--scenes") > 0 || options.count("--problems") > 0);
   std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
-              own ? "your problems" : (plan.options.suite + " suite").c_str(), solvers, plan.instances.size(),
+              own ? "your problems" : (plan.options.suite + " suite").c_str(), plan.solvers(), plan.instances.size(),
               plan.options.tolerances.size(), static_cast<unsigned long long>(plan.options.seed));
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
   std::fflush(stdout);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <ranges>
 #include <thread>
 
 #include <zwang/bench/fuzz/worker.h>
@@ -36,10 +37,10 @@ int fuzz_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
 
   Progress bar(isatty(STDERR_FILENO) == 1);
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wall_seconds();
   const auto progress = [&](std::uint64_t so_far) {
     const double fraction = static_cast<double>(so_far) / static_cast<double>(std::max<std::uint64_t>(1, fuzz.count));
-    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double passed = wall_seconds() - start;
     bar.show(fraction, grouped(so_far) + " problems", fraction > 0 ? passed * (1 - fraction) / fraction : -1);
   };
   const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, stop_on_interrupt());
@@ -60,8 +61,7 @@ int fuzz_command(std::vector<std::string> words) {
   }
   constexpr std::size_t most_shown = 20;
   if (!o.findings.empty()) std::puts("");
-  for (std::size_t k = 0; k < std::min(o.findings.size(), most_shown); ++k) {
-    const Finding& f = o.findings[k];
+  for (const Finding& f : o.findings | std::views::take(most_shown)) {
     std::printf("problem %llu, %s %s\n", static_cast<unsigned long long>(f.number), f.solver.c_str(), f.what.c_str());
     if (!f.file.empty())
       std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file.string()).c_str(), f.solver.c_str());

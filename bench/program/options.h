@@ -14,7 +14,7 @@ class Option;
 
 namespace zwang {
 
-// The manners of this program's options, on top of CLI11.
+// What the options of all commands have in common, on top of CLI11.
 
 // Name, column width and examples of `./zwang NAME --help`.
 void introduce(CLI::App& app, const std::string& name, const std::string& examples);

@@ -37,13 +37,13 @@ const std::array own_commands = {
 
 // The extensions' commands behind the comparison's.
 std::vector<Command> all_commands(const Extensions& extensions) {
-  std::vector<Command> all = {{"bench", "Compare solvers",
-                               "run solvers on scenes or problem files, write results and a report",
-                               [hands = extensions.collision_hands](std::vector<std::string> words) {
-                                 return bench_command(std::move(words), hands);
-                               }}};
-  all.insert(all.end(), own_commands.begin(), own_commands.end());
-  const auto behind = std::find_if(all.begin(), all.end(), [&](const Command& c) { return c.group != all[0].group; });
+  const auto bench = [hands = extensions.collision_hands](std::vector<std::string> words) {
+    return bench_command(std::move(words), hands);
+  };
+  std::vector<Command> all(own_commands.begin(), own_commands.end());
+  all.insert(all.begin(),
+             {"bench", all[0].group, "run solvers on scenes or problem files, write results and a report", bench});
+  const auto behind = std::ranges::find_if(all, [&](const Command& c) { return c.group != all[0].group; });
   all.insert(behind, extensions.commands.begin(), extensions.commands.end());
   return all;
 }
@@ -108,7 +108,7 @@ int program(int count, char** arguments, const Extensions& extensions) {
     std::fprintf(stderr, "%s\n", wrong.what());
     return wrong_use;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "out of memory\n");
+    std::fputs("out of memory\n", stderr);
     return bad_file;
   } catch (const std::exception& bad) {  // BadFile, and what a library throws over a file
     std::fprintf(stderr, "%s\n", bad.what());

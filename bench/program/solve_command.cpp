@@ -16,8 +16,16 @@
 namespace zwang {
 namespace {
 
+using report::duration, report::scientific;
+
 constexpr double time_limit = 60;  // s of CPU time
 constexpr double budget = 0.3;     // s for repetitions
+
+std::string some_of(std::vector<std::string> names, std::size_t most) {
+  const bool more = names.size() > most;
+  names.resize(std::min(names.size(), most));
+  return report::joined(names) + (more ? ", ..." : "");
+}
 
 // The problem of that name, or the only one.
 Instance choose(const std::string& file, std::vector<Instance> all, const std::string& name) {
@@ -27,10 +35,8 @@ Instance choose(const std::string& file, std::vector<Instance> all, const std::s
     names.push_back(instance.problem.name);
   }
   if (!name.empty()) throw std::invalid_argument(file + ": no problem '" + name + "'" + did_you_mean(name, names));
-  std::string some;
-  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 5); ++i) some += (i ? ", " : "") + names[i];
   throw std::invalid_argument(file + " holds " + std::to_string(names.size()) +
-                              " problems: choose one with --problem (" + some + (names.size() > 5 ? ", ...)" : ")"));
+                              " problems: choose one with --problem (" + some_of(names, 5) + ")");
 }
 
 void print(const Result& r) {
@@ -38,43 +44,42 @@ void print(const Result& r) {
   const auto line = [](const char* what, const std::string& text) { std::printf("%-10s %s\n", what, text.c_str()); };
   line("problem", r.problem + "   " + std::to_string(r.n) + " unknowns, " + std::to_string(r.m) + " rows (" +
                       std::to_string(r.equalities) + " equalities)");
-  line("solver", r.solver + " @ " + report::scientific(r.tolerance));
+  line("solver", r.solver + " @ " + scientific(r.tolerance));
   line("claimed", std::string(to_string(r.claimed)));
   std::string against =
-      std::isnan(k.z_error) ? "no reference" : "z_error " + report::scientific(k.z_error) + " against " + r.reference;
+      std::isnan(k.z_error) ? "no reference" : "z_error " + scientific(k.z_error) + " against " + r.reference;
   if (std::isinf(k.z_bound))
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))
-    against += "; without it at most " + report::scientific(k.z_bound) + " (" + k.bound_method + ")";
+    against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
   line("verified", std::string(to_string(k.verdict)) + "   " + against);
-  line("residuals", "primal " + report::scientific(k.primal) + "   dual " + report::scientific(k.dual) +
-                        "   stationarity " + report::scientific(k.stationarity) + "   complementarity " +
-                        report::scientific(k.complementarity) + "   gap " + report::scientific(k.gap) +
-                        "   (M-norm, unit rows, relative)");
-  if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + report::scientific(k.primal));
+  line("residuals", "primal " + scientific(k.primal) + "   dual " + scientific(k.dual) + "   stationarity " +
+                        scientific(k.stationarity) + "   complementarity " + scientific(k.complementarity) + "   gap " +
+                        scientific(k.gap) + "   (M-norm, unit rows, relative)");
+  if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + scientific(k.primal));
   for (const Result::WorstRow& worst : r.worst_by_type)
-    line("", worst.type + ": " + report::scientific(worst.violation) + " " + worst.unit + ", " +
-                 report::scientific(worst.relative) + " relative, at " + worst.name);
-  if (!r.conflicting.empty()) {
-    std::string names;
-    for (std::size_t i = 0; i < std::min<std::size_t>(r.conflicting.size(), 8); ++i)
-      names += (i ? ", " : "") + r.conflicting[i];
-    line("conflict",
-         names + (r.conflicting.size() > 8 ? ", ..." : "") + "   (certificate " + report::scientific(k.farkas) + ")");
-  }
-  line("time", report::duration(r.solve_s) + " (quartiles " + report::duration(r.solve_s_q1) + ", " +
-                   report::duration(r.solve_s_q3) + ", " + std::to_string(r.repetitions) + " repetitions)   of it " +
-                   report::duration(r.prepare_s) + " to prepare the problem's form   set-up " +
-                   report::duration(r.setup_s) + "   " + std::to_string(r.iterations) + " iterations");
+    line("", worst.type + ": " + scientific(worst.violation) + " " + worst.unit + ", " + scientific(worst.relative) +
+                 " relative, at " + worst.name);
+  if (!r.conflicting.empty())
+    line("conflict", some_of(r.conflicting, 8) + "   (certificate " + scientific(k.farkas) + ")");
+  line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
+                   std::to_string(r.repetitions) + " repetitions)   of it " + duration(r.prepare_s) +
+                   " to prepare the problem's form   set-up " + duration(r.setup_s) + "   " +
+                   std::to_string(r.iterations) + " iterations");
   if (!r.message.empty()) line("message", r.message);
 }
 
 void print(const std::vector<TracePoint>& points) {
-  std::printf("\n%9s %11s %9s %9s %13s %9s\n", "iteration", "time", "z_error", "primal", "stationarity", "gap");
-  for (const TracePoint& p : points)
-    std::printf("%9d %11s %9s %9s %13s %9s\n", p.iteration, report::duration(p.time_s).c_str(),
-                report::scientific(p.metrics.z_error).c_str(), report::scientific(p.metrics.primal).c_str(),
-                report::scientific(p.metrics.stationarity).c_str(), report::scientific(p.metrics.gap).c_str());
+  const auto line = [](const std::string& iteration, const std::string& time, const std::string& error,
+                       const std::string& primal, const std::string& stationarity, const std::string& gap) {
+    std::printf("%9s %11s %9s %9s %13s %9s\n", iteration.c_str(), time.c_str(), error.c_str(), primal.c_str(),
+                stationarity.c_str(), gap.c_str());
+  };
+  std::puts("");
+  line("iteration", "time", "z_error", "primal", "stationarity", "gap");
+  for (const auto& [iteration, time, m] : points)
+    line(std::to_string(iteration), duration(time), scientific(m.z_error), scientific(m.primal),
+         scientific(m.stationarity), scientific(m.gap));
 }
 
 }  // namespace
@@ -129,9 +134,10 @@ int solve_command(std::vector<std::string> words) {
   const auto points =
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
   if (json) {
-    auto object = nlohmann::ordered_json::parse(zwang::to_json(cell.result, &cell.timed.solution));
-    if (with_trace) object["trace"] = nlohmann::ordered_json::array();
-    for (const TracePoint& point : points) object["trace"].push_back(nlohmann::ordered_json::parse(to_json(point)));
+    using Json = nlohmann::ordered_json;
+    Json object = Json::parse(to_json(cell.result, &cell.timed.solution));
+    if (with_trace) object["trace"] = Json::array();
+    for (const TracePoint& point : points) object["trace"].push_back(Json::parse(to_json(point)));
     std::puts(object.dump().c_str());
     return done;
   }

@@ -1,7 +1,5 @@
 #include <zwang/bench/results/measured_files.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include <zwang/bench/scenes/recorded_data.h>
@@ -10,23 +8,13 @@
 namespace zwang {
 namespace {
 
-// Collections name their problems by number, and HDF5 lists names in the order of letters.
-long number_of(const Instance& instance) {
-  const std::string& name = instance.problem.name;
-  const auto digits = name.find_last_not_of("0123456789") + 1;
-  return std::strtol(name.c_str() + std::min(digits, name.size()), nullptr, 10);
-}
-
-std::vector<Instance> read_in_order(const std::string& stem) {
+std::vector<Instance> read_file(const std::string& stem) {
   const std::filesystem::path file = recorded_data() / "problems" / (stem + ".h5");
-  if (!std::filesystem::exists(file)) return {};
-  std::vector<Instance> all = read_problems(file, Friction::none);
-  std::sort(all.begin(), all.end(), [](const Instance& a, const Instance& b) { return number_of(a) < number_of(b); });
-  return all;
+  return std::filesystem::exists(file) ? read_problems(file, Friction::none) : std::vector<Instance>();
 }
 
 // The files name their rows by number, and a limit that appears renumbers all contacts behind it: a warm start then
-// begins with the wrong half of the rows. Here an inequality row has the key of the row of the frame before whose
+// begins with the wrong rows. Here an inequality row has the key of the row of the frame before whose
 // coefficients are nearest, where they are near (frames differ by 6e-4, neighbouring contacts by 1e-1), or a new one.
 void follow_rows(std::vector<Instance>& frames) {
   constexpr double near = 0.05;
@@ -74,7 +62,7 @@ std::vector<Instance> measured_problems() {
 
   std::vector<Instance> chosen;
   for (const auto& [family, knob, value, every] : files) {
-    const std::vector<Instance> all = read_in_order(family + (knob.empty() ? "" : std::to_string(value)));
+    const std::vector<Instance> all = read_file(family + (knob.empty() ? "" : std::to_string(value)));
     for (std::size_t i = 0; i < all.size(); i += every) {
       chosen.push_back(all[i]);
       Instance& instance = chosen.back();
@@ -88,7 +76,7 @@ std::vector<Instance> measured_problems() {
 }
 
 std::vector<Instance> measured_sequence(int contacts) {
-  std::vector<Instance> frames = read_in_order("seq" + std::to_string(contacts));
+  std::vector<Instance> frames = read_file("seq" + std::to_string(contacts));
   follow_rows(frames);
   return frames;
 }

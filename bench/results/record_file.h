@@ -8,7 +8,7 @@
 
 namespace zwang {
 
-// DIR/run.json, which every run keeps: how it is written, read back and held against the program that would go on.
+// DIR/run.json, which every run keeps: how it is written, read back and compared with the program that would go on.
 // A record is the text of one JSON object.
 
 // The conditions that decide the results and times of a run.

@@ -43,7 +43,7 @@ struct Result {
   double kernel_s = unknown;   // the neutral kernel's median in the same batch
   double allocations = unknown;
   int repetitions = 0;
-  // the solver's own words
+  // reported by the solver
   int iterations = 0;
   Margins margins = {};
   std::size_t redundant = 0;
@@ -53,7 +53,7 @@ struct Result {
   std::string message = {};
 };
 
-// Says solved of a wrong z, or infeasible of a feasible problem (or the reverse).
+// Claims solved of a wrong z, or infeasible of a feasible problem (or the reverse).
 bool lies(Status claimed, Verdict verdict);
 
 // The parts of a result that the problem alone decides, and the referee's.

@@ -95,9 +95,9 @@ Instance many_tilted(const Knobs& knobs) {
   return rows.finish();
 }
 
-// Frame `frame` of a film: ten unit boxes on four corners each; a corner's contact exists while its height is below 0,
-// and all heights are +-2^-k. From frame to frame each corner changes its sign with odds of 1 : 8, so that rows come
-// and go while c hardly moves. Keys stay with the corners.
+// Frame `frame` of a sequence: ten unit boxes on four corners each; a corner's contact exists while its height is below
+// 0, and all heights are +-2^-k. From frame to frame each corner changes its sign with probability 1/8, so that rows
+// come and go while c hardly moves. Keys stay with the corners.
 Instance flipping_stack(const Knobs& knobs) {
   constexpr Index boxes = 10, n = 6 * boxes;
   const double height = small(knobs);

@@ -138,7 +138,7 @@ BodyId add(Scene& scene, const Poses& poses, const std::string& prefix, const Mo
               prefix + name.finger + " " + name.joints[0]);
     limit({.bodies = {palm, first}, .axis = axes * flexion, .zero = axes * sideways, .direction = sideways},
           4 * number);
-    // Seen from the phalanx, the palm's flexion axis turns back about z when the finger turns forth.
+    // Seen from the phalanx, the palm's flexion axis turns about -z when the finger turns about +z.
     limit({.bodies = {first, palm}, .axis = -sideways, .zero = flexion, .direction = axes * flexion}, 4 * number + 1);
     for (int k = 1; k < 3; ++k) {
       const BodyId from = first + k - 1, to = first + k;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double frame_dt = 0x1p-7;  // s
 
-// A hand pressed into a wall: where it is, where it wants to be, and the points at which its pads touch.
+// A hand pressed into a wall: its pose, its target, and the points at which its pads touch.
 struct PressedHand {
   hand::Poses god, target;
   struct Touch {
@@ -58,7 +58,7 @@ void disturb(hand::Poses& poses, double distance, Draw& draw) {
   }
 }
 
-// A motion that meets the joints and the violated limits: the smallest one.
+// The smallest motion that satisfies the joints and the violated limits.
 Vector free_motion(const hand::Poses& poses) {
   Scene scene;
   hand::add(scene, poses);
@@ -68,7 +68,7 @@ Vector free_motion(const hand::Poses& poses) {
 }
 
 // Several contacts per phalanx, on one flat face under its pad: four or more rows of rank three, with different gaps,
-// so that no k with J k = c exists for the paper's form. By construction one motion meets all rows with room to spare:
+// so that no k with J k = c exists for the paper's form. By construction one motion satisfies all rows strictly:
 // gaps are drawn around that motion. Otherwise gaps are drawn at random, which may ask for too much.
 PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& draw) {
   PressedHand out;
@@ -111,7 +111,7 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
   return out;
 }
 
-// Welds the index finger's second joint where it stands.
+// Welds the index finger's second joint at its present angle.
 void lock_index_finger(Scene& scene, BodyId palm, const std::string& prefix) {
   const BodyId proximal = palm + 4, middle = palm + 5;
   const Pose<double>&a = scene.bodies[static_cast<std::size_t>(proximal)].pose,

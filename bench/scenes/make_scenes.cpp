@@ -100,28 +100,25 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
       throw std::invalid_argument("scene '" + part + "': a closing parenthesis should follow the knobs");
     const auto chosen = open == std::string::npos ? std::vector<KnobValues>()
                                                   : parse_knobs(*scene, part.substr(open + 1, part.size() - open - 2));
-    // An odometer over all combinations.
-    std::vector<std::size_t> digit(chosen.size(), 0);
-    for (bool more = true; more;) {
-      Knobs knobs;
-      for (const Knob& k : scene->knobs) knobs[k.name] = k.name == "seed" ? static_cast<double>(seed) : k.value;
-      std::string label;
-      for (std::size_t i = 0; i < chosen.size(); ++i) {
-        knobs[chosen[i].knob->name] = chosen[i].values[digit[i]];
-        label += (i ? "," : "") + chosen[i].knob->name + "=" + format(chosen[i].values[digit[i]]);
-      }
-      Instance instance = scene->make(knobs);
+    std::vector<std::pair<Knobs, std::string>> combinations(1);  // with their labels
+    for (const Knob& k : scene->knobs)
+      combinations[0].first[k.name] = k.name == "seed" ? static_cast<double>(seed) : k.value;
+    for (const auto& [knob, values] : chosen) {
+      std::vector<std::pair<Knobs, std::string>> longer;
+      for (const auto& [knobs, label] : combinations)
+        for (const double value : values) {
+          longer.emplace_back(knobs, label + (label.empty() ? "" : ",") + knob->name + "=" + format(value));
+          longer.back().first[knob->name] = value;
+        }
+      combinations = std::move(longer);
+    }
+    for (const auto& [knobs, label] : combinations) {
+      Instance& instance = all.emplace_back(scene->make(knobs));
       instance.problem.name = label.empty() ? name : name + "(" + label + ")";
       instance.family = scene->family;
       instance.knob = scene->sweep;
       if (!scene->sweep.empty()) instance.knob_value = knobs.at(scene->sweep);
       if (knobs.contains("seed")) instance.seed = static_cast<std::uint64_t>(knobs.at("seed"));
-      all.push_back(std::move(instance));
-      more = false;
-      for (std::size_t i = digit.size(); i-- > 0 && !more;) {
-        more = ++digit[i] < chosen[i].values.size();
-        if (!more) digit[i] = 0;
-      }
     }
   }
   return all;

@@ -145,7 +145,7 @@ Instance four_bar(const Knobs& knobs) {
   return fall(scene);
 }
 
-// Dogs on leashes of 2 m around one owner who stands firm; each runs, some are at the end of their leash.
+// Dogs on leashes of 2 m around one fixed owner; each runs, some leashes are taut.
 Instance leash(const Knobs& knobs) {
   Draw draw(knobs.at("seed"));
   Scene scene;

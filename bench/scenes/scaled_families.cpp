@@ -63,7 +63,7 @@ Instance length_unit(const Knobs& knobs) {
 }
 
 // Equality row 1 and contact rows 0 and 3 times 2^k, their c with them: the same problem. zero: one more row without
-// entries, 1: 0 >= 0, 2: 0 >= 2^-40 (no z meets it), 3: 0 >= -2^-40.
+// entries, 1: 0 >= 0, 2: 0 >= 2^-40 (infeasible), 3: 0 >= -2^-40.
 Instance row_scale(const Knobs& knobs) {
   SmallNumbers draw(knobs.at("seed"));
   ChainOfFour chain(draw);
@@ -81,7 +81,7 @@ Instance row_scale(const Knobs& knobs) {
   return rows.finish({.feasible = false, .certificate = Vector::Unit(m, m - 1), .method = "closed form"});
 }
 
-// c times 2^k: what the rows ask for dwarfs the free motion.
+// c times 2^k: the rows require motions far larger than the free one.
 Instance huge_offsets(const Knobs& knobs) {
   SmallNumbers draw(knobs.at("seed"));
   ChainOfFour chain(draw);

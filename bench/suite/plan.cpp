@@ -27,18 +27,17 @@ void keep_families(const std::string& families, std::vector<Instance>& instances
   for (const Instance& i : instances) present.push_back(i.family);
   std::stringstream parts(families);
   for (std::string family; std::getline(parts, family, ',');) {
-    if (std::find(present.begin(), present.end(), family) == present.end())
+    if (std::ranges::find(present, family) == present.end())
       throw std::invalid_argument("no problem of family '" + family + "'" + did_you_mean(family, present));
     kept.push_back(family);
   }
   if (!kept.empty())
-    std::erase_if(instances,
-                  [&](const Instance& i) { return std::find(kept.begin(), kept.end(), i.family) == kept.end(); });
+    std::erase_if(instances, [&](const Instance& i) { return std::ranges::find(kept, i.family) == kept.end(); });
 }
 
 }  // namespace
 
-// Scenes of people's own (towers, hands) and the families in which methods are known to fail, over their knobs.
+// Everyday scenes (towers, hands), and the families in which methods are known to fail.
 std::span<const Suite> suites() {
   static const std::vector<Suite> all = {
       {"quick",

@@ -10,7 +10,7 @@
 
 namespace zwang {
 
-// What somebody asked for, as typed. Empty or 0: the suite's own choice.
+// The options of a run as typed. Empty or 0: the suite's own choice.
 struct SuiteOptions {
   std::string suite = "standard";
   std::string scenes = {};
@@ -48,6 +48,7 @@ struct Plan {
   std::vector<Instance> instances = {};
   std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
   std::size_t size() const { return instances.size() * runs.size(); }
+  std::size_t solvers() const { return runs.size() / options.tolerances.size(); }
 };
 
 // `among`: the solvers there are. Throws std::invalid_argument (unknown names, tolerances outside (0, 1)) or BadFile

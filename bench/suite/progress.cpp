@@ -3,7 +3,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -18,17 +17,13 @@ std::string duration(double seconds) {
 }
 
 std::string grouped(std::size_t count) {
-  const std::string digits = std::to_string(count);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
-    text += digits[i];
-  }
-  return text;
+  std::string digits = std::to_string(count);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
+  return digits;
 }
 
 void Progress::show(double fraction, const std::string& what, double left) {
-  const double now = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const double now = wall_seconds();
   const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
   const std::string rest = left < 0 ? "" : duration(std::max(left, 1.0)) + " left";
   if (!terminal_) {
@@ -49,7 +44,7 @@ void Progress::show(double fraction, const std::string& what, double left) {
   if (filled < bar.size()) bar[filled] = '>';
   char head[64];
   std::snprintf(head, sizeof head, "[%s] %3d %%   ", bar.c_str(), percent);
-  // What is going on gives way first on a narrow terminal.
+  // On a narrow terminal the description is cut first.
   const int room = width - 1 - static_cast<int>(std::char_traits<char>::length(head) + rest.size()) - 3;
   const std::string middle = room > 0 ? what.substr(0, static_cast<std::size_t>(room)) + "   " : "";
   std::fprintf(stderr, "\r%s%s%s\033[K", head, middle.c_str(), rest.c_str());

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 
 namespace zwang {
+
+inline double wall_seconds() {  // since some moment
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 // "9 min 20 s", "4 s", "180 ms".
 std::string duration(double seconds);

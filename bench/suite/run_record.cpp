@@ -96,15 +96,15 @@ RunRecord read_run_record(const std::filesystem::path& directory) {
 }
 
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
-                               const std::vector<std::string>& given) {
+                               const std::function<bool(const std::string&)>& is_given) {
   const Json j = load(directory);
   require_same_conditions(directory, j.dump(), "its times would not compare");
   const Json options = j.at("options"), asked = to_json(typed);
   if (!options.is_object()) throw BadFile((directory / "run.json").string() + ": its options are no object");
-  for (const std::string& name : given)
-    if (const Json stored = options.value(name, Json()); stored != asked.at(name))
+  for (const auto& [name, value] : asked.items())
+    if (const Json stored = options.value(name, Json()); is_given(name) && stored != value)
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
-                                  stored.dump() + ", not " + asked.at(name).dump());
+                                  stored.dump() + ", not " + value.dump());
   return from_record(directory, [&options] { return options_from(options); });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,11 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
                       const RunRecord& record);
 RunRecord read_run_record(const std::filesystem::path& directory);
 
-// The options of the run in this folder. Throws std::invalid_argument when an option typed now (`given`: the names of
-// those) differs from the stored one; BadFile when the folder holds no run, or one of another commit, compiler, build
-// or CPU.
+// The options of the run in this folder. Throws std::invalid_argument when an option typed now (`is_given` knows those
+// by their names) differs from the stored one; BadFile when the folder holds no run, or one of another commit,
+// compiler, build or CPU.
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
-                               const std::vector<std::string>& given);
+                               const std::function<bool(const std::string& name)>& is_given);
 
 // Throws BadFile when the plan's problems are not the ones that the run in this folder began with.
 void require_same_problems(const std::filesystem::path& directory, const Plan& plan);

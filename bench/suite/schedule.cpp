@@ -1,14 +1,9 @@
 #include <zwang/bench/suite/schedule.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace zwang {
-
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 static double work(const Instance& i) { return 20 + static_cast<double>(i.problem.size() + i.problem.rows()); }
 
@@ -27,12 +22,11 @@ BatchLimits Schedule::next(const Instance& instance, std::size_t batches_left) {
     const double firsts = work_done_ > 0 ? 1.5 * first_s_ / work_done_ * work_left_ : left / 2;
     const double share = std::max(0.0, left - firsts) / static_cast<double>(batches_left);
     limits.budget = plan_.whole_suite ? share : std::min(limits.budget, share);
-    // Large problems, last, make first solves look dearer than they are; a time from a first solve alone would hold
+    // The large problems come last and make first solves look costlier than they are; a first solve alone would count
     // its allocations.
     if (plan_.speed) limits.budget = std::max(limits.budget, 1.5);
     const double allowance = left / static_cast<double>(batches_left);
-    const double solvers =
-        static_cast<double>(plan_.runs.size()) / static_cast<double>(plan_.options.tolerances.size());
+    const auto solvers = static_cast<double>(plan_.solvers());
     while (limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
   }
   shortest_limit_ = std::min(shortest_limit_, limits.time_limit);

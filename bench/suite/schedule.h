@@ -3,11 +3,10 @@
 #include <cstddef>
 
 #include <zwang/bench/suite/plan.h>
+#include <zwang/bench/suite/progress.h>
 #include <zwang/bench/timing/batch.h>
 
 namespace zwang {
-
-double wall_seconds();  // since some moment
 
 // Shares a suite's time out to its batches. First solves cannot be dropped, so they are foreseen from those already
 // made (per unknown and row) and repetitions get what is left. When even first solves will not fit, the time limit of
@@ -26,7 +25,7 @@ class Schedule {
   double elapsed() const { return wall_seconds() - start_; }
   // Of the whole, when this part of the present batch is done.
   double fraction(double of_batch) const { return 1 - (work_left_ - of_batch * batch_work_) / work_all_; }
-  double left(double fraction) const;  // s, foreseen; -1: not yet known
+  double left(double fraction) const;  // s, estimated; -1: not yet known
   double shortest_time_limit() const { return shortest_limit_; }
 
  private:

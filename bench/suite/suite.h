@@ -12,7 +12,7 @@ namespace zwang {
 // $XDG_CACHE_HOME/zwang/references, or the like under $HOME.
 std::filesystem::path reference_cache();
 
-// Where a run stands when run_suite returns.
+// What run_suite has done.
 struct Outcome {
   Tally tally = {};         // lines in results.jsonl, those of before a resume included
   std::size_t planned = 0;  // lines when complete

@@ -64,7 +64,7 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
   std::vector<std::string> families;
   std::vector<const Instance*> chosen;
   for (const Instance& i : plan.instances) {
-    const bool first = std::find(families.begin(), families.end(), i.family) == families.end();
+    const bool first = std::ranges::find(families, i.family) == families.end();
     if (first) families.push_back(i.family);
     if (first || plan.options.trace) chosen.push_back(&i);
   }
@@ -77,11 +77,10 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
     instance.reference = reference_for(instance, cache, {plan.second_witness}).reference;
     // What is left of the budget is shared by the problems left, and within a problem by the solvers.
     const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
-    const double solvers = static_cast<double>(plan.runs.size()) / static_cast<double>(plan.options.tolerances.size());
     std::vector<std::string> lines;
     for (const Run& run : plan.runs) {
       if (run.tolerance != tightest) continue;
-      const double each = share / solvers;
+      const double each = share / static_cast<double>(plan.solvers());
       const auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
                                    : std::vector<TracePoint>();
       if (interrupted) return;
