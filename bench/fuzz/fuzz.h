@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <string>
@@ -27,6 +28,12 @@ struct FuzzTally {
   std::uint64_t warm = 0, spoilt = 0;  // runs with warm starts; on spoilt entries
   double worst_z_error = 0;            // among `solved`
   double seconds = 0;
+  FuzzTally& operator+=(const FuzzTally& t) {
+    runs += t.runs, solved += t.solved, flagged += t.flagged, proven += t.proven, undecided += t.undecided;
+    faults += t.faults, warm += t.warm, spoilt += t.spoilt, seconds += t.seconds;
+    worst_z_error = std::max(worst_z_error, t.worst_z_error);
+    return *this;
+  }
   double decided() const {
     return runs == 0 ? 1 : static_cast<double>(solved + flagged + proven) / static_cast<double>(runs);
   }

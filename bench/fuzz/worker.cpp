@@ -11,6 +11,7 @@
 #include <csignal>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <sstream>
 #include <system_error>
 #include <tuple>
@@ -152,15 +153,17 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     workers[j].shared->next = options.first + j;
     launch(workers[j]);
   }
+  const auto done = [&] {
+    return std::accumulate(workers.begin(), workers.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Worker& w) { return sum + w.shared->done; });
+  };
   const auto running = [&] { return std::ranges::any_of(workers, [](const Worker& w) { return w.pid >= 0; }); };
   while (running()) {
     std::vector<pollfd> waiting;
     for (const Worker& w : workers) waiting.push_back({w.from, POLLIN, 0});
     poll(waiting.data(), waiting.size(), 200);
-    outcome.done = 0;
     for (std::size_t j = 0; j < workers.size(); ++j) {
       Worker& w = workers[j];
-      outcome.done += w.shared->done;
       if (w.pid < 0) continue;
       char bytes[4096];
       ssize_t got = 1;
@@ -182,20 +185,12 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       bury(w, hangs ? "hangs" : WIFSIGNALED(status) ? std::string("dies: ") + strsignal(WTERMSIG(status)) : "dies");
       if (w.shared->next < end) launch(w);
     }
-    progress(outcome.done);
+    progress(done());
   }
-  outcome.done = 0;
-  for (const Worker& w : workers) outcome.done += w.shared->done;
+  outcome.done = done();
   outcome.tally.assign(outcome.solvers.size(), {});
   for (const Worker& w : workers)
-    for (std::size_t i = 0; i < outcome.solvers.size(); ++i) {
-      const FuzzTally& t = w.shared->tally[i];
-      FuzzTally& sum = outcome.tally[i];
-      sum.runs += t.runs, sum.solved += t.solved, sum.flagged += t.flagged, sum.proven += t.proven;
-      sum.undecided += t.undecided, sum.faults += t.faults, sum.warm += t.warm, sum.spoilt += t.spoilt;
-      sum.seconds += t.seconds;
-      sum.worst_z_error = std::max(sum.worst_z_error, t.worst_z_error);
-    }
+    for (std::size_t i = 0; i < outcome.solvers.size(); ++i) outcome.tally[i] += w.shared->tally[i];
   std::ranges::sort(outcome.findings, {},
                     [](const Finding& f) { return std::tie(f.number, f.solver, f.what, f.file); });
   outcome.seconds = wall_seconds() - start;

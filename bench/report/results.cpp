@@ -15,35 +15,26 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 // What is there of this type; else NaN, 0, "" or false.
-void read(const json& line, const char* key, std::string& into) {
-  const auto it = line.find(key);
-  into = it == line.end() || it->is_null() ? "" : it->is_string() ? it->get<std::string>() : it->dump();
+template <class T>
+T get(const json& line, const char* key) {
+  const json value = line.contains(key) ? line[key] : json();
+  if constexpr (std::is_same_v<T, std::string>)
+    return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
+  else if constexpr (std::is_same_v<T, double>)
+    return value.is_number() ? value.get<double>() : unknown;
+  else if constexpr (std::is_same_v<T, long>)
+    return value.is_number() ? static_cast<long>(value.get<double>()) : 0;
+  else
+    return value.is_boolean() && value.get<bool>();
 }
-void read(const json& line, const char* key, double& into) {
-  const auto it = line.find(key);
-  into = it != line.end() && it->is_number() ? it->get<double>() : unknown;
-}
-void read(const json& line, const char* key, long& into) {
-  double value;
-  read(line, key, value);
-  into = std::isfinite(value) ? static_cast<long>(value) : 0;
-}
-void read(const json& line, const char* key, bool& into) {
-  const auto it = line.find(key);
-  into = it != line.end() && it->is_boolean() && it->get<bool>();
-}
+
+void read(const json&) {}
 
 // Key, member, key, member, ...
 template <class Member, class... Rest>
 void read(const json& line, const char* key, Member& into, Rest&&... rest) {
-  read(line, key, into);
+  into = get<Member>(line, key);
   read(line, rest...);
-}
-
-std::string text(const json& line, const char* key) {
-  std::string value;
-  read(line, key, value);
-  return value;
 }
 
 Result parse_result(const json& line) {
@@ -79,13 +70,8 @@ TracePoint parse_trace(const json& line) {
   return p;
 }
 
-void parse_start(const json& part, SequenceTimes::Start& s) {
-  read(part, "frames", s.frames, "checked", s.checked, "right", s.right, "solve_s", s.solve_s, "iterations",
-       s.iterations, "allocations", s.allocations, "worst_z_error", s.worst_z_error);
-}
-
 void parse_speed(const json& line, Run& run) {
-  const std::string kind = text(line, "kind");
+  const std::string kind = get<std::string>(line, "kind");
   if (kind == "assembly") {
     AssemblyTimes& t = run.assembly.emplace_back();
     read(line, "scene", t.scene, "contacts", t.contacts, "n", t.n, "m", t.m, "allocations", t.allocations, "assemble_s",
@@ -95,13 +81,14 @@ void parse_speed(const json& line, Run& run) {
     StageTimes& t = run.stages.emplace_back();
     read(line, "scene", t.scene, "contacts", t.contacts);
     for (const char* stage : {"checks", "whiten", "joints", "climb", "refine"})
-      read(line, stage, t.stages.emplace_back(stage, unknown).second);
+      t.stages.emplace_back(stage, get<double>(line, stage));
   }
   if (kind == "sequence") {
     SequenceTimes t;
     read(line, "sequence", t.sequence, "solver", t.solver);
-    parse_start(line.at("cold"), t.cold);
-    parse_start(line.at("warm"), t.warm);
+    for (const auto& [part, s] : {std::pair("cold", &t.cold), std::pair("warm", &t.warm)})
+      read(line.at(part), "frames", s->frames, "checked", s->checked, "right", s->right, "solve_s", s->solve_s,
+           "iterations", s->iterations, "allocations", s->allocations, "worst_z_error", s->worst_z_error);
     run.sequences.push_back(std::move(t));
   }
 }
@@ -131,7 +118,7 @@ void read_conditions(const json& about, Run& run) {
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) run.conditions.emplace_back(name, value);
   };
-  const auto add_text = [&](const char* name, const char* key) { add(name, text(about, key)); };
+  const auto add_text = [&](const char* name, const char* key) { add(name, get<std::string>(about, key)); };
   bool dirty;
   read(about, "suite", run.suite, "commit", run.commit, "dirty", dirty);
   std::vector<std::string> tolerances;
@@ -142,7 +129,8 @@ void read_conditions(const json& about, Run& run) {
   add_text("suite", "suite");
   add_text("command", "command");
   add_text("started", "started");
-  add("finished", about.contains("finished") && about["finished"].is_null() ? "not finished" : text(about, "finished"));
+  add("finished",
+      about.contains("finished") && about["finished"].is_null() ? "not finished" : get<std::string>(about, "finished"));
   add_text("seed", "seed");
   add("tolerances", joined(tolerances));
   for (const char* name : {"problems", "compiler", "flags"}) add_text(name, name);
@@ -150,7 +138,7 @@ void read_conditions(const json& about, Run& run) {
   add_text("CPU", "cpu");
   add_text("cores", "cores");
   const json libraries = about.value("libraries", json::object());
-  for (const auto& [name, version] : libraries.items()) add(name, text(libraries, name.c_str()));
+  for (const auto& [name, version] : libraries.items()) add(name, get<std::string>(libraries, name.c_str()));
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
   for (const json& line : about.value("solvers", json::array())) {
     SolverInfo& s = run.solvers.emplace_back();

@@ -1,4 +1,4 @@
-// node bundle.mjs OUT [collision]: template, style, scripts, chart specs and the Vega libraries as one page without its data.
+// node bundle.mjs OUT [collision]: body, style, scripts, chart specs and the Vega libraries as one page without its data.
 import fs from 'node:fs';
 
 const here = new URL('.', import.meta.url).pathname;
@@ -21,23 +21,24 @@ const specs = Object.fromEntries(fs.readdirSync(here + '../charts').sort()
 const libraries = ['vega/build/vega.min.js', 'vega-lite/build/vega-lite.min.js', 'vega-embed/build/vega-embed.min.js']
   .map(file => read('node_modules/' + file)).concat(`(() => {${interpreter}})();`);
 
-const collision = process.argv[3] === 'collision';
-const parts = collision ? {
-  '/*{page.css}*/': read('page.css'),
-  '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
-  '/*{charts.js}*/': inline(read('charts.js')),
-  '/*{collision.js}*/': inline(read('collision.js')),
-} : {
-  '/*{page.css}*/': read('page.css'),
-  '<!--{libraries}-->': libraries.map(code => `<script>${inline(code)}</script>`).join('\n'),
-  '/*{charts.js}*/': inline(read('charts.js')),
-  '/*{labels.js}*/': inline(read('labels.js')),
-  '/*{table.js}*/': inline(read('table.js')),
-  '/*{page.js}*/': `const SPECS = ${inline(JSON.stringify(specs))};\n${inline(read('page.js'))}`,
-};
-let page = read(collision ? 'collision.html' : 'template.html');
-for (const [slot, text] of Object.entries(parts)) {
-  if (!page.includes(slot)) throw new Error(`the template has no ${slot}`);
-  page = page.replace(slot, () => text);
-}
-fs.writeFileSync(process.argv[2], page);
+const [body, title, scripts] = process.argv[3] === 'collision' ?
+  ['collision.html', 'zwang: collision suite', ['charts.js', 'collision.js']] :
+  ['report.html', 'zwang report', ['charts.js', 'labels.js', 'table.js', 'page.js']];
+const script = name => inline((name === 'page.js' ? `const SPECS = ${JSON.stringify(specs)};\n` : '') + read(name));
+
+fs.writeFileSync(process.argv[2], `<!doctype html>
+<html lang="en" data-theme="light">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'none'">
+<link rel="icon" href="data:,">
+<title>${title}</title>
+<style>${read('page.css')}</style>
+</head>
+<body>
+${read(body)}<script type="application/json" id="data">{"slot":"data"}</script>
+${[...libraries.map(inline), ...scripts.map(script)].map(code => `<script>${code}</script>`).join('\n')}
+</body>
+</html>
+`);
