@@ -9,19 +9,16 @@ namespace {
 
 Chart frame_times(const std::string& name, const std::string& title, const std::vector<god::Frame>& frames,
                   std::vector<Level> levels) {
-  Chart chart{.name = name,
-              .title = title,
-              .x = "time (s)",
-              .y = "time of a frame (ms)",
-              .log_y = true,
-              .levels = std::move(levels)};
+  Chart chart{name, title, "time (s)", "time of a frame (ms)"};
+  chart.log_y = true;
+  chart.levels = std::move(levels);
   add_series(chart, "frame", frames, [](const god::Frame& f) { return 1e3 * f.times.total(); });
   add_series(chart, "collision", frames, [](const god::Frame& f) { return 1e3 * f.times.collision(); });
   return chart;
 }
 
 Chart contacts(const std::string& name, const std::string& title, const std::vector<god::Frame>& frames) {
-  Chart chart{.name = name, .title = title, .x = "time (s)", .y = "contacts"};
+  Chart chart{name, title, "time (s)", "contacts"};
   add_series(chart, "found", frames, [](const god::Frame& f) { return f.raw; });
   add_series(chart, "kept as rows", frames, [](const god::Frame& f) { return f.kept; });
   return chart;
@@ -67,11 +64,8 @@ Findings simple_scene(const Asking& asking) {
 Findings stages(const Asking& asking) {
   const auto [surroundings, frames] = grasp_in("simple", asking);
   Findings found{.columns = {"stage, simple scene", "here", "paper (2012)"}};
-  Chart chart{.name = "fig9",
-              .title = "Where the time of a frame goes, simple scene",
-              .x = "time (s)",
-              .y = "share of the frame's time",
-              .kind = Chart::Kind::shares};
+  Chart chart{"fig9", "Where the time of a frame goes, simple scene", "time (s)", "share of the frame's time",
+              Chart::Kind::shares};
   double whole = 0;
   for (const god::Frame& f : frames) whole += f.times.total();
   for (std::size_t k = 0; k < god::stage_names.size(); ++k) {

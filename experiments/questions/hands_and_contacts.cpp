@@ -91,13 +91,9 @@ Findings growth_with_contacts(const Asking& asking) {
   });
 
   Findings found{.columns = {"contacts", "assembly, in a frame", "solve", "verified"}};
-  Chart chart{.name = "growth",
-              .title = "Assembly and solve against the number of contacts",
-              .x = "contacts (rows)",
-              .y = "time (us)",
-              .kind = Chart::Kind::points,
-              .log_x = true,
-              .log_y = true};
+  Chart chart{"growth", "Assembly and solve against the number of contacts", "contacts (rows)", "time (us)",
+              Chart::Kind::points};
+  chart.log_x = chart.log_y = true;
   std::vector<double> counts, times;
   Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
   const std::atomic<bool> never = false;

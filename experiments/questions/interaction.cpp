@@ -23,11 +23,9 @@ Findings artificial_friction(const Asking& asking) {
   found.rows = {{"way of the pressed hand's target", number(way) + " m", ""},
                 {"farthest that the hand lags along the plane", number(lost) + " m", ""},
                 {"share of the way", number(lost / way), "artificial friction does not occur"}};
-  Chart chart{.name = "friction",
-              .title = "How far a pressed hand lags behind its target along a frictionless plane",
-              .x = "time (s)",
-              .y = "distance (m)",
-              .log_y = true};
+  Chart chart{"friction", "How far a pressed hand lags behind its target along a frictionless plane", "time (s)",
+              "distance (m)"};
+  chart.log_y = true;
   add_series(chart, "of the centre of mass", frames, [](const god::Frame& f) { return std::max(f.lost_slide, 1e-20); });
   found.charts.push_back(std::move(chart));
   return found;
@@ -54,7 +52,7 @@ Findings rate_of_a_push(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("box", asking.parts);
   const god::HandMotion motion = push_at(scene);
   Findings found{.columns = {"rate", "box moved", "fastest", "fastest against the hand", "worst balance of impulses"}};
-  Chart chart{.name = "rates", .title = "One push of a box at three rates", .x = "time (s)", .y = "way of the box (m)"};
+  Chart chart{"rates", "One push of a box at three rates", "time (s)", "way of the box (m)"};
   for (const double rate : {250., 500., 1000.}) {
     const std::string name = number(rate) + " Hz";
     const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = 0}, asking, name);

@@ -19,11 +19,9 @@ Findings separation(const Asking& asking) {
       {asking.solver + ", linear step", {.solver = asking.solver, .commit = Commit::printed, .verify = 0}},
       {asking.solver + ", commit cycle", {.solver = asking.solver, .verify = 0}}};
   Findings found{.columns = {"joints of the hand", "widest gap of a joint", "limits left by", "frames held"}};
-  Chart chart{.name = "separation",
-              .title = "Joints of the hand: how far the phalanxes come apart",
-              .x = "time (s)",
-              .y = "widest gap of a joint (m)",
-              .log_y = true};
+  Chart chart{"separation", "Joints of the hand: how far the phalanxes come apart", "time (s)",
+              "widest gap of a joint (m)"};
+  chart.log_y = true;
   for (const auto& [name, options] : variants) {
     const auto frames = play(scene, motion, options, asking, name);
     const god::Totals all(frames);
@@ -39,11 +37,9 @@ Findings separation(const Asking& asking) {
 // contact's share of it. As printed the share is applied to the velocity and to the step: the square of it.
 Findings printed_step(const Asking&) {
   Findings found{.columns = {"frame", "gap, TOC once", "gap, TOC twice (as printed)"}};
-  Chart chart{.name = "printed-step",
-              .title = "Up to a wall: the time of contact applied once, and twice as printed",
-              .x = "frame",
-              .y = "gap (m)",
-              .log_y = true};
+  Chart chart{"printed-step", "Up to a wall: the time of contact applied once, and twice as printed", "frame",
+              "gap (m)"};
+  chart.log_y = true;
   constexpr double radius = 0.01;
   constexpr int frames = 40;
   std::vector<double> gaps[2];
@@ -75,13 +71,10 @@ Findings solver_swap(const Asking& asking) {
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   Findings found{.columns = {"solver", "solve, median", "frames looked at, right", "wrong, undecided", "frames held",
                              "joints", "farthest from the first, first contact second"}};
-  Chart chart{.name = "solvers",
-              .title = "One grasp, driven by each solver: speed against what becomes of the motion",
-              .x = "farthest from dual_active_set's motion in the first second of contact (m)",
-              .y = "time of a frame's solves (us)",
-              .kind = Chart::Kind::points,
-              .log_x = true,
-              .log_y = true};
+  Chart chart{"solvers", "One grasp, driven by each solver: speed against what becomes of the motion",
+              "farthest from dual_active_set's motion in the first second of contact (m)",
+              "time of a frame's solves (us)", Chart::Kind::points};
+  chart.log_x = chart.log_y = true;
   std::vector<god::Frame> first;
   for (const char* solver : {"dual_active_set", "nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton",
                              "nnls_paper", "pgs", "apgd", "bullet_dantzig", "bullet_pgs", "nlopt_slsqp", "ipopt"}) {
