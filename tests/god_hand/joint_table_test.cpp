@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
@@ -97,12 +98,36 @@ TEST(JointTable, NaNRowsAreHeldOver) {
   lines[5][20] = "";
   lines[6][4] = "0.1";  // a quaternion that is none
   lines[7][0] = "NaN";
+  lines[8][3] = "2147483647";  // a palm beyond the moon: where it is placed was searched for ever
   const HandMotion motion = read_motion(written("angles.csv", text(lines)));
-  EXPECT_EQ(motion.hands[0].held_over, 3u);
+  EXPECT_EQ(motion.hands[0].held_over, 4u);
   EXPECT_EQ(motion.hands[0].keys.size(), 9u);
   EXPECT_FALSE(motion.hands[0].keys[4].target.tracked);
   EXPECT_EQ(motion.hands[0].keys[4].target.palm.position.x(), 0.03);
   EXPECT_EQ(motion.notes.size(), 2u);
+}
+
+TEST(JointTable, ARecordingWhoseFirstPoseCannotBeFollowedBeginsLater) {
+  std::string names = "step,ARRx,ARRy,ARRz,palm_x,palm_y,palm_z,WRJ1,WRJ0,LFJ4";
+  for (const char* finger : {"FF", "MF", "RF", "LF"})
+    for (int k = 0; k < 4; ++k) names += "," + std::string(finger) + "J" + std::to_string(k);
+  const auto row = [](int step, const std::string& thumb) {
+    return "\n" + std::to_string(step) + ",0,0,0,0,0.1,0.2,0,0,0" +
+           [] {
+             std::string angles;
+             for (int k = 0; k < 16; ++k) angles += ",0.1";
+             return angles;
+           }() +
+           "," + thumb + ",0,0,0,0";
+  };
+  names += ",THJ0,THJ1,THJ2,THJ3,THJ4";
+  const HandMotion motion =
+      read_motion(written("adroit.csv", names + row(0, "-1e308") + row(1, "0") + row(2, "0") + row(3, "0") + "\n"));
+  EXPECT_EQ(motion.hands.at(0).held_over, 1u);
+  EXPECT_EQ(motion.hands.at(0).keys.size(), 3u);
+  EXPECT_TRUE(std::isfinite(motion.hands.at(0).misfit_mean));
+  const std::string never = refusal(names + row(0, "-1e308") + row(1, "-1e308") + "\n");
+  EXPECT_NE(never.find("no frame has a hand"), std::string::npos) << never;
 }
 
 TEST(JointTable, RefusesInOneLine) {

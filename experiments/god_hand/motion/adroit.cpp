@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
@@ -35,7 +37,8 @@ constexpr const char* passed_over[] = {"ARTx",
                                        "palm_minus_handle_y",
                                        "palm_minus_handle_z",
                                        "door_open"};
-constexpr double step = 0.01;  // s
+constexpr double step = 0.01;     // s
+constexpr double largest = 1000;  // rad, m: no hand is farther away
 const Vec3 knuckle[4] = {{0.033, 0, 0.095}, {0.011, 0, 0.099}, {-0.011, 0, 0.095}, {-0.034, 0, 0.088}};
 const Vec3 thumb_base(0.034, -0.009, 0.029), grasp(0.007, -0.05, 0.07);  // m; palm_x.. is where `grasp` is
 constexpr double finger_bones[3] = {0.045, 0.025, 0.026}, thumb_bones[3] = {0.038, 0.032, 0.0275};
@@ -61,7 +64,8 @@ Recording adroit_recording(const JointTable& table) {
       continue;
     }
     track.frames.push_back({time, std::nullopt});
-    if (!std::ranges::all_of(wanted, [&](const std::string& name) { return std::isfinite(value(name)); })) continue;
+    const auto sound = [&](const std::string& name) { return std::abs(value(name)) <= largest; };
+    if (!std::ranges::all_of(std::span(wanted).subspan(1), sound)) continue;
     for (const Limit& limit : limits) {
       const double over = std::max(limit.low - value(limit.name), value(limit.name) - limit.high);
       if (over > track.beyond) track.beyond = over, farthest = limit.name;

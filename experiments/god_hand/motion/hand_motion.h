@@ -34,8 +34,8 @@ struct Track {
   Target at(double time) const;
 };
 
-// The next key of a track. What is not tracked or not finite becomes the last pose, not tracked, and is counted as held
-// over; before the first tracked key it is only counted.
+// The next key of a track. What is not tracked, not finite or more than a kilometre away becomes the last pose, not
+// tracked, and is counted as held over; before the first tracked key it is only counted.
 void append(Track& track, Track::Key key);
 
 // What the tracked hands do.

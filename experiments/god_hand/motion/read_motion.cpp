@@ -48,6 +48,8 @@ HandMotion read_motion(const fs::path& file) {
     motion.hands.push_back(retarget(track, fit_model(track)));
     motion.duration = std::max(motion.duration, track.frames.back().time);
   }
+  if (std::ranges::any_of(motion.hands, [](const Track& track) { return track.keys.empty(); }))
+    refuse("no frame has a hand that could be tracked: finite numbers within a kilometre expected");
   for (Track& track : motion.hands) track.patience = std::max(track.patience, 2.5 * usual_pause(track));
   for (const Track& track : motion.hands)
     note(motion.notes, track.held_over,

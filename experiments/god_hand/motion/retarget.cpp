@@ -228,17 +228,19 @@ Track retarget(const RecordedTrack& track, const Model& model) {
       continue;
     }
     Target from = start(*frame.hand);
-    if (fits > 0) from.angles = out.keys.back().target.angles;
+    if (!out.keys.empty()) from.angles = out.keys.back().target.angles;
     const Target at = fitted(model, from, *frame.hand);
+    const std::size_t held = out.held_over;
+    append(out, {frame.time, at});
+    if (out.held_over > held) continue;
     const Residual r = residual(model, at, *frame.hand);
     for (Index k = 0; k < rows; k += 3) {
       out.misfit_mean += r.segment<3>(k).norm();
       out.misfit_most = std::max(out.misfit_most, r.segment<3>(k).norm());
     }
     ++fits;
-    append(out, {frame.time, at});
   }
-  out.misfit_mean /= 20 * static_cast<double>(fits);
+  if (fits > 0) out.misfit_mean /= 20 * static_cast<double>(fits);
   return out;
 }
 

@@ -26,7 +26,8 @@ Target Track::at(double time) const {
 
 void append(Track& track, Track::Key key) {
   const Pose<double>& palm = key.target.palm;
-  const bool finite = palm.position.allFinite() && palm.rotation.allFinite() &&
+  constexpr double farthest = 1000;  // m from the origin: no tracker sees farther, and searches must end
+  const bool finite = palm.position.norm() <= farthest && palm.rotation.allFinite() &&
                       std::all_of(key.target.angles.begin(), key.target.angles.end(),
                                   [](double angle) { return std::isfinite(angle); });
   if (!finite || !key.target.tracked) {
