@@ -20,16 +20,11 @@ class VertexTable {
  public:
   explicit VertexTable(std::size_t count) : slots_(std::bit_ceil(2 * count + 2), none) {}
 
-  // The vertex among those of this hash that `same` accepts, or none.
+  // The vertex among those of this hash that `same` accepts, or none, and then the place for a new one.
   template <class Same>
-  std::uint32_t find(std::uint64_t hash, Same same) const {
+  std::uint32_t& find(std::uint64_t hash, Same same) {
     for (std::size_t at = hash & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1))
       if (slots_[at] == none || same(slots_[at])) return slots_[at];
-  }
-  void insert(std::uint64_t hash, std::uint32_t vertex) {
-    std::size_t at = hash & (slots_.size() - 1);
-    while (slots_[at] != none) at = (at + 1) & (slots_.size() - 1);
-    slots_[at] = vertex;
   }
 
  private:
@@ -66,14 +61,14 @@ std::vector<std::uint32_t> welded(const std::vector<Vec3>& vertices, double weld
     const Vec3& p = vertices[v];
     const auto near = [&](std::uint32_t u) { return (vertices[u] - p).cwiseAbs().maxCoeff() <= weld; };
     const Cell home = cell_of(p, width), low = cell_of(p - reach, width), high = cell_of(p + reach, width);
-    std::uint32_t found = table.find(hash_of(home), near);
+    std::uint32_t& at_home = table.find(hash_of(home), near);
+    std::uint32_t found = at_home;
     if (weld > 0)
       for (Cell c = low; c[0] <= high[0] && found == none; ++c[0])
         for (c[1] = low[1]; c[1] <= high[1] && found == none; ++c[1])
           for (c[2] = low[2]; c[2] <= high[2] && found == none; ++c[2])
             if (c != home) found = table.find(hash_of(c), near);
-    if (found == none) table.insert(hash_of(home), v);
-    first[v] = found == none ? v : found;
+    first[v] = found == none ? at_home = v : found;
   }
   return first;
 }
@@ -108,8 +103,9 @@ void drop_repeated(Mesh& mesh, MeshReport& report) {
   for (const auto& triangle : mesh.triangles) {
     const auto corners = sorted(triangle);
     const std::uint64_t hash = hash_of({corners[0], corners[1], corners[2]});
-    if (table.find(hash, [&](std::uint32_t t) { return sorted(kept[t]) == corners; }) != none) continue;
-    table.insert(hash, static_cast<std::uint32_t>(kept.size()));
+    std::uint32_t& found = table.find(hash, [&](std::uint32_t t) { return sorted(kept[t]) == corners; });
+    if (found != none) continue;
+    found = static_cast<std::uint32_t>(kept.size());
     kept.push_back(triangle);
   }
   report.repeated = mesh.triangles.size() - kept.size();

@@ -22,15 +22,9 @@ int solves_per_sample(double seconds) {
 }
 
 bool has_answer(const Timed& t) {
-  switch (t.solution.status) {
-    case Status::solved:
-    case Status::solved_ill_conditioned:
-    case Status::infeasible:
-    case Status::iteration_limit:
-      return true;
-    default:
-      return false;
-  }
+  using enum Status;
+  const Status s = t.solution.status;
+  return s == solved || s == solved_ill_conditioned || s == infeasible || s == iteration_limit;
 }
 
 // Google Benchmark's reporter: takes the repetitions' times, prints nothing.

@@ -23,11 +23,10 @@ AnySolver& SolveService::solver(const SolveRequest& call) {
 SolveReply SolveService::run(const Problem& problem, const SolveRequest& call) {
   SolveReply answer;
   Solution& solution = answer.solution;
-  SolveOptions options;
-  options.tolerance = call.tolerance;
-  options.time_limit = call.time_limit;
-  options.max_iterations = call.max_iterations;
-  if (!call.warm.key.empty()) options.warm_start = &call.warm;
+  SolveOptions options{.tolerance = call.tolerance,
+                       .max_iterations = call.max_iterations,
+                       .time_limit = call.time_limit,
+                       .warm_start = call.warm.key.empty() ? nullptr : &call.warm};
   if (call.observe)
     options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {
       if (is_rung(iteration)) answer.iterates.push_back({iteration, z, lambda});

@@ -3,10 +3,10 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cstring>
 #include <type_traits>
 
 #include <zwang/core/files/isolated.h>
-#include <zwang/core/files/natural_order.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang::hdf5 {
@@ -201,7 +201,7 @@ std::vector<std::string> Group::links() const {
 std::vector<std::string> Group::groups() const {
   std::vector<std::string> names;
   std::ranges::copy_if(links(), std::back_inserter(names), [&](const std::string& name) { return has_group(name); });
-  std::ranges::sort(names, natural_less);
+  std::ranges::sort(names, [](const auto& a, const auto& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
   return names;
 }
 

@@ -119,19 +119,13 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
     out.verdict = verdict;
     return out;
   };
-  switch (solution.status) {
-    case Status::unsolved:
-    case Status::numerical_failure:
-      return with(Verdict::no_answer);
-    case Status::crashed:
-      return with(Verdict::crashed);
-    case Status::unsupported:
-      return with(Verdict::unsupported);
-    case Status::bad_input:
-      return with(Verdict::bad_input);
-    default:
-      break;
-  }
+  constexpr std::pair<Status, Verdict> without_answer[] = {{Status::unsolved, Verdict::no_answer},
+                                                           {Status::numerical_failure, Verdict::no_answer},
+                                                           {Status::crashed, Verdict::crashed},
+                                                           {Status::unsupported, Verdict::unsupported},
+                                                           {Status::bad_input, Verdict::bad_input}};
+  for (const auto& [status, verdict] : without_answer)
+    if (solution.status == status) return with(verdict);
   const bool has_z = fits(solution.z, problem.size());
   const bool stopped = solution.status == Status::time_limit;
   if (stopped && !has_z) return with(Verdict::timeout);

@@ -3,7 +3,7 @@
 #include <bit>
 #include <fstream>
 
-#include <zwang/core/files/natural_order.h>
+#include <zwang/core/files/hdf5.h>
 #include "tests/core/files/problem_files.h"
 
 namespace zwang {
@@ -124,12 +124,13 @@ TEST_F(ProblemFile, MissingAndForeignFilesAreNamed) {
   EXPECT_NE(complaint(path("empty.h5")), "");
 }
 
-TEST(NaturalOrder, CountsNumbersBySize) {
-  EXPECT_TRUE(natural_less("seq2", "seq10"));
-  EXPECT_FALSE(natural_less("seq10", "seq2"));
-  EXPECT_TRUE(natural_less("H16_9", "H16_10"));
-  EXPECT_FALSE(natural_less("a", "a"));
-  EXPECT_TRUE(natural_less("a", "a1"));
+TEST_F(ProblemFile, GroupsComeInTheNaturalOrderOfTheirNames) {
+  const std::vector<std::string> names = {"H16_9", "H16_10", "a", "a1", "seq2", "seq10"};
+  {
+    hdf5::Group root = hdf5::Group::create(path("groups.h5"));
+    for (const std::string& name : names) root.add_group(name);
+  }
+  EXPECT_EQ(hdf5::Group::open(path("groups.h5")).groups(), names);
 }
 
 // The name of a problem's contents: M, z_u, J, c, kind and nothing else.
