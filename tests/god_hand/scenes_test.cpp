@@ -90,7 +90,7 @@ void expect_size(const std::string& scene, const fs::path& parts, std::size_t tr
   const SceneSize size = size_of(made);
   std::size_t most = 0;
   for (const Object& object : made.objects)
-    if (!object.loose() && object.mesh) most = std::max(most, object.mesh->size());
+    if (!object.loose() && object.mesh) most = std::max<std::size_t>(most, object.mesh->size());
   EXPECT_NEAR(static_cast<double>(size.triangles), static_cast<double>(triangles), 0.1 * static_cast<double>(triangles))
       << scene;
   EXPECT_NEAR(static_cast<double>(most), static_cast<double>(largest), 0.1 * static_cast<double>(largest)) << scene;
