@@ -67,16 +67,18 @@ Findings side_by_side(const std::string& first_column, const std::vector<Variant
 
 }  // namespace
 
-// Every touch a row. The problems that come up in a grasp, one for each quarter of an octave of their contacts, so that
-// a rare count does not stand for itself; each is timed apart from the simulation, as the suites time theirs.
+// Every touch a row. The problems that come up in a grasp, in bins of a quarter of an octave of their contacts, so that
+// a rare count does not stand for itself; some of each bin are timed apart from the simulation, as the suites time
+// theirs.
 Findings growth_with_contacts(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   const god::Options options{.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0};
+  constexpr std::size_t sampled = 5;
   struct Bin {
-    Problem problem;
-    std::size_t contacts;
-    std::vector<double> assembly;  // s, of frames
+    std::vector<double> contacts, assembly;  // s, of all frames
+    std::vector<Problem> problems;           // of every `stride`-th
+    std::size_t stride = 1;
   };
   std::map<int, Bin> bins;
   god::Play play(scene, motion, options);
@@ -84,8 +86,13 @@ Findings growth_with_contacts(const Asking& asking) {
     const god::Frame& f = play.step(k);
     if (f.contacts.empty()) return true;
     Bin& bin = bins[static_cast<int>(std::floor(4 * std::log2(f.contacts.size())))];
-    bin.problem = play.simulation().problem(0);
-    bin.contacts = f.contacts.size();
+    if (bin.contacts.size() % bin.stride == 0) bin.problems.push_back(play.simulation().problem(0));
+    if (bin.problems.size() == 2 * sampled) {
+      for (std::size_t s = 0; s < sampled; ++s) bin.problems[s] = bin.problems[2 * s];
+      bin.problems.resize(sampled);
+      bin.stride *= 2;
+    }
+    bin.contacts.push_back(static_cast<double>(f.contacts.size()));
     bin.assembly.push_back(f.times.assembly);
     return true;
   });
@@ -96,24 +103,31 @@ Findings growth_with_contacts(const Asking& asking) {
   chart.log_x = chart.log_y = true;
   std::vector<double> counts, times;
   Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
+  const Run run{
+      .solver = asking.solver, .foreign = find_solver(asking.solver)->foreign, .tolerance = options.tolerance};
   const std::atomic<bool> never = false;
-  for (const auto& entry : bins) {
-    const Bin& bin = entry.second;
-    const double assembly = median(bin.assembly);
-    const auto assemble = [&bin] { return Instance{.problem = bin.problem, .family = "growth"}; };
+  for (const auto& [number_of_bin, bin] : bins) {
+    std::vector<double> solves;
+    std::map<std::string_view, int> verdicts;
     const auto append = [&](const Instance&, std::vector<Cell>& cells) {
-      const Result& r = cells[0].result;
-      counts.push_back(static_cast<double>(bin.contacts));
-      times.push_back(assembly + r.solve_s);
-      chart.points.push_back({asking.solver, counts.back(), 1e6 * times.back()});
-      found.rows.push_back({number(counts.back()), microseconds(assembly), microseconds(r.solve_s),
-                            std::string(to_string(r.metrics.verdict))});
+      solves.push_back(cells[0].result.solve_s);
+      ++verdicts[to_string(cells[0].result.metrics.verdict)];
     };
-    const Run run{
-        .solver = asking.solver, .foreign = find_solver(asking.solver)->foreign, .tolerance = options.tolerance};
-    if (!run_flow({.assemble = assemble, .runs = {run}, .limits = {.budget = 0.2}, .append = append}, dispatcher,
-                  asking.interrupted ? *asking.interrupted : never))
-      throw Interrupted{};
+    for (const Problem& problem : bin.problems)
+      if (!run_flow({.assemble = [&] { return Instance{.problem = problem, .family = "growth"}; },
+                     .runs = {run},
+                     .limits = {.budget = 0.05},
+                     .append = append},
+                    dispatcher, asking.interrupted ? *asking.interrupted : never))
+        throw Interrupted{};
+    counts.push_back(median(bin.contacts));
+    times.push_back(median(bin.assembly) + median(solves));
+    chart.points.push_back({asking.solver, counts.back(), 1e6 * times.back()});
+    std::string verified;
+    for (const auto& [verdict, n] : verdicts)
+      verified += (verified.empty() ? "" : ", ") + std::to_string(n) + " " + std::string(verdict);
+    found.rows.push_back(
+        {number(counts.back()), microseconds(median(bin.assembly)), microseconds(median(solves)), verified});
   }
   found.charts.push_back(std::move(chart));
   if (counts.size() >= 3) {
