@@ -28,14 +28,15 @@ struct Options {
   int verify = 10;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
 
+inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+
 // What people type and read for an option.
 struct OptionText {
-  const char* key;                                        // in run.json
-  const char* name;                                       // --name; null: not typed as such
-  const char* line;                                       // help
-  double low = -std::numeric_limits<double>::infinity();  // the least value
-  double high = std::numeric_limits<double>::infinity();  // the largest
-  bool open = false;                                      // `low` itself is out
+  const char* key;                            // in run.json
+  const char* name;                           // --name; null: not typed as such
+  const char* line;                           // help
+  double low = -unbounded, high = unbounded;  // its range
+  bool open = false;                          // `low` itself is out
   bool holds(double value) const { return (open ? value > low : value >= low) && value <= high; }
 };
 // What is typed for the two values of a choice: of an enumeration in its order, of a bool false first.
@@ -67,15 +68,9 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"force_stiffness", "k-f", "stiffness of the coupling to the engine [1/s^2]; default: 1000", 0},
         o.force_stiffness);
   visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
-  visit(
-      OptionText{
-          .key = "gap", .name = "gap", .line = "that contact rows keep [m]; default: 2e-4", .low = 0, .open = true},
-      o.gap);
-  visit(OptionText{.key = "activation",
-                   .name = "activation",
-                   .line = "distance from which contacts are rows [m]; default: 2e-3",
-                   .low = 0,
-                   .open = true},
+  visit(OptionText{"gap", "gap", "that contact rows keep [m]; default: 2e-4", 0, unbounded, true}, o.gap);
+  visit(OptionText{"activation", "activation", "distance from which contacts are rows [m]; default: 2e-3", 0, unbounded,
+                   true},
         o.activation);
   visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", 1, 100}, o.sub_steps);
   visit(OptionText{"verify", "verify",
