@@ -16,8 +16,6 @@
 namespace zwang {
 namespace {
 
-using report::duration, report::scientific;
-
 constexpr double time_limit = 60;  // s of CPU time
 constexpr double budget = 0.3;     // s for repetitions
 
@@ -40,6 +38,7 @@ Instance choose(const std::string& file, std::vector<Instance> all, const std::s
 }
 
 void print(const Result& r) {
+  using report::duration, report::scientific;
   const Metrics& k = r.metrics;
   const auto line = [](const char* what, const std::string& text) { std::printf("%-10s %s\n", what, text.c_str()); };
   line("problem", r.problem + "   " + std::to_string(r.n) + " unknowns, " + std::to_string(r.m) + " rows (" +
@@ -70,6 +69,7 @@ void print(const Result& r) {
 }
 
 void print(const std::vector<TracePoint>& points) {
+  using report::duration, report::scientific;
   const auto line = [](const std::string& iteration, const std::string& time, const std::string& error,
                        const std::string& primal, const std::string& stationarity, const std::string& gap) {
     std::printf("%9s %11s %9s %9s %13s %9s\n", iteration.c_str(), time.c_str(), error.c_str(), primal.c_str(),
