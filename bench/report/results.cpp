@@ -124,7 +124,7 @@ void read_conditions(const json& about, Run& run) {
   std::vector<std::string> tolerances;
   for (const json& item : about.value("tolerances", json::array()))
     tolerances.push_back(item.is_number() ? scientific(item, 0) : item.dump());
-  add_text("zwang", "version");
+  add_text("zwang", "zwang");
   add("commit", run.commit + (dirty && !run.commit.empty() ? " with uncommitted changes" : ""));
   add_text("suite", "suite");
   add_text("command", "command");

@@ -88,7 +88,7 @@ if (traces.length) fs.writeFileSync(`${dir}/traces.jsonl`, text(traces));
 if (kind === 'speed')
   fs.writeFileSync(`${dir}/speed.jsonl`, text([{kind: 'assembly', scene: 'hand', contacts: 64, n: 96, m: 134, allocations: 0, assemble_s: 5e-6, islands_s: 4e-6, kernel_s: 5e-5}]));
 fs.writeFileSync(`${dir}/run.json`, JSON.stringify({
-  version: '0.1.0', suite: 'synthetic', command: './zwang bench (synthetic)', started: '2000-01-01T00:00:00Z', finished: null, seed: 1, commit: kind === 'later' ? 'feedface00000000' : 'cafebabe00000000', dirty: true,
+  zwang: '0.1.0', suite: 'synthetic', command: './zwang bench (synthetic)', started: '2000-01-01T00:00:00Z', finished: null, seed: 1, commit: kind === 'later' ? 'feedface00000000' : 'cafebabe00000000', dirty: true,
   compiler: 'none', flags: '-O3', build_type: 'Release', cpu: 'synthetic', cores: 2, libraries: {Eigen: '3.4.0', Ipopt: '3.11.9'}, tolerances,
   solvers: chosen_solvers.map(([name, foreign]) => ({name, method: `the method of ${name}`, limits: '', foreign, exact: exact.includes(name)})), problems: chosen_problems.length,
   notes: ['Synthetic: no figure in this run was measured.'],
