@@ -7,6 +7,7 @@
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/weld.h>
 #include <zwang/core/model/motion.h>
+#include <zwang/core/problem/dense.h>
 
 namespace zwang {
 namespace {
@@ -64,7 +65,7 @@ Vector free_motion(const hand::Poses& poses) {
   hand::add(scene, poses);
   Problem problem;
   Assembler{}.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = frame_dt}, problem);
-  return Matrix(problem.J).completeOrthogonalDecomposition().solve(problem.c);
+  return least_norm_solution(Matrix(problem.J), problem.c);
 }
 
 // Several contacts per phalanx, on one flat face under its pad: four or more rows of rank three, with different gaps,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <zwang/core/model/constraint.h>
+#include <zwang/core/problem/dense.h>
 
 // What every constraint has to satisfy, for the shared test (conformance_test.cpp).
 namespace zwang::conformance {
@@ -44,7 +45,7 @@ PosesOf<C, T> moved(const PosesOf<C, T>& q, const Step& step) {
 template <class C>
 Vector correction(const C& c, const PosesOf<C, double>& q) {
   const auto linear = linearize(c, q);
-  return Matrix(linear.jacobian).completeOrthogonalDecomposition().solve(Vector(-linear.value));
+  return least_norm_solution(Matrix(linear.jacobian), Vector(-linear.value));
 }
 
 // Poses at which the value is about `distance` away from zero.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <zwang/core/problem/dense.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/registry.h>
 
@@ -40,7 +41,7 @@ void complete_multipliers(const Problem& problem, Solution& solution) {
   Matrix J_t(problem.size(), static_cast<Index>(touched.size()));
   for (std::size_t k = 0; k < touched.size(); ++k)
     J_t.col(static_cast<Index>(k)) = Vector(problem.J.row(touched[k]).transpose());
-  const Vector lambda = J_t.completeOrthogonalDecomposition().solve(pull);
+  const Vector lambda = least_norm_solution(J_t, pull);
   solution.lambda.setZero(problem.rows());
   for (std::size_t k = 0; k < touched.size(); ++k) {
     const double l = lambda[static_cast<Index>(k)];
