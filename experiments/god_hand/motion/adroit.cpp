@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
@@ -24,7 +23,7 @@ constexpr Limit limits[] = {
     {"LFJ3", -0.436, 0.436}, {"LFJ2", 0, 1.571}, {"LFJ1", 0, 1.571},      {"LFJ0", 0, 1.571},
     {"THJ4", -1.047, 1.047}, {"THJ3", 0, 1.309}, {"THJ2", -0.262, 0.262}, {"THJ1", -0.524, 0.524},
     {"THJ0", -1.571, 0},     {"LFJ4", 0, 0.698}, {"WRJ1", -0.524, 0.175}, {"WRJ0", -0.785, 0.611}};
-constexpr const char* needed[] = {"step", "ARRx", "ARRy", "ARRz", "palm_x", "palm_y", "palm_z"};
+constexpr const char* needed[] = {"ARRx", "ARRy", "ARRz", "palm_x", "palm_y", "palm_z"};
 constexpr const char* passed_over[] = {"ARTx",
                                        "ARTy",
                                        "ARTz",
@@ -46,12 +45,15 @@ constexpr double finger_bones[3] = {0.045, 0.025, 0.026}, thumb_bones[3] = {0.03
 }  // namespace
 
 Recording adroit_recording(const JointTable& table) {
-  std::vector<std::string> wanted(std::begin(needed), std::end(needed));
+  std::vector<std::string> wanted;
   for (const Limit& limit : limits) wanted.emplace_back(limit.name);
+  wanted.insert(wanted.end(), std::begin(needed), std::end(needed));
   std::vector<std::string> known = wanted;
+  known.emplace_back("step");
   known.insert(known.end(), std::begin(passed_over), std::end(passed_over));
   table.only(known);
   for (const std::string& name : wanted) table.column(name);
+  table.column("step");
 
   RecordedTrack track;
   std::string farthest;
@@ -65,7 +67,7 @@ Recording adroit_recording(const JointTable& table) {
     }
     track.frames.push_back({time, std::nullopt});
     const auto sound = [&](const std::string& name) { return std::abs(value(name)) <= largest; };
-    if (!std::ranges::all_of(std::span(wanted).subspan(1), sound)) continue;
+    if (!std::ranges::all_of(wanted, sound)) continue;
     for (const Limit& limit : limits) {
       const double over = std::max(limit.low - value(limit.name), value(limit.name) - limit.high);
       if (over > track.beyond) track.beyond = over, farthest = limit.name;
