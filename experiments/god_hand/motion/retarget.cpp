@@ -86,7 +86,7 @@ Target fitted(const Model& model, Target at, const RecordedHand& to, bool free_p
     for (bool better = false; !better && damping < 1e6; damping *= better ? 0.2 : 5) {
       Mat<double, unknowns, unknowns> D = H;
       D.diagonal() += damping * H.diagonal() + Unknowns::Constant(1e-12);
-      const Target next = moved(model, at, -solve_definite(D, gradient));
+      const Target next = moved(model, at, -Unknowns(solve_definite(D, gradient)));
       const Residual there = residual(model, next, to);
       better = there.squaredNorm() < r.squaredNorm();
       if (!better) continue;
@@ -197,14 +197,14 @@ Model fit_model(const RecordedTrack& track) {
         Mat<double, 12, 5> P = B.middleRows<12>(row);
         Mat<double, 4, 4> AA = A.transpose() * A;
         AA.diagonal().array() += 1e-12;
-        P -= A * solve_definite(AA, A.transpose() * P);
+        P -= A * Mat<double, 4, 5>(solve_definite(AA, A.transpose() * P));
         N[f] += P.transpose() * P;
         g[f] += P.transpose() * r.segment<12>(row);
       }
     }
     double most = 0;
     for (std::size_t f = 0; f < 5; ++f) {
-      Measures step = -solve_definite(N[f], g[f]);
+      Measures step = -Measures(solve_definite(N[f], g[f]));
       step *= std::min(1.0, 0.2 / step.tail<2>().lpNorm<Eigen::Infinity>());
       model = changed(model, f, step);
       away[f] += step;
