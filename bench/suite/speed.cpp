@@ -92,12 +92,8 @@ std::vector<std::string> time_assembly() {
   }
   std::vector<std::string> lines;
   for (const Assembly& a : all) {
-    Json line = {{"kind", "assembly"},
-                 {"scene", "hand"},
-                 {"contacts", a.contacts},
-                 {"n", a.problem.size()},
-                 {"m", a.problem.rows()},
-                 {"allocations", a.allocations},
+    Json line = {{"kind", "assembly"},        {"scene", "hand"},       {"contacts", a.contacts},
+                 {"n", a.problem.size()},     {"m", a.problem.rows()}, {"allocations", a.allocations},
                  {"kernel_s", median(kernel)}};
     put_quartiles("assemble_s", a.assemble_s, line);
     put_quartiles("islands_s", a.islands_s, line);

@@ -38,11 +38,7 @@ class Profile {
       const double seconds = median(own);
       return seconds > 0 ? seconds : std::numeric_limits<double>::quiet_NaN();
     };
-    return {.whiten = median(seconds_[0]),
-            .joints = part(1),
-            .climb = part(2),
-            .refine = part(3),
-            .checks = part(4)};
+    return {.whiten = median(seconds_[0]), .joints = part(1), .climb = part(2), .refine = part(3), .checks = part(4)};
   }
 
  private:

@@ -11,7 +11,7 @@
 
 namespace zwang {
 
-pid_t start_child(const std::function<void()>& life) {
+int start_child(const std::function<void()>& life) {
   const pid_t parent = getpid(), child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "no child process");
   if (child > 0) return child;
@@ -27,7 +27,7 @@ pid_t start_child(const std::function<void()>& life) {
   _exit(0);
 }
 
-int wait_for_child(pid_t child) {
+int wait_for_child(int child) {
   int status = -1;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <cerrno>
 #include <cstddef>
 #include <functional>
@@ -11,17 +9,17 @@ namespace zwang {
 // Runs `life` in a forked process, which ends with it, or when this process does. Its stdin, stdout and stderr are
 // /dev/null, it leaves no core file and ignores Ctrl-C (this process decides). Neither destructors nor what is
 // registered with atexit run there. Returns its id; throws std::system_error.
-pid_t start_child(const std::function<void()>& life);
+int start_child(const std::function<void()>& life);
 
 // Its status as of waitpid, once it has ended.
-int wait_for_child(pid_t child);
+int wait_for_child(int child);
 
 // Repeats `part(done)`, a system call that reads or writes the bytes after the first `done`, until `bytes` are through;
 // false where it fails or ends before.
 template <class Part>
 bool transfer(std::size_t bytes, Part part) {
   for (std::size_t done = 0; done < bytes;) {
-    const ssize_t more = part(done);
+    const std::ptrdiff_t more = part(done);
     if (more < 0 && errno == EINTR) continue;
     if (more <= 0) return false;
     done += static_cast<std::size_t>(more);

@@ -75,7 +75,6 @@ struct LibraryHooks {
     else
       std::free(block);
   }
-
 };
 
 void LibraryMemory::install() {

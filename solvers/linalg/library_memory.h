@@ -9,8 +9,8 @@ namespace zwang {
 // Only where the host asks for it, by install(): the libraries' allocator belongs to the whole process. Without that a
 // Use does nothing, and every sparse factorization allocates.
 //
-// One for each factorization, used by one thread at a time; inside a Use the libraries get blocks that were kept before.
-// It returns its blocks to the system at its end: free the libraries' objects made in a Use before.
+// One for each factorization, used by one thread at a time; inside a Use the libraries get blocks that were kept
+// before. It returns its blocks to the system at its end: free the libraries' objects made in a Use before.
 class LibraryMemory {
  public:
   // Replaces SuiteSparse's allocator, for good. Call it once, before the process makes its first solver or other object

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
-import {is_quiet, open_browser} from '../report/chromium.mjs';
+import {is_quiet, open_browser} from '../bench/report/chromium.mjs';
 
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-replay-`);
 const write = (name, frames) => execFileSync(process.argv[2], [`${folder}/${name}`, String(frames)], {encoding: 'utf8'}).trim();
