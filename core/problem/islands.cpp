@@ -272,7 +272,6 @@ void Islands::join(const Island& island, const Solution& part, Index rows, Solut
   whole.fallback = whole.fallback || part.fallback;
   if (!part.handed_to.empty()) whole.handed_to = part.handed_to;
   whole.range_gap = std::fmax(whole.range_gap, part.range_gap);
-  if (!std::isnan(part.prepare_s)) whole.prepare_s = part.prepare_s + std::fmax(whole.prepare_s, 0);
   whole.margins.rank = part.margins.rank < 0 || whole.margins.rank < 0 ? -1 : whole.margins.rank + part.margins.rank;
   whole.margins.smallest_accepted = std::fmin(whole.margins.smallest_accepted, part.margins.smallest_accepted);
   whole.margins.largest_rejected = std::fmax(whole.margins.largest_rejected, part.margins.largest_rejected);

@@ -63,7 +63,6 @@ struct Solution {
   bool fallback = false;       // a slower, safer path was taken
   std::string handed_to = {};  // the solver that gave this answer in place of the one asked, "" where none did
   double range_gap = unknown;  // |J k - c| / |c|, of nnls_paper
-  double prepare_s = unknown;  // s of CPU time inside the solve that restating the problem took
   std::string message = {};    // the method's own words, for people
   struct {
     Spare z, lambda, certificate;
@@ -80,7 +79,7 @@ struct Solution {
     margins = {};
     fallback = false;
     handed_to.clear();
-    range_gap = prepare_s = unknown;
+    range_gap = unknown;
     message.clear();
   }
   // z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.

@@ -105,10 +105,7 @@ Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
   rest_.head(n) = rho_;
   E.rotate(rest_);
   E.split(rest_, s_w_, s_v_);
-  for (Index j = 0; j < q; ++j) {
-    const Index i = f.active_rows[j], begin = f.whitened.begin[i], length = f.whitened.end[i] - begin;
-    sigma_I_[j] -= f.whitened.Gt.col(i).segment(begin, length).dot(step_.segment(begin, length));
-  }
+  for (Index j = 0; j < q; ++j) sigma_I_[j] -= f.whitened.dot(f.active_rows[j], step_);
   auto range = sigma_I_.head(q);
   auto mu = mu_I_.head(q);
   f.inequality.solve_transposed(range);
@@ -124,10 +121,7 @@ Scalar ActiveSetRefinement<Scalar>::correct(const Factors& f) {
   // Multipliers of the equality rows from what the rest leaves of dy - rho.
   rest_ = step_;
   rest_.head(n) -= rho_;
-  for (Index j = 0; j < q; ++j) {
-    const Index i = f.active_rows[j], begin = f.whitened.begin[i], length = f.whitened.end[i] - begin;
-    rest_.segment(begin, length) -= mu[j] * f.whitened.Gt.col(i).segment(begin, length);
-  }
+  for (Index j = 0; j < q; ++j) f.whitened.add(f.active_rows[j], Scalar(-mu[j]), rest_);
   E.rotate(rest_);
   E.split(rest_, mu_E_, s_v_);
   E.solve(mu_E_);

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/solvers/common/begin.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -99,7 +98,8 @@ Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& a
       }
       ++s.iterations;
       auto rate = rate_.head(active.size());
-      direction_ = w_.Gt.col(r);
+      direction_.setZero(w_.size());
+      w_.add(r, 1, direction_);
       active.combine(direction_, rate);
       const double share = active.size() < w_.size() ? direction_.norm() : 0;
       if (active.undecided(share) || !active.healthy()) return Step::stuck;
@@ -182,9 +182,7 @@ void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const S
   refactor_above_ = settings.refactor_above;
   polishes_ = settings.polish;
   const Deadline deadline(options.time_limit);
-  const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
-  storage_.require(n * m, options);
-  if (!begin(w_, p, deadline, s)) return;
+  if (!begin(w_, p, options, deadline, s)) return;
   direction_.resize(p.size());
   rate_.resize(w_.rows());
   r2_.resize(w_.rows());
@@ -192,7 +190,8 @@ void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const S
   s.message.clear();
   s.redundant.clear();
   s.margins = {};
-  storage_.require(n * m + n * most + most * most, options);
+  const auto n = static_cast<double>(p.size()), most = std::min(n, static_cast<double>(p.rows()));
+  storage_.require(n * most + most * most, options);
   attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
   s.fallback = true;
 }

@@ -33,13 +33,11 @@ bool CholeskyRows::factor_row(Index row) {
   inside_[static_cast<std::size_t>(row)] = 1;
   index_.clear();
   value_.clear();
-  const auto [begin, length] = support(row);
+  rest_.setZero();
+  add(row, 1, rest_);
   for (Index i = 0; i < w_->rows(); ++i) {
     if (!inside_[static_cast<std::size_t>(i)]) continue;
-    const auto other = support(i);
-    const Index from = std::max(begin, other.begin), to = std::min(begin + length, other.begin + other.length);
-    if (from >= to) continue;
-    const double s = w_->Gt.col(row).segment(from, to - from).dot(w_->Gt.col(i).segment(from, to - from));
+    const double s = dot(i, rest_);
     if (s == 0 && i != row) continue;
     index_.push_back(static_cast<int>(i));
     value_.push_back(s);

@@ -128,7 +128,7 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
   largest_rejected = Scalar(0);
   rank = -1;
   proof_in_doubt = false;
-  if (!whitened_.build(p, deadline_)) return Status::bad_input;
+  if (!whitened_.build(p, deadline_, options)) return Status::bad_input;
   if (whitened_.conflict >= 0) {
     zero_row_certificate(p, whitened_.conflict, certificate);
     return Status::infeasible;
@@ -150,13 +150,13 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
   return Status::solved;
 }
 
-// Whitened rows; reflections, R and N twice; reduced rows; Q and R of the active ones.
+// Reflections, R and N twice; reduced rows; Q and R of the active ones.
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::require_storage(const BasicProblem<Scalar>& p, const SolveOptions& options) {
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows());
   const auto e = static_cast<double>(std::count(p.kind.begin(), p.kind.end(), RowKind::equality));
   const double f = std::max(n - e, 0.0);
-  const double numbers = n * m + n * e + std::min(n, e) * e + 2 * n * f + f * (m - e) + 2 * f * f;
+  const double numbers = n * e + std::min(n, e) * e + 2 * n * f + f * (m - e) + 2 * f * f;
   storage_.require(numbers * sizeof(Scalar) / sizeof(double), options);
 }
 
@@ -167,7 +167,7 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
   equalities_.clear();
   inequalities_.clear();
   for (Index i = 0; i < whitened_.rows(); ++i) (whitened_.equality[i] ? equalities_ : inequalities_).push_back(i);
-  elimination_.factorize(whitened_.Gt, equalities_, rank_tolerance(), deadline_, sparse);
+  elimination_.factorize(whitened_.G, equalities_, rank_tolerance(), deadline_, sparse);
   largest_rejected = elimination_.largest_rejected();
   equality_rows_.clear();
   for (const Index k : elimination_.order()) equality_rows_.push_back(equalities_[k]);
@@ -191,7 +191,7 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
 
   for (const Index k : elimination_.rejected()) {
     const Index i = equalities_[k];
-    const Scalar rest = whitened_.h[i] - whitened_.Gt.col(i).dot(y_E_.head(whitened_.size()));
+    const Scalar rest = whitened_.h[i] - whitened_.dot(i, y_E_);
     // A proof takes twice as much, of more terms.
     const bool may_contradict = abs(rest) > violation_tolerance() / Scalar(2) * whitened_.magnitude[i];
     if (may_contradict && certify(p, i, rest < Scalar(0) ? Scalar(-1) : Scalar(1), largest_rejected)) return false;
@@ -205,16 +205,14 @@ bool GoldfarbIdnani<Scalar>::eliminate_equalities(const BasicProblem<Scalar>& p)
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::reduce_inequalities() {
   const auto m = static_cast<Index>(inequalities_.size());
-  elimination_.reduce(whitened_.Gt, whitened_.begin, whitened_.end, inequalities_, deadline_, A_);
+  elimination_.reduce(whitened_.G, inequalities_, deadline_, A_);
   b_.resize(m);
   magnitude_.resize(m);
   slack_.resize(m);
   state_.assign(inequalities_.size(), resting);
   for (Index j = 0; j < m; ++j) {
     const Index i = inequalities_[j];
-    Scalar held(0);
-    for (Index at = whitened_.begin[i]; at < whitened_.end[i]; ++at) held += whitened_.Gt(at, i) * y_E_[at];
-    b_[j] = whitened_.h[i] - held;
+    b_[j] = whitened_.h[i] - whitened_.dot(i, y_E_);
     magnitude_[j] = whitened_.magnitude[i];
   }
 }
@@ -379,8 +377,8 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   using std::abs;
   const Index n = whitened_.size(), q = active_.empty() ? 0 : updates_.size();
   x_.setZero();
-  x_.head(n) = whitened_.Gt.col(row);
-  for (Index j = 0; j < q; ++j) x_.head(n) -= r_[j] * whitened_.Gt.col(inequalities_[active_[j]]);
+  whitened_.add(row, Scalar(1), x_);
+  for (Index j = 0; j < q; ++j) whitened_.add(inequalities_[active_[j]], Scalar(-r_[j]), x_);
   elimination_.rotate(x_);
   elimination_.range(x_, w_);
   elimination_.solve(w_);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/solvers/common/begin.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -40,13 +39,14 @@ void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& dea
     deadline.keep();
     const Index j = static_cast<Index>(column_.size());
     auto g = E_.col(j).head(n);
-    g = rows_.Gt.col(i);
+    g.setZero();
+    rows_.add(i, 1, g);
     t.noalias() = active_.qr().Q().transpose() * g;
     g.noalias() -= active_.qr().Q() * t;
     length_[j] = g.norm();
     if (!(length_[j] > tolerances::projected_out)) continue;
     g /= length_[j];
-    h_[j] = (rows_.h[i] - rows_.Gt.col(i).dot(y_E_)) / length_[j];
+    h_[j] = (rows_.h[i] - rows_.dot(i, y_E_)) / length_[j];
     column_.push_back(i);
     free_.push_back(rows_.equality[at(i)]);
   }
@@ -56,7 +56,8 @@ void Nnls::Method::eliminate(const Problem& p, bool project, const Deadline& dea
 void Nnls::Method::balance(const Vector& y) {
   auto t = work_.head(active_.size());
   rest_ = y;
-  rest_.noalias() -= rows_.Gt * unit_;
+  for (Index i = 0; i < rows_.rows(); ++i)
+    if (unit_[i] != 0) rows_.add(i, -unit_[i], rest_);
   t.noalias() = active_.qr().Q().transpose() * rest_;
   active_.qr().solve(t);
   for (Index i = 0; i < active_.size(); ++i) unit_[active_[i]] = t[i];
@@ -151,8 +152,8 @@ void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n + 1, m);
-  storage_.require(2 * (n + 1) * m + 2 * (n + 1 + most) * most, options);
-  if (!begin(rows_, p, deadline, s)) return;
+  storage_.require((n + 1) * m + 2 * (n + 1 + most) * most, options);
+  if (!begin(rows_, p, options, deadline, s)) return;
   eliminate(p, settings.project, deadline);
   warm_.clear();
   warm_.reserve(at(rows_.rows()));

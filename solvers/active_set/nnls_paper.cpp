@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include <zwang/solvers/common/begin.h>
-
 namespace zwang {
 namespace {
 
@@ -18,7 +16,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 // pivots, k of 1e12 drowned the gradient of Eq. 10 in rounding, and problems with c = 0 came out wrong.
 double NnlsPaper::find_s(const Problem& p, const Deadline& deadline, Solution& solution) {
   const Index n = p.size(), k = rows_.rows();
-  J_Q_.noalias() = rows_.row_norm.asDiagonal() * rows_.Gt.transpose();
+  rows_.dense(Gt_);
+  J_Q_.noalias() = rows_.row_norm.asDiagonal() * Gt_.transpose();
   b_ = rows_.row_norm.cwiseProduct(rows_.h);
   length_ = J_Q_.colwise().norm().transpose();
   remaining_ = length_;
@@ -63,7 +62,7 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
   const Deadline deadline(options.time_limit);
   const auto n = static_cast<double>(p.size()), m = static_cast<double>(p.rows()), most = std::min(n, m);
   storage_.require(2 * n * m + (n + m + 2 * most) * most, options);
-  if (!begin(rows_, p, deadline, s)) return;
+  if (!begin(rows_, p, options, deadline, s)) return;
   s.range_gap = find_s(p, deadline, s);
   char text[32];
   std::snprintf(text, sizeof text, "range gap %.1e", s.range_gap);
@@ -81,7 +80,7 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
       options.observe(least_squares_.iterations(), s.z, s.lambda);
     };
   least_squares_.restart();
-  const auto stop = least_squares_.solve(rows_.Gt, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
+  const auto stop = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
                                          {options.max_iterations, &deadline, observe ? &observe : nullptr});
   s.iterations = least_squares_.iterations();
   for (const Index i : least_squares_.dependent_free()) s.redundant.push_back(rows_.row[at(i)]);

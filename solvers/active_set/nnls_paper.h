@@ -42,7 +42,7 @@ struct NnlsPaper {
   LawsonHanson least_squares_;
   ThinQr columns_;             // of J_Q
   std::vector<Index> column_;  // of J_Q, in the order of columns_
-  Matrix J_Q_;
+  Matrix Gt_, J_Q_;
   Vector b_, length_, remaining_, rest_, part_, s_, y_;
 };
 

@@ -43,23 +43,10 @@ class ActiveRows {
   virtual void correct(Vector& r1, Part r2) = 0;
 
   // g_row . v and v += factor g_row, over the nonzeros of the row.
-  double dot(Index row, const Vector& v) const {
-    const auto [begin, length] = support(row);
-    return w_->Gt.col(row).segment(begin, length).dot(v.segment(begin, length));
-  }
-  void add(Index row, double factor, Vector& v) const {
-    const auto [begin, length] = support(row);
-    v.segment(begin, length) += factor * w_->Gt.col(row).segment(begin, length);
-  }
+  double dot(Index row, const Vector& v) const { return w_->dot(row, v); }
+  void add(Index row, double factor, Vector& v) const { w_->add(row, factor, v); }
 
  protected:
-  struct Range {
-    Index begin, length;
-  };
-  Range support(Index row) const {
-    const auto at = static_cast<std::size_t>(row);
-    return {w_->begin[at], w_->end[at] - w_->begin[at]};
-  }
   ActiveRows(double threshold, double certain) : threshold_(threshold), certain_(certain) {}
   ActiveRows(const ActiveRows&) = default;
   ActiveRows& operator=(const ActiveRows&) = default;
@@ -84,19 +71,20 @@ class QrRows : public ActiveRows {
     rows_.clear();
     rows_.reserve(static_cast<std::size_t>(w.rows()));
     part_.resize(std::min(w.size(), w.rows()));
+    column_.resize(w.size());
   }
   bool refactor() override { return false; }
   const ThinQr& qr() const { return qr_; }
 
   double append(Index row) override {
     deadline_->keep();
-    const double share = qr_.append(w_->Gt.col(row), threshold_);
+    const double share = qr_.append(column(row), threshold_);
     if (accepts(share)) rows_.push_back(row);
     return share;
   }
   double share(Index row) override {
     constexpr double never = 2;
-    return qr_.append(w_->Gt.col(row), never);
+    return qr_.append(column(row), never);
   }
   void drop(Index position) override {
     qr_.drop(position);
@@ -141,8 +129,14 @@ class QrRows : public ActiveRows {
  private:
   static constexpr double rounding = tolerances::share_rounding * std::numeric_limits<double>::epsilon();
 
+  const Vector& column(Index row) {
+    column_.setZero();
+    add(row, 1, column_);
+    return column_;
+  }
+
   ThinQr qr_;
-  Vector part_;
+  Vector part_, column_;
 };
 
 }  // namespace zwang

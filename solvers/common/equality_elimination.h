@@ -30,8 +30,10 @@ namespace zwang {
 template <class Scalar>
 class EqualityElimination {
  public:
-  // Row i is column rows[i] of Gt, of length 1. A row whose remaining part is at most `tolerance` is rejected.
-  void factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows, const Scalar& tolerance,
+  using Rows = Eigen::SparseMatrix<Scalar, Eigen::RowMajor>;
+
+  // Row i is row rows[i] of G (k x n), of length 1. A row whose remaining part is at most `tolerance` is rejected.
+  void factorize(const Rows& G, const std::vector<Index>& rows, const Scalar& tolerance,
                  const Deadline& deadline = Deadline(), bool try_sparse = false);
 
   Index rank() const { return static_cast<Index>(order_.size()); }
@@ -39,9 +41,8 @@ class EqualityElimination {
   Index freedom() const { return n_ - rank(); }
   const std::vector<Index>& order() const { return order_; }    // accepted, as positions in `rows`
   const std::vector<Index>& rejected() const { return open_; }  // likewise
-  // A := N'G of columns of Gt, zero outside [begin, end) of each; freedom x columns.
-  void reduce(const MatrixX<Scalar>& Gt, const std::vector<int>& begin, const std::vector<int>& end,
-              const std::vector<Index>& columns, const Deadline& deadline, MatrixX<Scalar>& A) const;
+  // A := N'G' of the rows of G that are listed; freedom x rows.
+  void reduce(const Rows& G, const std::vector<Index>& rows, const Deadline& deadline, MatrixX<Scalar>& A) const;
   const Scalar& smallest_accepted() const { return smallest_; }      // 1 when there is none
   const Scalar& largest_rejected() const { return rejected_norm_; }  // 0 when there is none
 
@@ -139,7 +140,7 @@ class EqualityElimination {
     each_block(mask(column), [&](Index b) { sum += V_.col(column).template segment<block>(b * block).cwiseAbs2(); });
     norm_[column] = sqrt(sum.sum());
   }
-  bool factorize_sparse(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows, const Scalar& tolerance,
+  bool factorize_sparse(const Rows& G, const std::vector<Index>& rows, const Scalar& tolerance,
                         const Deadline& deadline);
   Index choose(const Scalar& tolerance);
   void eliminate(Index column);
@@ -238,32 +239,29 @@ void EqualityElimination<Scalar>::form_null_space(const Deadline& deadline) {
 }
 
 template <class Scalar>
-void EqualityElimination<Scalar>::reduce(const MatrixX<Scalar>& Gt, const std::vector<int>& begin,
-                                         const std::vector<int>& end, const std::vector<Index>& columns,
-                                         const Deadline& deadline, MatrixX<Scalar>& A) const {
+void EqualityElimination<Scalar>::reduce(const Rows& G, const std::vector<Index>& rows, const Deadline& deadline,
+                                         MatrixX<Scalar>& A) const {
   if constexpr (has_sparse)
-    if (is_sparse()) return sparse_.reduce(Gt, columns, A);
+    if (is_sparse()) return sparse_.reduce(G, rows, A);
   constexpr Index seldom = 64;  // columns between two looks at the clock
-  A.setZero(freedom(), std::ssize(columns));
+  A.setZero(freedom(), std::ssize(rows));
   for (Index j = 0; j < A.cols(); ++j) {
     if (j % seldom == seldom - 1) deadline.keep();
-    const Index i = columns[j];
-    for (Index at = begin[i]; at < end[i]; ++at) {
-      const Scalar& g = Gt(at, i);
+    for (typename Rows::InnerIterator it(G, rows[j]); it; ++it) {
       if (rank() == 0)
-        A(at, j) = g;
-      else if (g != Scalar(0))
-        A.col(j) += g * Nt_.col(at);
+        A(it.col(), j) = it.value();
+      else
+        A.col(j) += it.value() * Nt_.col(it.col());
     }
   }
 }
 
 // Range first, then what is free.
 template <class Scalar>
-bool EqualityElimination<Scalar>::factorize_sparse(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows,
+bool EqualityElimination<Scalar>::factorize_sparse(const Rows& G, const std::vector<Index>& rows,
                                                    const Scalar& tolerance, const Deadline& deadline) {
   if constexpr (has_sparse) {
-    if (!sparse_.factorize(Gt, rows, tolerance, deadline)) return false;
+    if (!sparse_.factorize(G, rows, tolerance, deadline)) return false;
     order_ = sparse_.order();
     open_ = sparse_.rejected();
     smallest_ = sparse_.smallest_accepted();
@@ -278,13 +276,13 @@ bool EqualityElimination<Scalar>::factorize_sparse(const MatrixX<Scalar>& Gt, co
 }
 
 template <class Scalar>
-void EqualityElimination<Scalar>::factorize(const MatrixX<Scalar>& Gt, const std::vector<Index>& rows,
-                                            const Scalar& tolerance, const Deadline& deadline, bool try_sparse) {
-  n_ = Gt.rows();
+void EqualityElimination<Scalar>::factorize(const Rows& G, const std::vector<Index>& rows, const Scalar& tolerance,
+                                            const Deadline& deadline, bool try_sparse) {
+  n_ = G.cols();
   const auto m = static_cast<Index>(rows.size());
   const Index blocks = (n_ + block - 1) / block;
   padded_size_ = blocks * block;
-  if (try_sparse && factorize_sparse(Gt, rows, tolerance, deadline)) return;
+  if (try_sparse && factorize_sparse(G, rows, tolerance, deadline)) return;
   sparse_.drop();
   words_ = (blocks + 63) / 64;
   V_.setZero(padded_size_, m);
@@ -302,7 +300,7 @@ void EqualityElimination<Scalar>::factorize(const MatrixX<Scalar>& Gt, const std
 
   for (Index j = 0; j < m; ++j) {
     open_[j] = j;
-    V_.col(j).head(n_) = Gt.col(rows[j]);
+    for (typename Rows::InnerIterator it(G, rows[j]); it; ++it) V_(it.col(), j) = it.value();
     for (Index b = 0; b < blocks; ++b)
       if (V_.col(j).template segment<block>(b * block) != Vec<Scalar, block>::Zero()) {
         mask_[j * words_ + b / 64] |= std::uint64_t{1} << (b % 64);

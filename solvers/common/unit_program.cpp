@@ -2,48 +2,25 @@
 
 #include <algorithm>
 
-#include <zwang/solvers/common/begin.h>
-
 namespace zwang {
 
 bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Preparation preparing;
   const Deadline deadline(options.time_limit);
-  storage_.require(static_cast<double>(problem.size()) * static_cast<double>(problem.rows()), options);
-  if (!begin(whitened_, problem, deadline, solution)) return false;
-  const Index n = whitened_.size(), k = whitened_.rows();
+  if (!begin(whitened_, problem, options, deadline, solution)) return false;
   free_ = whitened_.free;
 
   // Only what is violated at z_u sets the scale: a far-away inactive row must not.
   double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
-  for (Index i = 0; i < k; ++i) largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
+  for (Index i = 0; i < rows(); ++i)
+    largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
   int exponent = 0;
   if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
   sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
   constexpr double out_of_reach = -1e100;
   h_ = (whitened_.h / sigma_).cwiseMax(out_of_reach);
   free_ /= sigma_;
-
-  Index nonzeros = 0;
-  for (Index i = 0; i < k; ++i) nonzeros += (whitened_.Gt.col(i).array() != 0).count();
-  G_.resize(k, n);
-  G_.reserve(nonzeros);
-  for (Index i = 0; i < k; ++i) {
-    G_.startVec(i);
-    for (Index j = 0; j < n; ++j)
-      if (const double g = whitened_.Gt(j, i); g != 0) G_.insertBack(i, j) = g;
-  }
-  G_.finalize();
   return true;
-}
-
-double UnitProgram::dot(Index i, const Vector& y) const {
-  double sum = 0;
-  for (Rows::InnerIterator it(G_, i); it; ++it) sum += it.value() * y[it.col()];
-  return sum;
-}
-
-void UnitProgram::add(Index i, double amount, Vector& y) const {
-  for (Rows::InnerIterator it(G_, i); it; ++it) y[it.col()] += amount * it.value();
 }
 
 void UnitProgram::motion(const Vector& lambda, Vector& y) const {

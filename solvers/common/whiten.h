@@ -1,11 +1,16 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
+#include <zwang/core/problem/preparation.h>
+#include <zwang/solvers/linalg/dense_storage.h>
 #include <zwang/solvers/linalg/sparse_cholesky.h>
 
 namespace zwang {
@@ -16,31 +21,55 @@ namespace zwang {
 //   minimize 1/2 |y|^2   subject to  g_i . y = h_i  or  >= h_i,   g_i = J_i Q^-1 / |J_i Q^-1|,  and the worst
 //   violation of z_u (|h_i| of an equality row, h_i of an inequality row) in [1/2, 1).
 //
-// Shared by the native solvers and by the adapters (rivals deserve the whitened problem too). Rows that cannot matter
-// are left out: zero rows that hold trivially, and inequality rows with c = -Inf. A zero row that cannot hold is
-// reported in `conflict`. Every row, c and z_u are scaled by powers of two before they are multiplied, so that entries
-// of 2^+-500 and c of 1e300 neither overflow nor vanish; powers of two are exact, so a problem and its scaled twin
-// whiten to the same bits. A second build of the same shape and pattern of M allocates nothing.
+// The one whitening, of native solvers and of rivals. Rows stay sparse: where M is block-diagonal, a row has entries on
+// the bodies that it touches and nowhere else, so the work grows with the non-zeros of M and J. What asks for dense
+// rows copies them out (dense()).
+//
+// Rows that cannot matter are left out: zero rows that hold trivially, and inequality rows with c = -Inf. A zero row
+// that cannot hold is reported in `conflict`. Every row, c and z_u are scaled by powers of two before they are
+// multiplied, so that entries of 2^+-500 and c of 1e300 neither overflow nor vanish; powers of two are exact, so a
+// problem and its scaled twin whiten to the same bits. A second build of the same shape and pattern of M allocates
+// nothing.
 template <class Scalar>
 struct BasicWhitened {
-  MatrixX<Scalar> Gt;           // n x k: column i is the unit row g_i
-  VectorX<Scalar> h;            // k, on unit rows, in units of 2^exponent
-  VectorX<Scalar> row_norm;     // k: |J_i Q^-1|, divided out of row i
-  VectorX<Scalar> magnitude;    // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
-  std::vector<Index> row;       // k: the problem's row
-  std::vector<char> equality;   // k
-  std::vector<int> begin, end;  // k: g_i is zero outside [begin, end)
-  std::vector<Index> idle;      // the problem's zero rows that hold trivially
-  Index conflict = -1;          // a zero row that cannot hold, or -1
-  VectorX<Scalar> free;         // n: Q z_u, in units of 2^exponent
+  using Rows = Eigen::SparseMatrix<Scalar, Eigen::RowMajor>;
+
+  Rows G;                      // k x n: the unit rows g_i, without zeros
+  VectorX<Scalar> h;           // k, on unit rows, in units of 2^exponent
+  VectorX<Scalar> row_norm;    // k: |J_i Q^-1|, divided out of row i
+  VectorX<Scalar> magnitude;   // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
+  std::vector<Index> row;      // k: the problem's row
+  std::vector<char> equality;  // k
+  std::vector<Index> idle;     // the problem's zero rows that hold trivially
+  Index conflict = -1;         // a zero row that cannot hold, or -1
+  VectorX<Scalar> free;        // n: Q z_u, in units of 2^exponent
   int exponent = 0;
   SparseCholesky<Scalar> factor;  // P M P' = L L', Q = L' P
 
-  Index size() const { return Gt.rows(); }
+  Index size() const { return free.size(); }
   Index rows() const { return h.size(); }
 
-  // False when M is not positive definite.
-  bool build(const BasicProblem<Scalar>& problem, const Deadline& deadline = Deadline());
+  // False when M is not positive definite. Throws Stopped past the deadline, or where rows that M fills do not fit into
+  // the memory there is. Without `keep_rows` G stays empty: for methods that need the norms alone.
+  bool build(const BasicProblem<Scalar>& problem, const Deadline& deadline = Deadline(),
+             const SolveOptions& options = {}, bool keep_rows = true);
+
+  // g_i . y, and y += scale g_i; y of length n or more.
+  template <class Column>
+  Scalar dot(Index i, const Column& y) const {
+    Scalar sum(0);
+    for (typename Rows::InnerIterator it(G, i); it; ++it) sum += it.value() * y[it.col()];
+    return sum;
+  }
+  template <class Column>
+  void add(Index i, const Scalar& scale, Column&& y) const {
+    for (typename Rows::InnerIterator it(G, i); it; ++it) y[it.col()] += scale * it.value();
+  }
+  // Gt := G', n x k: for methods whose own matrix this is.
+  void dense(MatrixX<Scalar>& Gt) const {
+    Gt.setZero(size(), rows());
+    for (Index i = 0; i < rows(); ++i) add(i, Scalar(1), Gt.col(i));
+  }
 
   // z = z_u + Q^-1 y.
   void primal(const BasicProblem<Scalar>& problem, const VectorX<Scalar>& y, VectorX<Scalar>& z) const {
@@ -85,10 +114,70 @@ struct BasicWhitened {
       if (const Scalar a = abs(it.value()); a > top) top = a;
     return top;
   }
+  // x 2^e by products, which are quicker than ldexp; by two where 2^e may not fit a double.
+  class PowerOfTwo {
+   public:
+    explicit PowerOfTwo(int e) {
+      using std::ldexp;
+      const int half = std::abs(e) > 1000 ? e / 2 : 0;
+      if (half != 0) first_ = ldexp(Scalar(1), half);
+      if (e != 0) second_ = ldexp(Scalar(1), e - half);
+    }
+    Scalar operator*(const Scalar& x) const { return x * first_ * second_; }
+
+   private:
+    Scalar first_{1}, second_{1};
+  };
   void select_rows(const BasicProblem<Scalar>& p);
 
-  std::vector<int> shift_;  // k: power of two still to be multiplied into h
-  std::vector<int> entries_, touched_;
+  // Row `row` of J, scaled, into place_ and value_. Returns its product with `free`, and whether L leaves each of its
+  // entries alone (and they ascend), so that divide() does what solve() would.
+  std::pair<Scalar, bool> load(const BasicProblem<Scalar>& p, Index row, const PowerOfTwo& scale) {
+    const auto count = static_cast<std::size_t>(p.J.innerVector(row).nonZeros());
+    place_.resize(count);
+    value_.resize(count);
+    Scalar moved(0);
+    bool alone = true;
+    int* place = place_.data();
+    Scalar* value = value_.data();
+    for (RowIterator it(p.J, row); it; ++it) {
+      const int position = factor.position(it.col());
+      alone = alone && factor.is_alone(position) && (place == place_.data() || position > place[-1]);
+      *place++ = position;
+      moved += (*value++ = scale * it.value()) * free[it.col()];
+    }
+    return {moved, alone};
+  }
+  // The loaded row times L^-T, to which place_ and value_ turn; returns its length.
+  Scalar divide() {
+    using std::sqrt;
+    Scalar square(0);
+    for (std::size_t e = 0; e < value_.size(); ++e) {
+      value_[e] /= factor.pivot(place_[e]);
+      square += value_[e] * value_[e];
+    }
+    return sqrt(square);
+  }
+  Scalar solve() {
+    using std::sqrt;
+    for (std::size_t e = 0; e < value_.size(); ++e) whole_[place_[e]] = value_[e];
+    factor.solve_lower(place_, whole_, touched_);
+    place_.swap(touched_);
+    value_.resize(place_.size());
+    Scalar square(0);
+    for (std::size_t e = 0; e < value_.size(); ++e) {
+      value_[e] = std::exchange(whole_[place_[e]], Scalar(0));
+      square += value_[e] * value_[e];
+    }
+    return sqrt(square);
+  }
+
+  std::vector<int> row_exponent_;     // k: of the row's largest entry
+  std::vector<int> shift_;            // k: power of two still to be multiplied into h
+  VectorX<Scalar> whole_;             // n, zero between rows
+  std::vector<int> place_, touched_;  // of a row's entries
+  std::vector<Scalar> value_;
+  DenseStorage storage_;
 };
 
 using Whitened = BasicWhitened<double>;
@@ -100,6 +189,28 @@ void zero_row_certificate(const BasicProblem<Scalar>& problem, Index conflict, V
   u[conflict] = problem.c[conflict] > Scalar(0) ? Scalar(1) : Scalar(-1);
 }
 
+// How a solver begins: the solution reset, and the unit rows of the problem. False where these are the answer already,
+// which is then written: M not positive definite, or a zero row that cannot hold.
+template <class Rows>
+bool begin(Rows& rows, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+           Solution& solution) {
+  if (!rows.build(problem, deadline, options)) {
+    solution.reset(0, 0);
+    solution.status = Status::bad_input;
+    solution.message = "M is not positive definite";
+    return false;
+  }
+  if (rows.conflict >= 0) {
+    solution.reset(0, 0);
+    solution.status = Status::infeasible;
+    zero_row_certificate(problem, rows.conflict, solution.zero_certificate(problem.rows()));
+    solution.message.append("row ").append(std::to_string(rows.conflict)).append(" is zero and cannot hold");
+    return false;
+  }
+  solution.reset(problem.size(), problem.rows());
+  return true;
+}
+
 template <class Scalar>
 void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
   using std::isfinite;
@@ -107,11 +218,13 @@ void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
   row.clear();
   idle.clear();
   equality.clear();
+  row_exponent_.clear();
   for (Index i = 0; i < p.rows(); ++i) {
     if (!isfinite(p.c[i])) continue;
-    if (largest(p, i) > Scalar(0)) {
+    if (const Scalar top = largest(p, i); top > Scalar(0)) {
       row.push_back(i);
       equality.push_back(p.is_equality(i));
+      row_exponent_.push_back(exponent_of(top));
     } else if (p.c[i] == Scalar(0) || (!p.is_equality(i) && p.c[i] < Scalar(0))) {
       idle.push_back(i);
     } else if (conflict < 0) {
@@ -121,19 +234,23 @@ void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
 }
 
 template <class Scalar>
-bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline& deadline) {
-  using std::abs, std::ldexp;
+bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline& deadline, const SolveOptions& options,
+                                  bool keep_rows) {
+  using std::abs, std::ldexp, std::sqrt;
+  const Preparation preparing;
   const Index n = p.size();
   if (n > 0 && !factor.factorize(p.M)) return false;
   select_rows(p);
   const auto k = static_cast<Index>(row.size());
-  Gt.resize(n, k);
+  if (G.rows() == k && G.cols() == n)
+    G.setZero();
+  else
+    G.resize(k, n);
   h.resize(k);
   row_norm.resize(k);
   magnitude.resize(k);
   shift_.resize(row.size());
-  begin.assign(row.size(), 0);
-  end.assign(row.size(), static_cast<int>(n));
+  whole_.setZero(n);
 
   // z_u with its largest entry near 1, and |z_u|_M in the same unit.
   const int z_exponent = n > 0 ? exponent_of(p.z_u.template lpNorm<Eigen::Infinity>()) : 0;
@@ -141,44 +258,49 @@ bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline&
   for (Index i = 0; i < n; ++i) free[i] = ldexp(p.z_u[i], -z_exponent);
 
   exponent = std::numeric_limits<int>::min();
+  int last = 0;
+  PowerOfTwo to_row(0), of_row(0);
   constexpr Index seldom = 64;  // rows between two looks at the clock
   for (Index i = 0; i < k; ++i) {
-    if (i % seldom == seldom - 1) deadline.keep();
-    const Index r = row[i];
-    const int row_exponent = exponent_of(largest(p, r));
-    const int unit = p.c[r] == Scalar(0) ? z_exponent : std::max(exponent_of(p.c[r]) - row_exponent, z_exponent);
-    Scalar violation = ldexp(p.c[r], -row_exponent - unit);
-    magnitude[i] = abs(violation);
-    entries_.clear();
-    Gt.col(i).setZero();
-    for (RowIterator it(p.J, r); it; ++it) {
-      const Scalar a = ldexp(it.value(), -row_exponent);
-      const Index position = factor.position(it.col());
-      Gt(position, i) = a;
-      violation -= a * ldexp(free[it.col()], z_exponent - unit);
-      entries_.push_back(static_cast<int>(position));
+    if (i % seldom == seldom - 1) {
+      deadline.keep();
+      const double entries = static_cast<double>(G.data().size()) * static_cast<double>(k) / static_cast<double>(i);
+      storage_.require(entries * static_cast<double>(sizeof(Scalar) + sizeof(int)) / sizeof(double), options);
     }
-    factor.solve_lower(entries_, Gt.col(i), touched_);
-    begin[i] = touched_.front();
-    end[i] = touched_.back() + 1;
-    auto g = Gt.col(i).segment(begin[i], end[i] - begin[i]);
-    const Scalar norm = g.norm();
-    g /= norm;
+    const Index r = row[i];
+    const int row_exponent = row_exponent_[i];
+    const int unit = p.c[r] == Scalar(0) ? z_exponent : std::max(exponent_of(p.c[r]) - row_exponent, z_exponent);
+    Scalar violation = p.c[r] == Scalar(0) ? Scalar(0) : Scalar(ldexp(p.c[r], -row_exponent - unit));
+    magnitude[i] = abs(violation);
+    if (row_exponent != last) {
+      to_row = PowerOfTwo(-row_exponent);
+      of_row = PowerOfTwo(row_exponent);
+      last = row_exponent;
+    }
+    const auto [moved, alone] = load(p, r, to_row);
+    violation -= PowerOfTwo(z_exponent - unit) * moved;
+    const Scalar norm = alone ? divide() : solve();
+    if (keep_rows) {
+      G.startVec(i);
+      for (std::size_t e = 0; e < value_.size(); ++e)
+        if (const Scalar g = value_[e] / norm; g != Scalar(0)) G.insertBack(i, place_[e]) = g;
+    }
     h[i] = violation / norm;
     magnitude[i] /= norm;
-    row_norm[i] = ldexp(norm, row_exponent);
+    row_norm[i] = of_row * norm;
     shift_[i] = unit;
     if (h[i] > Scalar(0) || (equality[i] && h[i] < Scalar(0))) exponent = std::max(exponent, unit + exponent_of(h[i]));
   }
+  G.finalize();
   if (exponent == std::numeric_limits<int>::min()) exponent = z_exponent;
 
   if (n > 0) factor.multiply_upper(free);
   for (Index i = 0; i < n; ++i) free[i] = ldexp(free[i], z_exponent - exponent);
   const Scalar free_norm = free.norm();
   for (Index i = 0; i < k; ++i) {
-    const int shift = shift_[i] - exponent;
-    h[i] = ldexp(h[i], shift);
-    magnitude[i] = ldexp(magnitude[i], shift) + free_norm;
+    const PowerOfTwo shift(shift_[i] - exponent);
+    h[i] = shift * h[i];
+    magnitude[i] = shift * magnitude[i] + free_norm;
   }
   return true;
 }

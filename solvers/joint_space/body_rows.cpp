@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <zwang/core/problem/preparation.h>
 #include <zwang/solvers/joint_space/lanes.h>
 
 namespace zwang {
@@ -171,6 +172,7 @@ bool BodyRows::make_unit_rows() {
 }
 
 bool BodyRows::build(const Problem& p) {
+  const Preparation preparing;
   const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
   // What stays zero in a triangle is written once.

@@ -28,7 +28,10 @@ class SparseCholesky {
   }
 
   Index size() const { return static_cast<Index>(parent_.size()); }
-  Index position(Index i) const { return position_[i]; }  // of M's row i in P M P'
+  int position(Index i) const { return position_[i]; }  // of M's row i in P M P'
+  // Whether its column of L is zero below the pivot: x := L^-1 x divides an entry there by the pivot, no more.
+  bool is_alone(int position) const { return alone_[position]; }
+  const Scalar& pivot(int position) const { return value_[first_[position]]; }
 
   // x := L^-1 x, where x (in P's order) has its entries at `start`; on return at `touched`, ascending.
   template <class Column>
@@ -39,7 +42,8 @@ class SparseCholesky {
         mark_[i] = 1;
         touched.push_back(i);
       }
-    std::sort(touched.begin(), touched.end());
+    // Paths in one block of M come ascending, or nearly so.
+    if (!std::is_sorted(touched.begin(), touched.end())) std::sort(touched.begin(), touched.end());
     for (const int j : touched) {
       mark_[j] = 0;
       eliminate(j, x);
@@ -118,6 +122,7 @@ class SparseCholesky {
   std::vector<int> upper_first_, upper_index_, upper_from_;  // upper triangle of P M P', and where it stands in M
   std::vector<int> first_, index_, fill_;                    // L by columns, diagonal first
   std::vector<Scalar> value_;
+  std::vector<char> alone_;
   std::vector<int> mark_, row_, path_;
   mutable VectorX<Scalar> scratch_;
 };
@@ -208,6 +213,10 @@ bool SparseCholesky<Scalar>::compute(const Scalar* entry) {
     index_[fill_[k]] = k;
     value_[fill_[k]++] = sqrt(diagonal);
   }
+  alone_.resize(parent_.size());
+  for (int j = 0; j < n; ++j)
+    alone_[j] = std::all_of(value_.begin() + first_[j] + 1, value_.begin() + first_[j + 1],
+                            [](const Scalar& l) { return l == Scalar(0); });
   return true;
 }
 

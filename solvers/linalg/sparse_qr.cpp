@@ -105,18 +105,16 @@ SparseQr& SparseQr::operator=(const SparseQr& other) {
 }
 
 // False where the rows are not sparse.
-bool SparseQr::load(const Matrix& Gt, const std::vector<Index>& rows) {
+bool SparseQr::load(const Rows& G, const std::vector<Index>& rows) {
   Factors& f = *factors_;
-  const auto most = static_cast<std::size_t>(dense_share * static_cast<double>(Gt.rows() * std::ssize(rows)));
+  const auto most = static_cast<std::size_t>(dense_share * static_cast<double>(G.cols() * std::ssize(rows)));
   f.begin.assign(1, 0);
   f.row.clear();
   f.value.clear();
   for (const Index i : rows) {
-    const auto g = Gt.col(i);
-    for (Index at = 0; at < g.size(); ++at) {
-      if (g[at] == 0) continue;
-      f.row.push_back(at);
-      f.value.push_back(g[at]);
+    for (Rows::InnerIterator it(G, i); it; ++it) {
+      f.row.push_back(it.col());
+      f.value.push_back(it.value());
     }
     if (f.row.size() > most) return false;
     f.begin.push_back(static_cast<Long>(f.row.size()));
@@ -124,14 +122,14 @@ bool SparseQr::load(const Matrix& Gt, const std::vector<Index>& rows) {
   return true;
 }
 
-bool SparseQr::factorize(const Matrix& Gt, const std::vector<Index>& rows, double tolerance, const Deadline& deadline) {
+bool SparseQr::factorize(const Rows& G, const std::vector<Index>& rows, double tolerance, const Deadline& deadline) {
   holds_ = false;
   deadline_ = deadline;
-  n_ = Gt.rows();
+  n_ = G.cols();
   if (n_ < few_unknowns || std::ssize(rows) < few_rows) return false;
   if (!factors_) factors_ = std::make_unique<Factors>();
   Factors& f = *factors_;
-  if (!load(Gt, rows)) return false;
+  if (!load(G, rows)) return false;
   deadline.keep();
 
   const LibraryMemory::Use use(f.memory);
@@ -154,7 +152,7 @@ bool SparseQr::factorize(const Matrix& Gt, const std::vector<Index>& rows, doubl
   list_columns();
   estimate_smallest();
   if (!(smallest_ >= tolerances::clear_pivot)) return false;
-  measure_rejected(Gt, rows);
+  measure_rejected(G, rows);
   return holds_ = true;
 }
 
@@ -180,15 +178,18 @@ void SparseQr::multiply(bool transposed, Eigen::Ref<Vector> x) const {
                      [&](const Answer& y) { x.head(n_) = y.col(0); });
 }
 
-void SparseQr::reduce(const Matrix& Gt, std::span<const Index> columns, Matrix& A) const {
-  const auto free = n_ - static_cast<Index>(order_.size()), m = static_cast<Index>(columns.size());
+void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) const {
+  const auto free = n_ - static_cast<Index>(order_.size()), m = std::ssize(rows);
   Matrix& some = factors_->some;
   some.resize(n_, together);
   A.resize(free, m);
   for (Index first = 0; first < m; first += together) {
     deadline_.keep();
     const Index count = std::min(together, m - first);
-    for (Index j = 0; j < count; ++j) some.col(j) = Gt.col(columns[static_cast<std::size_t>(first + j)]);
+    some.leftCols(count).setZero();
+    for (Index j = 0; j < count; ++j)
+      for (Rows::InnerIterator it(G, rows[static_cast<std::size_t>(first + j)]); it; ++it)
+        some(it.col(), j) = it.value();
     factors_->multiply(SPQR_QTX, some.data(), n_, count, n_,
                        [&](const Answer& y) { A.middleCols(first, count) = y.bottomRows(free); });
   }
@@ -220,12 +221,12 @@ void SparseQr::express(const Matrix& X, Matrix& W) const {
 }
 
 // What the accepted rows leave of a rejected one.
-void SparseQr::measure_rejected(const Matrix& Gt, const std::vector<Index>& rows) {
+void SparseQr::measure_rejected(const Rows& G, const std::vector<Index>& rows) {
   largest_rejected_ = 0;
   if (rejected_.empty()) return;
   dropped_.clear();
   for (const Index k : rejected_) dropped_.push_back(rows[static_cast<std::size_t>(k)]);
-  reduce(Gt, dropped_, factors_->rest);
+  reduce(G, dropped_, factors_->rest);
   largest_rejected_ = factors_->rest.colwise().norm().maxCoeff();
 }
 

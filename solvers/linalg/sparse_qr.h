@@ -27,10 +27,12 @@ class SparseQr {
   SparseQr(const SparseQr& other);
   SparseQr& operator=(const SparseQr& other);
 
-  // Row i is column rows[i] of Gt (n x k), of length 1; one that has at most `tolerance` left is rejected. False where
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+  // Row i is row rows[i] of G (k x n), of length 1; one that has at most `tolerance` left is rejected. False where
   // that does not pay (few or dense rows, more work than in dense columns, more than there is time for) or is not
   // clear.
-  bool factorize(const Matrix& Gt, const std::vector<Index>& rows, double tolerance, const Deadline& deadline);
+  bool factorize(const Rows& G, const std::vector<Index>& rows, double tolerance, const Deadline& deadline);
 
   bool holds() const { return holds_; }  // the last factorization was taken, and not dropped
   void drop() { holds_ = false; }
@@ -39,10 +41,10 @@ class SparseQr {
   double smallest_accepted() const { return smallest_; }            // estimate of R's smallest singular value
   double largest_rejected() const { return largest_rejected_; }     // length outside the accepted rows
 
-  // x := Q'x and x := Q x over the first n entries, the range first; A := N'G of columns of Gt.
+  // x := Q'x and x := Q x over the first n entries, the range first; A := N'G' of rows of G.
   void rotate(Eigen::Ref<Vector> x) const { multiply(true, x); }
   void rotate_back(Eigen::Ref<Vector> x) const { multiply(false, x); }
-  void reduce(const Matrix& Gt, std::span<const Index> columns, Matrix& A) const;
+  void reduce(const Rows& G, std::span<const Index> rows, Matrix& A) const;
   // w := R^-1 w and w := R^-T w over the first rank entries.
   void solve(Eigen::Ref<Vector> w) const;
   void solve_transposed(Vector& w) const;
@@ -52,10 +54,10 @@ class SparseQr {
  private:
   struct Factors;
 
-  bool load(const Matrix& Gt, const std::vector<Index>& rows);
+  bool load(const Rows& G, const std::vector<Index>& rows);
   void multiply(bool transposed, Eigen::Ref<Vector> x) const;
   void list_columns();
-  void measure_rejected(const Matrix& Gt, const std::vector<Index>& rows);
+  void measure_rejected(const Rows& G, const std::vector<Index>& rows);
   void estimate_smallest();
 
   std::unique_ptr<Factors> factors_;
@@ -63,7 +65,7 @@ class SparseQr {
   Deadline deadline_;
   Index n_ = 0;
   std::vector<Index> order_, place_, rejected_;  // place_: of an accepted row among R's columns, dropped ones included
-  std::vector<Index> dropped_;                   // the rejected as columns of Gt
+  std::vector<Index> dropped_;                   // the rejected as rows of G
   double smallest_ = 1, largest_rejected_ = 0;
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/solvers/common/begin.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -48,7 +47,7 @@ void Newton::prepare(const Problem& p, const SolveOptions& options, const Deadli
   }
   for (Vector* v : {&d_, &step_, &force_, &product_, &work_}) v->setZero(n);
   for (Vector* v : {&l_, &slack_, &term_, &change_, &weight_}) v->setZero(k);
-  h_ = rows_.h.head(k).cwiseMax(Real(-tolerances::horizon)).cast<double>();
+  h_ = rows_.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
   search_.resize(at(factor_.parts()));
   far_d_.setZero(n);
   far_force_.setZero(n);
@@ -78,7 +77,7 @@ void Newton::warm(const Problem& p, const WarmStart& from) {
 // to the smallest numbers there are, which is far from z = 0.
 bool Newton::rests() const {
   for (Index i = 0; i < rows_.rows(); ++i)
-    if (is_equality(i) ? rows_.h[i] != 0 : rows_.h[i] > 0) return false;
+    if (is_equality(i) ? rows_.exact_h[i] != 0 : rows_.exact_h[i] > 0) return false;
   return true;
 }
 
@@ -218,7 +217,7 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
       for (Index j = 0; j < step_.size(); ++j)
         step_[j] *= search_[at(factor_.part_of_position(static_cast<int>(j)))].step;
       d_ += step_;
-      scale_ = std::max(rows_.free_length, mass_norm(p, d_));
+      scale_ = std::max(rows_.free_norm, mass_norm(p, d_));
       if (!std::isfinite(length)) return End::stuck;
       bool same = whole;
       for (Index i = 0; i < rows_.rows() && same; ++i)
@@ -256,7 +255,7 @@ void Newton::extended_force(const Problem& p) {
   far_force_.setZero();
   for (const MassEntry& e : mass_) far_force_[e.row] -= Real(p.M.valuePtr()[e.from]) * far_d_[e.column];
   for (Index i = 0; i < rows_.rows(); ++i) {
-    const Real norm = rows_.norm[i], l = far_l_[i] / norm;
+    const Real norm = rows_.row_norm[i], l = far_l_[i] / norm;
     Real sum = 0;
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows_.row[at(i)]); it; ++it) {
       if (it.value() == 0) continue;
@@ -264,7 +263,7 @@ void Newton::extended_force(const Problem& p) {
       sum += Real(it.value()) * far_d_[j];
       far_force_[j] += Real(it.value()) * l;
     }
-    violation_[i] = rows_.h[i] - sum / norm;
+    violation_[i] = rows_.exact_h[i] - sum / norm;
   }
 }
 
@@ -382,9 +381,9 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   for (Index i = 0; i < rows_.rows(); ++i) {
     if (!is_equality(i) && far_l_[i] < 0) far_l_[i] = 0;
     double& u = certificate_[rows_.row[at(i)]];
-    u = static_cast<double>(far_l_[i] / Real(rows_.norm[i]));
-    far_l_[i] = Real(u) * Real(rows_.norm[i]);
-    work += far_l_[i] * rows_.h[i];
+    u = static_cast<double>(far_l_[i] / Real(rows_.row_norm[i]));
+    far_l_[i] = Real(u) * Real(rows_.row_norm[i]);
+    work += far_l_[i] * rows_.exact_h[i];
     noise += std::abs(far_l_[i]) * Real(rows_.magnitude[i]);
     weight += std::abs(far_l_[i]);
     if (u != 0) reach = std::max(reach, std::abs(h_[i]));
@@ -406,7 +405,7 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
 
 void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
-  if (!begin(rows_, p, deadline, s)) return;
+  if (!begin(rows_, p, options, deadline, s)) return;
   prepare(p, options, deadline);
   if (rests()) {
     write(p, s);
@@ -416,7 +415,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   }
   s_ = penalty;
   rate_ = 1;
-  reach_ = std::max(rows_.free_length, 1.0);
+  reach_ = std::max(rows_.free_norm, 1.0);
   if (!options.warm_start && hold_all) start(p, deadline);
   if (!polish) {
     if (solve_alone(p, options, deadline, s)) return;

@@ -25,6 +25,7 @@ void write_proof(const Problem& problem, const UnitProgram& program, Vector& u, 
 // The rows that Ipopt can take. False where equality rows contradict each other, which is then written.
 bool choose_rows(const Problem& problem, const UnitProgram& program, EqualityRows& equalities, std::vector<Index>& rows,
                  Solution& solution) {
+  const Preparation preparing;
   rows.clear();
   for (Index i = 0; i < program.rows(); ++i) rows.push_back(i);
   if (equalities.clearly_independent(program)) return true;

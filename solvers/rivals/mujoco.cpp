@@ -86,6 +86,7 @@ void MujocoSession::fit(Index n, Index k) {
 }
 
 void MujocoSession::state(const UnitProgram& program, double stiffness, const Vector& start) {
+  const Preparation preparing;
   mjData& d = *data_;
   order_.clear();
   for (const bool equalities : {true, false}) {

@@ -39,6 +39,8 @@ Matrix unit_rows(Index n, Index m, bool redundant, unsigned seed = 1) {
   return Gt;
 }
 
+SparseQr::Rows rows_of(const Matrix& Gt) { return Gt.transpose().sparseView(); }
+
 std::vector<Index> all_of(Index m) {
   std::vector<Index> rows(static_cast<std::size_t>(m));
   std::iota(rows.begin(), rows.end(), Index{0});
@@ -50,7 +52,7 @@ TEST(SparseQr, FactorsAreThoseOfTheRows) {
   for (const bool redundant : {false, true}) {
     const Matrix Gt = unit_rows(n, m, redundant);
     SparseQr qr;
-    ASSERT_TRUE(qr.factorize(Gt, all_of(m), tolerance, Deadline()));
+    ASSERT_TRUE(qr.factorize(rows_of(Gt), all_of(m), tolerance, Deadline()));
     const auto rank = static_cast<Index>(qr.order().size());
     EXPECT_EQ(rank, redundant ? m - m / 10 : m);
     EXPECT_EQ(std::ssize(qr.rejected()), m - rank);
@@ -63,7 +65,7 @@ TEST(SparseQr, FactorsAreThoseOfTheRows) {
     qr.rotate_back(y);
     EXPECT_LE((y - x).norm(), 1e-13 * x.norm());
     Matrix A;
-    qr.reduce(Gt, all_of(m), A);
+    qr.reduce(rows_of(Gt), all_of(m), A);
     EXPECT_EQ(A.rows(), n - rank);
     EXPECT_LE(A.cwiseAbs().maxCoeff(), 1e-14);
 
@@ -90,12 +92,12 @@ TEST(SparseQr, RowsMayFillTheSpace) {
   const Matrix Gt = unit_rows(n, m, true);
   const Index rank = Eigen::ColPivHouseholderQR<Matrix>(Gt).rank();
   SparseQr qr;
-  ASSERT_TRUE(qr.factorize(Gt, all_of(m), tolerance, Deadline())) << qr.smallest_accepted();
+  ASSERT_TRUE(qr.factorize(rows_of(Gt), all_of(m), tolerance, Deadline())) << qr.smallest_accepted();
   EXPECT_EQ(std::ssize(qr.order()), rank);
   EXPECT_EQ(std::ssize(qr.rejected()), m - rank);
   EXPECT_LE(qr.largest_rejected(), 1e-13);
   Matrix A;
-  qr.reduce(Gt, all_of(3), A);
+  qr.reduce(rows_of(Gt), all_of(3), A);
   EXPECT_EQ(A.rows(), n - rank);
 }
 
@@ -109,18 +111,19 @@ TEST(SparseQr, RowsThatAreNotClearlyIndependentAreRefused) {
     Gt(at, 7) = apart;
     Gt.col(7).normalize();
     SparseQr qr;
-    EXPECT_EQ(qr.factorize(Gt, all_of(m), tolerance, Deadline()), apart > 1e-6) << apart;
+    EXPECT_EQ(qr.factorize(rows_of(Gt), all_of(m), tolerance, Deadline()), apart > 1e-6) << apart;
     EXPECT_EQ(qr.holds(), apart > 1e-6) << apart;
   }
 }
 
 TEST(SparseQr, WhatDoesNotPayIsRefused) {
   SparseQr qr;
-  EXPECT_FALSE(qr.factorize(unit_rows(60, 30, false), all_of(30), tolerance, Deadline()));
-  EXPECT_FALSE(qr.factorize(unit_rows(400, 8, false), all_of(8), tolerance, Deadline()));
+  EXPECT_FALSE(qr.factorize(rows_of(unit_rows(60, 30, false)), all_of(30), tolerance, Deadline()));
+  EXPECT_FALSE(qr.factorize(rows_of(unit_rows(400, 8, false)), all_of(8), tolerance, Deadline()));
   std::srand(1);
-  EXPECT_FALSE(qr.factorize(Matrix::Random(400, 200).colwise().normalized(), all_of(200), tolerance, Deadline()));
-  EXPECT_THROW(qr.factorize(unit_rows(400, 200, false), all_of(200), tolerance, Deadline(0)), Stopped);
+  EXPECT_FALSE(
+      qr.factorize(rows_of(Matrix::Random(400, 200).colwise().normalized()), all_of(200), tolerance, Deadline()));
+  EXPECT_THROW(qr.factorize(rows_of(unit_rows(400, 200, false)), all_of(200), tolerance, Deadline(0)), Stopped);
 }
 
 // One analysis for other numbers in the same places; another for other places; none in a copy.
@@ -131,7 +134,8 @@ TEST(SparseQr, OneObjectDoesAsANewOne) {
   SparseQr kept;
   for (const Matrix& Gt : {first, scaled, other, first}) {
     SparseQr fresh, copy(kept);
-    for (SparseQr* qr : {&kept, &fresh, &copy}) ASSERT_TRUE(qr->factorize(Gt, all_of(m), tolerance, Deadline()));
+    for (SparseQr* qr : {&kept, &fresh, &copy})
+      ASSERT_TRUE(qr->factorize(rows_of(Gt), all_of(m), tolerance, Deadline()));
     Vector a = Vector::LinSpaced(n, 0, 1), b = a, c = a;
     kept.rotate(a);
     fresh.rotate(b);
@@ -146,14 +150,15 @@ TEST(SparseQr, OneObjectDoesAsANewOne) {
 TEST(SparseQr, AllocatesNothingWhenItDoesTheSameAgain) {
   const Index n = 400, m = 200;
   const Matrix Gt = unit_rows(n, m, true), X = Gt.leftCols(7);
+  const SparseQr::Rows G = rows_of(Gt);
   const std::vector<Index> rows = all_of(m);
   SparseQr qr;
   Matrix A, W;
   Vector x = Vector::Ones(n), w;
   const auto all = [&] {
-    ASSERT_TRUE(qr.factorize(Gt, rows, tolerance, Deadline()));
+    ASSERT_TRUE(qr.factorize(G, rows, tolerance, Deadline()));
     qr.rotate(x);
-    qr.reduce(Gt, rows, A);
+    qr.reduce(G, rows, A);
     w.setOnes(std::ssize(qr.order()));
     qr.solve(w);
     qr.solve_transposed(w);

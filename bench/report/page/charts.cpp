@@ -40,11 +40,12 @@ json work_precision(const Run& run) {
   for (const DrawnRun& d : work_precision_points(run)) {
     const Result& r = *d.run;
     rows.push_back({d.level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(d.error),
-                    known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.iterations, 6), r.claimed, r.verified, d.of,
-                    r.replay});
+                    known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.prepare_s), known(d.iterations, 6),
+                    r.claimed, r.verified, d.of, r.replay});
   }
-  return chart("level family problem solver tolerance drawn error time q1 q3 iterations claimed verified of replay",
-               rows);
+  return chart(
+      "level family problem solver tolerance drawn error time q1 q3 prepare iterations claimed verified of replay",
+      rows);
 }
 
 // At most curve_steps steps, evenly chosen, the last one kept.

@@ -18,6 +18,7 @@
     theme: matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light',
     family: drawn_families.includes('hand') ? 'hand' : drawn_families[0] ?? '',
     problem: '',
+    time: 'whole',
     group: '',
     level: 1e-6,
     trace: distinct('convergence', 'problem').sort((a, b) => b.startsWith('hand(') - a.startsWith('hand('))[0] ?? '',
@@ -188,6 +189,8 @@
       const problems = [...new Set(runs.filter(row => row.level === 'run' && row.drawn === 'ok').map(row => row.problem))];
       return [['', `median over ${problems.length}`], ...problems.map(p => [p, p])];
     },
+    time: () => all_rows(data, 'work-precision').some(row => row.prepare > 0)
+      ? [['whole', 'of the whole solve'], ['own', 'without bringing the problem into the method\'s form']] : [['whole', '']],
     group: () => [['', 'all families'], ...data.families.map(f => [f, f])],
     level: () => data.levels.map(level => [level, scientific(level)]),
     trace: () => distinct('convergence', 'problem').map(p => [p, p]),

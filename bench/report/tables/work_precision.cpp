@@ -49,7 +49,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
     if (!undrawn(r)) cells[{r.family, r.solver, r.tolerance}].push_back(&r);
   for (const auto& [key, runs] : cells) {
     std::vector<const Result*> ok;
-    std::vector<double> error, time, q1, q3, iterations;
+    std::vector<double> error, time, q1, q3, prepare, iterations;
     for (const Result* r : runs) {
       if (drawn_as(*r) != "ok") continue;
       ok.push_back(r);
@@ -57,6 +57,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
       time.push_back(r->solve_s);
       q1.push_back(r->solve_s_q1);
       q3.push_back(r->solve_s_q3);
+      if (std::isfinite(r->prepare_s)) prepare.push_back(r->prepare_s);
       iterations.push_back(static_cast<double>(r->iterations));
     }
     if (2 * ok.size() <= runs.size()) lone.insert(ok.begin(), ok.end());
@@ -67,7 +68,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
     const std::string of = "median of " + std::to_string(ok.size()) + " solved of " + std::to_string(runs.size());
     const bool several = problems[typical.family].size() > 1;
     points.push_back({several ? "median" : "single", &typical, median(error), middle, median(q1), median(q3),
-                      median(iterations), several ? of : "one run"});
+                      median(prepare), median(iterations), several ? of : "one run"});
   }
 
   const bool all = run.results.size() <= single_runs;
@@ -75,7 +76,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
     const std::string drawn = drawn_as(r);
     if (undrawn(r) || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
-    points.push_back({lone.contains(&r) ? "lone" : "run", &r, r.error(), time, r.solve_s_q1, r.solve_s_q3,
+    points.push_back({lone.contains(&r) ? "lone" : "run", &r, r.error(), time, r.solve_s_q1, r.solve_s_q3, r.prepare_s,
                       static_cast<double>(r.iterations), "one run"});
   }
   return points;

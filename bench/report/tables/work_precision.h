@@ -16,7 +16,7 @@ struct DrawnRun {
   std::string level;  // "median" over the problems of a family; "single" where it has one; "run"; "lone": a right run
                       // without a median to stand behind
   const Result* run;  // of medians the run nearest to it, which stands for it in the tooltip
-  double error, time_s, q1_s, q3_s, iterations;
+  double error, time_s, q1_s, q3_s, prepare_s, iterations;
   std::string of;  // "median of 9 solved of 10"
 };
 std::vector<DrawnRun> work_precision_points(const Run& run);

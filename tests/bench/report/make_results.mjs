@@ -70,7 +70,7 @@ chosen_problems.forEach((p, at) => {
         ...about, seed: 1, problem_sha256: `synthetic-${at}`, problem_file: `problems/${String(at).padStart(4, '0')}.h5`, solver, foreign, tolerance, claimed, verified,
         z_error: undecided ? null : error, z_bound: error === null ? null : 30 * error, bound_method: 'active set', bound_sigma_min: 0.1,
         primal: error === null ? null : error / 3, dual: 0, stationarity: error === null ? null : error / 5, complementarity: 1e-17, gap: error === null ? null : error * error,
-        natural: error, scale: 9.8, farkas: null, setup_s: seconds && seconds / 3, solve_s: seconds, solve_s_q1: seconds && seconds * 0.95, solve_s_q3: seconds && seconds * 1.08, repetitions: 9,
+        natural: error, scale: 9.8, farkas: null, setup_s: seconds && seconds / 3, solve_s: seconds, solve_s_q1: seconds && seconds * 0.95, solve_s_q3: seconds && seconds * 1.08, prepare_s: seconds && seconds * (foreign ? 0.3 : 0.1), repetitions: 9,
         iterations: iterative ? Math.round(10 * growth ** (2 * rung)) : Math.round(p.m / 2), reference: undecided ? null : p.n <= 200 ? 'mpfr 100 digits' : 'known answer',
         reference_bound: 1e-30, worst_row: `${type} 3 of body 2`, worst_by_type: error === null ? [] : [{type, violation: 9.8 * error / 3, relative: error / 3, row: `${type} 3 of body 2`}],
         rank: p.m, smallest_pivot: 0.1, largest_rejected_pivot: 0, redundant: 0, conflicting: [], fallback: false, range_gap, message: '', batch: at, kernel_s: 5e-5, allocations: 0,

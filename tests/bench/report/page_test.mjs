@@ -57,6 +57,13 @@ async function browses_a_full_run() {
   const drawn = await page.evaluate(`zwang_page.views['work-precision'].data('rows')`);
   assert.equal(drawn.filter(row => row.solver === 'dual_active_set' && row.drawn === 'ok').length, 1);
   assert.ok(drawn.filter(row => row.solver === 'pgs' && row.drawn === 'ok').length > 2);
+  const time = `document.querySelector('select[data-state=time]')`;
+  const choose_time = value => page.evaluate(`(${time}.value = '${value}', ${time}.onchange(), ${settled})`);
+  await choose_time('own');
+  const share = row => row.time / drawn.find(of => of.solver === row.solver && of.problem === row.problem && of.drawn === row.drawn && of.part === row.part && of.tolerance === row.tolerance).time;
+  const own = (await page.evaluate(`zwang_page.views['work-precision'].data('rows')`)).filter(row => row.drawn === 'ok');
+  for (const row of own) assert.ok(Math.abs(share(row) - (row.solver.match(/ipopt|nlopt|bullet/) ? 0.7 : 0.9)) < 0.05, `${row.solver} without its preparation`);
+  await choose_time('whole');
   const labels = drawn.filter(row => row.part === 'label');
   assert.deepEqual(labels.map(row => row.solver).sort(), [...new Set(drawn.map(row => row.solver))].sort());
   assert.match(labels.find(row => row.solver === 'dual_active_set').text, /^dual_active_set, [\d.]+ [nµm]?s$/);
