@@ -9,16 +9,22 @@
 namespace zwang {
 
 // The first `own` steps of Cholesky's factorization of a dense symmetric matrix, in place: columns 0 .. own - 1 of the
-// lower triangle become L, the rest becomes the Schur complement. Column-major, `stride` a multiple of 8 at least
+// lower triangle become L, the rest becomes the Schur complement. Column-major, `stride` a multiple of `lanes` at least
 // `size`; the strict upper triangle and the padding are scratch. False on a pivot that is not positive, and past the
 // deadline.
 //
 // Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers, which is
-// what decides at the sizes met here (6 to 200). A right-looking update by panels read and wrote the whole front once a
-// panel.
+// what decides at the sizes met here (6 to 200). Tried: a right-looking update by panels, which reads and writes the whole
+// front once a panel; Eigen's LLT, triangular solve and rank update, which take longer in small fronts and allocate in
+// large ones.
 class DenseFront {
  public:
+  // As the machine's vectors: wider ones are split in two, and the sums then no longer fit into registers.
+#ifdef __AVX512F__
   static constexpr int lanes = 8;
+#else
+  static constexpr int lanes = 4;
+#endif
 
   static bool factorize(double* front, int size, int own, Index stride, const Deadline& deadline) {
     for (int j = 0; j < size;) {
