@@ -136,36 +136,6 @@ std::vector<std::string> names() {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, EverySolver, testing::ValuesIn(names()), [](const auto& i) { return i.param; });
 
-// Of the first steps, which the whole can only take more than: SLSQP takes minutes on 100 bricks.
-// Dantzig gives up there after a few pivots.
-TEST(Preparation, IsASmallShareOfWhatRivalsTake) {
-#ifndef NDEBUG
-  GTEST_SKIP() << "the libraries are optimized and this build is not";
-#endif
-  struct Case {
-    const char* solver;
-    int bricks, iterations;
-    double most = 0.05;
-  };
-  for (const Case& c :
-       {Case{"ipopt", 400, 8}, Case{"nlopt_slsqp", 50, 2}, Case{"nlopt_mma", 100, 2}, Case{"nlopt_ccsaq", 100, 2},
-        Case{"bullet_dantzig", 100, 1, 0.1}, Case{"bullet_pgs", 100, 1000}}) {
-    const Problem p = wall(c.bricks);
-    AnySolver solver = make_solver(c.solver);
-    Solution s;
-    double least = 1;
-    for (int i = 0; i < 3 && least > c.most; ++i) {
-      const Preparation::Watch watch;
-      const double start = thread_cpu_seconds();
-      solver.solve(p, {.max_iterations = c.iterations}, s);
-      least = std::min(least, watch.sum() / (thread_cpu_seconds() - start));
-    }
-    std::printf("%s on %d bricks: %.2f %% of the time is preparation\n", c.solver, c.bricks, 100 * least);
-    EXPECT_GT(least, 0) << c.solver;
-    EXPECT_LE(least, c.most) << c.solver;
-  }
-}
-
 // One within another counts once, nothing without a watch, and a watch starts at zero.
 TEST(Preparation, IsAddedUpWhileItIsWatched) {
   static double clock;
