@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <zwang/solvers/linalg/tolerances.h>
+
 namespace zwang {
 
 bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Solution& solution) {
@@ -17,8 +19,7 @@ bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Sol
   int exponent = 0;
   if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
   sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
-  constexpr double out_of_reach = -1e100;
-  h_ = (whitened_.h / sigma_).cwiseMax(out_of_reach);
+  h_ = (whitened_.h / sigma_).cwiseMax(-tolerances::horizon);
   free_ /= sigma_;
   return true;
 }
