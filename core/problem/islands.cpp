@@ -15,55 +15,33 @@ Index count_entries(const Sparse& A, const std::vector<Index>& outer) {
   return count;
 }
 
-// `part` becomes the chosen rows (columns) of the compressed matrix A, its inner indices renumbered. Entries that leave
-// the island are stored zeros; there are none where it is closed. An island of neighbouring unknowns, as assembly makes
-// them, needs no look-up, and where it is closed, neighbouring rows are copied as one.
+// `part` becomes the chosen rows (columns) of the compressed matrix A, its inner indices renumbered. Where the island's
+// unknowns are neighbours, as assembly makes them, neighbouring rows are copied as one.
 template <class Sparse>
 void extract(const Sparse& A, const std::vector<Index>& outer, const std::vector<Index>& inner,
-             const std::vector<Index>& local, const std::vector<Index>& island, bool closed, Index rows, Index cols,
-             Sparse& part) {
+             const std::vector<Index>& local, Index rows, Index cols, Sparse& part) {
   if (part.rows() != rows || part.cols() != cols) part.resize(rows, cols);  // Eigen's would allocate for no rows
   part.resizeNonZeros(count_entries(A, outer));
   int* start = part.outerIndexPtr();
   int* index = part.innerIndexPtr();
-  double* value = part.valuePtr();
   int at = 0;
-  const auto copy = [&](const auto& place_of) {
-    for (const Index k : outer) {
-      *start++ = at;
-      for (int e = A.outerIndexPtr()[k]; e < A.outerIndexPtr()[k + 1]; ++e) {
-        const Index place = place_of(A.innerIndexPtr()[e]);
-        if (place < 0) continue;
-        index[at] = static_cast<int>(place);
-        value[at++] = A.valuePtr()[e];
-      }
-    }
-  };
-  const auto count = static_cast<Index>(inner.size());
-  const Index first = count > 0 ? inner.front() : 0;
-  const bool neighbours = count == 0 || inner.back() - first + 1 == count;
-  const auto copy_runs = [&] {
-    for (std::size_t k = 0, run = 0; k < outer.size(); k = run) {
-      const int begin = A.outerIndexPtr()[outer[k]];
-      for (run = k; run < outer.size() && outer[run] == outer[k] + static_cast<Index>(run - k); ++run)
-        *start++ = at + A.outerIndexPtr()[outer[run]] - begin;
-      const int size = A.outerIndexPtr()[outer[run - 1] + 1] - begin;
-      for (int e = 0; e < size; ++e) index[at + e] = A.innerIndexPtr()[begin + e] - static_cast<int>(first);
-      std::copy_n(A.valuePtr() + begin, size, value + at);
-      at += size;
-    }
-  };
-  if (neighbours && closed)
-    copy_runs();
-  else if (neighbours)
-    copy([&](int k) { return k >= first && k < first + count ? k - first : -1; });
-  else
-    copy([&](int k) {
-      const auto s = static_cast<std::size_t>(k);
-      return island[s] == island[static_cast<std::size_t>(first)] ? local[s] : -1;
-    });
+  const Index first = inner.empty() ? 0 : inner.front();
+  const bool neighbours = inner.empty() || inner.back() - first + 1 == std::ssize(inner);
+  for (std::size_t k = 0, run = 0; k < outer.size(); k = run) {
+    const int begin = A.outerIndexPtr()[outer[k]];
+    for (run = k; run < outer.size() && outer[run] == outer[k] + static_cast<Index>(run - k); ++run)
+      *start++ = at + A.outerIndexPtr()[outer[run]] - begin;
+    const int size = A.outerIndexPtr()[outer[run - 1] + 1] - begin;
+    const int* const from = A.innerIndexPtr() + begin;
+    if (neighbours)
+      std::transform(from, from + size, index + at, [&](int i) { return i - static_cast<int>(first); });
+    else
+      std::transform(from, from + size, index + at,
+                     [&](int i) { return static_cast<int>(local[static_cast<std::size_t>(i)]); });
+    std::copy_n(A.valuePtr() + begin, size, part.valuePtr() + at);
+    at += size;
+  }
   *start = at;
-  part.resizeNonZeros(at);
 }
 
 // From best to worst; what stands further right wins when islands differ.
@@ -108,47 +86,11 @@ Island& Islands::next_island() {
 }
 
 void Islands::split(const Problem& problem, Index unit) {
-  find(problem, unit);
-  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
-}
-
-void Islands::find(const Problem& p, Index unit) {
-  require_matching_sizes(p);
+  require_matching_sizes(problem);
   unit_ = 0;
-  const Index n = p.size(), m = p.rows();
-  parent_.resize(static_cast<std::size_t>(n));
-  island_.resize(static_cast<std::size_t>(n));
-  local_.resize(static_cast<std::size_t>(n));
-  for (Index k = 0; k < n; ++k) parent_[static_cast<std::size_t>(k)] = k / unit * unit;
-
-  // Most entries stand under the root of their row already.
-  const auto couple_inner = [&](const auto& A, Index outer, Index home) {
-    for (typename std::decay_t<decltype(A)>::InnerIterator it(A, outer); it; ++it) {
-      if (it.value() == 0 || parent_[static_cast<std::size_t>(it.index())] == home) continue;
-      home = home < 0 ? root(it.index()) : couple(home, it.index());
-    }
-  };
-  for (Index k = 0; k < n; ++k) couple_inner(p.M, k, k);
-  for (Index i = 0; i < m; ++i) couple_inner(p.J, i, -1);
-
-  count_ = 0;
-  for (Index k = 0; k < n; ++k) {
-    const auto s = static_cast<std::size_t>(k), r = static_cast<std::size_t>(root(k));
-    if (r == s) {
-      island_[s] = static_cast<Index>(count_);
-      next_island();
-    }
-    island_[s] = island_[r];
-    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[s])].columns;
-    local_[s] = static_cast<Index>(columns.size());
-    columns.push_back(k);
-  }
-  if (n == 0) next_island();
-  for (Index i = 0; i < m; ++i) {
-    Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i);
-    while (it && it.value() == 0) ++it;
-    islands_[it ? static_cast<std::size_t>(island_[static_cast<std::size_t>(it.index())]) : 0].rows.push_back(i);
-  }
+  several_blocks(problem, unit);
+  list(problem, unit);
+  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], islands_[k].problem);
 }
 
 bool Islands::several(const Problem& p, Index unit) {
@@ -205,7 +147,7 @@ void Islands::list(const Problem& p, Index unit) {
   island_.resize(static_cast<std::size_t>(n));
   local_.resize(static_cast<std::size_t>(n));
   count_ = 0;
-  for (Index b = 0; b < n / unit; ++b) {
+  for (Index b = 0; b * unit < n; ++b) {
     const Index r = root(b);
     const auto home = static_cast<std::size_t>(b * unit);
     if (r == b) {
@@ -215,12 +157,13 @@ void Islands::list(const Problem& p, Index unit) {
       island_[home] = island_[static_cast<std::size_t>(r * unit)];
     }
     std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[home])].columns;
-    for (Index k = b * unit; k < (b + 1) * unit; ++k) {
+    for (Index k = b * unit; k < std::min(n, (b + 1) * unit); ++k) {
       island_[static_cast<std::size_t>(k)] = island_[home];
       local_[static_cast<std::size_t>(k)] = static_cast<Index>(columns.size());
       columns.push_back(k);
     }
   }
+  if (n == 0) next_island();
   for (Index i = 0; i < p.rows(); ++i) {
     const int e = p.J.outerIndexPtr()[i];
     const bool empty = e == p.J.outerIndexPtr()[i + 1];
@@ -229,23 +172,15 @@ void Islands::list(const Problem& p, Index unit) {
   }
 }
 
-void Islands::solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution) {
-  find(problem, 1);
-  if (count_ == 1) return solver.solve(problem, options, solution);
-  for (std::size_t k = 0; k < count_; ++k) fill(problem, islands_[k], false, islands_[k].problem);
-  solve_each([&](const Problem& p, const SolveOptions& o, Solution& part) { solver.solve(p, o, part); }, problem,
-             options, solution);
-}
-
-void Islands::fill(const Problem& p, const Island& island, bool closed, Problem& part) const {
+void Islands::fill(const Problem& p, const Island& island, Problem& part) const {
   const auto n = static_cast<Index>(island.columns.size()), m = static_cast<Index>(island.rows.size());
   part.name = p.name;
   part.z_u.resize(n);
   part.c.resize(m);
   part.kind.resize(island.rows.size());
   part.key.resize(island.rows.size());
-  extract(p.M, island.columns, island.columns, local_, island_, closed, n, n, part.M);
-  extract(p.J, island.rows, island.columns, local_, island_, closed, m, n, part.J);
+  extract(p.M, island.columns, island.columns, local_, n, n, part.M);
+  extract(p.J, island.rows, island.columns, local_, m, n, part.J);
   for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
   for (std::size_t i = 0; i < island.rows.size(); ++i) {
     const Index row = island.rows[i];

@@ -22,39 +22,23 @@ struct Island {
 };
 
 // Splits a problem into islands, solves them apart with any solver and joins the answers. Unknowns belong together when
-// a non-zero of M or J couples them (stored zeros do not); islands are ordered by their first unknown. A row without
-// non-zeros goes to the first island, so that no infeasible row is lost. The storage of islands of the same shape is
-// reused: splitting again allocates nothing.
+// an entry of M or J couples them, stored zeros among them; islands are ordered by their first unknown. A row without
+// entries goes to the first island, so that no infeasible row is lost. The storage of islands of the same shape is
+// reused: splitting again allocates nothing. M and J are compressed.
 class Islands {
  public:
   // Unknowns [unit k, unit k + unit) stay together: with unit = 6, bodies are never cut.
   void split(const Problem& problem, Index unit = 1);
   std::span<const Island> all() const { return {islands_.data(), count_}; }
 
-  // Splits and solves. The joined status is the worst of the islands'; an infeasible island makes the whole infeasible,
-  // its certificate padded with zeros being one of the whole. Iterations are added up, margins are the closest ones,
-  // messages name their island. The time limit is one for all, others hold per island; the observer is not called
-  // (iterates of problems solved apart are no iterates of the whole). A problem that is one island goes to the solver
-  // as it is.
-  void solve(AnySolver& solver, const Problem& problem, const SolveOptions& options, Solution& solution);
-  // The same over islands that were split before, with solve(problem, options, solution) for each.
+  // Solves a problem of several islands one by one with solve(problem, options, solution), each cut out just before it
+  // is solved, into the storage of the one before. The joined status is the worst of the islands'; an infeasible island
+  // makes the whole infeasible, its certificate padded with zeros being one of the whole. Iterations are added up,
+  // margins are the closest ones, messages name their island. The time limit is one for all, others hold per island. A
+  // problem that is one island, or has an observer (iterates of problems solved apart are no iterates of the whole), is
+  // solved as it is.
   template <class Solve>
-  void solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
-  // Solves a problem of several islands one by one, each cut out just before it is solved, into the storage of the one
-  // before. A problem of one island, or with an observer, is solved as a whole. Stored zeros couple here too.
-  template <class Solve>
-  void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution) {
-    const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
-                       !problem.J.isCompressed() || !several(problem, unit);
-    if (whole) return solve(problem, options, solution);
-    cut_.begin();
-    const auto cut = [&](const Island& island) -> const Problem& {
-      Problem& part = cut_.of(std::ssize(island.columns), std::ssize(island.rows));
-      fill(problem, island, true, part);
-      return part;
-    };
-    solve_parts(cut, solve, problem, options, solution);
-  }
+  void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
   Index root(Index unknown);
@@ -63,12 +47,9 @@ class Islands {
   bool several(const Problem& problem, Index unit);
   template <class Unit>
   bool several_blocks(const Problem& problem, Unit unit);
-  void find(const Problem& problem, Index unit);
   void list(const Problem& problem, Index unit);
-  template <class Part, class Solve>
-  void solve_parts(Part&& part, Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution);
   Island& next_island();
-  void fill(const Problem& problem, const Island& island, bool closed, Problem& part) const;
+  void fill(const Problem& problem, const Island& island, Problem& part) const;
   void join(const Island& island, const Solution& part, Index rows, Solution& whole) const;
 
   std::vector<Island> islands_;
@@ -82,26 +63,26 @@ class Islands {
 };
 
 template <class Solve>
-void Islands::solve_each(Solve&& solve, const Problem& problem, const SolveOptions& options, Solution& solution) {
-  const auto split = [](const Island& island) -> const Problem& { return island.problem; };
-  solve_parts(split, solve, problem, options, solution);
-}
-
-template <class Part, class Solve>
-void Islands::solve_parts(Part&& part, Solve&& solve, const Problem& problem, const SolveOptions& options,
+void Islands::solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options,
                           Solution& solution) {
+  const bool whole = options.observe || problem.size() % unit != 0 || !problem.M.isCompressed() ||
+                     !problem.J.isCompressed() || !several(problem, unit);
+  if (whole) return solve(problem, options, solution);
   solution.reset(problem.size(), problem.rows());
-  SolveOptions quiet = options;
-  quiet.observe = nullptr;
+  SolveOptions rest = options;
   solution.status = Status::solved;
   solution.margins.rank = 0;
   const Deadline deadline(options.time_limit);
+  cut_.begin();
   solved_.begin();
   for (std::size_t k = 0; k < count_; ++k) {
     const Island& island = islands_[k];
-    Solution& own = solved_.of(std::ssize(island.columns), std::ssize(island.rows));
-    quiet.time_limit = deadline.left();
-    solve(part(island), std::as_const(quiet), own);
+    const auto n = std::ssize(island.columns), m = std::ssize(island.rows);
+    Problem& part = cut_.of(n, m);
+    Solution& own = solved_.of(n, m);
+    fill(problem, island, part);
+    rest.time_limit = deadline.left();
+    solve(std::as_const(part), std::as_const(rest), own);
     join(island, own, problem.rows(), solution);
     if (own.message.empty()) continue;
     if (!solution.message.empty()) solution.message += "; ";
