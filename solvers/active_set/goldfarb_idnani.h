@@ -10,7 +10,7 @@
 #include <zwang/solvers/active_set/active_set_refinement.h>
 #include <zwang/solvers/common/dropped_rows.h>
 #include <zwang/solvers/common/equality_elimination.h>
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/common/warm_rows.h>
 #include <zwang/solvers/linalg/dense_storage.h>
 #include <zwang/solvers/linalg/orthogonal_updates.h>
 #include <zwang/solvers/linalg/tolerances.h>
@@ -93,13 +93,16 @@ class GoldfarbIdnani {
   bool restore_dual_feasibility();
   bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
   void list_active_rows();
-  UnitRest<Scalar> rest(const BasicProblem<Scalar>& problem, Index i) const;
+  UnitRest<Wide> rest(const BasicProblem<Scalar>& problem, Index i) const {
+    return rest_of(problem, whitened_, i, refinement_.z);
+  }
   bool solve_active_set(const BasicProblem<Scalar>& problem);
   void refine(const BasicProblem<Scalar>& problem);
   void observe(const BasicProblem<Scalar>& problem, const Observer& observer);
   void measure_margins();
 
   BasicWhitened<Scalar> whitened_;
+  WarmRows warm_rows_;
   EqualityElimination<Scalar> elimination_;
   OrthogonalUpdates<Scalar> updates_;
   ActiveSetRefinement<Scalar> refinement_;
@@ -221,17 +224,9 @@ void GoldfarbIdnani<Scalar>::reduce_inequalities() {
 // dropped again, so a bad guess costs time only.
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const WarmStart& warm) {
-  const std::size_t known = std::min(warm.key.size(), static_cast<std::size_t>(warm.lambda.size()));
-  std::vector<Index>& sorted = active_rows_;
-  sorted.clear();
-  for (std::size_t k = 0; k < known; ++k) sorted.push_back(static_cast<Index>(k));
-  std::sort(sorted.begin(), sorted.end(),
-            [&](Index a, Index b) { return warm.key[a] != warm.key[b] ? warm.key[a] < warm.key[b] : a < b; });
-  for (Index j = 0; j < A_.cols() && updates_.size() < A_.rows(); ++j) {
-    const RowKey& key = p.key[whitened_.row[inequalities_[j]]];
-    const auto at =
-        std::lower_bound(sorted.begin(), sorted.end(), key, [&](Index a, const RowKey& k) { return warm.key[a] < k; });
-    if (at == sorted.end() || warm.key[*at] != key || !(warm.lambda[*at] > 0)) continue;
+  for (const Index i : warm_rows_.find(p, whitened_, &warm)) {
+    if (updates_.size() == A_.rows()) break;
+    const Index j = std::ranges::lower_bound(inequalities_, i) - inequalities_.begin();
     if (!(updates_.split(A_.col(j)) > Scalar(tolerances::warm_share))) continue;
     updates_.append();
     active_.push_back(j);
@@ -438,11 +433,6 @@ void GoldfarbIdnani<Scalar>::refine(const BasicProblem<Scalar>& p) {
   u_.head(updates_.size()) = refinement_.mu.head(updates_.size());
 }
 
-template <class Scalar>
-UnitRest<Scalar> GoldfarbIdnani<Scalar>::rest(const BasicProblem<Scalar>& p, Index i) const {
-  return rest_of(p, whitened_, i, refinement_.z);
-}
-
 // A pivot of 1e-13 harms only where there is rounding to amplify: a four-bar linkage at rest or a wedge whose numbers
 // are exact ends with residuals of zero from terms of zero, and z is right to 1e-30.
 template <class Scalar>
@@ -481,7 +471,7 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
     return true;
   for (std::size_t j = 0; j < state_.size(); ++j) {
     if (state_[j] == active) continue;
-    const UnitRest<Scalar> own = rest(p, inequalities_[j]);
+    const UnitRest<Wide> own = rest(p, inequalities_[j]);
     if (violated(own.violation, inequalities_[j])) return true;
     const Scalar most = static_cast<Scalar>(Wide(own.violation + epsilon * own.terms));
     if (!(most > far * rank_tolerance())) continue;

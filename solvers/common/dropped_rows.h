@@ -82,7 +82,7 @@ template <class Scalar>
 bool DroppedRows<Scalar>::is_in_doubt(const Rows& rows, Index j, Index dropped, const VectorX<Wide>& z,
                                       const Scalar& far) const {
   using std::abs;
-  const UnitRest<Scalar> own = rest_of(rows.problem, rows.whitened, rows.equalities[dropped], z);
+  const UnitRest<Wide> own = rest_of(rows.problem, rows.whitened, rows.equalities[dropped], z);
   const Wide hidden = std::numeric_limits<Wide>::epsilon() * own.terms;
   if (rho_[j] > rounding(j)) return Scalar(abs(own.violation) + hidden) > far * rho_[j];
   return abs(own.violation) > Wide(tolerances::violation) * (hidden + mu_.col(j).cwiseAbs().dot(off_));
@@ -97,7 +97,7 @@ bool DroppedRows<Scalar>::in_doubt(const Rows& rows, const VectorX<Wide>& z, con
   if (all.empty()) return false;
   off_.resize(std::ssize(rows.accepted));
   for (Index k = 0; k < off_.size(); ++k) {
-    const UnitRest<Scalar> rest = rest_of(rows.problem, rows.whitened, rows.accepted[k], z);
+    const UnitRest<Wide> rest = rest_of(rows.problem, rows.whitened, rows.accepted[k], z);
     off_[k] = abs(rest.violation) + std::numeric_limits<Wide>::epsilon() * rest.terms;
   }
   for (std::size_t first = 0; first < all.size(); first += together) {

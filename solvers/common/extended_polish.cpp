@@ -13,19 +13,8 @@ void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i,
     v[it.col()] += Real(it.value()) * factor;
 }
 
-// From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
-template <class Real>
-Real ExtendedPolish<Real>::violation(const Problem& p, const Whitened& w, Index i) const {
-  using std::ldexp;
-  Real rest = p.c[w.row[at(i)]];
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    rest -= Real(it.value()) * z_[it.col()];
-  return ldexp(Real(rest / Real(w.row_norm[i])), -w.exponent);
-}
-
 template <class Real>
 void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
-  using std::ldexp, std::sqrt;
   const Index n = p.size(), k = w.rows();
   z_ = p.z_u.template cast<Real>();
   l_.setZero(k);
@@ -37,17 +26,8 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   r2_.resize(std::min(n, k));
   t_.resize(std::min(n, k));
   state_.assign(at(k), State::outside);
-  for (Index i = 0; i < k; ++i) {
-    Real sum = p.c[w.row[at(i)]];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-      sum -= Real(it.value()) * Real(p.z_u[it.col()]);
-    b_[i] = ldexp(Real(sum / Real(w.row_norm[i])), -w.exponent);
-  }
-  Real square = 0;
-  for (Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
-      square += Real(p.z_u[it.row()]) * it.value() * p.z_u[j];
-  z_u_length_ = static_cast<double>(ldexp(sqrt(std::max(square, Real(0))), -w.exponent));
+  for (Index i = 0; i < k; ++i) b_[i] = violation(p, w, i);
+  z_u_length_ = w.free.norm();
 }
 
 // What the residuals at (z_, l_) ask for: of y in r1_, of the multipliers in r2_. Returns its length: that of y, or of
@@ -263,16 +243,6 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& ac
     }
   }
   return false;
-}
-
-// What rounding can hide in a violation.
-template <class Real>
-double ExtendedPolish<Real>::hidden(const Problem& p, const Whitened& w, Index i) const {
-  using std::abs, std::ldexp;
-  Real terms = abs(Real(p.c[w.row[at(i)]]));
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    terms += abs(Real(it.value()) * z_[it.col()]);
-  return static_cast<double>(ldexp(Real(real_eps * terms / Real(w.row_norm[i])), -w.exponent));
 }
 
 template <class Real>

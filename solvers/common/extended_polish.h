@@ -6,7 +6,7 @@
 
 #include <zwang/core/referee/double_double.h>
 #include <zwang/solvers/common/active_rows.h>
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/common/wide_rows.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 template <>
@@ -73,8 +73,12 @@ class ExtendedPolish {
   Real give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
-  Real violation(const Problem& p, const Whitened& w, Index i) const;
-  double hidden(const Problem& p, const Whitened& w, Index i) const;
+  // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
+  Real violation(const Problem& p, const Whitened& w, Index i) const { return rest_of(p, w, i, z_).violation; }
+  // What rounding can hide in a violation.
+  double hidden(const Problem& p, const Whitened& w, Index i) const {
+    return real_eps * static_cast<double>(rest_of(p, w, i, z_).terms);
+  }
 
   RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
   RealVector z_, l_;    // n, k: the point and its unit multipliers

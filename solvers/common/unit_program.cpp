@@ -10,6 +10,11 @@ bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Sol
   const Preparation preparing;
   const Deadline deadline(options.time_limit);
   if (!begin(whitened_, problem, options, deadline, solution)) return false;
+  if (rows() == 0) {
+    solution.z = problem.z_u;
+    solution.status = Status::solved;
+    return false;
+  }
   free_ = whitened_.free;
 
   // Only what is violated at z_u sets the scale: a far-away inactive row must not.
@@ -46,23 +51,9 @@ double UnitProgram::scale(const Vector& y) const {
 
 double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
 
-// Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
-void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) const {
-  lambda.setZero(rows());
-  if (!warm || warm->key.empty()) return;
-  const std::size_t count = std::min(warm->key.size(), static_cast<std::size_t>(warm->lambda.size()));
-  std::size_t next = 0;
-  for (Index i = 0; i < rows(); ++i) {
-    const RowKey& key = problem.key[static_cast<std::size_t>(problem_row(i))];
-    for (std::size_t tried = 0; tried < count; ++tried) {
-      const std::size_t j = (next + tried) % count;
-      if (warm->key[j] != key) continue;
-      lambda[i] = whitened_.unit_multiplier(i, warm->lambda[static_cast<Index>(j)]) / sigma_;
-      next = j + 1;
-      break;
-    }
-  }
-  project(lambda);
+void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {
+  warm_rows_.multipliers(problem, whitened_, warm, lambda);
+  lambda /= sigma_;
 }
 
 void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/common/warm_rows.h>
 
 namespace zwang {
 
@@ -15,8 +15,8 @@ class UnitProgram {
  public:
   using Rows = Whitened::Rows;
 
-  // Resets the solution. False when the answer is already known, and then written: M not positive definite, or a zero
-  // row that cannot hold.
+  // Resets the solution. False when the answer is already known, and then written: M not positive definite, a zero
+  // row that cannot hold, or no rows at all.
   bool build(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   Index size() const { return whitened_.size(); }
@@ -36,7 +36,7 @@ class UnitProgram {
   double reach() const;  // max(|z_u|_M, worst |h|), likewise
 
   // Multipliers of an earlier frame on the unit rows, matched by key; zero where there is none.
-  void warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) const;
+  void warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda);
   // z and, unless it is empty, lambda of the problem.
   void write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const;
   // A vector over the unit rows as a Farkas vector over the problem's rows.
@@ -44,6 +44,7 @@ class UnitProgram {
 
  private:
   Whitened whitened_;
+  WarmRows warm_rows_;
   Vector h_;
   Vector free_;  // n: Q z_u / sigma
   mutable Vector scaled_y_, scaled_lambda_;

@@ -46,12 +46,9 @@ struct UnitRows : Whitened {
     return true;
   }
 
-  // Multipliers of the problem's rows from those of the unit rows, and back.
+  // A multiplier of the problem's row from that of the unit row.
   double multiplier(Index i, Real unit) const {
     return static_cast<double>(std::ldexp(unit / Real(row_norm[i]), exponent));
-  }
-  double unit_multiplier(Index i, double lambda) const {
-    return static_cast<double>(std::ldexp(Real(lambda) * Real(row_norm[i]), -exponent));
   }
 };
 

@@ -15,17 +15,16 @@ using Wider = std::conditional_t<std::is_same_v<Scalar, double>, long double, Sc
 // that rounding of the whitened ones could have made.
 
 // By how much z misses unit row i, c - J z, and the sum of the terms of that difference.
-template <class Scalar>
+template <class Wide>
 struct UnitRest {
-  Wider<Scalar> violation, terms;
+  Wide violation, terms;
 };
 
-template <class Scalar>
-UnitRest<Scalar> rest_of(const BasicProblem<Scalar>& p, const BasicWhitened<Scalar>& whitened, Index i,
-                         const VectorX<Wider<Scalar>>& z) {
+template <class Scalar, class Wide>
+UnitRest<Wide> rest_of(const BasicProblem<Scalar>& p, const BasicWhitened<Scalar>& whitened, Index i,
+                       const VectorX<Wide>& z) {
   using std::abs, std::ldexp;
-  using Wide = Wider<Scalar>;
-  const Index row = whitened.row[i];
+  const Index row = whitened.row[static_cast<std::size_t>(i)];
   Wide rest(p.c[row]), terms = abs(rest);
   for (typename Eigen::SparseMatrix<Scalar, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
     const Wide term = Wide(it.value()) * z[it.col()];

@@ -46,31 +46,14 @@ void Newton::prepare(const Problem& p, const SolveOptions& options, const Deadli
         mass_.push_back({row, column, e});
   }
   for (Vector* v : {&d_, &step_, &force_, &product_, &work_}) v->setZero(n);
-  for (Vector* v : {&l_, &slack_, &term_, &change_, &weight_}) v->setZero(k);
+  for (Vector* v : {&slack_, &term_, &change_, &weight_}) v->setZero(k);
   h_ = rows_.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
   search_.resize(at(factor_.parts()));
   far_d_.setZero(n);
   far_force_.setZero(n);
   far_l_.setZero(k);
   violation_.setZero(k);
-  if (options.warm_start) warm(p, *options.warm_start);
-}
-
-// Keys come in nearly the same order from frame to frame, so the search starts where the last one ended.
-void Newton::warm(const Problem& p, const WarmStart& from) {
-  const std::size_t count = std::min(from.key.size(), at(from.lambda.size()));
-  std::size_t next = 0;
-  for (Index i = 0; i < rows_.rows(); ++i) {
-    const RowKey& key = p.key[at(rows_.row[at(i)])];
-    for (std::size_t tried = 0; tried < count; ++tried) {
-      const std::size_t j = (next + tried) % count;
-      if (from.key[j] != key) continue;
-      const double unit = rows_.unit_multiplier(i, from.lambda[static_cast<Index>(j)]);
-      l_[i] = is_equality(i) ? unit : std::max(0.0, unit);
-      next = j + 1;
-      break;
-    }
-  }
+  warm_rows_.multipliers(p, rows_, options.warm_start, l_);
 }
 
 // z_u breaks no row, so it is the answer to the last bit. Multipliers of an earlier frame would only be worked off down

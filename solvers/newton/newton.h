@@ -6,6 +6,7 @@
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/common/unit_rows.h>
+#include <zwang/solvers/common/warm_rows.h>
 #include <zwang/solvers/first_order/stop.h>
 #include <zwang/solvers/linalg/block_cholesky.h>
 
@@ -61,7 +62,6 @@ struct Newton {
   };
 
   void prepare(const Problem& p, const SolveOptions& options, const Deadline& deadline);
-  void warm(const Problem& p, const WarmStart& warm);
   void multiply_mass(const Problem& p, const Vector& x, Vector& y) const;
   double mass_norm(const Problem& p, const Vector& x);
   bool factorize(const Problem& p, const Deadline& deadline);
@@ -90,6 +90,7 @@ struct Newton {
   void write(const Problem& p, Solution& solution) const;
 
   UnitRows rows_;
+  WarmRows warm_rows_;
   BlockCholesky factor_;
   std::vector<int> place_;  // of every entry of the rows: its column's position
   struct MassEntry {

@@ -53,16 +53,13 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   solution.iterations = 1;
   const Index k = program.rows();
   Vector lambda = Vector::Zero(k);
-  bool done = true;
-  if (k > 0) {
-    Matrix A = delassus(program, cfm);
-    Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, unlimited);
-    for (Index i = 0; i < k; ++i) low[i] = lower_limit(program, i);
-    std::vector<int> dependency(static_cast<std::size_t>(k), -1);
-    btDantzigScratchMemory scratch;
-    done = btSolveDantzigLCP(static_cast<int>(k), A.data(), lambda.data(), b.data(), w.data(), 0, low.data(),
-                             high.data(), dependency.data(), scratch);
-  }
+  Matrix A = delassus(program, cfm);
+  Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, unlimited);
+  for (Index i = 0; i < k; ++i) low[i] = lower_limit(program, i);
+  std::vector<int> dependency(static_cast<std::size_t>(k), -1);
+  btDantzigScratchMemory scratch;
+  const bool done = btSolveDantzigLCP(static_cast<int>(k), A.data(), lambda.data(), b.data(), w.data(), 0, low.data(),
+                                      high.data(), dependency.data(), scratch);
   write(program, problem, lambda, solution);
   const bool answered = done && solution.z.size() == problem.size();
   solution.status = answered ? Status::solved : Status::numerical_failure;
@@ -106,7 +103,7 @@ void BulletPgs::solve(const Problem& problem, const SolveOptions& options, Solut
   const int limit = std::min(max_sweeps, options.max_iterations), batch = options.observe ? 1 : 100;
   btSolveProjectedGaussSeidel solver;
   solver.m_leastSquaresResidualThreshold = options.tolerance * options.tolerance;
-  solution.status = k == 0 ? Status::solved : Status::iteration_limit;
+  solution.status = Status::iteration_limit;
   while (solution.status == Status::iteration_limit && solution.iterations < limit) {
     if (deadline.passed()) {
       solution.status = Status::time_limit;

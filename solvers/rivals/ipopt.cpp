@@ -79,11 +79,6 @@ void Ipopt::solve(const Problem& problem, const SolveOptions& options, Solution&
   const Deadline deadline(options.time_limit);
   auto& [program, equalities, opened] = work;
   if (!program.build(problem, options, solution)) return;
-  if (program.rows() == 0) {
-    solution.z = problem.z_u;
-    solution.status = Status::solved;
-    return;
-  }
   IpoptSession& session = opened.open();
   IpoptQuestion& question = session.question();
   if (!choose_rows(problem, program, equalities, question.rows, solution)) return;

@@ -160,11 +160,6 @@ void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, So
   constexpr double claimed_part = 0.01;  // of T, in the residual
   auto& [program, opened] = work;
   if (!program.build(problem, options, solution)) return;
-  if (program.rows() == 0) {
-    solution.z = problem.z_u;
-    solution.status = Status::solved;
-    return;
-  }
   MujocoSession& session = opened.open();
   session.fit(program.size(), program.rows());
   Vector y, lambda;
