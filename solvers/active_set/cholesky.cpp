@@ -38,15 +38,17 @@ bool Cholesky::Method::correct(ActiveRows& active) {
   return false;
 }
 
-void Cholesky::Method::drop(ActiveRows& active, Index position) {
-  set_aside_[at(active[position])] = 0;
-  l_[active[position]] = 0;
-  active.drop(position);
+void Cholesky::Method::drop(Index position) {
+  set_aside_[at((*active_)[position])] = 0;
+  l_[(*active_)[position]] = 0;
+  active_->drop(position);
 }
 
 // The equality rows, then `guess`: those of them that keep a positive multiplier make a point the method may start
 // from.
 void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline) {
+  active_ = &active;
+  stuck_ = false;
   active.reset(w_, deadline);
   set_aside_.assign(at(w_.rows()), 0);
   y_.setZero(w_.size());
@@ -60,13 +62,13 @@ void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, c
     if (!w_.equality[at(i)] && active.accepts(active.append(i))) set_aside_[at(i)] = 1;
 }
 
-Index Cholesky::Method::most_violated(const ActiveRows& active) const {
+Index Cholesky::Method::choose() const {
   const double length = y_.norm();
   Index row = -1;
   double worst = tolerances::gram_violation * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < w_.rows(); ++i) {
     if (set_aside_[at(i)]) continue;
-    const double relative = (w_.h[i] - active.dot(i, y_)) / (w_.magnitude[i] + length);
+    const double relative = (w_.h[i] - active_->dot(i, y_)) / (w_.magnitude[i] + length);
     if (relative > worst) {
       worst = relative;
       row = i;
@@ -75,87 +77,83 @@ Index Cholesky::Method::most_violated(const ActiveRows& active) const {
   return row;
 }
 
-Cholesky::Method::Step Cholesky::Method::descend(const Problem& p, ActiveRows& active, const SolveOptions& options,
-                                                 const Deadline& deadline, Solution& s) {
-  const auto keeps = [&](Index i) { return w_.equality[at(active[i])] || l_[active[i]] >= 0; };
+// Corrects the start, and drops what pulls, until nothing does.
+bool Cholesky::Method::settle() {
   for (bool dropped = true; dropped;) {
-    if (!correct(active)) return Step::stuck;
+    if (!correct(*active_)) return false;
     dropped = false;
-    for (Index i = active.size(); i-- > 0;)
-      if (!keeps(i)) {
-        drop(active, i);
+    for (Index i = active_->size(); i-- > 0;)
+      if (const Index row = (*active_)[i]; !w_.equality[at(row)] && !(l_[row] >= 0)) {
+        drop(i);
         dropped = true;
       }
   }
-  for (;;) {
-    const Index r = most_violated(active);
-    if (r < 0) return Step::optimal;
-    double entered = 0;
-    for (bool full = false; !full;) {
-      if (deadline.passed() || s.iterations >= options.max_iterations) {
-        s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
-        return Step::limit;
-      }
-      ++s.iterations;
-      auto rate = rate_.head(active.size());
-      direction_.setZero(w_.size());
-      w_.add(r, 1, direction_);
-      active.combine(direction_, rate);
-      const double share = active.size() < w_.size() ? direction_.norm() : 0;
-      if (active.undecided(share) || !active.healthy()) return Step::stuck;
+  return true;
+}
 
-      // How far until r holds, and until the first multiplier reaches zero.
-      const double whole = active.accepts(share) ? (w_.h[r] - active.dot(r, y_)) / (share * share) : infinity;
-      double partial = infinity;
-      Index leaving = -1;
-      for (Index i = 0; i < active.size(); ++i) {
-        if (w_.equality[at(active[i])] || rate[i] <= tolerances::falling) continue;
-        const double reach = std::max(l_[active[i]], 0.0) / rate[i];
-        if (reach < partial) {
-          partial = reach;
-          leaving = i;
-        }
-      }
-      const double step = std::min(whole, partial);
-      if (step == infinity) {  // no row can leave
-        proof_.setZero(w_.rows());
-        proof_[r] = 1;
-        for (Index i = 0; i < active.size(); ++i) proof_[active[i]] = -rate[i];
-        return Step::contradiction;
-      }
-      y_ += step * direction_;
-      for (Index i = 0; i < active.size(); ++i) l_[active[i]] -= step * rate[i];
-      entered += step;
-      full = whole <= partial;
-      if (!full) {
-        drop(active, leaving);
-        continue;
-      }
-      if (!active.accepts(active.append(r))) return Step::stuck;
-      set_aside_[at(r)] = 1;
-      l_[r] = entered;
-      if (!correct(active)) return Step::stuck;
-    }
-    if (options.observe) {
-      w_.primal(p, y_, s.z);
-      w_.multipliers(p, l_, s.lambda);
-      options.observe(s.iterations, s.z, s.lambda);
-    }
+double Cholesky::Method::split(Index p) {
+  direction_.setZero(w_.size());
+  w_.add(p, 1, direction_);
+  active_->combine(direction_, rate_.head(active_->size()));
+  const double share = active_->size() < w_.size() ? direction_.norm() : 0;
+  stuck_ = active_->undecided(share) || !active_->healthy();
+  return share;
+}
+
+Blocking<double> Cholesky::Method::blocking() const {
+  const ActiveRows& active = *active_;
+  Blocking<double> first{.row = -1, .step = infinity};
+  for (Index i = 0; i < active.size(); ++i) {
+    if (w_.equality[at(active[i])] || rate_[i] <= tolerances::falling) continue;
+    const double step = std::max(l_[active[i]], 0.0) / rate_[i];
+    if (step < first.step) first = {i, step};
   }
+  return first;
+}
+
+bool Cholesky::Method::contradicts(Index p, double) {
+  proof_.setZero(w_.rows());
+  proof_[p] = 1;
+  for (Index i = 0; i < active_->size(); ++i) proof_[(*active_)[i]] = -rate_[i];
+  return true;
+}
+
+void Cholesky::Method::move(double step, bool dependent) {
+  if (!dependent) y_ += step * direction_;
+  for (Index i = 0; i < active_->size(); ++i) l_[(*active_)[i]] -= step * rate_[i];
+}
+
+void Cholesky::Method::append(Index p, double multiplier, double) {
+  stuck_ = !active_->accepts(active_->append(p));
+  if (stuck_) return;
+  set_aside_[at(p)] = 1;
+  l_[p] = multiplier;
+  stuck_ = !correct(*active_);
 }
 
 // False: the factors were too coarse for this problem.
 bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<const Index> guess,
                                const SolveOptions& options, const Deadline& deadline, Solution& s) {
   start(active, guess, deadline);
-  const Step end = descend(p, active, options, deadline, s);
-  if (end == Step::limit || !polishes_) {
+  const auto write = [&] {
     w_.primal(p, y_, s.z);
     w_.multipliers(p, l_, s.lambda);
+  };
+  const auto entered = [&] {
+    if (!options.observe) return;
+    write();
+    options.observe(s.iterations, s.z, s.lambda);
+  };
+  const Status end =
+      settle() ? dual_climb(*this, s.iterations, options.max_iterations, deadline, entered) : Status::numerical_failure;
+  const bool limited = end == Status::time_limit || end == Status::iteration_limit;
+  if (limited || !polishes_) write();
+  if (limited) {
+    s.status = end;
+    return true;
   }
-  if (end == Step::limit) return true;
-  if (end == Step::stuck && &active == &sparse_) return false;
-  if (!polishes_ && end == Step::contradiction) {
+  if (end == Status::numerical_failure && &active == &sparse_) return false;
+  if (!polishes_ && end == Status::infeasible) {
     if (polish_.certify(p, w_, proof_, s)) return true;
     s.status = Status::numerical_failure;
     s.message = "a row contradicts the active ones, but not provably";

@@ -5,6 +5,7 @@
 
 #include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/active_set/cholesky_rows.h>
+#include <zwang/solvers/common/dual_climb.h>
 #include <zwang/solvers/common/polish.h>
 #include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/common/warm_rows.h>
@@ -53,16 +54,26 @@ struct Cholesky {
    public:
     void solve(const Problem& problem, const Cholesky& settings, const SolveOptions& options, Solution& solution);
 
+    // What dual_climb.h asks for. A row that no other can leave for is left to the polish, which proves it.
+    Index choose() const;
+    double split(Index p);
+    bool is_dependent(double share) const { return !active_->accepts(share); }
+    double violation(Index p) const { return w_.h[p] - active_->dot(p, y_); }
+    static constexpr bool is_satisfied(Index, double) { return false; }
+    Blocking<double> blocking() const;
+    bool contradicts(Index p, double share);
+    static constexpr void retire(Index) {}
+    void move(double step, bool dependent);
+    void drop(Index position);
+    void append(Index p, double multiplier, double share);
+    bool is_stuck() const { return stuck_; }
+
    private:
-    enum class Step { optimal, contradiction, limit, stuck };
     bool attempt(const Problem& problem, ActiveRows& active, std::span<const Index> guess, const SolveOptions& options,
                  const Deadline& deadline, Solution& solution);
     void start(ActiveRows& active, std::span<const Index> guess, const Deadline& deadline);
-    Step descend(const Problem& problem, ActiveRows& active, const SolveOptions& options, const Deadline& deadline,
-                 Solution& solution);
+    bool settle();
     bool correct(ActiveRows& active);
-    Index most_violated(const ActiveRows& active) const;
-    void drop(ActiveRows& active, Index position);
 
     DenseStorage storage_;
     Whitened w_;
@@ -73,8 +84,9 @@ struct Cholesky {
     Vector y_, l_, direction_, rate_, r2_;
     Vector proof_;  // of a contradiction, on unit rows
     double refactor_above_ = 0;
-    bool polishes_ = true;
-    std::vector<char> set_aside_;  // active, or an equality row that depends on the active ones
+    bool polishes_ = true, stuck_ = false;
+    ActiveRows* active_ = nullptr;  // of the attempt under way
+    std::vector<char> set_aside_;   // active, or an equality row that depends on the active ones
   };
 
   NullSpaceAdapter reduced_;

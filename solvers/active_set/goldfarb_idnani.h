@@ -9,6 +9,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/active_set/active_set_refinement.h>
 #include <zwang/solvers/common/dropped_rows.h>
+#include <zwang/solvers/common/dual_climb.h>
 #include <zwang/solvers/common/equality_elimination.h>
 #include <zwang/solvers/common/warm_rows.h>
 #include <zwang/solvers/linalg/dense_storage.h>
@@ -26,9 +27,8 @@ namespace zwang {
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b,   A = G_I N,  b = h_I - G_I y_E
 //
-// in n - rank unknowns. The method climbs the dual: (v, u) is always the optimum of the active rows with u >= 0, and
-// each step takes the most violated row in, dropping rows whose multiplier would turn negative. Everything is done by
-// orthogonal transformations of G; S = G G' is never formed, so digits are lost as eps / pivot, not eps / pivot^2.
+// in n - rank unknowns, which dual_climb.h solves. Everything is done by orthogonal transformations of G; S = G G' is
+// never formed, so digits are lost as eps / pivot, not eps / pivot^2.
 //
 // The answer is then computed afresh from the active set alone (active_set_refinement.h). It does not carry the path's
 // rounding, so a warm start gives the digits of a cold one, and it leaves in z an error of eps_wide / pivot instead of
@@ -69,6 +69,44 @@ class GoldfarbIdnani {
   const std::vector<Index>& accepted_equalities() const { return equality_rows_; }
   const std::vector<Index>& active_inequalities() const { return active_rows_; }
 
+  // What dual_climb.h asks for, on A v >= b.
+  Index choose() { return most_violated(); }
+  Scalar split(Index p) {
+    const Scalar length = updates_.split(A_.col(p));
+    auto r = r_.head(updates_.size());
+    r = updates_.components();
+    updates_.solve(r);
+    return length;
+  }
+  bool is_dependent(const Scalar& length) {
+    const bool dependent = !(length > rank_tolerance());
+    if (dependent) largest_rejected = std::max(largest_rejected, length);
+    return dependent;
+  }
+  Scalar violation(Index p) const { return std::max(Scalar(0), Scalar(b_[p] - A_.col(p).dot(v_))); }
+  bool is_satisfied(Index p, const Scalar& violation) const {
+    using std::abs;
+    Scalar size = magnitude_[p];
+    for (Index j = 0; j < updates_.size(); ++j) size += abs(r_[j]) * magnitude_[active_[j]];
+    return violation <= violation_tolerance() * size;
+  }
+  Blocking<Scalar> blocking() const;
+  bool contradicts(Index p, const Scalar& length) { return certify(*problem_, inequalities_[p], Scalar(1), length); }
+  void retire(Index p) { state_[p] = retired; }
+  void move(const Scalar& step, bool dependent) {
+    u_.head(updates_.size()) -= step * r_.head(updates_.size());
+    if (!dependent) v_ += step * updates_.remainder();
+  }
+  void drop(Index j);
+  void append(Index p, const Scalar& multiplier, const Scalar&) {
+    u_[updates_.size()] = multiplier;
+    updates_.append();
+    active_.push_back(p);
+    state_[p] = active;
+    std::replace(state_.begin(), state_.end(), char(retired), char(resting));
+  }
+  static constexpr bool is_stuck() { return false; }
+
  private:
   enum State : char { resting, active, retired };
 
@@ -84,11 +122,7 @@ class GoldfarbIdnani {
   bool eliminate_equalities(const BasicProblem<Scalar>& problem);
   void reduce_inequalities();
   void warm_start(const BasicProblem<Scalar>& problem, const WarmStart& warm);
-  Status climb(const BasicProblem<Scalar>& problem, const SolveOptions& options);
-  Status enter(Index p, const BasicProblem<Scalar>& problem, const SolveOptions& options);
   Index most_violated();
-  Index blocking(Scalar& step) const;
-  void drop(Index j);
   void refresh();
   bool restore_dual_feasibility();
   bool certify(const BasicProblem<Scalar>& problem, Index row, const Scalar& sign, const Scalar& length);
@@ -118,6 +152,7 @@ class GoldfarbIdnani {
   DroppedRows<Scalar> dropped_;
   Scalar y_E_norm_{0};
   Deadline deadline_;
+  const BasicProblem<Scalar>* problem_ = nullptr;  // while it is solved
   DenseStorage storage_;
 };
 
@@ -136,13 +171,16 @@ Status GoldfarbIdnani<Scalar>::solve(const BasicProblem<Scalar>& p, const SolveO
     zero_row_certificate(p, whitened_.conflict, certificate);
     return Status::infeasible;
   }
+  problem_ = &p;
   if (!eliminate_equalities(p)) return Status::infeasible;
   reduce_inequalities();
   if (options.warm_start) warm_start(p, *options.warm_start);
 
   constexpr int rounds = 8;
   for (int round = 0; round < rounds; ++round) {
-    const Status status = climb(p, options);
+    const Status status = dual_climb(*this, iterations, options.max_iterations, deadline_, [&] {
+      if (options.observe) observe(p, options.observe);
+    });
     if (status == Status::infeasible) return status;
     refine(p);
     if (status != Status::solved) return status;
@@ -236,13 +274,6 @@ void GoldfarbIdnani<Scalar>::warm_start(const BasicProblem<Scalar>& p, const War
   restore_dual_feasibility();
 }
 
-template <class Scalar>
-Status GoldfarbIdnani<Scalar>::climb(const BasicProblem<Scalar>& p, const SolveOptions& options) {
-  for (Index row = most_violated(); row >= 0; row = most_violated())
-    if (const Status status = enter(row, p, options); status != Status::unsolved) return status;
-  return Status::solved;
-}
-
 // The resting row that is violated most on unit rows, or -1.
 template <class Scalar>
 Index GoldfarbIdnani<Scalar>::most_violated() {
@@ -258,74 +289,19 @@ Index GoldfarbIdnani<Scalar>::most_violated() {
   return worst;
 }
 
-// The active row whose multiplier reaches zero first along u - t r, or -1. Ties go to the steepest.
+// Ties go to the steepest.
 template <class Scalar>
-Index GoldfarbIdnani<Scalar>::blocking(Scalar& step) const {
-  using std::abs;
+Blocking<Scalar> GoldfarbIdnani<Scalar>::blocking() const {
   const Index q = updates_.size();
   const Scalar noise =
       rank_tolerance() * (q > 0 ? std::max(Scalar(1), Scalar(r_.head(q).cwiseAbs().maxCoeff())) : Scalar(1));
-  Index first = -1;
+  Blocking<Scalar> first{.row = -1, .step = Scalar(0)};
   for (Index j = 0; j < q; ++j) {
     if (!(r_[j] > noise)) continue;
     const Scalar t = u_[j] / r_[j];
-    if (first >= 0 && !(t < step || (t == step && r_[j] > r_[first]))) continue;
-    step = t;
-    first = j;
+    if (first.row < 0 || t < first.step || (t == first.step && r_[j] > r_[first.row])) first = {j, t};
   }
   return first;
-}
-
-template <class Scalar>
-Status GoldfarbIdnani<Scalar>::enter(Index p, const BasicProblem<Scalar>& problem, const SolveOptions& options) {
-  using std::abs;
-  Scalar multiplier(0);
-  while (true) {
-    if (iterations >= options.max_iterations) return Status::iteration_limit;
-    if (deadline_.passed()) return Status::time_limit;
-    ++iterations;
-    const Index q = updates_.size();
-    const Scalar length = updates_.split(A_.col(p));
-    auto r = r_.head(q);
-    r = updates_.components();
-    updates_.solve(r);
-    const Scalar violation = std::max(Scalar(0), Scalar(b_[p] - A_.col(p).dot(v_)));
-    Scalar step(0);
-    const Index block = blocking(step);
-
-    // A combination of the active rows: contradicted by them, or satisfied to rounding, or one of them must leave.
-    const bool dependent = !(length > rank_tolerance());
-    if (dependent) {
-      largest_rejected = std::max(largest_rejected, length);
-      Scalar size = magnitude_[p];
-      for (Index j = 0; j < q; ++j) size += abs(r_[j]) * magnitude_[active_[j]];
-      const bool holds = violation <= violation_tolerance() * size;
-      if (!holds && block < 0 && certify(problem, inequalities_[p], Scalar(1), length)) return Status::infeasible;
-      if (holds || block < 0) {
-        state_[p] = retired;
-        return Status::unsolved;
-      }
-    }
-
-    const Scalar full = dependent ? Scalar(0) : Scalar(violation / (length * length));
-    const bool blocked = block >= 0 && (dependent || step < full);
-    if (!blocked) step = full;
-    u_.head(q) -= step * r;
-    multiplier += step;
-    if (!dependent) v_ += step * updates_.remainder();
-    if (blocked) {
-      drop(block);
-      continue;
-    }
-    updates_.append();
-    u_[q] = multiplier;
-    active_.push_back(p);
-    state_[p] = active;
-    for (char& state : state_)
-      if (state == retired) state = resting;
-    if (options.observe) observe(problem, options.observe);
-    return Status::unsolved;
-  }
 }
 
 template <class Scalar>
@@ -476,14 +452,11 @@ bool GoldfarbIdnani<Scalar>::leaves_in_doubt(const BasicProblem<Scalar>& p, cons
     const Scalar most = static_cast<Scalar>(Wide(own.violation + epsilon * own.terms));
     if (!(most > far * rank_tolerance())) continue;
     deadline_.keep();
-    const Scalar rho = updates_.split(A_.col(static_cast<Index>(j)));
+    const Scalar rho = split(static_cast<Index>(j));
     if (most <= far * rho) continue;
     if (own.violation > Wide(tolerances::wide_violation) * epsilon * own.terms) return true;
-    auto r = r_.head(updates_.size());
-    r = updates_.components();
-    updates_.solve(r);
-    Scalar step(0);
-    if (blocking(step) < 0 || rho * step > far) return true;
+    const Blocking<Scalar> block = blocking();
+    if (block.row < 0 || rho * block.step > far) return true;
   }
   return false;
 }

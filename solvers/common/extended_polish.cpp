@@ -201,29 +201,24 @@ bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRow
   return false;
 }
 
-// How far the multiplier of a row sign (G_A' mu_ + rest) can grow before that of an active row, `leaving`, is zero.
+// As a row sign (G_A' mu_ + rest) enters.
 template <class Real>
-Real ExtendedPolish<Real>::give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const {
-  Real shortest = std::numeric_limits<double>::infinity();
-  leaving = active.size();
+Blocking<Real> ExtendedPolish<Real>::blocking(const Whitened& w, const ActiveRows& active, Real sign) const {
+  Blocking<Real> first{.row = -1, .step = std::numeric_limits<double>::infinity()};
   for (Index i = 0; i < active.size(); ++i) {
     const Real rate = sign * mu_[i];
     if (w.equality[at(active[i])] || rate < tolerances::exchange_part) continue;
     const Real step = std::max(l_[active[i]], Real(0)) / rate;
-    if (step < shortest) {
-      shortest = step;
-      leaving = i;
-    }
+    if (step < first.step) first = {i, step};
   }
-  return shortest;
+  return first;
 }
 
 // The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
 template <class Real>
 bool ExtendedPolish<Real>::exchange(const Whitened& w, ActiveRows& active, Index row) {
-  Index leaving;
-  give_way(w, active, w.equality[at(row)] && b_[row] < 0 ? -1 : 1, leaving);
-  if (leaving == active.size()) return false;
+  const Index leaving = blocking(w, active, w.equality[at(row)] && b_[row] < 0 ? -1 : 1).row;
+  if (leaving < 0) return false;
   remove(active, leaving);
   if (!active.accepts(active.append(row))) return false;
   state_[at(row)] = State::inside;
@@ -286,7 +281,7 @@ Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRo
     if (violated && state_[at(i)] == State::outside) return i;
     if (combination && !violated) continue;
     double far = static_cast<double>(most) / rho;
-    if (Index leaving; !violated) far = std::min(far, rho * static_cast<double>(give_way(w, active, sign, leaving)));
+    if (!violated) far = std::min(far, rho * static_cast<double>(blocking(w, active, sign).step));
     error_ = std::max(error_, std::min(scale_, far));
   }
   return -1;

@@ -6,6 +6,7 @@
 
 #include <zwang/core/referee/double_double.h>
 #include <zwang/solvers/common/active_rows.h>
+#include <zwang/solvers/common/dual_climb.h>
 #include <zwang/solvers/common/wide_rows.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -70,7 +71,7 @@ class ExtendedPolish {
   double inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const;
   void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
   Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active);
-  Real give_way(const Whitened& w, const ActiveRows& active, Real sign, Index& leaving) const;
+  Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.

@@ -99,8 +99,8 @@ Index DenseDualActiveSet::most_violated() {
   return least < 0 ? std::find(key, key + padded_rows_, least) - key : -1;
 }
 
-// The active row whose multiplier reaches zero first along u - t r; ties go to the steepest.
-DenseDualActiveSet::Block DenseDualActiveSet::blocking() {
+// Ties go to the steepest.
+Blocking<double> DenseDualActiveSet::blocking() {
   const Index used = round_up(size());
   if (used == 0) return {};
   const double *const r = factor_.r().data(), *const u = u_.data();
@@ -112,7 +112,7 @@ DenseDualActiveSet::Block DenseDualActiveSet::blocking() {
     const double falling = r[j] > noise ? r[j] : 1.0, t = u[j] / falling;
     time[j] = r[j] > noise ? t : infinity;
   }
-  Block block{.row = -1, .step = least_of(time, used)};
+  Blocking<double> block{.row = -1, .step = least_of(time, used)};
   for (Index j = 0; block.step < infinity && j < size(); ++j)
     if (time[j] == block.step && (block.row < 0 || r[j] > r[block.row])) block.row = j;
   return block;
@@ -123,7 +123,7 @@ double DenseDualActiveSet::split(Index p) {
   return p < carried_ ? factor_.split_known(a, AQ_.data() + p, AQ_.rows()) : factor_.split(a);
 }
 
-void DenseDualActiveSet::append(Index p, double multiplier, double length) {
+void DenseDualActiveSet::enter(Index p, double multiplier, double length) {
   u_[size()] = multiplier;
   factor_.append();
   active_.push_back(p);
@@ -165,7 +165,7 @@ bool DenseDualActiveSet::restore_dual_feasibility() {
 void DenseDualActiveSet::start_from(std::span<const Index> rows) {
   for (const Index j : rows) {
     if (size() == freedom_) break;
-    if (const double length = split(j); length > tolerances::warm_share) append(j, 0, length);
+    if (const double length = split(j); length > tolerances::warm_share) enter(j, 0, length);
   }
   refresh();
   restore_dual_feasibility();
@@ -180,60 +180,50 @@ bool DenseDualActiveSet::accept(const Vector& v, const Vector& u) {
   return clean && most_violated() < 0;
 }
 
-DenseDualActiveSet::End DenseDualActiveSet::climb(int& iterations, int most_iterations, const Deadline& deadline) {
+Index DenseDualActiveSet::choose() {
+  const Index p = most_violated();
+  if (p >= 0) carry();
+  return p;
+}
+
+bool DenseDualActiveSet::is_dependent(double length) {
+  const bool dependent = !(length > rank_tolerance) || size() == freedom_;
+  if (dependent) largest_rejected = std::max(largest_rejected, length);
+  return dependent;
+}
+
+bool DenseDualActiveSet::is_satisfied(Index p, double violation) const {
+  double terms = magnitude_[p];
+  for (Index j = 0; j < size(); ++j)
+    terms += std::abs(factor_.r()[j]) * magnitude_[active_[static_cast<std::size_t>(j)]];
+  return violation <= violation_tolerance * terms;
+}
+
+void DenseDualActiveSet::retire(Index p) {
+  set(p, State::retired);
+  retired_.push_back(p);
+}
+
+void DenseDualActiveSet::move(double step, bool dependent) {
+  lanes::add(-step, factor_.r().data(), u_.data(), round_up(size()));
+  if (dependent) return;
+  lanes::add(step, factor_.remainder(), v_.data(), padded_);
+  for (Index j = 0; j < padded_rows_; j += width) at(along_.data(), j).setZero();
+  lanes::accumulate(At_, freedom_, factor_.remainder(), along_.data(), 0, padded_rows_);
+  lanes::add(step, along_.data(), slack_.data(), padded_rows_);
+}
+
+void DenseDualActiveSet::append(Index p, double multiplier, double length) {
+  const double reciprocal = 1 / length;
+  for (Index j = 0; j < padded_rows_; j += width) at(AQ_.col(size()).data(), j) = reciprocal * at(along_.data(), j);
+  enter(p, multiplier, length);
+  for (const Index j : retired_) set(j, State::resting);
+  retired_.clear();
+}
+
+Status DenseDualActiveSet::climb(int& iterations, int most_iterations, const Deadline& deadline) {
   scan();
-  for (Index p = most_violated(); p >= 0; p = most_violated()) {
-    carry();
-    double multiplier = 0;
-    for (bool entered = false; !entered;) {
-      if (iterations >= most_iterations) return End::iteration_limit;
-      if (deadline.passed()) return End::time_limit;
-      ++iterations;
-      const Index q = size();
-      const double length = split(p);
-      const double violation = std::max(0.0, -slack_[p]);
-      const Block block = blocking();
-
-      // A combination of the active rows: contradicted by them, or satisfied to rounding, or one of them must leave.
-      const bool dependent = !(length > rank_tolerance) || q == freedom_;
-      if (dependent) {
-        largest_rejected = std::max(largest_rejected, length);
-        double size_of_terms = magnitude_[p];
-        for (Index j = 0; j < q; ++j)
-          size_of_terms += std::abs(factor_.r()[j]) * magnitude_[active_[static_cast<std::size_t>(j)]];
-        const bool holds = violation <= violation_tolerance * size_of_terms;
-        if (!holds && block.row < 0) return End::contradiction;
-        if (holds) {
-          set(p, State::retired);
-          retired_.push_back(p);
-          break;
-        }
-      }
-
-      const double full = dependent ? 0 : violation / (length * length);
-      const bool blocked = block.row >= 0 && (dependent || block.step < full);
-      const double step = blocked ? block.step : full;
-      lanes::add(-step, factor_.r().data(), u_.data(), round_up(q));
-      multiplier += step;
-      if (!dependent) {
-        lanes::add(step, factor_.remainder(), v_.data(), padded_);
-        for (Index j = 0; j < padded_rows_; j += width) at(along_.data(), j).setZero();
-        lanes::accumulate(At_, freedom_, factor_.remainder(), along_.data(), 0, padded_rows_);
-        lanes::add(step, along_.data(), slack_.data(), padded_rows_);
-      }
-      if (blocked) {
-        drop(block.row);
-        continue;
-      }
-      const double reciprocal = 1 / length;
-      for (Index j = 0; j < padded_rows_; j += width) at(AQ_.col(q).data(), j) = reciprocal * at(along_.data(), j);
-      append(p, multiplier, length);
-      for (const Index j : retired_) set(j, State::resting);
-      retired_.clear();
-      entered = true;
-    }
-  }
-  return End::optimal;
+  return dual_climb(*this, iterations, most_iterations, deadline, [] {});
 }
 
 }  // namespace zwang

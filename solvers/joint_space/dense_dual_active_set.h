@@ -5,20 +5,21 @@
 #include <vector>
 
 #include <zwang/core/problem/solver.h>
-#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/common/dual_climb.h>
 #include <zwang/solvers/joint_space/inverse_factor.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
-// The climb of goldfarb_idnani.h on a small dense problem in double, laid out for the machine:
+// The climb of dual_climb.h on a small dense problem in double, laid out for the machine:
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b   (rows of A at most 1 long)
 //
-// The same decisions and tolerances, other storage: columns padded to eight lanes; an inverse for a factor
-// (inverse_factor.h); A also by rows, so that the scan over all slacks runs along lanes; A Q carried along, which is
-// what moves the slacks, and the first half of an entering row's split. This is for clear problems: the caller turns to
-// the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row contradicts others.
+// As goldfarb_idnani.h decides, by the same tolerances, in other storage: columns padded to eight lanes; an inverse for
+// a factor (inverse_factor.h); A also by rows, so that the scan over all slacks runs along lanes; A Q carried along,
+// which is what moves the slacks, and the first half of an entering row's split. This is for clear problems: the caller
+// turns to the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row contradicts
+// others.
 //
 // Rows may be admitted at any time, and take part from the next climb on: a caller that finds rows violated by the
 // optimum of those it has admitted goes on from there, and is exact at the end (reduced_active_set.cpp).
@@ -39,9 +40,8 @@ class DenseDualActiveSet {
   // start.
   void start_from(std::span<const Index> rows);
 
-  enum class End { optimal, contradiction, iteration_limit, time_limit };
   // Up to the optimum of the rows admitted, from the present active set.
-  End climb(int& iterations, int most_iterations, const Deadline& deadline);
+  Status climb(int& iterations, int most_iterations, const Deadline& deadline);
   // Where the refined v and multipliers of the same active set change a decision: false, and the next climb goes on.
   // As long as rows have been admitted that met no climb, v is not looked at, and multipliers alone decide.
   bool has_climbed() const { return scanned_ == rows_; }
@@ -58,34 +58,40 @@ class DenseDualActiveSet {
   const Vector& v() const { return v_; }                   // padded
   const Vector& u() const { return u_; }                   // first active().size()
   const InverseFactor& factor() const { return factor_; }  // of the active rows, for the refinement
-  // The length of row j outside the active ones; then how far its multiplier can grow until an active row gives way to
-  // it (infinity: none does).
+  // The length of row j outside the active ones; then how far its multiplier can grow until an active row leaves for it
+  // (infinity: none does).
   double share(Index j) { return factor_.split(A_.col(j).data()); }
-  double room() {
-    const Block block = blocking();
+  double longest_step() {
+    const Blocking<double> block = blocking();
     return block.row < 0 ? std::numeric_limits<double>::infinity() : block.step;
   }
   double smallest_accepted = 1, largest_rejected = 0;
 
+  // What dual_climb.h asks for.
+  Index choose();
+  double split(Index p);
+  bool is_dependent(double length);
+  double violation(Index p) const { return std::max(0.0, -slack_[p]); }
+  bool is_satisfied(Index p, double violation) const;
+  Blocking<double> blocking();
+  static constexpr bool contradicts(Index, double) { return true; }
+  void retire(Index p);
+  void move(double step, bool dependent);
+  void drop(Index j);
+  void append(Index p, double multiplier, double length);
+  static constexpr bool is_stuck() { return false; }
+
  private:
   enum class State : char { resting, active, retired };
-
-  struct Block {
-    Index row = -1;  // place in active(), or -1
-    double step = 0;
-  };
 
   Index size() const { return factor_.size(); }
   void set(Index j, State state);
   void scan();
   void carry();
-  void append(Index p, double multiplier, double length);
-  void drop(Index j);
+  void enter(Index p, double multiplier, double length);
   void refresh();
   bool restore_dual_feasibility();
   Index most_violated();
-  Block blocking();
-  double split(Index p);
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
   lanes::Columns A_, At_, AQ_;

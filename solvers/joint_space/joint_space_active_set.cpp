@@ -176,7 +176,7 @@ bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& de
 bool JointSpaceActiveSet::settle(const SolveOptions& options, const Deadline& deadline, int& iterations) {
   do {
     const bool all_active = climb_.rows() == static_cast<Index>(climb_.active().size());
-    if (!all_active && climb_.climb(iterations, options.max_iterations, deadline) != DenseDualActiveSet::End::optimal)
+    if (!all_active && climb_.climb(iterations, options.max_iterations, deadline) != Status::solved)
       return refuse("no clear optimum");
     if (!clearly_independent()) return refuse("nearly dependent active rows");
     locate();
@@ -281,7 +281,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[static_cast<std::size_t>(j)]), allowed = limit * far;
-    if (most <= allowed * share || share * climb_.room() <= allowed) continue;
+    if (most <= allowed * share || share * climb_.longest_step() <= allowed) continue;
     if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }
   return true;
