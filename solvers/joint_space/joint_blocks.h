@@ -8,8 +8,7 @@
 #include <zwang/solvers/joint_space/body_rows.h>
 #include <zwang/solvers/joint_space/lanes.h>
 
-// Blocks of six by six, of one joint or of eight at once. Include it where the compiler may contract a * b + c and
-// roots set no errno (solvers/CMakeLists.txt).
+// Blocks of six by six, of one joint or of eight at once.
 namespace zwang::joint_blocks {
 
 // What is written for one joint holds for eight.
@@ -63,7 +62,7 @@ Column<Scalar> zero() {
 // x -= a y.
 template <class Scalar>
 void subtract(const Scalar& a, const Column<Scalar>& y, Column<Scalar>& x) {
-  for (std::size_t i = 0; i < 6; ++i) x[i] -= a * y[i];
+  for (std::size_t i = 0; i < 6; ++i) x[i] = multiply_add(Scalar(-a), y[i], x[i]);
 }
 
 template <class Scalar>
@@ -84,7 +83,7 @@ struct Reflection {
     for (std::size_t i = 0; i < 6; ++i) {
       v[i] = column[i];
       if (i < k) set(v[i], 0);
-      square += v[i] * v[i];
+      square = multiply_add(v[i], v[i], square);
     }
     beta = with_sign_against(v[k], root(square));
     v[k] -= beta;
@@ -93,11 +92,11 @@ struct Reflection {
   void apply(Column<Scalar>& x) const {
     Scalar even = v[0] * x[0], odd = v[1] * x[1];
     for (std::size_t i = 2; i < 6; i += 2) {
-      even += v[i] * x[i];
-      odd += v[i + 1] * x[i + 1];
+      even = multiply_add(v[i], x[i], even);
+      odd = multiply_add(v[i + 1], x[i + 1], odd);
     }
     const Scalar sum = scale * (even + odd);
-    for (std::size_t i = 0; i < 6; ++i) x[i] += v[i] * sum;
+    for (std::size_t i = 0; i < 6; ++i) x[i] = multiply_add(v[i], sum, x[i]);
   }
 };
 

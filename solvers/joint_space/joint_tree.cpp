@@ -39,16 +39,16 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
     }
     for (std::size_t j = 0; j < 6; ++j) {
       Pack square = R[j][j] * R[j][j];
-      for (std::size_t i = 0; i < count; ++i) square += below[i][j] * below[i][j];
+      for (std::size_t i = 0; i < count; ++i) square = multiply_add(below[i][j], below[i][j], square);
       const Pack beta = with_sign_against(R[j][j], root(square));
       const Pack lead = R[j][j] - beta, scale = 1 / (beta * lead);
       R[j][j] = beta;
       for (std::size_t m = j + 1; m < 6; ++m) {
         Pack sum = lead * R[j][m];
-        for (std::size_t i = 0; i < count; ++i) sum += below[i][j] * below[i][m];
+        for (std::size_t i = 0; i < count; ++i) sum = multiply_add(below[i][j], below[i][m], sum);
         sum *= scale;
-        R[j][m] += lead * sum;
-        for (std::size_t i = 0; i < count; ++i) below[i][m] += below[i][j] * sum;
+        R[j][m] = multiply_add(lead, sum, R[j][m]);
+        for (std::size_t i = 0; i < count; ++i) below[i][m] = multiply_add(below[i][j], sum, below[i][m]);
       }
     }
   }
@@ -73,15 +73,15 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
     for (Index j = 0; j < 6; ++j) {
       Lanes& top = own[static_cast<std::size_t>(j)];
       Lanes even = Lanes::Zero(), odd = Lanes::Zero();
-      for (std::size_t i = 0; i < count; i += 2) even += below[i][j] * below[i];
-      for (std::size_t i = 1; i < count; i += 2) odd += below[i][j] * below[i];
+      for (std::size_t i = 0; i < count; i += 2) even = multiply_add(below[i][j], below[i], even);
+      for (std::size_t i = 1; i < count; i += 2) odd = multiply_add(below[i][j], below[i], odd);
       const Lanes products = even + odd;
       const double beta = with_sign_against(top[j], root(top[j] * top[j] + products[j]));
       const double lead = top[j] - beta;
-      const Lanes sum = (1 / (beta * lead)) * (lead * top + products);
-      top += lead * sum;
+      const Lanes sum = (1 / (beta * lead)) * multiply_add(lead, top, products);
+      top = multiply_add(lead, sum, top);
       top[j] = beta;
-      for (std::size_t i = 0; i < count; ++i) below[i] += Lanes(below[i][j] * sum);
+      for (std::size_t i = 0; i < count; ++i) below[i] = multiply_add(below[i][j], sum, below[i]);
     }
   }
   for (std::size_t i = 0; i < 6; ++i)
@@ -149,7 +149,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
   const auto multiply = [&](Column<Scalar>& x) {
     for (std::size_t i = 0; carries && i < 6; ++i) {
       x[i] *= R[i][i];
-      for (std::size_t k = i + 1; k < 6; ++k) x[i] += R[i][k] * x[k];
+      for (std::size_t k = i + 1; k < 6; ++k) x[i] = multiply_add(R[i][k], x[k], x[i]);
     }
   };
   std::array<Reflection<Scalar>, 6> turn;
@@ -254,7 +254,7 @@ void JointTree::expand(const Vector& v, Motion& y) const {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
     Lanes own = Lanes::Zero();
-    for (Index k = 0; k < joint.freedom; ++k) own += v[joint.column + k] * block.P.col(k);
+    for (Index k = 0; k < joint.freedom; ++k) own = multiply_add(v[joint.column + k], block.P.col(k), own);
     if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }
@@ -266,7 +266,7 @@ void JointTree::meet(const Vector& sigma, Motion& y) const {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
     Lanes own = Lanes::Zero();
-    for (Index k = 0; k < joint.count; ++k) own += sigma[joint.first + k] * block.C_inverse.col(k);
+    for (Index k = 0; k < joint.count; ++k) own = multiply_add(sigma[joint.first + k], block.C_inverse.col(k), own);
     if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
     y.col(joint.body) = own;
   }

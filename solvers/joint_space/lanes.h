@@ -3,17 +3,16 @@
 #include <cmath>
 #include <cstring>
 
-#include <zwang/core/problem/types.h>
+#include <zwang/solvers/linalg/multiply_add.h>
 
 // Products of small dense matrices whose columns are padded to whole vectors of eight doubles. The sums of four such
-// vectors (a hand's 26 unknowns) stay in registers and do not wait for each other. Include it where the compiler may
-// contract a * b + c and roots set no errno (solvers/CMakeLists.txt).
+// vectors (a hand's 26 unknowns) stay in registers, and none depends on another.
 namespace zwang::lanes {
 
 constexpr Index width = 8;
 using Lanes = Vec<double, width>;
 using Pack = Eigen::Array<double, width, 1>;  // the same number of eight bodies or joints, one a lane
-using Four = Vec<double, 4 * width>;
+constexpr Index four = 4 * width;
 using Columns = Matrix;
 
 inline Index round_up(Index size) { return (size + width - 1) / width * width; }
@@ -41,25 +40,25 @@ void in_parts(Index begin, Index end, Part&& part) {
 }
 
 inline double dot(const double* x, const double* y, Index padded) {
-  if (padded == Four::SizeAtCompileTime) return Eigen::Map<const Four>(x).dot(Eigen::Map<const Four>(y));
   Lanes sum = at(x, 0).cwiseProduct(at(y, 0));
-  for (Index k = width; k < padded; k += width) sum += at(x, k).cwiseProduct(at(y, k));
+  if (padded == four) {  // in two sums
+    Lanes other = at(x, width).cwiseProduct(at(y, width));
+    sum = multiply_add(at(x, 2 * width), at(y, 2 * width), sum);
+    other = multiply_add(at(x, 3 * width), at(y, 3 * width), other);
+    return (sum + other).sum();
+  }
+  for (Index k = width; k < padded; k += width) sum = multiply_add(at(x, k), at(y, k), sum);
   return sum.sum();
 }
 
 // y += scale x.
 inline void add(double scale, const double* x, double* y, Index padded) {
-  for (Index k = 0; k < padded; k += width) at(y, k) += scale * at(x, k);
+  for (Index k = 0; k < padded; k += width) at(y, k) = multiply_add(scale, at(x, k), at(y, k));
 }
 
 // y = A'x over `count` columns.
 inline void multiply_transposed(const Columns& A, Index count, const double* x, double* y, Index padded) {
-  if (padded == Four::SizeAtCompileTime) {
-    const Four own = Eigen::Map<const Four>(x);
-    for (Index j = 0; j < count; ++j) y[j] = own.dot(Eigen::Map<const Four>(A.col(j).data()));
-  } else {
-    for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
-  }
+  for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
 }
 
 // y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise.
@@ -69,7 +68,8 @@ void accumulate_part(const Columns& A, Index count, const double* x, double* y, 
   Eigen::Map<Part> target(y + k);
   Part sum = target;
   const double* column = A.data() + k;
-  for (Index j = 0; j < count; ++j, column += A.rows()) sum += sign * x[j] * Eigen::Map<const Part>(column);
+  for (Index j = 0; j < count; ++j, column += A.rows())
+    sum = multiply_add(sign * x[j], Eigen::Map<const Part>(column), sum);
   target = sum;
 }
 inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
@@ -88,8 +88,8 @@ void rotate_part(Columns& A, Index first, Index pairs, const double* c, const do
   Part left = Eigen::Map<const Part>(column);
   for (Index j = 0; j < pairs; ++j, column += A.rows()) {
     const Part right = Eigen::Map<const Part>(column + A.rows());
-    Eigen::Map<Part>{column} = c[j] * left - s[j] * right;
-    left = s[j] * left + c[j] * right;
+    Eigen::Map<Part>{column} = multiply_add(c[j], left, -s[j] * right);
+    left = multiply_add(s[j], left, c[j] * right);
   }
   Eigen::Map<Part>{column} = left;
 }

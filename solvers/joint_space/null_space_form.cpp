@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <zwang/solvers/linalg/multiply_add.h>
 #include <zwang/solvers/linalg/tolerances.h>
 namespace zwang {
 namespace {
@@ -115,7 +116,8 @@ void NullSpaceForm::reduce_row(Index i, double* padded_column) const {
     Vec<double, lanes> sum = Vec<double, lanes>::Zero();
     for (int side = 0; side < 2 && at[static_cast<std::size_t>(side)] >= 0; ++side) {
       const Index first = 6 * at[static_cast<std::size_t>(side)];
-      for (Index c = 0; c < 6; ++c) sum += rows_.part(i, side)[c] * Nt_.col(first + c).segment<lanes>(k);
+      for (Index c = 0; c < 6; ++c)
+        sum = multiply_add(rows_.part(i, side)[c], Nt_.col(first + c).segment<lanes>(k), sum);
     }
     Eigen::Map<Vec<double, lanes>>(padded_column + k) = sum;
   }

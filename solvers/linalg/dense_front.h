@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include <zwang/core/problem/deadline.h>
+#include <zwang/solvers/linalg/multiply_add.h>
 
 namespace zwang {
 
@@ -52,10 +52,7 @@ class DenseFront {
 
  private:
   static constexpr double long_tile = 1e5;  // products a column: far more than a look at the clock
-  using Pack = double __attribute__((vector_size(lanes * sizeof(double))));
-
-  static void load(Pack& p, const double* x) { std::memcpy(&p, x, sizeof p); }
-  static void store(double* x, const Pack& p) { std::memcpy(x, &p, sizeof p); }
+  using Pack = Vec<double, lanes>;
 
   // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the `behind` columns before.
   template <int width>
@@ -70,16 +67,16 @@ class DenseFront {
   static void tile(double* front, Index stride, int i, int j, int behind) {
     Pack sum[packs][width];
     for (int c = 0; c < width; ++c)
-      for (int r = 0; r < packs; ++r) load(sum[r][c], front + (j + c) * stride + i + r * lanes);
+      for (int r = 0; r < packs; ++r) sum[r][c] = Eigen::Map<const Pack>(front + (j + c) * stride + i + r * lanes);
     const double *left = front + i, *across = front + j;
     for (int p = 0; p < behind; ++p, left += stride, across += stride) {
       Pack l[packs];
-      for (int r = 0; r < packs; ++r) load(l[r], left + r * lanes);
+      for (int r = 0; r < packs; ++r) l[r] = Eigen::Map<const Pack>(left + r * lanes);
       for (int c = 0; c < width; ++c)
-        for (int r = 0; r < packs; ++r) sum[r][c] -= l[r] * across[c];
+        for (int r = 0; r < packs; ++r) sum[r][c] = multiply_add(-across[c], l[r], sum[r][c]);
     }
     for (int c = 0; c < width; ++c)
-      for (int r = 0; r < packs; ++r) store(front + (j + c) * stride + i + r * lanes, sum[r][c]);
+      for (int r = 0; r < packs; ++r) Eigen::Map<Pack>(front + (j + c) * stride + i + r * lanes) = sum[r][c];
   }
 
   // The tile's own triangle, and the rows below it.
