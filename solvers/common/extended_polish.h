@@ -4,14 +4,10 @@
 #include <type_traits>
 #include <vector>
 
-#include <zwang/core/referee/double_double.h>
 #include <zwang/solvers/common/active_rows.h>
 #include <zwang/solvers/common/dual_climb.h>
 #include <zwang/solvers/common/wide_rows.h>
 #include <zwang/solvers/linalg/tolerances.h>
-
-template <>
-struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::DoubleDouble> {};
 
 namespace zwang {
 
@@ -54,7 +50,7 @@ class ExtendedPolish {
   using RealVector = VectorX<Real>;
   enum State : char { outside, inside, ignored };
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-  static constexpr double real_eps = std::is_same_v<Real, long double> ? 0x1p-63 : 0x1p-102;
+  static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
   void prepare(const Problem& p, Whitened& w);
   void add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const;

@@ -15,7 +15,7 @@ bool in_range(const Whitened& w) {
 }  // namespace
 
 Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
-  const Outcome first = long_double_.run(p, w, active, tolerance, s);
+  const Outcome first = extended_.run(p, w, active, tolerance, s);
   if (first == Outcome::infeasible || s.status == Status::solved || w.rows() == 0 || !in_range(w)) return first;
   first_ = s;
   s.message.clear();

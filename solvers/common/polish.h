@@ -20,19 +20,19 @@ class Polish {
   // holds it. Changes active.
   bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
                Solution& solution) {
-    return long_double_.certify(problem, rows, active, support, solution);
+    return extended_.certify(problem, rows, active, support, solution);
   }
 
   // With polish=off: extended_polish.h.
   void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution) {
-    long_double_.judge(problem, rows, active, tolerance, solution);
+    extended_.judge(problem, rows, active, tolerance, solution);
   }
   bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution) {
-    return long_double_.certify(problem, rows, unit, solution);
+    return extended_.certify(problem, rows, unit, solution);
   }
 
  private:
-  ExtendedPolish<long double> long_double_;
+  ExtendedPolish<FactorReal> extended_;
   ExtendedPolish<DoubleDouble> double_double_;
   Solution first_;
 };

@@ -3,13 +3,18 @@
 #include <cmath>
 #include <type_traits>
 
+#include <zwang/core/referee/double_double.h>
 #include <zwang/solvers/common/whiten.h>
+
+template <>
+struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::DoubleDouble> {};
 
 namespace zwang {
 
-// double is refined with residuals in long double; wider scalars with their own.
+// Double is refined with residuals in x87's long double, and in double-double where long double is another format; wider
+// scalars with residuals of their own.
 template <class Scalar>
-using Wider = std::conditional_t<std::is_same_v<Scalar, double>, long double, Scalar>;
+using Wider = std::conditional_t<std::is_same_v<Scalar, double>, FactorReal, Scalar>;
 
 // Rows of the problem's own J and c in the wider scalar, in the units of whitened rows: what decisions are checked with
 // that rounding of the whitened ones could have made.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -53,6 +54,7 @@ struct Newton {
 
  private:
   using Real = long double;
+  static_assert(std::numeric_limits<Real>::digits >= 64, "the polish needs more digits than double has");
   using RealVector = VectorX<Real>;
   enum class End { settled, limit, infeasible, stuck };
 
