@@ -65,7 +65,7 @@ void Cholesky::Method::start(ActiveRows& active, std::span<const Index> guess, c
 Index Cholesky::Method::choose() const {
   const double length = y_.norm();
   Index row = -1;
-  double worst = tolerances::gram_violation * std::numeric_limits<double>::epsilon();
+  double worst = tolerances::violation * std::numeric_limits<double>::epsilon();
   for (Index i = 0; i < w_.rows(); ++i) {
     if (set_aside_[at(i)]) continue;
     const double relative = (w_.h[i] - active_->dot(i, y_)) / (w_.magnitude[i] + length);

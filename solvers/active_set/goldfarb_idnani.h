@@ -363,7 +363,8 @@ bool GoldfarbIdnani<Scalar>::certify(const BasicProblem<Scalar>& p, Index row, c
   for (Index j = 0; j < q; ++j) add(inequalities_[active_[j]], r_[j]);
   if (!(proof > violation_tolerance() * size)) return false;
 
-  // Any motion that met the rows would be at least proof / length long: 1e8 times the longest one here stands for none.
+  // Any motion that met the rows would be at least proof / length long: out_of_reach times the longest one here
+  // stands for none.
   // A rest that rounding of the rows does not explain is a direction in which they can be met, however far away.
   const Scalar reach = std::max(Scalar(1), whitened_.free.norm());
   Scalar weight(1);

@@ -8,7 +8,8 @@
 namespace zwang {
 
 // True when u, its negative inequality parts cut off, proves that no y meets the rows: any y would be at least
-// h'u / |G'u| long (docs/formulation.md), and 1e8 times the longest length of the problem stands for no y at all.
+// h'u / |G'u| long (docs/formulation.md), and tolerances::out_of_reach times the longest length of the problem stands
+// for no y at all.
 bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion);
 
 // Takes a proof found by iteration, with |G'u| near 1e-9 |u|, down to rounding: small parts are dropped, and the

@@ -21,7 +21,7 @@ struct UnitRows : Whitened {
     if (!Whitened::build(problem, deadline, options, false)) return false;
     const Preparation preparing;
     free_norm = free.norm();
-    magnitude = magnitude.cwiseMin(tolerances::horizon);  // times a multiplier of zero it should be zero
+    magnitude = magnitude.cwiseMin(tolerances::horizon);
     exact_h.resize(rows());
     const Real unit = std::ldexp(Real(1), -exponent);
     const auto most = static_cast<std::size_t>(problem.J.nonZeros());

@@ -11,8 +11,8 @@ struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::Do
 
 namespace zwang {
 
-// Double is refined with residuals in x87's long double, and in double-double where long double is another format; wider
-// scalars with residuals of their own.
+// Double is refined with residuals in x87's long double, and in double-double where long double is another format;
+// wider scalars with residuals of their own.
 template <class Scalar>
 using Wider = std::conditional_t<std::is_same_v<Scalar, double>, FactorReal, Scalar>;
 

@@ -2,6 +2,7 @@
 
 #include <zwang/solvers/first_order/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -49,7 +50,8 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
       program.motion(next, y_next);
       length = (next - ahead).norm();
       // Below rounding the bound says nothing.
-      const double growth = (y_next - y_ahead).norm(), rounding = 1e-14 * (y_next.norm() + y_ahead.norm());
+      const double growth = (y_next - y_ahead).norm(),
+                   rounding = tolerances::step_rounding * (y_next.norm() + y_ahead.norm());
       if (!(growth > std::sqrt(curvature) * length + rounding)) break;
       curvature *= 2;
     }

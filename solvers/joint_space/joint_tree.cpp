@@ -122,7 +122,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     q[k].take(x, k);
     C[k] = x;
     const double pivot = least(Scalar(abs(q[k].beta)));
-    if (!(pivot > tolerances::clear_joint_pivot))
+    if (!(pivot > tolerances::clear_pivot))
       return refuse("rows of one joint that are nearly dependent on its child");
     smallest_pivot_ = std::min(smallest_pivot_, pivot);
   }

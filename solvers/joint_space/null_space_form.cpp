@@ -73,7 +73,7 @@ bool NullSpaceForm::close_loops() {
   for (Index k = 0; k < r; ++k) {
     auto v = cut_.col(k).tail(f - k);
     const double norm = v.norm();
-    if (!(norm > tolerances::clear_joint_pivot)) return false;
+    if (!(norm > tolerances::clear_pivot)) return false;
     smallest_pivot_ = std::min(smallest_pivot_, norm);
     beta_[k] = v[0] > 0 ? -norm : norm;
     scale_[k] = 1 / (beta_[k] * (beta_[k] - v[0]));

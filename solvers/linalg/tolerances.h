@@ -18,8 +18,6 @@ inline constexpr int violation = 8;
 // A violation of a row outside the active set, in the wider scalar that answers are refined in: the answer carries the
 // errors of all active rows.
 inline constexpr int wide_violation = 32;
-// As `violation`, for a point that corrections in double keep up to date (cholesky).
-inline constexpr int gram_violation = 16;
 // With a hundred digits, instead of all of these: more digits than doubles can ask for. No row of theirs is meant to
 // differ by less, while masses of a condition of 1e10 take ten digits, and rows that nearly repeat each other 13 each.
 inline constexpr double hundred_digits = 1e-70;
@@ -36,10 +34,8 @@ inline constexpr int pivot_margin = 4;
 
 // Pivots and shares.
 
-// Fast paths leave problems with smaller pivots to careful ones.
+// Fast paths leave problems with smaller pivots to careful ones: of a joint's rows, of loops and of active rows alike.
 inline constexpr double clear_pivot = 1e-6;
-// The same for the six rows of one joint, whose pivots multiply along a chain of joints.
-inline constexpr double clear_joint_pivot = 1e-5;
 // A dropped row of which more is left was not dropped by rounding alone: exactly dependent ones leave up to 2.4e-15 on
 // 300 random hands.
 inline constexpr double clear_rest = 4e-15;
@@ -98,7 +94,8 @@ inline constexpr double orthogonalize_again = 0.5;
 inline constexpr double falling = 1e-13;
 // NNLS changes its unit of length where |y| has outgrown it by this factor.
 inline constexpr double outgrown = 8;
-// In units of the largest violation: rows farther away than this cannot matter, and must not overflow.
+// In units of the largest violation: rows farther away than this cannot matter, and must not overflow; nor may the
+// terms of a row, times a multiplier of zero.
 inline constexpr double horizon = 1e100;
 
 // Newton's method (solvers/newton/newton.h); lengths relative to the motion.
@@ -123,8 +120,17 @@ inline constexpr double newton_part = 1e-9;
 
 // The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the
 // longest there is (core/referee/certificate.cpp). The solvers ask for as much again, for the rounding between.
-inline constexpr double referee_reach = 1e8, out_of_reach = 2 * referee_reach;
+inline constexpr double out_of_reach = 2e8;
 // Of the sum of its terms: h'u of a proof that rounding could have made.
 inline constexpr double proof_rounding = 1e-14;
+
+// First-order methods and rivals.
+
+// Of |y| before and after a step: growth that rounding can make (apgd).
+inline constexpr double step_rounding = 1e-14;
+// The KKT residual that double leaves of a right answer: no tolerance asks a rival for less.
+inline constexpr double kkt_floor = 1e-13;
+// NLopt: what a row may be violated by (with nothing, SLSQP returns its start as success), and the least step.
+inline constexpr double nlopt_row = 1e-12, nlopt_step = 1e-14;
 
 }  // namespace zwang::tolerances

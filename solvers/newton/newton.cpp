@@ -226,7 +226,7 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
     const double move = mass_norm(p, step_);
     if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
     if (move <= close * scale_)
-      return gain >= tolerances::referee_reach * reach_ * move && certify(p, deadline, s) ? End::infeasible
+      return gain >= tolerances::out_of_reach * reach_ * move && certify(p, deadline, s) ? End::infeasible
                                                                                           : End::settled;
     if (move > tolerances::newton_slow * last_move) s_ = std::min(10 * s_, tolerances::newton_largest_penalty);
     last_move = move;

@@ -5,6 +5,7 @@
 
 #include <zwang/solvers/common/farkas.h>
 #include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/rivals/ipopt_session.h>
 
 namespace zwang {
@@ -56,7 +57,7 @@ bool certificate(const UnitProgram& program, const Vector& y, const Vector& lamb
 
 void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer& answer, double tolerance,
            Solution& solution) {
-  const double enough = std::max(tolerance, 1e-13);
+  const double enough = std::max(tolerance, tolerances::kkt_floor);
   const double residual = answer.claims_success ? kkt_check(program, answer.y, answer.lambda).worst() : 0;
   if (answer.claims_success && residual <= enough) {
     solution.status = Status::solved;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -186,7 +187,8 @@ void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, So
   std::ostringstream text;
   text << "MuJoCo: converged; its soft rows give way by " << residual << " of the motion";
   solution.message = text.str();
-  if (!(residual <= std::max(claimed_part * options.tolerance, 1e-13))) solution.status = Status::iteration_limit;
+  if (!(residual <= std::max(claimed_part * options.tolerance, tolerances::kkt_floor)))
+    solution.status = Status::iteration_limit;
 }
 
 }  // namespace zwang

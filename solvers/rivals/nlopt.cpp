@@ -6,12 +6,12 @@
 #include <memory>
 
 #include <zwang/solvers/common/farkas.h>
-#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
 
-constexpr double row_tolerance = 1e-12, unlimited = std::numeric_limits<double>::infinity();
+constexpr double row_tolerance = tolerances::nlopt_row, unlimited = std::numeric_limits<double>::infinity();
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -121,7 +121,7 @@ nlopt_result run(NloptMethod method, DenseProgram& program, const SolveOptions& 
   add(program.inequalities, nlopt_add_inequality_mconstraint);
 
   // Lengths are near 1, so a step below T is what T means; the floor keeps NLopt from waiting for less than rounding.
-  const double step = std::max(options.tolerance, 1e-14);
+  const double step = std::max(options.tolerance, tolerances::nlopt_step);
   nlopt_set_xtol_rel(optimizer, step);
   nlopt_set_xtol_abs1(optimizer, step);
   nlopt_set_maxeval(optimizer, evaluations);
