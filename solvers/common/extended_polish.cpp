@@ -142,14 +142,15 @@ double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& 
 }
 
 // Whether certificate_ proves that there is no z: h'u / |G'u| is beyond any motion of this problem, by the referee's
-// bound. |G'u| beyond row_rounding of sum |u_i| is not the rounding of the rows, but a way to meet them, however far
-// away. A wedge with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is
-// 2^46 times as long, and the referee's 1e8 alone would call it contradicting.
+// bound. |G'u| beyond row_rounding of sum |u_i| is no rounding of the rows: a long motion may then meet them. A wedge
+// with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46 times as
+// long, and the referee's bound alone would call it contradicting.
 template <class Real>
 bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution& s) {
   using std::abs;
   constexpr double row_rounding = tolerances::violation * std::numeric_limits<double>::epsilon();
   Real work = 0, noise = 0, weight = 0;
+  double reach = z_u_length_;
   force_.setZero();
   for (Index i = 0; i < w.rows(); ++i) {
     if (certificate_[w.row[at(i)]] == 0) continue;
@@ -157,18 +158,17 @@ bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution&
     work += u * b_[i];
     noise += abs(u) * Real(w.magnitude[i]);
     weight += abs(u);
+    reach = std::max(reach, std::abs(w.h[i]));
     add_row(p, w, i, u, force_);
   }
   r1_ = (force_ / noise).template cast<double>();
   w.factor.solve_lower(r1_);
-  const double reach = std::max({z_u_length_, w.h.template lpNorm<Eigen::Infinity>()});
-  const bool parallel = r1_.norm() <= row_rounding * static_cast<double>(weight / noise);
-  const double rest = r1_.norm() + real_eps * static_cast<double>(weight / noise);  // and what rounding in Real hides
-  if (!parallel || !(work > tolerances::violation * real_eps * noise) ||
-      static_cast<double>(work / noise) < tolerances::out_of_reach * reach * rest)
-    return false;
-  s.zero_certificate(p.rows()) = certificate_;
-  return true;
+  const double parts = static_cast<double>(weight / noise);
+  const double rest = r1_.norm() + real_eps * parts;  // and what rounding in Real hides
+  const bool proven = r1_.norm() <= row_rounding * parts && work > tolerances::violation * real_eps * noise &&
+                      static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest;
+  if (proven) s.zero_certificate(p.rows()) = certificate_;
+  return proven;
 }
 
 // The combination mu_ of a violated row as a proof, u = +-(e_row - mu). Joints that a weld repeats agree to the

@@ -227,7 +227,7 @@ Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& 
     if (last_move < infinity) rate_ = last_move > 0 ? move / last_move : 0;
     if (move <= close * scale_)
       return gain >= tolerances::out_of_reach * reach_ * move && certify(p, deadline, s) ? End::infeasible
-                                                                                          : End::settled;
+                                                                                         : End::settled;
     if (move > tolerances::newton_slow * last_move) s_ = std::min(10 * s_, tolerances::newton_largest_penalty);
     last_move = move;
   }
@@ -339,7 +339,7 @@ bool Newton::solve_alone(const Problem& p, const SolveOptions& options, const De
 
 // Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
 // vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction as in
-// the polish, and the vector is judged as the referee will see it: rounded to double.
+// the polish; extended_polish.h then judges the vector as the referee will see it.
 bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
   far_d_.setZero();
   for (Index i = 0; i < rows_.rows(); ++i)
@@ -357,33 +357,7 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) far_l_[i] -= Real(s_) * row_dot(i, step_);
   }
-  Real work = 0, noise = 0, weight = 0;
-  double reach = reach_;
-  whole_.setZero(p.size());
-  certificate_.setZero(p.rows());
-  for (Index i = 0; i < rows_.rows(); ++i) {
-    if (!is_equality(i) && far_l_[i] < 0) far_l_[i] = 0;
-    double& u = certificate_[rows_.row[at(i)]];
-    u = static_cast<double>(far_l_[i] / Real(rows_.row_norm[i]));
-    far_l_[i] = Real(u) * Real(rows_.row_norm[i]);
-    work += far_l_[i] * rows_.exact_h[i];
-    noise += std::abs(far_l_[i]) * Real(rows_.magnitude[i]);
-    weight += std::abs(far_l_[i]);
-    if (u != 0) reach = std::max(reach, std::abs(h_[i]));
-  }
-  extended_force(p);
-  for (int j = 0; j < factor_.size(); ++j) whole_[factor_.column(j)] = static_cast<double>(far_force_[j] / noise);
-  if (p.size() > 0) rows_.factor.solve_lower(whole_);
-  // More than the rows' own rounding is a way to meet them, however far away: solvers/common/polish.cpp.
-  const double rounding =
-      tolerances::violation * std::numeric_limits<double>::epsilon() * static_cast<double>(weight / noise);
-  if (whole_.norm() <= rounding && work > tolerances::violation * real_eps * noise &&
-      static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * whole_.norm()) {
-    s.zero_certificate(p.rows()) = certificate_;
-    s.status = Status::infeasible;
-    return true;
-  }
-  return false;
+  return proof_.certify(p, rows_, far_l_.cast<double>(), s);
 }
 
 void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/common/extended_polish.h>
 #include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/common/unit_rows.h>
 #include <zwang/solvers/common/warm_rows.h>
@@ -104,10 +105,10 @@ struct Newton {
   Vector l_, h_, slack_, term_, change_, weight_;     // rows; slack_ = h - G d, term_ = l + s slack
   std::vector<Search> search_;
   RealVector far_d_, far_l_, far_force_, violation_;
-  Vector whole_, certificate_;  // n, m
   double s_ = 0, scale_ = 0, reach_ = 0;
   double rate_ = 1;  // by which an exact step of l shrinks the error, as last seen
 
+  ExtendedPolish<FactorReal> proof_;
   DualActiveSet exact_;
 };
 static_assert(Solver<Newton>);
