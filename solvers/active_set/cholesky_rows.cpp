@@ -46,21 +46,9 @@ bool CholeskyRows::factor_row(Index row) {
 }
 
 double CholeskyRows::share(Index row) {
-  deadline_->keep();
-  auto t = part_.head(size());
-  x_.setZero();
   rest_.setZero();
   add(row, 1, rest_);
-  // Three passes: the first is right to cond(S_A) eps, each more gains as many digits.
-  for (int pass = 0; pass < 3 && size() > 0; ++pass) {
-    x_.setZero();
-    for (const Index i : rows_) x_[i] = dot(i, rest_);
-    factor_.solve(x_);
-    for (Index i = 0; i < size(); ++i) {
-      t[i] = x_[(*this)[i]];
-      add((*this)[i], -t[i], rest_);
-    }
-  }
+  project(rest_, part_.head(size()), 3);
   return rest_.norm();
 }
 
@@ -83,10 +71,11 @@ void CholeskyRows::drop(Index position) {
   if (!factor_.remove(row) || (size() > 0 && factor_.rcond() < tolerances::gram_rcond)) refactor();
 }
 
-void CholeskyRows::combine(Vector& v, Part t) {
+// The first pass is right to cond(S_A) eps, each more gains as many digits.
+void CholeskyRows::project(Vector& v, Part t, int passes) {
   deadline_->keep();
   t.setZero();
-  for (int pass = 0; pass < 2 && size() > 0; ++pass) {
+  for (int pass = 0; pass < passes && size() > 0; ++pass) {
     x_.setZero();
     for (const Index i : rows_) x_[i] = dot(i, v);
     factor_.solve(x_);

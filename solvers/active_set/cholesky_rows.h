@@ -23,11 +23,12 @@ class CholeskyRows : public ActiveRows {
   double share(Index row) override;
   void drop(Index position) override;
   double smallest_pivot() const override { return size() ? std::sqrt(factor_.smallest_pivot()) : 1; }
-  void combine(Vector& v, Part t) override;
+  void combine(Vector& v, Part t) override { project(v, t, 2); }
   void correct(Vector& r1, Part r2) override;
 
  private:
   bool factor_row(Index row);
+  void project(Vector& v, Part t, int passes);
 
   UpdatedCholesky factor_;
   std::vector<char> inside_;

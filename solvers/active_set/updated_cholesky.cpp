@@ -1,6 +1,6 @@
 #include <zwang/solvers/active_set/updated_cholesky.h>
 
-#include <cholmod.h>
+#include <Eigen/CholmodSupport>
 
 #include <algorithm>
 #include <cmath>
@@ -60,19 +60,11 @@ bool UpdatedCholesky::reset(Index size) {
 
 bool UpdatedCholesky::add(Index at, std::span<const int> index, std::span<const double> value) {
   int first[2] = {0, static_cast<int>(index.size())};
-  cholmod_sparse column = {};
-  column.nrow = c_->L->n;
-  column.ncol = 1;
-  column.nzmax = index.size();
-  column.p = first;
-  column.i = const_cast<int*>(index.data());
-  column.x = const_cast<double*>(value.data());
-  column.itype = CHOLMOD_INT;
-  column.xtype = CHOLMOD_REAL;
-  column.dtype = CHOLMOD_DOUBLE;
-  column.sorted = 1;
-  column.packed = 1;
-  return cholmod_rowadd(static_cast<std::size_t>(at), &column, c_->L, &c_->common) && c_->ok() && smallest_pivot() > 0;
+  Eigen::Map<Eigen::SparseMatrix<double>> column(static_cast<Index>(c_->L->n), 1, first[1], first,
+                                                 const_cast<int*>(index.data()), const_cast<double*>(value.data()));
+  cholmod_sparse view = Eigen::viewAsCholmod(Eigen::Ref<Eigen::SparseMatrix<double>>(column));
+  view.stype = 0;
+  return cholmod_rowadd(static_cast<std::size_t>(at), &view, c_->L, &c_->common) && c_->ok() && smallest_pivot() > 0;
 }
 
 bool UpdatedCholesky::remove(Index at) {

@@ -18,33 +18,16 @@ int column_end(const BlockCholesky::SparseMatrix& M, Index j) {
 
 }  // namespace
 
-bool BlockCholesky::same_pattern(const SparseMatrix& M, const SparseRows& rows) const {
-  if (M_begin_.size() != at(M.cols()) + 1 || row_begin_ != rows.begin || row_column_ != rows.column) return false;
-  for (Index j = 0; j < M.cols(); ++j) {
-    const int begin = M.outerIndexPtr()[j], end = column_end(M, j);
-    const int mine = M_begin_[at(j)], length = M_begin_[at(j) + 1] - mine;
-    if (mine != begin || length != end - begin) return false;
-    if (!std::equal(M.innerIndexPtr() + begin, M.innerIndexPtr() + end, M_index_.begin() + mine)) return false;
-  }
-  return true;
-}
-
 void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                             const Deadline& deadline) {
   valid_ = false;
-  if (same_pattern(M, rows)) return;
+  if (M_places_.matches(M) && row_begin_ == rows.begin && row_column_ == rows.column) return;
   row_begin_.clear();  // no pattern is known until all of it is
   group_columns(M, rows);
   build_fronts(M, rows, options, deadline);
   row_begin_ = rows.begin;
   row_column_ = rows.column;
-  // A matrix with gaps between its columns is analyzed at every call.
-  M_begin_.assign(1, 0);
-  M_index_.clear();
-  for (Index j = 0; j < M.cols(); ++j) {
-    M_index_.insert(M_index_.end(), M.innerIndexPtr() + M.outerIndexPtr()[j], M.innerIndexPtr() + column_end(M, j));
-    M_begin_.push_back(static_cast<int>(M_index_.size()));
-  }
+  M_places_.keep(M);
 }
 
 // group_of_, with loose columns at -1; groups are numbered without gaps.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
+#include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/linalg/dense_storage.h>
 
 namespace zwang {
@@ -64,7 +65,6 @@ class BlockCholesky {
   };
 
   static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-  bool same_pattern(const SparseMatrix& M, const SparseRows& rows) const;
   void group_columns(const SparseMatrix& M, const SparseRows& rows);
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);
@@ -72,7 +72,7 @@ class BlockCholesky {
                  const Deadline& deadline);
 
   DenseStorage storage_;
-  std::vector<int> M_begin_, M_index_;  // patterns at the last analyze()
+  SparsityPattern M_places_;  // patterns at the last analyze()
   std::vector<int> row_begin_, row_column_;
 
   std::vector<int> column_, position_, group_of_;  // group_of_: column of M -> group, -1: loose

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <zwang/core/problem/types.h>
+#include <zwang/core/problem/sparsity_pattern.h>
 
 namespace zwang {
 
@@ -23,7 +23,7 @@ class SparseCholesky {
 
   // Both triangles of M are stored; the upper one is read. False when M is not positive definite.
   bool factorize(const SparseMatrix& M) {
-    if (!same_pattern(M)) analyze(M);
+    if (!places_.matches(M)) analyze(M);
     return compute(M.valuePtr());
   }
 
@@ -84,18 +84,6 @@ class SparseCholesky {
     return M.isCompressed() ? M.outerIndexPtr()[j + 1] : M.outerIndexPtr()[j] + M.innerNonZeroPtr()[j];
   }
 
-  bool same_pattern(const SparseMatrix& M) const {
-    if (M.cols() != size() || size() == 0) return false;
-    int k = 0;
-    for (Index j = 0; j < M.cols(); ++j) {
-      if (column_begin_[j] != M.outerIndexPtr()[j]) return false;
-      for (int p = M.outerIndexPtr()[j]; p < column_end(M, j); ++p, ++k)
-        if (k >= pattern_end_.back() || pattern_[k] != M.innerIndexPtr()[p]) return false;
-      if (k != pattern_end_[j]) return false;
-    }
-    return true;
-  }
-
   void analyze(const SparseMatrix& M);
   bool compute(const Scalar* entry);
 
@@ -116,7 +104,7 @@ class SparseCholesky {
     return top;
   }
 
-  std::vector<int> column_begin_, pattern_, pattern_end_;    // M's pattern at the last analyze()
+  SparsityPattern places_;                                   // M's at the last analyze()
   std::vector<int> position_;                                // P: M's row -> row of L
   std::vector<int> parent_;                                  // elimination tree, -1 at a root
   std::vector<int> upper_first_, upper_index_, upper_from_;  // upper triangle of P M P', and where it stands in M
@@ -138,9 +126,6 @@ void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
   for (int i = 0; i < n; ++i) position_[order.indices()[i]] = i;
 
   // The upper triangle of P M P', counted, then filled.
-  column_begin_.assign(M.outerIndexPtr(), M.outerIndexPtr() + n);
-  pattern_.clear();
-  pattern_end_.clear();
   upper_first_.assign(size + 1, 0);
   const auto each_upper = [&](auto&& visit) {
     for (int j = 0; j < n; ++j)
@@ -151,11 +136,7 @@ void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
       }
   };
   each_upper([&](int, int c, int) { ++upper_first_[c + 1]; });
-  for (int j = 0; j < n; ++j) {
-    upper_first_[j + 1] += upper_first_[j];
-    pattern_.insert(pattern_.end(), M.innerIndexPtr() + M.outerIndexPtr()[j], M.innerIndexPtr() + column_end(M, j));
-    pattern_end_.push_back(static_cast<int>(pattern_.size()));
-  }
+  for (int j = 0; j < n; ++j) upper_first_[j + 1] += upper_first_[j];
   upper_index_.resize(static_cast<std::size_t>(upper_first_[n]));
   upper_from_.resize(upper_index_.size());
   fill_ = upper_first_;
@@ -188,6 +169,7 @@ void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
   index_.resize(static_cast<std::size_t>(first_[n]));
   value_.resize(index_.size());
   scratch_.resize(n);
+  places_.keep(M);
 }
 
 template <class Scalar>

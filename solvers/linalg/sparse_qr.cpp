@@ -1,10 +1,12 @@
 #include <zwang/solvers/linalg/sparse_qr.h>
 
+#include <Eigen/CholmodSupport>
 #include <SuiteSparseQR.hpp>
 #include <algorithm>
 #include <cmath>
 #include <new>
 
+#include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/linalg/library_memory.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -18,6 +20,8 @@ constexpr double dense_share = 0.05;                // of entries
 constexpr double operations_per_second = 2e9;       // less than a slow core does, against the time that is left
 constexpr Index together = 64;                      // rows that are reduced at once
 
+using Columns = Eigen::SparseMatrix<double, Eigen::ColMajor, Long>;
+using Dense = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
 using Answer = Eigen::Map<const Matrix>;
 
 }  // namespace
@@ -26,9 +30,8 @@ struct SparseQr::Factors {
   LibraryMemory memory;
   cholmod_common common{};
   SuiteSparseQR_factorization<double>* qr = nullptr;
-  std::vector<Long> begin, row, known_begin, known_row;  // of G_E' by columns; those of the kept analysis
-  std::vector<double> value;
-  Index known_n = -1;
+  Columns columns;         // G_E'
+  SparsityPattern places;  // of the analysis
   double work = 0;         // operations, by the analysis
   Vector rotated, all, x;  // storage of the calls below
   Matrix some, rest;
@@ -48,49 +51,25 @@ struct SparseQr::Factors {
 
   void forget() {
     if (qr) SuiteSparseQR_free(&qr, &common);
-    known_n = -1;
+    places = {};
   }
-  // The columns as the library sees them.
-  cholmod_sparse columns(Index n) {
-    cholmod_sparse A{};
-    A.nrow = static_cast<std::size_t>(n);
-    A.ncol = begin.size() - 1;
-    A.nzmax = row.size();
-    A.p = begin.data();
-    A.i = row.data();
-    A.x = value.data();
-    A.itype = CHOLMOD_LONG;
-    A.xtype = CHOLMOD_REAL;
-    A.dtype = CHOLMOD_DOUBLE;
-    A.sorted = A.packed = 1;
-    return A;
-  }
-  // `call` on X, whose columns lie `stride` apart, and `take` on its answer.
+  // `call` on X and `take` on its answer.
   template <class Call, class Take>
-  void apply(Call&& call, const double* x, Index rows, Index columns, Index stride, Take&& take) {
+  void apply(Call&& call, Dense x, Take&& take) {
     const LibraryMemory::Use use(memory);
-    cholmod_dense X{};
-    X.nrow = static_cast<std::size_t>(rows);
-    X.ncol = static_cast<std::size_t>(columns);
-    X.d = static_cast<std::size_t>(stride);
-    X.nzmax = X.d * X.ncol;
-    X.x = const_cast<double*>(x);
-    X.xtype = CHOLMOD_REAL;
-    X.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense X = Eigen::viewAsCholmod(x);
     const auto free = [this](cholmod_dense* Y) { cholmod_l_free_dense(&Y, &common); };
     const std::unique_ptr<cholmod_dense, decltype(free)> Y(call(&X), free);
     if (!Y) throw std::bad_alloc();
     take(Answer(static_cast<const double*>(Y->x), static_cast<Index>(Y->nrow), static_cast<Index>(Y->ncol)));
   }
   template <class Take>
-  void multiply(int side, const double* x, Index n, Index columns, Index stride, Take&& take) {
-    apply([&](cholmod_dense* X) { return SuiteSparseQR_qmult<double>(side, qr, X, &common); }, x, n, columns, stride,
-          take);
+  void multiply(int side, const Dense& x, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_qmult<double>(side, qr, X, &common); }, x, take);
   }
   template <class Take>
-  void solve(int system, const double* x, Index n, Index columns, Take&& take) {
-    apply([&](cholmod_dense* X) { return SuiteSparseQR_solve<double>(system, qr, X, &common); }, x, n, columns, n,
-          take);
+  void solve(int system, const Dense& x, Take&& take) {
+    apply([&](cholmod_dense* X) { return SuiteSparseQR_solve<double>(system, qr, X, &common); }, x, take);
   }
 };
 
@@ -106,19 +85,16 @@ SparseQr& SparseQr::operator=(const SparseQr& other) {
 
 // False where the rows are not sparse.
 bool SparseQr::load(const Rows& G, const std::vector<Index>& rows) {
-  Factors& f = *factors_;
-  const auto most = static_cast<std::size_t>(dense_share * static_cast<double>(G.cols() * std::ssize(rows)));
-  f.begin.assign(1, 0);
-  f.row.clear();
-  f.value.clear();
-  for (const Index i : rows) {
-    for (Rows::InnerIterator it(G, i); it; ++it) {
-      f.row.push_back(it.col());
-      f.value.push_back(it.value());
-    }
-    if (f.row.size() > most) return false;
-    f.begin.push_back(static_cast<Long>(f.row.size()));
+  Columns& columns = factors_->columns;
+  const auto most = static_cast<Index>(dense_share * static_cast<double>(G.cols() * std::ssize(rows)));
+  columns.resize(G.cols(), std::ssize(rows));
+  for (Index k = 0; const Index i : rows) {
+    columns.startVec(k);
+    for (Rows::InnerIterator it(G, i); it; ++it) columns.insertBack(it.col(), k) = it.value();
+    if (columns.data().size() > most) return false;
+    ++k;
   }
+  columns.finalize();
   return true;
 }
 
@@ -133,15 +109,14 @@ bool SparseQr::factorize(const Rows& G, const std::vector<Index>& rows, double t
   deadline.keep();
 
   const LibraryMemory::Use use(f.memory);
-  cholmod_sparse A = f.columns(n_);
-  if (!f.qr || f.known_n != n_ || f.begin != f.known_begin || f.row != f.known_row) {
+  cholmod_sparse A = Eigen::viewAsCholmod(Eigen::Ref<Columns>(f.columns));
+  A.stype = 0;
+  if (!f.qr || !f.places.matches(f.columns)) {
     f.forget();
     f.qr = SuiteSparseQR_symbolic<double>(SPQR_ORDERING_AMD, true, &A, &f.common);
     if (!f.qr) return false;
-    f.known_n = n_;
     f.work = f.common.SPQR_flopcount_bound;
-    f.known_begin = f.begin;
-    f.known_row = f.row;
+    f.places.keep(f.columns);
   }
   const auto n = static_cast<double>(n_), m = static_cast<double>(rows.size());
   const double in_dense_columns = 2 * std::min(n, m) * n * m;
@@ -174,8 +149,7 @@ void SparseQr::list_columns() {
 }
 
 void SparseQr::multiply(bool transposed, Eigen::Ref<Vector> x) const {
-  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, x.data(), n_, 1, n_,
-                     [&](const Answer& y) { x.head(n_) = y.col(0); });
+  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, x.head(n_), [&](const Answer& y) { x.head(n_) = y.col(0); });
 }
 
 void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) const {
@@ -190,7 +164,7 @@ void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) con
     for (Index j = 0; j < count; ++j)
       for (Rows::InnerIterator it(G, rows[static_cast<std::size_t>(first + j)]); it; ++it)
         some(it.col(), j) = it.value();
-    factors_->multiply(SPQR_QTX, some.data(), n_, count, n_,
+    factors_->multiply(SPQR_QTX, some.leftCols(count),
                        [&](const Answer& y) { A.middleCols(first, count) = y.bottomRows(free); });
   }
 }
@@ -199,7 +173,7 @@ void SparseQr::solve(Eigen::Ref<Vector> w) const {
   Vector& rotated = factors_->rotated;
   rotated.setZero(n_);
   rotated.head(w.size()) = w;
-  factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, 1, [&](const Answer& y) {
+  factors_->solve(SPQR_RX_EQUALS_B, rotated, [&](const Answer& y) {
     for (Index k = 0; const Index place : place_) w[k++] = y(place, 0);
   });
 }
@@ -208,13 +182,13 @@ void SparseQr::solve_transposed(Vector& w) const {
   Vector& all = factors_->all;
   all.setZero(factors_->qr->nacols);
   for (Index k = 0; const Index place : place_) all[place] = w[k++];
-  factors_->solve(SPQR_RTX_EQUALS_B, all.data(), all.size(), 1, [&](const Answer& y) { w = y.col(0).head(w.size()); });
+  factors_->solve(SPQR_RTX_EQUALS_B, all, [&](const Answer& y) { w = y.col(0).head(w.size()); });
 }
 
 void SparseQr::express(const Matrix& X, Matrix& W) const {
   W.resize(std::ssize(place_), X.cols());
-  factors_->multiply(SPQR_QTX, X.data(), n_, X.cols(), X.rows(), [&](const Answer& rotated) {
-    factors_->solve(SPQR_RX_EQUALS_B, rotated.data(), n_, X.cols(), [&](const Answer& y) {
+  factors_->multiply(SPQR_QTX, X.topRows(n_), [&](const Answer& rotated) {
+    factors_->solve(SPQR_RX_EQUALS_B, rotated, [&](const Answer& y) {
       for (Index k = 0; const Index place : place_) W.row(k++) = y.row(place);
     });
   });
