@@ -10,7 +10,7 @@
 
 namespace zwang {
 
-// What is known to be true of a problem, found without any of the solvers under test.
+// What is known to be true of a problem; `method` says how it was found.
 struct Reference {
   bool feasible = true;
   Vector z = {};            // n, when feasible

@@ -57,8 +57,8 @@ void LawsonHanson::settle(std::span<const char> free) {
   }
 }
 
-LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const char> free,
-                                       std::span<const Index> warm, const Limits& limits) {
+Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
+                           const Limits& limits) {
   const Index k = E.cols();
   qr_.reset(E.rows(), k);
   if (x_.size() < k)
@@ -92,7 +92,7 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
   const double noise = tolerances::violation * std::numeric_limits<double>::epsilon() * f.norm();
   const int last = limits.iterations - iterations_;
   for (int step = 0;; ++step) {
-    if (limits.deadline && limits.deadline->passed()) return Stop::time_limit;
+    if (limits.deadline && limits.deadline->passed()) return Status::time_limit;
     w_.head(k).noalias() = E.transpose() * r_;
     Index best = -1;
     double steepest = noise;
@@ -101,8 +101,8 @@ LawsonHanson::Stop LawsonHanson::solve(const Columns& E, const Vector& f, std::s
         steepest = w_[j] / length_[j];
         best = j;
       }
-    if (best < 0) return Stop::optimal;
-    if (step >= last) return Stop::iteration_limit;
+    if (best < 0) return Status::solved;
+    if (step >= last) return Status::iteration_limit;
     ++iterations_;
     if (!enter(E, best)) {
       state_[static_cast<std::size_t>(best)] = State::barred;

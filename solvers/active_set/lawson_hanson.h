@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <zwang/solvers/first_order/stop.h>
+#include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/linalg/thin_qr.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -25,7 +25,6 @@ namespace zwang {
 class LawsonHanson {
  public:
   using Columns = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
-  enum class Stop { optimal, iteration_limit, time_limit };
 
   struct Limits {
     int iterations;                               // to add to those already counted
@@ -37,9 +36,9 @@ class LawsonHanson {
 
   void restart() { iterations_ = 0; }  // zero the count of iterations
 
-  // `warm`: columns to try as passive first. E is N x k, f is N, free is k.
-  Stop solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
-             const Limits& limits);
+  // Solved, or the limit that was met. `warm`: columns to try as passive first. E is N x k, f is N, free is k.
+  Status solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
+               const Limits& limits);
 
   auto x() const { return x_.head(std::ssize(state_)); }                // k
   const Vector& residual() const { return r_; }                         // f - E x

@@ -101,11 +101,11 @@ bool Nnls::Method::least_distance(const Problem& p, const SolveOptions& options,
   constexpr int rounds = 12;
   for (int round = 0; round < rounds; ++round) {
     for (Index j = 0; j < columns; ++j) E_(n, j) = std::max(h_[j] / sigma_, -tolerances::horizon);
-    const auto stop = least_squares_.solve(E_.leftCols(columns), f_, free_, warm_, limits);
+    const Status end = least_squares_.solve(E_.leftCols(columns), f_, free_, warm_, limits);
     s.iterations = least_squares_.iterations();
-    if (stop != LawsonHanson::Stop::optimal) {
+    if (end != Status::solved) {
       write_iterate(p, s);
-      s.status = stop == LawsonHanson::Stop::time_limit ? Status::time_limit : Status::iteration_limit;
+      s.status = end;
       return false;
     }
     const Vector& r = least_squares_.residual();

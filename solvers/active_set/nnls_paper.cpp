@@ -80,14 +80,11 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
       options.observe(least_squares_.iterations(), s.z, s.lambda);
     };
   least_squares_.restart();
-  const auto stop = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
-                                         {options.max_iterations, &deadline, observe ? &observe : nullptr});
+  s.status = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
+                                  {options.max_iterations, &deadline, observe ? &observe : nullptr});
   s.iterations = least_squares_.iterations();
   for (const Index i : least_squares_.dependent_free()) s.redundant.push_back(rows_.row[at(i)]);
   write();
-  s.status = stop == LawsonHanson::Stop::optimal           ? Status::solved
-             : stop == LawsonHanson::Stop::iteration_limit ? Status::iteration_limit
-                                                           : Status::time_limit;
 }
 
 }  // namespace zwang

@@ -6,12 +6,6 @@
 
 namespace zwang {
 
-std::vector<Setting<Apgd>> Apgd::settings() {
-  return {{"max_steps", &Apgd::max_steps, "gradient steps before giving up"},
-          {"power_iterations", &Apgd::power_iterations, "to estimate the largest eigenvalue of the Delassus matrix"},
-          {"restart", &Apgd::restart, "drop the momentum when it points uphill"}};
-}
-
 namespace {
 
 // A lower bound on |G G'|, within a few per cent after ten rounds. The start has every row in it, unevenly, so that a

@@ -22,7 +22,11 @@ struct Apgd {
   int power_iterations = 10;
   bool restart = true;
 
-  static std::vector<Setting<Apgd>> settings();
+  static std::vector<Setting<Apgd>> settings() {
+    return {{"max_steps", &Apgd::max_steps, "gradient steps before giving up"},
+            {"power_iterations", &Apgd::power_iterations, "to estimate the largest eigenvalue of the Delassus matrix"},
+            {"restart", &Apgd::restart, "drop the momentum when it points uphill"}};
+  }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {

@@ -5,11 +5,6 @@
 
 namespace zwang {
 
-std::vector<Setting<Pgs>> Pgs::settings() {
-  return {{"relaxation", &Pgs::relaxation, "step on each row as a share of the exact one, 0 < relaxation < 2"},
-          {"max_sweeps", &Pgs::max_sweeps, "sweeps over all rows before giving up"}};
-}
-
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   auto& [dual, before] = work;
   DualIteration iteration(dual, problem, options, solution);

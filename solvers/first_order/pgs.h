@@ -20,7 +20,10 @@ struct Pgs {
   double relaxation = 1.0;  // 0 < relaxation < 2
   int max_sweeps = 10000;
 
-  static std::vector<Setting<Pgs>> settings();
+  static std::vector<Setting<Pgs>> settings() {
+    return {{"relaxation", &Pgs::relaxation, "step on each row as a share of the exact one, 0 < relaxation < 2"},
+            {"max_sweeps", &Pgs::max_sweeps, "sweeps over all rows before giving up"}};
+  }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {

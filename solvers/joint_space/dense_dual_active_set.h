@@ -22,7 +22,7 @@ namespace zwang {
 // others.
 //
 // Rows may be admitted at any time, and take part from the next climb on: a caller that finds rows violated by the
-// optimum of those it has admitted goes on from there, and is exact at the end (reduced_active_set.cpp).
+// optimum of those it has admitted goes on from there, and is exact at the end (joint_space_active_set.cpp).
 class DenseDualActiveSet {
  public:
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();

@@ -6,7 +6,7 @@ namespace zwang {
 
 // Orthonormal columns Q of the rows that are active, A_active' = Q R, and T = R^-1 instead of R: an entering row then
 // needs products only (r = T Q'a, and T's new column is -r / length), no back substitution whose steps wait for each
-// other. An inverse loses digits as the condition squared at worst: this is for clear problems (least_distance.h).
+// other. An inverse loses digits as the condition squared at worst: this is for clear problems (dense_dual_active_set.h).
 //
 // Tried: R with back substitution (0.25 us a step more at 20 active rows); one reflection when a row leaves (T loses
 // its triangle, and a row that came late no longer leaves at the cost of a few columns: 12 % of a solve more with 64

@@ -264,7 +264,7 @@ bool JointSpaceActiveSet::refine() {
   return false;
 }
 
-// The rows outside the active set, from the problem's own J and c: rounding in an answer of long double is all they may
+// The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
 // be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
 // the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself.
 bool JointSpaceActiveSet::rest_holds(double limit) {

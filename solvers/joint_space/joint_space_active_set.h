@@ -26,7 +26,7 @@ class JointSpaceActiveSet {
 
   bool polish = true;  // off: the climb's point as it is; the refinement only tells its error
 
-  // The same in steps, for another method in between (reduced_problem.h) and for a clock (bench/timing/stages.h).
+  // The same in steps, for another method in between (null_space_adapter.h) and for a clock (bench/timing/stages.h).
   // prepare() eliminates the joints; state() writes the reduced problem, its storage reused; climb() goes from active
   // rows of that one to the optimum in double; finish() does, refines it, and adds to the iterations.
   bool prepare(const Problem& problem);

@@ -122,8 +122,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     q[k].take(x, k);
     C[k] = x;
     const double pivot = least(Scalar(abs(q[k].beta)));
-    if (!(pivot > tolerances::clear_pivot))
-      return refuse("rows of one joint that are nearly dependent on its child");
+    if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
     smallest_pivot_ = std::min(smallest_pivot_, pivot);
   }
   Square<Scalar> Q;
@@ -238,37 +237,29 @@ void JointTree::add_reduced(int body, const Lanes& part, double* v) const {
   }
 }
 
-void JointTree::reduce(const Motion& y, Vector& v) const {
+// y = (own columns) x from the roots to the tips. F serves where X would: they differ by free motions.
+void JointTree::forward(const Own& own, const Vector& x, Motion& y) const {
+  for (std::size_t j = 0; j < blocks_.size(); ++j) {
+    const JointGraph::Joint& joint = graph_.joints()[j];
+    const Blocks& block = blocks_[j];
+    Lanes sum = Lanes::Zero();
+    for (Index k = 0; k < joint.*own.count; ++k)
+      sum = multiply_add(x[joint.*own.first + k], (block.*own.columns).col(k), sum);
+    if (joint.parent >= 0) sum += BodyRows::times(block.F, y.col(joint.parent));
+    y.col(joint.body) = sum;
+  }
+}
+
+// x = (own columns)'y from the tips to the roots. A joint passes on X'y where C^+ is looked for; P'y = 0 for y in the
+// range of G_E', so F does as well.
+void JointTree::backward(const Own& own, const Motion& y, Vector& x) const {
   rest_ = y;
   for (std::size_t j = blocks_.size(); j-- > 0;) {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
-    const Lanes own = rest_.col(joint.body);
-    for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] = block.P.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, own);
-  }
-}
-
-void JointTree::expand(const Vector& v, Motion& y) const {
-  for (std::size_t j = 0; j < blocks_.size(); ++j) {
-    const JointGraph::Joint& joint = graph_.joints()[j];
-    const Blocks& block = blocks_[j];
-    Lanes own = Lanes::Zero();
-    for (Index k = 0; k < joint.freedom; ++k) own = multiply_add(v[joint.column + k], block.P.col(k), own);
-    if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
-    y.col(joint.body) = own;
-  }
-}
-
-// F serves where X would: they differ by free motions.
-void JointTree::meet(const Vector& sigma, Motion& y) const {
-  for (std::size_t j = 0; j < blocks_.size(); ++j) {
-    const JointGraph::Joint& joint = graph_.joints()[j];
-    const Blocks& block = blocks_[j];
-    Lanes own = Lanes::Zero();
-    for (Index k = 0; k < joint.count; ++k) own = multiply_add(sigma[joint.first + k], block.C_inverse.col(k), own);
-    if (joint.parent >= 0) own += BodyRows::times(block.F, y.col(joint.parent));
-    y.col(joint.body) = own;
+    const Lanes rest = rest_.col(joint.body);
+    for (Index k = 0; k < joint.*own.count; ++k) x[joint.*own.first + k] = (block.*own.columns).col(k).dot(rest);
+    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, rest);
   }
 }
 
@@ -283,18 +274,6 @@ void JointTree::shift(const Vector& sigma, Motion& y) const {
     y -= rest_;
     after = y.norm();
   } while (after > 0 && after < before / 8);
-}
-
-// A joint passes on X't; P't = 0 for t in the range of G_E', so F does as well.
-void JointTree::multipliers(const Motion& t, Vector& mu) const {
-  rest_ = t;
-  for (std::size_t j = blocks_.size(); j-- > 0;) {
-    const JointGraph::Joint& joint = graph_.joints()[j];
-    const Blocks& block = blocks_[j];
-    const Lanes own = rest_.col(joint.body);
-    for (Index k = 0; k < joint.count; ++k) mu[joint.first + k] = block.C_inverse.col(k).dot(own);
-    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, own);
-  }
 }
 
 }  // namespace zwang

@@ -48,19 +48,29 @@ class JointTree {
   // N'g += of a row's part on one body: what null_space() would give, for a few rows cheaper.
   void add_reduced(int body, const Lanes& part, double* v) const;
   // v = N'y and y = N v; v of length freedom().
-  void reduce(const Motion& y, Vector& v) const;
-  void expand(const Vector& v, Motion& y) const;
+  void reduce(const Motion& y, Vector& v) const { backward(coordinates, y, v); }
+  void expand(const Vector& v, Motion& y) const { forward(coordinates, v, y); }
   // A y with G_E y = sigma over the tree rows, and the least-length one.
-  void meet(const Vector& sigma, Motion& y) const;
+  void meet(const Vector& sigma, Motion& y) const { forward(constraints, sigma, y); }
   void shift(const Vector& sigma, Motion& y) const;
   // mu with G_E' mu = t, for t in the range of G_E'.
-  void multipliers(const Motion& t, Vector& mu) const;
+  void multipliers(const Motion& t, Vector& mu) const { backward(constraints, t, mu); }
 
  private:
   // Of a joint: C^+, F and P by columns; F and S = (B without its first `freedom` rows) by rows.
   struct Blocks {
     Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero(), F_rows = Block::Zero(), S = Block::Zero();
   };
+
+  // What a joint has of its own: columns, and where their entries stand in a vector.
+  struct Own {
+    Block Blocks::* columns;
+    Index JointGraph::Joint::*first, JointGraph::Joint::*count;
+  };
+  static constexpr Own coordinates{&Blocks::P, &JointGraph::Joint::column, &JointGraph::Joint::freedom};
+  static constexpr Own constraints{&Blocks::C_inverse, &JointGraph::Joint::first, &JointGraph::Joint::count};
+  void forward(const Own& own, const Vector& x, Motion& y) const;
+  void backward(const Own& own, const Motion& y, Vector& x) const;
 
   // Scalar: double for one joint, eight lanes for a group.
   template <class Scalar>

@@ -6,14 +6,14 @@
 
 namespace zwang {
 
-// Any method on the reduced form of jointed bodies (reduced_form.h), and the way back: what nnls and cholesky do with
+// Any method on the reduced form of jointed bodies (null_space_form.h), and the way back: what nnls and cholesky do with
 // reduce=on. The method solves
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b,   A = G_I N,  b = h_I - G_I y_E
 //
 // as a problem of its own, with M = I, z_u = 0 and the keys of its rows. The rows that carry its multipliers then go
-// through JointSpaceActiveSet: z and all multipliers recovered, refined against the problem's own M, J, c in long
-// double, the rows outside held against them. What that refuses, and what the method does not solve in reduced form (an
+// through JointSpaceActiveSet: z and all multipliers recovered, refined against the problem's own M, J, c in
+// twice the digits (body_point.h), the rows outside held against them. What that refuses, and what the method does not solve in reduced form (an
 // infeasible one among them), the method solves as given: `message` says why and `fallback` that it was so.
 class NullSpaceAdapter {
  public:

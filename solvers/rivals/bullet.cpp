@@ -41,10 +41,6 @@ void write(const UnitProgram& program, const Problem& problem, const Vector& lam
 
 }  // namespace
 
-std::vector<Setting<BulletDantzig>> BulletDantzig::settings() {
-  return {{"cfm", &BulletDantzig::cfm, "added to the diagonal of the Delassus matrix, unit rows"}};
-}
-
 std::string BulletDantzig::supports(const Problem& problem) const { return too_many_rows(problem, most_rows); }
 
 // Bullet permutes A, b and the limits in place, so each gets its own copy.
@@ -65,11 +61,6 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   solution.status = answered ? Status::solved : Status::numerical_failure;
   solution.message = done ? "Bullet: returned true" : "Bullet: returned false";
   if (done && !answered) solution.message += ", but multipliers that are not finite";
-}
-
-std::vector<Setting<BulletPgs>> BulletPgs::settings() {
-  return {{"cfm", &BulletPgs::cfm, "added to the diagonal of the Delassus matrix, unit rows"},
-          {"max_sweeps", &BulletPgs::max_sweeps, "sweeps over all rows before giving up"}};
 }
 
 std::string BulletPgs::supports(const Problem& problem) const { return too_many_rows(problem, most_rows); }

@@ -22,7 +22,9 @@ struct BulletDantzig {
 
   double cfm = 0;  // constraint force mixing: added to the diagonal of unit rows
 
-  static std::vector<Setting<BulletDantzig>> settings();
+  static std::vector<Setting<BulletDantzig>> settings() {
+    return {{"cfm", &BulletDantzig::cfm, "added to the diagonal of the Delassus matrix, unit rows"}};
+  }
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
@@ -39,7 +41,10 @@ struct BulletPgs {
   double cfm = 0;
   int max_sweeps = 10000;
 
-  static std::vector<Setting<BulletPgs>> settings();
+  static std::vector<Setting<BulletPgs>> settings() {
+    return {{"cfm", &BulletPgs::cfm, "added to the diagonal of the Delassus matrix, unit rows"},
+            {"max_sweeps", &BulletPgs::max_sweeps, "sweeps over all rows before giving up"}};
+  }
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 

@@ -10,11 +10,6 @@
 
 namespace zwang {
 
-std::vector<Setting<Ipopt>> Ipopt::settings() {
-  return {{"max_iterations", &Ipopt::max_iterations, "interior-point iterations before giving up"},
-          {"mehrotra", &Ipopt::mehrotra, "Mehrotra's predictor-corrector instead of Ipopt's line search"}};
-}
-
 namespace {
 
 void write_proof(const Problem& problem, const UnitProgram& program, Vector& u, Solution& solution) {
@@ -58,7 +53,7 @@ bool certificate(const UnitProgram& program, const Vector& y, const Vector& lamb
 void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer& answer, double tolerance,
            Solution& solution) {
   const double enough = std::max(tolerance, tolerances::kkt_floor);
-  const double residual = answer.claims_success ? kkt_check(program, answer.y, answer.lambda).worst() : 0;
+  const double residual = answer.claims_success ? kkt_residual(program, answer.y, answer.lambda) : 0;
   if (answer.claims_success && residual <= enough) {
     solution.status = Status::solved;
   } else if (answer.stuck && answer.best.residual <= enough) {

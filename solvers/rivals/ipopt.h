@@ -30,7 +30,10 @@ struct Ipopt {
   int max_iterations = 3000;
   bool mehrotra = false;  // Mehrotra's predictor-corrector
 
-  static std::vector<Setting<Ipopt>> settings();
+  static std::vector<Setting<Ipopt>> settings() {
+    return {{"max_iterations", &Ipopt::max_iterations, "interior-point iterations before giving up"},
+            {"mehrotra", &Ipopt::mehrotra, "Mehrotra's predictor-corrector instead of Ipopt's line search"}};
+  }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {

@@ -102,7 +102,7 @@ class WhitenedQp : public ip::TNLP {
     answer.iterations = iteration;
     if (mode == ip::RegularMode && read_iterate(*data, *quantities)) {
       if (question.observe) question.observe(iteration, answer.y, answer.lambda);
-      const double residual = kkt_check(*question.program, answer.y, answer.lambda).worst();
+      const double residual = kkt_residual(*question.program, answer.y, answer.lambda);
       if (residual < answer.best.residual) answer.best = {answer.y, answer.lambda, residual};
     }
     return !question.deadline.passed();

@@ -27,7 +27,7 @@ struct IpoptQuestion {
 struct IpoptAnswer {
   struct Iterate {
     Vector y, lambda;
-    double residual = std::numeric_limits<double>::infinity();  // of kkt_check
+    double residual = std::numeric_limits<double>::infinity();  // kkt_residual
   };
   Vector y = {}, lambda = {};  // the last point; empty where there is none
   Iterate best = {};           // of the iterates on the way

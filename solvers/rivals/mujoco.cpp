@@ -144,11 +144,6 @@ void MujocoSession::read(Vector& y, Vector& lambda) const {
   for (std::size_t at = 0; at < order_.size(); ++at) lambda[order_[at]] = data_->efc_force[at];
 }
 
-std::vector<Setting<MujocoNewton>> MujocoNewton::settings() {
-  return {{"stiffness", &MujocoNewton::stiffness, "of unit rows; MuJoCo's own impedances go up to 1e4"},
-          {"max_steps", &MujocoNewton::max_steps, "Newton steps before giving up"}};
-}
-
 std::string MujocoNewton::supports(const Problem& problem) const {
   if (!(stiffness > 0)) return "its stiffness should be above 0";
   if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
@@ -183,7 +178,7 @@ void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, So
   }
   program.write(problem, y, lambda, solution);
   if (solution.status != Status::solved) return;
-  const double residual = kkt_check(program, y, lambda).worst();
+  const double residual = kkt_residual(program, y, lambda);
   std::ostringstream text;
   text << "MuJoCo: converged; its soft rows give way by " << residual << " of the motion";
   solution.message = text.str();

@@ -29,7 +29,10 @@ struct MujocoNewton {
   double stiffness = 1e4;
   int max_steps = 100;
 
-  static std::vector<Setting<MujocoNewton>> settings();
+  static std::vector<Setting<MujocoNewton>> settings() {
+    return {{"stiffness", &MujocoNewton::stiffness, "of unit rows; MuJoCo's own impedances go up to 1e4"},
+            {"max_steps", &MujocoNewton::max_steps, "Newton steps before giving up"}};
+  }
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
