@@ -9,7 +9,7 @@ bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion) {
                rounding = tolerances::proof_rounding * program.h().cwiseProduct(u).lpNorm<1>();
   if (!(gain > rounding) || !std::isfinite(gain)) return false;
   program.motion(u, motion);
-  return gain >= tolerances::out_of_reach * program.reach() * motion.norm();
+  return gain >= tolerances::referee_reach * program.reach() * motion.norm();
 }
 
 // The shortest correction by the QR factors of its equations, one for each unknown, those that depend on others left

@@ -8,7 +8,7 @@
 namespace zwang {
 
 // True when u, its negative inequality parts cut off, proves that no y meets the rows: any y would be at least
-// h'u / |G'u| long (docs/formulation.md), and tolerances::out_of_reach times the longest length of the problem stands
+// h'u / |G'u| long (docs/formulation.md), and tolerances::referee_reach times the longest length of the problem stands
 // for no y at all.
 bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion);
 

@@ -120,7 +120,7 @@ inline constexpr double newton_part = 1e-9;
 
 // The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the
 // longest there is (core/referee/certificate.cpp). The solvers ask for as much again, for the rounding between.
-inline constexpr double out_of_reach = 2e8;
+inline constexpr double referee_reach = 1e8, out_of_reach = 2 * referee_reach;
 // Of the sum of its terms: h'u of a proof that rounding could have made.
 inline constexpr double proof_rounding = 1e-14;
 

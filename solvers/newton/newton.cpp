@@ -357,7 +357,8 @@ bool Newton::certify(const Problem& p, const Deadline& deadline, Solution& s) {
     for (Index i = 0; i < rows_.rows(); ++i)
       if (weight_[i] != 0) far_l_[i] -= Real(s_) * row_dot(i, step_);
   }
-  return proof_.certify(p, rows_, far_l_.cast<double>(), s);
+  change_ = far_l_.cast<double>();
+  return proof_.certify(p, rows_, change_, s);
 }
 
 void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {

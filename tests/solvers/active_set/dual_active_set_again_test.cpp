@@ -26,7 +26,7 @@ TEST(DualActiveSet, WarmStartTakesNoStepWhenNothingChanged) {
   const WarmStart warm{.key = p.key, .lambda = cold.lambda};
   const Solution again = solve<DualActiveSet>(p, {.warm_start = &warm});
   EXPECT_EQ(again.iterations, 0);
-  EXPECT_EQ(again.z, cold.z);
+  EXPECT_LE(test::z_error(p, again.z, cold.z), 1e-28);  // the active rows stand in another order
 }
 
 TEST(DualActiveSet, WarmStartFollowsKeysNotPositions) {
