@@ -1,9 +1,8 @@
 #include <zwang/solvers/registry.h>
 
 #include <algorithm>
-#include <charconv>
-#include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/solvers/active_set/cholesky.h>
@@ -22,71 +21,6 @@
 namespace zwang {
 namespace {
 
-template <class S>
-std::string default_value(const Setting<S>& setting) {
-  std::ostringstream text;
-  std::visit([&](auto member) { text << std::boolalpha << S{}.*member; }, setting.member);
-  return text.str();
-}
-
-[[maybe_unused]] void parse(const std::string& text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) throw std::invalid_argument("a number");
-}
-[[maybe_unused]] void parse(const std::string& text, int& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) throw std::invalid_argument("an integer");
-}
-[[maybe_unused]] void parse(const std::string& text, bool& value) {
-  if (text == "on" || text == "true" || text == "1")
-    value = true;
-  else if (text == "off" || text == "false" || text == "0")
-    value = false;
-  else
-    throw std::invalid_argument("on or off");
-}
-
-template <class S>
-std::vector<Setting<S>> settings_of() {
-  if constexpr (requires { S::settings(); }) return S::settings();
-  return {};
-}
-
-template <class S>
-AnySolver make(std::string_view text) {
-  S solver;
-  const auto settings = settings_of<S>();
-  std::vector<std::string> names;
-  for (const auto& s : settings) names.emplace_back(s.name);
-  std::stringstream parts{std::string(text)};
-  for (std::string part; std::getline(parts, part, ',');) {
-    const auto equal = part.find('=');
-    const std::string key = part.substr(0, equal), value = equal == std::string::npos ? "on" : part.substr(equal + 1);
-    const Setting<S>* found = nullptr;
-    for (const auto& s : settings)
-      if (s.name == key) found = &s;
-    if (!found)
-      throw std::invalid_argument("solver '" + std::string(S::name) + "' has no setting '" + key + "'" +
-                                  did_you_mean(key, names));
-    try {
-      std::visit([&](auto member) { parse(value, solver.*member); }, found->member);
-    } catch (const std::invalid_argument& expected) {
-      throw std::invalid_argument("solver '" + std::string(S::name) + "': setting " + key + "=" + value +
-                                  " should be " + expected.what());
-    }
-  }
-  return solver;
-}
-
-template <class S>
-SolverEntry entry(SolverEntry e) {
-  e.name = S::name;
-  for (const auto& s : settings_of<S>())
-    e.settings.push_back({std::string(s.name), std::string(s.help), default_value(s)});
-  e.make = make<S>;
-  return e;
-}
-
 // They reach what the tolerance says (the referee's margin: 10 T), or say that they did not.
 constexpr Accuracy iterative{.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
 // What NLopt and Bullet return is claimed as it is, right as far as stated. SLSQP's subproblem and Dantzig's pivots are
@@ -95,10 +29,8 @@ constexpr Accuracy pivoting{.tolerance = 1e-8, .z_error = 1e-10};
 // MMA and CCSAQ crawl along degenerate rows. Steps of 1e-8 end up to 2.2e-6 away, by the compiler's rounding.
 constexpr Accuracy creeping{.tolerance = 1e-8, .z_error = 1e-5, .solved_share = 0.75};
 
-}  // namespace
-
-std::span<const SolverEntry> solvers() {
-  static const std::vector<SolverEntry> all = {
+std::vector<SolverEntry>& registry() {
+  static std::vector<SolverEntry> all = {
       entry<DualActiveSet>({.method = "Goldfarb-Idnani by orthogonal updates, refined",
                             .limits = "dense: slow beyond 1000 unknowns",
                             .exact = true,
@@ -180,6 +112,16 @@ std::span<const SolverEntry> solvers() {
 #endif
   };
   return all;
+}
+
+}  // namespace
+
+std::span<const SolverEntry> solvers() { return registry(); }
+
+void add_solver(SolverEntry entry) {
+  if (find_solver(entry.name))
+    throw std::invalid_argument("a solver of the name '" + entry.name + "' is registered already");
+  registry().push_back(std::move(entry));
 }
 
 const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntry> among) {

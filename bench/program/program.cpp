@@ -89,6 +89,9 @@ int program(int count, char** arguments, const Extensions& extensions) {
 
   LibraryMemory::install();  // solvers are timed in second solves, which then allocate nothing
 
+  for (const SolverEntry& entry : extensions.solvers) add_solver(entry);
+  for (const SceneEntry& entry : extensions.scenes) add_scene(entry);
+
   std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.empty() || words[0] == "--help" || words[0] == "-h" || words[0] == "help") {
     print_help(commands);

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include <zwang/bench/collision/moving_hand.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 
@@ -21,8 +23,10 @@ struct Command {
   std::function<int(std::vector<std::string> words)> run;
 };
 
-// What a host adds to the program.
+// What a host adds to the program: solvers and scenes stand beside ours in every command, suite, chart and table.
 struct Extensions {
+  std::vector<SolverEntry> solvers = {};
+  std::vector<SceneEntry> scenes = {};
   std::vector<Command> commands = {};
   std::vector<HandScene> (*collision_hands)() = nullptr;  // that the collision suite times and audits
 };

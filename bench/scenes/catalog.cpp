@@ -1,6 +1,7 @@
 #include <zwang/bench/scenes/catalog.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/physical.h>
@@ -33,10 +34,8 @@ SceneEntry of_family(const char* family, SceneEntry entry) {
   return entry;
 }
 
-}  // namespace
-
-std::span<const SceneEntry> scenes() {
-  static const std::vector<SceneEntry> all = {
+std::vector<SceneEntry>& catalog() {
+  static std::vector<SceneEntry> all = {
       scene("tower", tower, "boxes one on another, narrower upwards, four corner contacts a face; at rest",
             integer("boxes", 10, 1, 1000, "number of boxes")),
       scene("stack", stack, "equal boxes one on another, four corner contacts a face, pushed about",
@@ -124,6 +123,16 @@ std::span<const SceneEntry> scenes() {
             integer("condition", 4, 0, 80, "log2 of the ratio of largest to smallest mass"),
             real("redundancy", .1, 0, 1, "fraction of rows that are sums of two others"), seed("of everything"))};
   return all;
+}
+
+}  // namespace
+
+std::span<const SceneEntry> scenes() { return catalog(); }
+
+void add_scene(SceneEntry entry) {
+  if (find_scene(entry.name))
+    throw std::invalid_argument("a scene of the name '" + entry.name + "' is registered already");
+  catalog().push_back(std::move(entry));
 }
 
 const SceneEntry* find_scene(std::string_view name) {

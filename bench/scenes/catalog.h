@@ -34,6 +34,10 @@ struct SceneEntry {
 
 // Every scene there is. Explicit: a new one is one line in catalog.cpp.
 std::span<const SceneEntry> scenes();
+
+// One more, of a host program: behind the others. Before the first run: spans of scenes() taken earlier are void then.
+// Throws std::invalid_argument where its name is taken.
+void add_scene(SceneEntry entry);
 const SceneEntry* find_scene(std::string_view name);
 
 // "tower(boxes=10,100),hand(contacts=64,seed=1..5)" -> every combination, named "tower(boxes=10)" and so on.

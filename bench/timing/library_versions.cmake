@@ -16,9 +16,9 @@ foreach(pair "Ipopt ipopt" "NLopt nlopt" "Bullet bullet-float64" "HDF5 hdf5-seri
   endif()
 endforeach()
 
-find_package(mujoco QUIET)
-if(mujoco_FOUND)
-  string(APPEND LIBRARY_VERSIONS ",MuJoCo ${mujoco_VERSION}")
+find_package(MuJoCo QUIET)
+if(MuJoCo_FOUND)
+  string(APPEND LIBRARY_VERSIONS ",MuJoCo ${MuJoCo_VERSION}")
 endif()
 
 # version_of(NAME HEADER MACRO...): the numbers or strings of these macros, joined by dots.

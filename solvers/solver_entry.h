@@ -1,0 +1,96 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/common/setting.h>
+
+namespace zwang {
+
+struct SettingInfo {
+  std::string name, help, value;  // value: the default
+};
+
+// How accurate a solver is on small problems of order 1, at the tolerance that suits it.
+struct Accuracy {
+  double tolerance = 1e-10;    // asked for
+  double z_error = 1e-12;      // of what it claims solved, |z - z*|_M / max(|z_u|_M, |z*|_M), at most
+  double certificate = 1e-12;  // |J'u| of what it claims infeasible, relative, at most
+  double solved_share = 1;     // of feasible problems, at least
+};
+
+// A solver and what it can do, said once: suites, the fuzzer and the tests go by it.
+struct SolverEntry {
+  static constexpr Index any_size = std::numeric_limits<Index>::max();
+  std::string name = {};
+  std::string method = {};          // one line
+  std::string limits = {};          // what it cannot do, one line
+  bool foreign = false;             // may hang or crash: runs in a child process with a deadline
+  bool exact = false;               // an active-set method: the answer does not depend on the tolerance
+  bool sees_infeasibility = true;   // false: may claim success where no z exists
+  bool needs_range = false;         // right only where c lies in range(J)
+  bool needs_rank = false;          // may give up, saying so, on dependent equality rows
+  bool creeps = false;              // goes to its iteration limit on degenerate rows
+  bool yardstick = false;           // the speed suite never shortens its time limit
+  Index largest_island = any_size;  // unknowns; the speed suite asks no more of its dense matrices
+  Accuracy accuracy = {};
+  std::vector<SettingInfo> settings = {};
+  // Builds the solver with `key=value,...` applied; throws std::invalid_argument naming the setting.
+  std::function<AnySolver(std::string_view settings)> make = {};
+};
+
+// "key=value,..." one by one: set(key, value) returns whether there is such a setting, and throws
+// std::invalid_argument with what it expects of the value ("a number").
+void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,
+                   const std::function<bool(std::string_view key, const std::string& value)>& set);
+
+// One value from text; throws std::invalid_argument with what was expected.
+template <class T>
+T setting_value(const std::string& text);
+template <>
+double setting_value(const std::string& text);
+template <>
+int setting_value(const std::string& text);
+template <>
+bool setting_value(const std::string& text);
+
+// The entry of a solver of type S, whose name and settings are read from it:
+//
+//   entry<Mine>({.method = "...", .limits = "..."})
+template <Solver S>
+SolverEntry entry(SolverEntry e) {
+  e.name = S::name;
+  if constexpr (requires { S::settings(); })
+    for (const Setting<S>& s : S::settings()) {
+      std::ostringstream value;
+      std::visit([&](auto member) { value << std::boolalpha << S{}.*member; }, s.member);
+      e.settings.push_back({std::string(s.name), std::string(s.help), value.str()});
+    }
+  e.make = [known = e.settings](std::string_view text) -> AnySolver {
+    S solver;
+    read_settings(S::name, text, known, [&](std::string_view key, const std::string& value) {
+      if constexpr (requires { S::settings(); })
+        for (const Setting<S>& s : S::settings())
+          if (s.name == key) {
+            std::visit(
+                [&](auto member) {
+                  solver.*member = setting_value<std::remove_reference_t<decltype(solver.*member)>>(value);
+                },
+                s.member);
+            return true;
+          }
+      return false;
+    });
+    return solver;
+  };
+  return e;
+}
+
+}  // namespace zwang
