@@ -1,0 +1,335 @@
+// _zwang: what the Python package `zwang` is made of. Arrays arrive checked for their type by zwang/__init__.py; sizes
+// and indices are checked here, so that no call can reach outside of them.
+#include <pthread.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include <zwang/bench/references/judge.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/suite/suite.h>
+#include <zwang/bench/timing/conditions.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/solvers/registry.h>
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace zwang {
+namespace {
+
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Integers = py::array_t<int, py::array::c_style | py::array::forcecast>;
+
+Vector to_vector(const Numbers& numbers, const char* name) {
+  if (numbers.ndim() != 1)
+    throw std::invalid_argument(std::string(name) + " should have one dimension, and has " +
+                                std::to_string(numbers.ndim()));
+  return Eigen::Map<const Vector>(numbers.data(), numbers.size());
+}
+
+Numbers to_numpy(const Vector& v) { return Numbers(v.size(), v.data()); }
+
+// Compressed columns (or rows) as scipy keeps them, sorted and without duplicates.
+struct Compressed {
+  Numbers data;
+  Integers indices, indptr;
+  Index rows, columns;
+};
+
+template <int Order>
+Eigen::SparseMatrix<double, Order> to_matrix(const Compressed& s, const char* name) {
+  const Index outer = Order == Eigen::ColMajor ? s.columns : s.rows;
+  const Index inner = Order == Eigen::ColMajor ? s.rows : s.columns;
+  const auto require = [&](bool holds) {
+    if (!holds) throw std::invalid_argument(std::string(name) + " is no valid sparse matrix");
+  };
+  require(outer >= 0 && inner >= 0 && s.indptr.ndim() == 1 && s.indices.ndim() == 1 && s.data.ndim() == 1);
+  require(s.indptr.size() == outer + 1 && s.indices.size() == s.data.size());
+  const int *start = s.indptr.data(), *at = s.indices.data();
+  require(start[0] == 0 && start[outer] == s.data.size());
+  for (Index k = 0; k < outer; ++k) {
+    require(start[k] <= start[k + 1]);
+    for (int e = start[k]; e < start[k + 1]; ++e)
+      require(at[e] >= 0 && at[e] < inner && (e == start[k] || at[e - 1] < at[e]));
+  }
+  return Eigen::Map<const Eigen::SparseMatrix<double, Order>>(s.rows, s.columns, s.data.size(), start, at,
+                                                              s.data.data());
+}
+
+template <class Sparse>
+py::tuple from_matrix(const Sparse& stored) {
+  Sparse A = stored;
+  A.makeCompressed();
+  return py::make_tuple(Numbers(A.nonZeros(), A.valuePtr()), Integers(A.nonZeros(), A.innerIndexPtr()),
+                        Integers(A.outerSize() + 1, A.outerIndexPtr()), A.rows(), A.cols());
+}
+
+// What bench, judge and solve say of numbers that nobody can work with.
+void require_good(const Problem& p) {
+  require_matching_sizes(p);
+  if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
+}
+
+Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed& J, const Numbers& c,
+                      const py::array_t<bool>& equality, std::string name) {
+  Instance out;
+  Problem& p = out.problem;
+  p.name = std::move(name);
+  p.M = to_matrix<Eigen::ColMajor>(M, "M");
+  p.z_u = to_vector(z_u, "z_u");
+  p.J = to_matrix<Eigen::RowMajor>(J, "J");
+  p.c = to_vector(c, "c");
+  const auto is_equality = equality.unchecked<1>();
+  for (Index i = 0; i < is_equality.shape(0); ++i) {
+    p.kind.push_back(is_equality(i) ? RowKind::equality : RowKind::inequality);
+    p.key.push_back({0, static_cast<std::uint32_t>(i)});
+  }
+  require_good(p);
+  return out;
+}
+
+// A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
+// process with a deadline, like every foreign solver.
+struct PythonSolver {
+  static constexpr auto name = "python";
+  std::shared_ptr<py::function> call = {};
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+    const py::gil_scoped_acquire python;
+    try {
+      Instance instance;
+      instance.problem = problem;
+      py::object answer = (*call)(instance, options.tolerance);
+      if (answer.is_none()) {
+        solution.status = Status::numerical_failure;
+        solution.message = "no answer";
+        return solution.empty_z();
+      }
+      if (py::isinstance<py::tuple>(answer)) {
+        const auto both = py::cast<py::tuple>(answer);
+        if (both.size() != 2) throw std::invalid_argument("expected z or (z, lambda)");
+        solution.lambda = to_vector(py::cast<Numbers>(both[1]), "lambda");
+        answer = both[0];
+      } else {
+        solution.empty_lambda();
+      }
+      solution.z = to_vector(py::cast<Numbers>(answer), "z");
+      if (solution.z.size() != problem.size() ||
+          (solution.lambda.size() != 0 && solution.lambda.size() != problem.rows()))
+        throw std::invalid_argument("z or lambda has the wrong size");
+      solution.status = Status::solved;
+    } catch (const std::exception& bad) {
+      solution.status = Status::numerical_failure;
+      solution.message = std::string(bad.what()).substr(0, std::string(bad.what()).find('\n'));
+      solution.empty_z();
+      solution.empty_lambda();
+    }
+  }
+};
+
+void add_python_solver(const std::string& name, py::function call, const std::string& method) {
+  if (name.empty() || name.find_first_of(",:") != std::string::npos)
+    throw std::invalid_argument("a solver's name has no comma and no colon: '" + name + "'");
+  // The interpreter is told in the child that it is a copy, once.
+  static const int hook = pthread_atfork(nullptr, nullptr, [] {
+    if (Py_IsInitialized() && PyGILState_Check()) PyOS_AfterFork_Child();
+  });
+  if (hook != 0) throw std::runtime_error("pthread_atfork failed");
+  // Never destroyed: the interpreter may be gone when the registry is.
+  auto* kept = new std::shared_ptr<py::function>(new py::function(std::move(call)), [](py::function*) {});
+  add_solver({.name = name,
+              .method = method,
+              .limits = "a Python function",
+              .foreign = true,
+              .sees_infeasibility = false,
+              .make = [kept](std::string_view) -> AnySolver { return PythonSolver{*kept}; }});
+}
+
+struct Solved {
+  Solution solution;
+  double seconds = 0;
+};
+
+Solved solve(const Instance& instance, const std::string& text, double tolerance, int max_iterations, double time_limit,
+             const std::optional<Numbers>& warm) {
+  const SolverEntry* entry = find_solver(text);
+  const MakeSolver make = [](std::string_view t) { return make_solver(t); };
+  make(text);  // a wrong name or setting is said before anything runs
+  if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
+  SolveRequest request{.solver = text,
+                       .tolerance = tolerance,
+                       .time_limit = time_limit,
+                       .max_iterations = max_iterations,
+                       .fresh = true};
+  if (warm) {
+    request.warm = {.key = instance.problem.key, .lambda = to_vector(*warm, "warm_start")};
+    if (request.warm.lambda.size() != instance.problem.rows())
+      throw std::invalid_argument("warm_start should have " + std::to_string(instance.problem.rows()) +
+                                  " entries, and has " + std::to_string(request.warm.lambda.size()));
+  }
+  const Run run{.solver = text, .foreign = entry->foreign, .tolerance = tolerance};
+  const bool python = entry->limits == "a Python function";
+  std::optional<py::gil_scoped_release> free;
+  if (!python) free.emplace();
+  Dispatcher dispatcher(make);
+  SolveReply reply = dispatcher.run(instance.problem, run, request, nullptr);
+  return {std::move(reply.solution), reply.seconds};
+}
+
+// Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
+void bench(SuiteOptions options, const std::vector<Instance>& problems, const std::filesystem::path& directory) {
+  Plan plan = problems.empty() ? make_plan(std::move(options)) : [&] {
+    options.scenes = "tower(boxes=1)";  // a plan wants something to plan for; its place is taken below
+    Plan p = make_plan(std::move(options));
+    p.instances = problems;
+    p.options.scenes = {};
+    return p;
+  }();
+  std::atomic<bool> interrupted = false;
+  run_suite(plan, {.directory = directory, .cache = reference_cache(), .command = "zwang.bench"}, interrupted);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_zwang, m) {
+  for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) setenv(name, "1", 0);
+  m.attr("__version__") = conditions().version;
+  py::register_exception<BadFile>(m, "BadFile", PyExc_ValueError);
+
+  py::class_<Compressed>(m, "Compressed")
+      .def(py::init([](Numbers data, Integers indices, Integers indptr, Index rows, Index columns) {
+        return Compressed{std::move(data), std::move(indices), std::move(indptr), rows, columns};
+      }));
+
+  py::class_<Instance>(m, "Problem")
+      .def(py::init(&make_problem))
+      .def_property_readonly("_M", [](const Instance& i) { return from_matrix(i.problem.M); })
+      .def_property_readonly("_J", [](const Instance& i) { return from_matrix(i.problem.J); })
+      .def_property_readonly("z_u", [](const Instance& i) { return to_numpy(i.problem.z_u); })
+      .def_property_readonly("c", [](const Instance& i) { return to_numpy(i.problem.c); })
+      .def_property_readonly("equality",
+                             [](const Instance& i) {
+                               py::array_t<bool> out(i.problem.rows());
+                               for (Index r = 0; r < i.problem.rows(); ++r)
+                                 out.mutable_at(r) = i.problem.is_equality(r);
+                               return out;
+                             })
+      .def_property_readonly("size", [](const Instance& i) { return i.problem.size(); })
+      .def_property_readonly("rows", [](const Instance& i) { return i.problem.rows(); })
+      .def_property_readonly("name", [](const Instance& i) { return i.problem.name; })
+      .def_readonly("family", &Instance::family)
+      .def_readonly("notes", &Instance::notes)
+      .def_property_readonly("row_names",
+                             [](const Instance& i) {
+                               std::vector<std::string> names;
+                               for (Index r = 0; r < i.problem.rows(); ++r) names.push_back(row_name(i, r));
+                               return names;
+                             })
+      .def_property_readonly("sha256", [](const Instance& i) { return problem_sha256(i.problem); })
+      .def_property_readonly("_reference", [](const Instance& i) -> py::object {
+        if (!i.reference) return py::none();
+        return py::dict("feasible"_a = i.reference->feasible, "z"_a = to_numpy(i.reference->z),
+                        "lambda_"_a = to_numpy(i.reference->lambda), "bound"_a = i.reference->bound,
+                        "method"_a = i.reference->method);
+      });
+
+  py::class_<Solved>(m, "Solution")
+      .def_property_readonly("status", [](const Solved& s) { return std::string(to_string(s.solution.status)); })
+      .def_property_readonly("z", [](const Solved& s) { return to_numpy(s.solution.z); })
+      .def_property_readonly("lambda_", [](const Solved& s) { return to_numpy(s.solution.lambda); })
+      .def_property_readonly("certificate", [](const Solved& s) { return to_numpy(s.solution.certificate); })
+      .def_property_readonly("iterations", [](const Solved& s) { return s.solution.iterations; })
+      .def_property_readonly("message", [](const Solved& s) { return s.solution.message; })
+      .def_property_readonly("handed_to", [](const Solved& s) { return s.solution.handed_to; })
+      .def_property_readonly("redundant", [](const Solved& s) { return s.solution.redundant; })
+      .def_readonly("seconds", &Solved::seconds);
+
+  py::class_<Judgement>(m, "Judgement")
+      .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })
+      .def_readonly("at_least", &Judgement::at_least)
+      .def_readonly("at_most", &Judgement::at_most)
+      .def_readonly("proof", &Judgement::proof)
+      .def_readonly("worst_row", &Judgement::worst_row)
+      .def_property_readonly("primal", [](const Judgement& j) { return j.metrics.primal; })
+      .def_property_readonly("dual", [](const Judgement& j) { return j.metrics.dual; })
+      .def_property_readonly("stationarity", [](const Judgement& j) { return j.metrics.stationarity; })
+      .def_property_readonly("complementarity", [](const Judgement& j) { return j.metrics.complementarity; })
+      .def_property_readonly("natural", [](const Judgement& j) { return j.metrics.natural; })
+      .def_property_readonly("scale", [](const Judgement& j) { return j.metrics.scale; })
+      .def("__str__", [](const Judgement& j) { return j.text; })
+      .def("__repr__", [](const Judgement& j) { return "<" + j.text + ">"; });
+
+  m.def("solvers", [] {
+    std::vector<py::dict> all;
+    for (const SolverEntry& e : solvers())
+      all.push_back(py::dict("name"_a = e.name, "method"_a = e.method, "limits"_a = e.limits, "foreign"_a = e.foreign,
+                             "exact"_a = e.exact));
+    return all;
+  });
+  m.def("scenes", [] {
+    std::vector<py::dict> all;
+    for (const SceneEntry& e : scenes()) {
+      std::vector<py::dict> knobs;
+      for (const Knob& k : e.knobs)
+        knobs.push_back(py::dict("name"_a = k.name, "value"_a = k.value, "low"_a = k.low, "high"_a = k.high,
+                                 "integer"_a = k.integer, "help"_a = k.help));
+      all.push_back(py::dict("name"_a = e.name, "family"_a = e.family, "line"_a = e.line, "knobs"_a = knobs));
+    }
+    return all;
+  });
+  const auto free = py::call_guard<py::gil_scoped_release>();
+  m.def("make_scenes", &make_scenes, free);
+  m.def("load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
+  m.def(
+      "save",
+      [](const std::filesystem::path& file, const std::vector<Instance>& problems) {
+        problems.size() == 1 ? write_problem(file, problems[0]) : write_problems(file, problems);
+      },
+      free);
+  m.def("solve", &solve);
+  m.def("judge", [](const Instance& instance, const Numbers& z, const Numbers& lambda, double tolerance) {
+    const Vector given = to_vector(z, "z"), multipliers = to_vector(lambda, "lambda_");
+    const py::gil_scoped_release working;
+    return judge(instance, given, multipliers, tolerance, reference_cache());
+  });
+  m.def("judge_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
+                       const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub, const Numbers& x,
+                       const Numbers& y, const Numbers& z, const Numbers& z_box, double tolerance) {
+    const QuadraticProgram program{.P = to_matrix<Eigen::ColMajor>(P, "P"),
+                                   .q = to_vector(q, "q"),
+                                   .G = to_matrix<Eigen::RowMajor>(G, "G"),
+                                   .h = to_vector(h, "h"),
+                                   .A = to_matrix<Eigen::RowMajor>(A, "A"),
+                                   .b = to_vector(b, "b"),
+                                   .lb = to_vector(lb, "lb"),
+                                   .ub = to_vector(ub, "ub")};
+    const Vector x_ = to_vector(x, "x"), y_ = to_vector(y, "y"), z_ = to_vector(z, "z"),
+                 box = to_vector(z_box, "z_box");
+    const py::gil_scoped_release working;
+    return judge(program, x_, y_, z_, box, tolerance);
+  });
+  m.def("add_solver", &add_python_solver);
+  m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
+                    const std::vector<std::filesystem::path>& files, const std::string& chosen,
+                    const std::vector<double>& tolerances, int repetitions, std::uint64_t seed, bool keep_python,
+                    const std::filesystem::path& directory) {
+    SuiteOptions options{.suite = suite,
+                         .scenes = scenes,
+                         .problems = files,
+                         .solvers = chosen,
+                         .tolerances = tolerances,
+                         .repetitions = repetitions,
+                         .seed = seed};
+    std::optional<py::gil_scoped_release> working;
+    if (!keep_python) working.emplace();
+    bench(std::move(options), problems, directory);
+  });
+}
+
+}  // namespace zwang

@@ -1,0 +1,227 @@
+"""Compare solvers for contact problems, and judge their answers.
+
+    minimize 1/2 (z - z_u)' M (z - z_u)   subject to   J z = c (equality rows),  J z >= c (inequality rows)
+
+Units are SI: z and z_u in m/s^2 and rad/s^2, M in kg and kg m^2; each row of J and its c share the row's own unit.
+Distances are taken in the M-norm, |d| = sqrt(d' M d), relative to s = max(|z_u|, |z*|).
+
+    >>> import zwang
+    >>> problem = zwang.scene("hand(contacts=16)")
+    >>> answer = zwang.solve(problem, "dual_active_set")
+    >>> print(zwang.judge(problem, answer.z))        # doctest: +ELLIPSIS
+    solved: |z - z*| is at least 0 and at most ...
+"""
+import json
+import pathlib
+import tempfile
+
+import numpy
+import scipy.sparse
+
+from . import _zwang
+from ._zwang import BadFile, Judgement, Solution, __version__
+
+__all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_qp",
+           "load", "save", "scene", "scenes", "solve", "solvers"]
+
+
+def _numbers(value, name, size=None):
+    """A float64 vector, or one line saying why not."""
+    if value is None:
+        return numpy.empty(0)
+    try:
+        array = numpy.ascontiguousarray(value, dtype=numpy.float64)
+    except (TypeError, ValueError) as bad:
+        raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
+    if array.ndim == 0 and size is not None:
+        array = numpy.full(size, float(array))
+    if array.ndim != 1:
+        array = array.reshape(-1) if array.ndim == 2 and 1 in array.shape else array
+    if array.ndim != 1:
+        raise ValueError(f"{name} should have one dimension, and has the shape {array.shape}")
+    return array
+
+
+def _compressed(matrix, name, columns, by_rows):
+    """Any matrix as float64 in compressed columns or rows, sorted, without duplicates."""
+    kind = scipy.sparse.csr_matrix if by_rows else scipy.sparse.csc_matrix
+    if matrix is None:
+        matrix = kind((0, columns))
+    try:
+        if not scipy.sparse.issparse(matrix):
+            matrix = numpy.asarray(matrix, dtype=numpy.float64)
+            if matrix.ndim == 1 and by_rows:
+                matrix = matrix.reshape(1, -1)
+            if matrix.ndim != 2:
+                raise ValueError(f"it has the shape {matrix.shape}")
+        matrix = kind(matrix, dtype=numpy.float64, copy=True)
+        matrix.sum_duplicates()
+        matrix.sort_indices()
+    except (TypeError, ValueError, OverflowError, IndexError) as bad:
+        raise ValueError(f"{name} should be a matrix of numbers: {bad}") from None
+    if matrix.nnz >= 2**31 or max(matrix.shape) >= 2**31:
+        raise ValueError(f"{name} is too large: expected fewer than 2^31 entries")
+    return _zwang.Compressed(matrix.data, matrix.indices, matrix.indptr, *matrix.shape)
+
+
+def _sparse(kind, parts):
+    data, indices, indptr, rows, columns = parts
+    return kind((data, indices, indptr), shape=(rows, columns))
+
+
+class Problem(_zwang.Problem):
+    """A problem of least constraint.
+
+    M: n x n, symmetric positive definite (dense or any scipy.sparse format). z_u: n. J: m x n. c: m; -inf on an
+    inequality row bounds nothing. equality: how many of the first rows are equalities, or m booleans. Raises
+    ValueError, with the place, for sizes that do not fit, NaN, an M that is not symmetric or not positive definite.
+    """
+
+    def __init__(self, M, z_u, J=None, c=None, *, equality=0, name="problem"):
+        z_u = _numbers(z_u, "z_u")
+        c = _numbers(c, "c")
+        mask = numpy.asarray(equality)
+        if mask.ndim == 0:
+            if mask.dtype == bool or not numpy.issubdtype(mask.dtype, numpy.integer) or not 0 <= int(mask) <= len(c):
+                raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
+            mask = numpy.arange(len(c)) < int(mask)
+        if mask.dtype != bool or mask.shape != c.shape:
+            raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
+        super().__init__(_compressed(M, "M", len(z_u), False), z_u, _compressed(J, "J", len(z_u), True), c, mask,
+                         str(name))
+
+
+_zwang.Problem.M = property(lambda p: _sparse(scipy.sparse.csc_matrix, p._M), doc="n x n, scipy.sparse.csc_matrix")
+_zwang.Problem.J = property(lambda p: _sparse(scipy.sparse.csr_matrix, p._J), doc="m x n, scipy.sparse.csr_matrix")
+_zwang.Problem.reference = property(lambda p: p._reference, doc="what the file or the scene knows to be true, or None")
+_zwang.Problem.__repr__ = lambda p: f"<zwang.Problem {p.name}: {p.size} unknowns, {p.rows} rows>"
+
+
+def scenes():
+    """The scenes and their knobs, one dict each."""
+    return _zwang.scenes()
+
+
+def scene(text, seed=1):
+    """The problem of a scene: "hand(contacts=16)". A list where the text names several: "hand(contacts=16,64)"."""
+    problems = _zwang.make_scenes(text, seed)
+    return problems[0] if len(problems) == 1 else problems
+
+
+def load(file):
+    """The problems of a file (docs/formats.md), as a list. Raises BadFile with file, place and what was expected."""
+    return _zwang.load(pathlib.Path(file))
+
+
+def save(file, problems):
+    """Writes one problem or a list of them; every double comes back bit for bit."""
+    _zwang.save(pathlib.Path(file), [problems] if isinstance(problems, _zwang.Problem) else list(problems))
+
+
+def solvers():
+    """The solvers and what each cannot do, one dict each."""
+    return _zwang.solvers()
+
+
+def _setting(value):
+    return {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else repr(value)
+
+
+def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=1000000, time_limit=60.0,
+          warm_start=None, **settings):
+    """Solves a problem; settings are the solver's own (`zwang solvers` lists them).
+
+    time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. Returns a Solution: status (what the
+    solver claims), z (n), lambda_ (m), iterations, message, seconds.
+    """
+    text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
+    warm = None if warm_start is None else _numbers(warm_start, "warm_start")
+    return _zwang.solve(problem, text, float(tolerance), int(max_iterations), float(time_limit), warm)
+
+
+def judge(problem, z, lambda_=None, *, tolerance=1e-9):
+    """Whether z solves the problem, whoever found it: a Judgement with verdict, at_least and at_most (proven bounds on
+    |z - z*|_M / s), residuals and the worst row. The truth is found and certified independently of any solver."""
+    return _zwang.judge(problem, _numbers(z, "z"), _numbers(lambda_, "lambda_"), float(tolerance))
+
+
+def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=None, z=None, z_box=None,
+             tolerance=1e-9):
+    """Whether x solves a strictly convex quadratic program, in qpsolvers' convention:
+
+        minimize 1/2 x'Px + q'x   subject to   G x <= h,  A x = b,  lb <= x <= ub
+
+    P: n x n, symmetric positive definite; a triangular P is refused. Multipliers (y of A, z of G, z_box of the bounds)
+    may be given: P x + q + A'y + G'z + z_box = 0. Returns a Judgement; its bounds are on |x - x*|_P, relative to
+    max(|P^-1 q|_P, |x*|_P).
+    """
+    q = _numbers(q, "q")
+    n = len(q)
+    try:
+        return _zwang.judge_qp(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), _numbers(h, "h", 1),
+                               _compressed(A, "A", n, True), _numbers(b, "b", 1), _numbers(lb, "lb", n),
+                               _numbers(ub, "ub", n), _numbers(x, "x"), _numbers(y, "y", 1), _numbers(z, "z", 1),
+                               _numbers(z_box, "z_box", n), float(tolerance))
+    except ValueError as bad:
+        if str(bad) != "P is not positive definite":
+            raise
+        raise ValueError(f"P is not positive definite: its smallest eigenvalue is {_smallest_eigenvalue(P):.3g}") from None
+
+
+def _smallest_eigenvalue(P):
+    P = scipy.sparse.csc_matrix(P, dtype=numpy.float64)
+    if P.shape[0] <= 1500:
+        return numpy.linalg.eigvalsh(P.toarray())[0]
+    import scipy.sparse.linalg
+    # The largest one of |P| 1 - P: as far from zero as can be, where Lanczos' method converges.
+    top = abs(P).sum(axis=0).max()
+    shifted = scipy.sparse.identity(P.shape[0]) * top - P
+    return top - scipy.sparse.linalg.eigsh(shifted, k=1, which="LA", return_eigenvectors=False, tol=1e-10)[0]
+
+
+def add_solver(name, function, method="a Python function"):
+    """Makes a Python function a solver of that name, for solve() and bench(): function(problem, tolerance) returns z,
+    or (z, lambda), or None where it has no answer. It runs in a child process with a deadline."""
+    def call(problem, tolerance):
+        return function(problem, tolerance)
+    _zwang.add_solver(name, call, method)
+    _python_solvers.add(name)
+
+
+_python_solvers = set()
+
+
+def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, out=None):
+    """Runs solvers on scenes ("hand(contacts=16,64)"), files, problems (a Problem, or a list), or a suite; returns one
+    dict a run, with the keys of results.jsonl (docs/formats.md): pandas.DataFrame(zwang.bench(...)).
+
+    solvers: names, or Python functions (see add_solver), or "qpsolvers:NAME" for a solver that qpsolvers finds.
+    out: a folder that keeps the run, for `zwang report`.
+    """
+    from . import qpsolvers as outside
+    names = []
+    for solver in [] if solvers is None else [solvers] if isinstance(solvers, str) or callable(solvers) else solvers:
+        if callable(solver):
+            name = getattr(solver, "__name__", "function").replace("<", "").replace(">", "")
+            if name not in _python_solvers:
+                add_solver(name, solver)
+            solver = name
+        elif solver.startswith("qpsolvers:"):
+            solver = outside.add(solver.split(":", 1)[1])
+        names.append(solver)
+    problems, files, text = [], [], ""
+    if isinstance(scenes, str):
+        text = scenes
+    elif isinstance(scenes, _zwang.Problem):
+        problems = [scenes]
+    elif isinstance(scenes, pathlib.PurePath):
+        files = [scenes]
+    elif scenes is not None:
+        problems = list(scenes)
+    python = any(name.split(":")[0] in _python_solvers for name in names) or (not names and bool(_python_solvers))
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = pathlib.Path(out) if out is not None else pathlib.Path(scratch) / "run"
+        _zwang.bench(suite, text, problems, files, ",".join(names), list(tolerances or []), repetitions, seed, python,
+                     folder)
+        with open(folder / "results.jsonl", encoding="utf-8") as lines:
+            return [json.loads(line) for line in lines]

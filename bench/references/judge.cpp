@@ -1,0 +1,101 @@
+#include <zwang/bench/references/judge.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include <zwang/bench/references/reference.h>
+
+namespace zwang {
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+Verdict by_distance(double at_least, double at_most, double tolerance) {
+  const double accepted = accepted_error(tolerance);
+  if (at_most <= accepted) return Verdict::solved;
+  if (at_most <= 1000 * accepted) return Verdict::near;
+  return at_least > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+}
+
+std::string in_words(const Judgement& j, const char* variable) {
+  std::string text(to_string(j.verdict));
+  const std::string distance = std::string("|") + variable + " - " + variable + "*|";
+  if (std::isfinite(j.at_most))
+    text +=
+        ": " + distance + " is at least " + number(j.at_least) + " and at most " + number(j.at_most) + " (relative)";
+  else if (j.at_least > 0)
+    text += ": " + distance + " is at least " + number(j.at_least) + " (relative)";
+  if (!j.worst_row.empty()) text += "; worst row: " + j.worst_row + ", violated by " + number(j.metrics.primal);
+  return text + (j.proof.empty() ? "" : "; proof: " + j.proof);
+}
+
+// `rounding`: of the stored problem, relative to s.
+Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance, double rounding,
+                const char* variable, const std::filesystem::path& cache) {
+  const Problem& p = instance.problem;
+  if (z.size() != p.size() || (lambda.size() != 0 && lambda.size() != p.rows()))
+    throw std::invalid_argument(std::string(variable) + " should have " + std::to_string(p.size()) +
+                                " entries and its multipliers " + std::to_string(p.rows()) + " or none; they have " +
+                                std::to_string(z.size()) + " and " + std::to_string(lambda.size()));
+  Solution solution;
+  solution.status = Status::solved;
+  solution.z = z;
+  solution.lambda = lambda;
+  const FoundReference truth = reference_for(instance, cache);
+  Judgement out;
+  out.metrics = measure(p, solution, truth.reference ? &*truth.reference : nullptr, tolerance);
+  const Metrics& m = out.metrics;
+  out.verdict = m.verdict;
+  if (m.worst_row >= 0 && m.primal > 0) out.worst_row = row_name(instance, m.worst_row);
+  if (truth.reference && !truth.reference->feasible) {
+    out.proof = truth.reference->method;
+    out.text = "wrong: no " + std::string(variable) + " meets all rows; proof: " + out.proof;
+    return out;
+  }
+  // With a reference: |z - z*| is z_error up to the reference's own bound and what m rounds. Without: the bound alone.
+  if (!std::isnan(m.z_bound)) {
+    out.at_most = m.z_bound + rounding;
+    out.proof = "the referee's bound (" + m.bound_method + ")";
+  }
+  if (truth.reference && !std::isnan(m.z_error)) {
+    const double off = truth.reference->bound + rounding + 1e-15 * (1 + m.z_error);
+    out.at_least = std::max(m.z_error - off, 0.0);
+    if (!(out.at_most <= m.z_error + off)) {
+      out.at_most = m.z_error + off;
+      out.proof = truth.reference->method;
+    }
+  }
+  if (z.allFinite()) out.verdict = by_distance(out.at_least, std::isnan(out.at_most) ? 1e300 : out.at_most, tolerance);
+  out.text = in_words(out, variable);
+  return out;
+}
+
+}  // namespace
+
+Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance,
+                const std::filesystem::path& cache) {
+  return judge(instance, z, lambda, tolerance, 0, "z", cache);
+}
+
+Judgement judge(const QuadraticProgram& program, const Vector& x, const Vector& y, const Vector& z, const Vector& z_box,
+                double tolerance) {
+  const AsLeastConstraint form = as_least_constraint(program);
+  if (x.size() != program.q.size())
+    throw std::invalid_argument("x should have " + std::to_string(program.q.size()) + " entries, and has " +
+                                std::to_string(x.size()));
+  const bool dual = y.size() + z.size() + z_box.size() > 0;
+  const Vector lambda = dual ? form.multipliers(program, y, z, z_box) : Vector();
+  const Problem& p = form.instance.problem;
+  // s is at least |z_u|_M, up to the rounding of this product.
+  const double s = std::sqrt(std::max(p.z_u.dot(p.M * p.z_u), 0.0)) / 2;
+  const double rounding = form.rounding == 0 ? 0 : form.rounding / std::max(s, form.rounding * 0x1p-60);
+  return judge(form.instance, x, lambda, tolerance, rounding, "x", {});
+}
+
+}  // namespace zwang

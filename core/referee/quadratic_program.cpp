@@ -1,0 +1,148 @@
+#include <zwang/core/referee/quadratic_program.h>
+
+#include <Eigen/SparseCholesky>
+#include <stdexcept>
+
+#include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/referee/scaled_problem.h>
+#include <zwang/core/referee/tolerances.h>
+
+namespace zwang {
+namespace {
+
+void require(bool holds, const std::string& expected) {
+  if (!holds) throw std::invalid_argument(expected);
+}
+
+std::string shape(Index rows, Index columns) { return std::to_string(rows) + " x " + std::to_string(columns); }
+
+void require_sizes(const QuadraticProgram& p) {
+  const Index n = p.q.size();
+  require(p.P.rows() == n && p.P.cols() == n, "P should be " + shape(n, n) + " as q has " + std::to_string(n) +
+                                                  " entries, and is " + shape(p.P.rows(), p.P.cols()));
+  const auto block = [n](const char* A, const char* b, const auto& matrix, const Vector& right) {
+    require(right.size() == 0 ? matrix.size() == 0 || matrix.rows() == 0
+                              : matrix.rows() == right.size() && matrix.cols() == n,
+            std::string(A) + " should be " + shape(right.size(), n) + " as " + b + " has " +
+                std::to_string(right.size()) + " entries, and is " + shape(matrix.rows(), matrix.cols()));
+  };
+  block("G", "h", p.G, p.h);
+  block("A", "b", p.A, p.b);
+  const auto bound = [n](const char* name, const Vector& v) {
+    require(v.size() == 0 || v.size() == n,
+            std::string(name) + " should have " + std::to_string(n) + " entries, and has " + std::to_string(v.size()));
+  };
+  bound("lb", p.lb);
+  bound("ub", p.ub);
+}
+
+// Rows of J, one after another.
+struct Rows {
+  std::vector<Eigen::Triplet<double>> J = {};
+  std::vector<double> c = {};
+  Problem& problem;
+  std::vector<RowOrigin>& origin;
+
+  void begin(const char* type, Index index, RowKind kind, double right) {
+    problem.kind.push_back(kind);
+    problem.key.push_back({fnv1a(type), static_cast<std::uint32_t>(index)});
+    origin.push_back({.type = type, .label = std::to_string(index)});
+    c.push_back(right);
+  }
+  void entry(Index column, double value) {
+    J.emplace_back(static_cast<int>(c.size()) - 1, static_cast<int>(column), value);
+  }
+};
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
+  require_sizes(p);
+  AsLeastConstraint out;
+  Problem& problem = out.instance.problem;
+  const Index n = p.q.size();
+  Rows rows{.problem = problem, .origin = out.instance.origin};
+  for (Index i = 0; i < p.b.size(); ++i) {
+    rows.begin("equality", i, RowKind::equality, p.b[i]);
+    for (decltype(p.A)::InnerIterator e(p.A, i); e; ++e) rows.entry(e.col(), e.value());
+  }
+  for (Index i = 0; i < p.h.size(); ++i) {
+    if (p.h[i] == infinity) continue;
+    rows.begin("inequality", i, RowKind::inequality, -p.h[i]);
+    for (decltype(p.G)::InnerIterator e(p.G, i); e; ++e) rows.entry(e.col(), -e.value());
+  }
+  for (Index i = 0; i < p.lb.size(); ++i) {
+    if (p.lb[i] == -infinity) continue;
+    rows.begin("lower bound", i, RowKind::inequality, p.lb[i]);
+    rows.entry(i, 1);
+  }
+  for (Index i = 0; i < p.ub.size(); ++i) {
+    if (p.ub[i] == infinity) continue;
+    rows.begin("upper bound", i, RowKind::inequality, -p.ub[i]);
+    rows.entry(i, -1);
+  }
+  problem.name = "quadratic program";
+  problem.M = p.P;
+  problem.M.makeCompressed();
+  problem.J.resize(static_cast<Index>(rows.c.size()), n);
+  problem.J.setFromTriplets(rows.J.begin(), rows.J.end());
+  problem.c = Eigen::Map<const Vector>(rows.c.data(), static_cast<Index>(rows.c.size()));
+  problem.z_u = p.q;  // checked with the rest
+  std::string bad = bad_input(problem);
+  if (const auto at = bad.find("z_u("); at == 0) bad.replace(0, 3, "q");
+  for (std::size_t at; (at = bad.find("M is")) != std::string::npos || (at = bad.find("M(")) != std::string::npos;)
+    bad[at] = 'P';
+  require(bad.empty(), bad);
+
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(p.P);
+  require(n == 0 || factor.info() == Eigen::Success, "P is not positive definite");
+  // z_u = -P^-1 q, its residual P z_u + q taken in double-double: after a few corrections z_u is as good as rounding
+  // to double allows, and the residual's dual norm says how good that is.
+  Vector& z_u = problem.z_u;
+  z_u.setZero(n);
+  ExtendedVector r;
+  const auto residual = [&] {
+    r.assign(p.q.data(), p.q.data() + n);
+    for (Index j = 0; j < n; ++j)
+      for (decltype(p.P)::InnerIterator e(p.P, j); e; ++e)
+        r[static_cast<std::size_t>(e.row())] += DoubleDouble::exact_product(e.value(), z_u[j]);
+  };
+  for (int correction = 0; correction < 4; ++correction) {
+    residual();
+    Vector right(n);
+    for (Index i = 0; i < n; ++i) right[i] = r[static_cast<std::size_t>(i)].hi;
+    z_u -= factor.solve(right);
+  }
+  require(z_u.allFinite(), "P is not positive definite");
+  residual();
+  const ScaledProblem scaled(problem);
+  require(scaled.definite, "P is not positive definite");
+  for (DoubleDouble& x : r) x = x.scaled(-scaled.mass_exponent - scaled.motion_exponent);
+  out.rounding = referee::widened_sum * scaled.to_problem_norm(scaled.dual_norm(r));
+  return out;
+}
+
+Vector AsLeastConstraint::multipliers(const QuadraticProgram& program, const Vector& y, const Vector& z,
+                                      const Vector& z_box) const {
+  const auto fits = [](const char* name, const Vector& v, Index size) {
+    require(v.size() == 0 || v.size() == size, std::string(name) + " should have " + std::to_string(size) +
+                                                   " entries, and has " + std::to_string(v.size()));
+  };
+  fits("y", y, program.b.size());
+  fits("z", z, program.h.size());
+  fits("z_box", z_box, program.q.size());
+  Vector lambda = Vector::Zero(instance.problem.rows());
+  for (Index i = 0; i < lambda.size(); ++i) {
+    const RowOrigin& row = instance.origin[static_cast<std::size_t>(i)];
+    const auto k = static_cast<Index>(instance.problem.key[static_cast<std::size_t>(i)].row);
+    if (row.type == "equality" && y.size() > 0) lambda[i] = -y[k];
+    if (row.type == "inequality" && z.size() > 0) lambda[i] = z[k];
+    if (row.type == "lower bound" && z_box.size() > 0) lambda[i] = std::max(-z_box[k], 0.0);
+    if (row.type == "upper bound" && z_box.size() > 0) lambda[i] = std::max(z_box[k], 0.0);
+  }
+  return lambda;
+}
+
+}  // namespace zwang
