@@ -1,0 +1,86 @@
+from pathlib import Path
+from typing import Any, Callable, Iterable, Sequence
+
+import numpy
+import numpy.typing
+import scipy.sparse
+
+__version__: str
+
+Numbers = numpy.typing.ArrayLike
+Matrix = numpy.typing.ArrayLike | scipy.sparse.spmatrix
+Answer = Numbers | tuple[Numbers, Numbers] | None
+
+class BadFile(ValueError): ...
+
+class Problem:
+    def __init__(self, M: Matrix, z_u: Numbers, J: Matrix | None = None, c: Numbers | None = None, *,
+                 equality: int | Sequence[bool] = 0, name: str = "problem") -> None: ...
+    @property
+    def M(self) -> scipy.sparse.csc_matrix: ...
+    @property
+    def J(self) -> scipy.sparse.csr_matrix: ...
+    @property
+    def z_u(self) -> numpy.ndarray: ...
+    @property
+    def c(self) -> numpy.ndarray: ...
+    @property
+    def equality(self) -> numpy.ndarray: ...
+    @property
+    def size(self) -> int: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def family(self) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def row_names(self) -> list[str]: ...
+    @property
+    def sha256(self) -> str: ...
+    @property
+    def reference(self) -> dict[str, Any] | None: ...
+
+class Solution:
+    status: str
+    z: numpy.ndarray
+    lambda_: numpy.ndarray
+    certificate: numpy.ndarray
+    iterations: int
+    message: str
+    handed_to: str
+    redundant: list[int]
+    seconds: float
+
+class Judgement:
+    verdict: str
+    at_least: float
+    at_most: float
+    proof: str
+    worst_row: str
+    primal: float
+    dual: float
+    stationarity: float
+    complementarity: float
+    natural: float
+    scale: float
+
+def scenes() -> list[dict[str, Any]]: ...
+def scene(text: str, seed: int = 1) -> Problem | list[Problem]: ...
+def load(file: str | Path) -> list[Problem]: ...
+def save(file: str | Path, problems: Problem | Iterable[Problem]) -> None: ...
+def solvers() -> list[dict[str, Any]]: ...
+def solve(problem: Problem, solver: str = "dual_active_set", *, tolerance: float = 1e-10, max_iterations: int = 1000000,
+          time_limit: float = 60.0, warm_start: Numbers | None = None, **settings: bool | int | float) -> Solution: ...
+def judge(problem: Problem, z: Numbers, lambda_: Numbers | None = None, *, tolerance: float = 1e-9) -> Judgement: ...
+def judge_qp(P: Matrix, q: Numbers, G: Matrix | None = None, h: Numbers | None = None, A: Matrix | None = None,
+             b: Numbers | None = None, lb: Numbers | None = None, ub: Numbers | None = None, *, x: Numbers,
+             y: Numbers | None = None, z: Numbers | None = None, z_box: Numbers | None = None,
+             tolerance: float = 1e-9) -> Judgement: ...
+def add_solver(name: str, function: Callable[[Problem, float], Answer], method: str = "a Python function") -> None: ...
+def bench(scenes: str | Path | Problem | Iterable[Problem] | None = None, *, suite: str = "quick",
+          solvers: str | Callable[[Problem, float], Answer] | Iterable[str | Callable[[Problem, float], Answer]] | None = None,
+          tolerances: Iterable[float] | None = None, repetitions: int = 0, seed: int = 1,
+          out: str | Path | None = None) -> list[dict[str, Any]]: ...

@@ -1,0 +1,198 @@
+"""The Python module as its users meet it. Run by ctest with PYTHONPATH set to the built package."""
+import doctest
+import gc
+import math
+import os
+import random
+import tempfile
+import threading
+import unittest
+
+import numpy
+import scipy.sparse
+
+import zwang
+
+
+def random_program(seed, n=12, rows=9, equalities=2):
+    draw = numpy.random.default_rng(seed)
+    L = draw.normal(size=(n, n))
+    P = L @ L.T + numpy.eye(n)
+    x0 = draw.normal(size=n)
+    G, A = draw.normal(size=(rows, n)), draw.normal(size=(equalities, n))
+    return dict(P=P, q=draw.normal(size=n) * 3, G=G, h=G @ x0 + draw.uniform(0, 0.3, rows), A=A, b=A @ x0,
+                lb=x0 - draw.uniform(0, 2, n), ub=x0 + draw.uniform(0, 2, n))
+
+
+def solution_of(program):
+    """x*, by zwang's own solver on the problem stated by hand."""
+    n = len(program["q"])
+    I = numpy.eye(n)
+    J = numpy.vstack([program["A"], -program["G"], I, -I])
+    c = numpy.concatenate([program["b"], -program["h"], program["lb"], -program["ub"]])
+    problem = zwang.Problem(program["P"], -numpy.linalg.solve(program["P"], program["q"]), J, c,
+                            equality=len(program["b"]))
+    return zwang.solve(problem, tolerance=1e-12)
+
+
+class Problems(unittest.TestCase):
+    def test_round_trip_keeps_every_bit(self):
+        problem = zwang.scene("hand(contacts=4)")
+        again = zwang.Problem(problem.M, problem.z_u, problem.J, problem.c, equality=problem.equality)
+        self.assertEqual(again.sha256, problem.sha256)
+        with tempfile.TemporaryDirectory() as folder:
+            zwang.save(os.path.join(folder, "p.h5"), problem)
+            self.assertEqual(zwang.load(os.path.join(folder, "p.h5"))[0].sha256, problem.sha256)
+
+    def test_sparse_formats_orders_and_strides_give_the_same_problem(self):
+        problem = zwang.scene("tower(boxes=3)")
+        dense = problem.J.toarray()
+        wanted = problem.sha256
+        forms = [dense, numpy.asfortranarray(dense), numpy.repeat(dense, 2, axis=1)[:, ::2], problem.J.tocsc(),
+                 problem.J.tocoo(), problem.J.tolil(), problem.J.todok(), problem.J.tobsr(), dense.tolist()]
+        twice = scipy.sparse.coo_matrix(problem.J)
+        twice = scipy.sparse.coo_matrix((numpy.r_[twice.data / 2, twice.data / 2], (numpy.r_[twice.row, twice.row],
+                                                                                numpy.r_[twice.col, twice.col])))
+        for J in forms + [twice]:
+            again = zwang.Problem(problem.M.toarray(), problem.z_u.astype(">f8"), J, list(problem.c),
+                                  equality=problem.equality)
+            self.assertEqual(again.J.toarray().tobytes(), problem.J.toarray().tobytes())
+        self.assertEqual(zwang.Problem(problem.M, problem.z_u, problem.J, problem.c,
+                                       equality=problem.equality).sha256, wanted)
+
+    def test_bad_input_is_one_line(self):
+        good = dict(M=numpy.eye(2), z_u=[0, 0], J=[[1, 0]], c=[1])
+        for spoilt, word in [(dict(M=numpy.eye(3)), "M"), (dict(M=[[1, 2], [0, 1]]), "symmetric"),
+                             (dict(M=-numpy.eye(2)), "positive definite"), (dict(z_u=[math.nan, 0]), "z_u(0)"),
+                             (dict(c=[math.inf]), "c(0)"), (dict(J=[[1, 0, 0]]), "J"), (dict(z_u="x"), "z_u"),
+                             (dict(M=[["a"]]), "M"), (dict(equality=2), "equality"), (dict(J=numpy.ones((1, 1, 2))), "J"),
+                             (dict(equality=[0.5]), "equality"), (dict(z_u=numpy.ones((2, 2))), "z_u")]:
+            with self.assertRaises(ValueError) as raised:
+                zwang.Problem(**{**good, **spoilt})
+            self.assertIn(word, str(raised.exception))
+            self.assertEqual(len(str(raised.exception).splitlines()), 1, raised.exception)
+
+    def test_an_unreadable_file_is_one_line(self):
+        with tempfile.NamedTemporaryFile(suffix=".h5") as file:
+            file.write(b"no file of this kind")
+            file.flush()
+            with self.assertRaises(zwang.BadFile) as raised:
+                zwang.load(file.name)
+        self.assertEqual(len(str(raised.exception).splitlines()), 1)
+
+
+class Solving(unittest.TestCase):
+    def test_every_native_solver_on_a_scene(self):
+        problem = zwang.scene("hand(contacts=4)")
+        for solver in zwang.solvers():
+            if solver["exact"] and solver["name"] != "nnls_paper":
+                answer = zwang.solve(problem, solver["name"])
+                self.assertEqual(answer.status, "solved")
+                self.assertEqual(zwang.judge(problem, answer.z).verdict, "solved", solver["name"])
+
+    def test_a_wrong_name_or_setting_is_one_line(self):
+        problem = zwang.scene("tower(boxes=2)")
+        for wrong in [dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
+                      dict(tolerance=2.0), dict(warm_start=[1.0])]:
+            with self.assertRaises(ValueError) as raised:
+                zwang.solve(problem, **wrong)
+            self.assertEqual(len(str(raised.exception).splitlines()), 1)
+
+    def test_two_threads_give_the_bits_of_one(self):
+        problems = [zwang.scene(f"hand(contacts={c})") for c in (4, 16, 64)]
+        alone = [zwang.solve(p).z.tobytes() for p in problems]
+        together = {}
+
+        def work(which):
+            together[which] = [[zwang.solve(p).z.tobytes() for p in problems] for _ in range(5)]
+        threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+        [t.start() for t in threads]
+        [t.join() for t in threads]
+        for results in together.values():
+            for result in results:
+                self.assertEqual(result, alone)
+
+    def test_a_function_is_a_solver_of_a_bench(self):
+        def by_numpy(problem, tolerance):
+            active = problem.equality
+            J, M = problem.J[active].toarray(), problem.M.toarray()
+            K = numpy.block([[M, -J.T], [J, numpy.zeros((len(J), len(J)))]])
+            return numpy.linalg.lstsq(K, numpy.r_[M @ problem.z_u, problem.c[active]], rcond=None)[0][:problem.size]
+
+        def forgets(problem, tolerance):
+            return None
+
+        def dies(problem, tolerance):
+            os._exit(3)
+
+        def raises(problem, tolerance):
+            raise RuntimeError("not today")
+
+        rows = zwang.bench("chain(links=2),tower(boxes=2)", solvers=["dual_active_set", by_numpy, forgets, dies, raises],
+                           tolerances=[1e-8], repetitions=1)
+        of = {(row["solver"], row["problem"].split("(")[0]): row for row in rows}
+        self.assertEqual(of["by_numpy", "chain"]["verdict"], "solved")
+        self.assertEqual(of["by_numpy", "tower"]["verdict"], "wrong")  # it knows no contacts
+        self.assertEqual(of["forgets", "chain"]["verdict"], "no answer")
+        self.assertEqual(of["dies", "chain"]["verdict"], "crashed")
+        self.assertIn("not today", of["raises", "chain"]["message"])
+
+
+class Judging(unittest.TestCase):
+    def test_spoilt_answers_are_told_by_what_they_are_off(self):
+        for seed in range(4):
+            program = random_program(seed)
+            x = solution_of(program).z
+            self.assertEqual(zwang.judge_qp(**program, x=x).verdict, "solved")
+            size = max(math.sqrt(v @ program["P"] @ v) for v in (x, numpy.linalg.solve(program["P"], program["q"])))
+            for off, verdict in [(1e-4, "wrong"), (1e-7, "near"), (1e-12, "solved")]:
+                d = numpy.random.default_rng(seed).normal(size=len(x))
+                d *= off * size / math.sqrt(d @ program["P"] @ d)
+                judged = zwang.judge_qp(**program, x=x + d)
+                self.assertEqual(judged.verdict, verdict, str(judged))
+                self.assertIn(verdict, str(judged))
+                self.assertLessEqual(judged.at_least, off * 1.001 + 1e-15)
+                self.assertGreaterEqual(judged.at_most, off * 0.999)
+
+    def test_programs_that_have_no_verdict(self):
+        program = random_program(1)
+        with self.assertRaisesRegex(ValueError, "smallest eigenvalue is -1"):
+            zwang.judge_qp(numpy.diag([1.0, -1.0]), [0, 0], x=[0, 0])
+        with self.assertRaisesRegex(ValueError, "symmetric"):
+            zwang.judge_qp(numpy.triu(program["P"]), program["q"], x=program["q"])
+        for name in ("h", "b", "q", "x"):
+            with self.assertRaises(ValueError):
+                zwang.judge_qp(**{**program, "x": program["q"], name: numpy.zeros(5)})
+        impossible = zwang.judge_qp(numpy.eye(1), [0], G=[[1], [-1]], h=[-1, -1], x=[0])
+        self.assertEqual(impossible.verdict, "wrong")
+
+    def test_no_call_crashes(self):
+        draw = random.Random(3)
+        odd = [None, 0, -1, 3.5, math.nan, "x", b"y", [], [[]], [1, 2], [[1, 2], [3, 4]], numpy.zeros((0, 2)),
+               numpy.zeros(3, dtype=complex), numpy.array([object()]), numpy.zeros((2, 2, 2)), numpy.ones(2)[::-1],
+               numpy.array([1, 2], dtype=numpy.int8), scipy.sparse.eye(2), scipy.sparse.random(2, 3, 0.5),
+               scipy.sparse.coo_matrix((2, 2)), numpy.full(2, numpy.inf), True, {}, lambda: 0, "1e400", 10**400]
+        bad_csr = scipy.sparse.csr_matrix(numpy.eye(2))
+        bad_csr.indices[:] = 77
+        odd.append(bad_csr)
+        problem = zwang.scene("tower(boxes=2)")
+        calls = [lambda v: zwang.Problem(v(), v(), v(), v(), equality=v()), lambda v: zwang.Problem(numpy.eye(2), [0, 0], v(), v()),
+                 lambda v: zwang.judge(problem, v(), v()), lambda v: zwang.judge_qp(v(), v(), v(), v(), x=v()),
+                 lambda v: zwang.judge_qp(numpy.eye(2), [1, 2], v(), v(), v(), v(), v(), v(), x=v(), y=v(), z=v(), z_box=v()),
+                 lambda v: zwang.solve(problem, warm_start=v()), lambda v: zwang.solve(v()), lambda v: zwang.scene(v()),
+                 lambda v: zwang.load(v()), lambda v: zwang.save("/nonexistent/x.h5", v())]
+        for _ in range(1500):
+            try:
+                draw.choice(calls)(lambda: draw.choice(odd))
+            except (ValueError, TypeError, OverflowError, RuntimeError, OSError, AttributeError, IndexError) as expected:
+                self.assertTrue(str(expected))
+        gc.collect()
+
+
+def load_tests(loader, tests, ignore):
+    tests.addTests(doctest.DocTestSuite(zwang))
+    return tests
+
+
+if __name__ == "__main__":
+    unittest.main()
