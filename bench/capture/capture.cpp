@@ -1,0 +1,184 @@
+#include <zwang/bench/capture/capture.h>
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/mix_bits.h>
+
+namespace zwang {
+namespace {
+
+struct FreeModel {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+
+class Model {
+ public:
+  explicit Model(const std::filesystem::path& file);
+  void forward() { mj_forward(model_.get(), data_.get()); }
+  void step();
+  Instance problem() const;
+
+ private:
+  void add_rows(Instance& out) const;
+  void add_contact(Instance& out, const mjContact& contact, std::map<std::array<int, 2>, int>& seen) const;
+  std::string name(int kind, int id) const;
+  int dimension(const mjContact& contact) const;
+
+  std::string family_;
+  std::unique_ptr<mjModel, FreeModel> model_;
+  std::unique_ptr<mjData, FreeModel> data_;
+  std::vector<int> condim_, pair_dim_;  // as the model has them
+};
+
+// Frictionless in MuJoCo's own run, and as exact as its Newton solver goes.
+Model::Model(const std::filesystem::path& file) : family_(file.stem().string()) {
+  mju_user_error = [](const char* message) { throw std::runtime_error(message); };
+  mju_user_warning = [](const char*) {};
+  std::array<char, 1000> error{};
+  model_.reset(mj_loadXML(file.c_str(), nullptr, error.data(), error.size()));
+  if (!model_) {
+    std::string text(error.data());
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    throw BadFile(file.string() + ": MuJoCo says: " + text);
+  }
+  mjModel& m = *model_;
+  condim_.assign(m.geom_condim, m.geom_condim + m.ngeom);
+  pair_dim_.assign(m.pair_dim, m.pair_dim + m.npair);
+  std::fill_n(m.geom_condim, m.ngeom, 1);
+  std::fill_n(m.pair_dim, m.npair, 1);
+  std::fill_n(m.dof_frictionloss, m.nv, 0);
+  std::fill_n(m.tendon_frictionloss, m.ntendon, 0);
+  m.opt.solver = mjSOL_NEWTON;
+  m.opt.iterations = 1000;
+  m.opt.tolerance = 1e-15;
+  m.opt.noslip_iterations = 0;
+  m.opt.jacobian = mjJAC_SPARSE;
+  data_.reset(mj_makeData(&m));
+  if (!data_) throw BadFile(file.string() + ": MuJoCo has not enough memory for this model");
+}
+
+void Model::step() {
+  mj_step(model_.get(), data_.get());
+  for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL})
+    if (data_->warning[warning].number > 0)
+      throw std::runtime_error(std::string("MuJoCo stopped: ") + mju_warningText(warning, data_->warning[warning].lastinfo));
+}
+
+std::string Model::name(int kind, int id) const {
+  const char* given = mj_id2name(model_.get(), kind, id);
+  return given ? given : std::to_string(id);
+}
+
+// Of contact rows as the model asks for them: 1 is frictionless.
+int Model::dimension(const mjContact& c) const {
+  if (c.exclude == 0 && c.geom1 >= 0 && c.geom2 >= 0) {
+    for (int pair = 0; pair < model_->npair; ++pair)
+      if (model_->pair_geom1[pair] == c.geom1 && model_->pair_geom2[pair] == c.geom2)
+        return pair_dim_[static_cast<std::size_t>(pair)];
+    const int first = model_->geom_priority[c.geom1], second = model_->geom_priority[c.geom2];
+    const int one = condim_[static_cast<std::size_t>(c.geom1)], two = condim_[static_cast<std::size_t>(c.geom2)];
+    return first == second ? std::max(one, two) : first > second ? one : two;
+  }
+  return 1;
+}
+
+Instance Model::problem() const {
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  Instance out;
+  Problem& p = out.problem;
+  out.family = family_;
+  const auto n = static_cast<Index>(m.nv);
+  std::vector<Eigen::Triplet<double>> mass;
+  for (int i = 0; i < m.nv; ++i)
+    for (int j = i, at = m.dof_Madr[i]; j >= 0; j = m.dof_parentid[j], ++at) {
+      mass.emplace_back(i, j, d.qM[at]);
+      if (i != j) mass.emplace_back(j, i, d.qM[at]);
+    }
+  p.M.resize(n, n);
+  p.M.setFromTriplets(mass.begin(), mass.end());
+  p.z_u = Eigen::Map<const Vector>(d.qacc_smooth, n);
+  add_rows(out);
+  out.recorded.push_back({.by = "mujoco", .z = Eigen::Map<const Vector>(d.qacc, n)});
+  return out;
+}
+
+void Model::add_rows(Instance& out) const {
+  const mjModel& m = *model_;
+  const mjData& d = *data_;
+  Problem& p = out.problem;
+  std::vector<Eigen::Triplet<double>> J;
+  std::map<std::array<int, 2>, int> seen;  // contacts of one pair of geoms, in MuJoCo's order
+  std::map<std::array<int, 2>, int> equality_rows;
+  p.c = Eigen::Map<const Vector>(d.efc_aref, d.nefc);
+  for (int i = 0; i < d.nefc; ++i) {
+    for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e)
+      if (d.efc_J[e] != 0) J.emplace_back(i, d.efc_J_colind[e], d.efc_J[e]);
+    const int id = d.efc_id[i];
+    p.kind.push_back(d.efc_type[i] == mjCNSTR_EQUALITY ? RowKind::equality : RowKind::inequality);
+    if (d.efc_type[i] == mjCNSTR_EQUALITY) {
+      const int row = equality_rows[{0, id}]++;
+      out.origin.push_back({.type = "equality", .label = name(mjOBJ_EQUALITY, id), .row = row});
+      p.key.push_back({mix_bits(1), static_cast<std::uint32_t>(64 * id + row)});
+    } else if (d.efc_type[i] == mjCNSTR_LIMIT_JOINT || d.efc_type[i] == mjCNSTR_LIMIT_TENDON) {
+      const bool joint = d.efc_type[i] == mjCNSTR_LIMIT_JOINT;
+      // Both sides of one limit may be near.
+      const int side = equality_rows[{joint ? 1 : 2, id}]++;
+      out.origin.push_back({.type = joint ? "joint limit" : "tendon limit",
+                            .label = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, id) + (side ? ", other side" : "")});
+      p.key.push_back({mix_bits(joint ? 2 : 3), static_cast<std::uint32_t>(2 * id + side)});
+    } else {
+      add_contact(out, d.contact[id], seen);
+    }
+  }
+  p.J.resize(d.nefc, m.nv);
+  p.J.setFromTriplets(J.begin(), J.end());
+}
+
+void Model::add_contact(Instance& out, const mjContact& c, std::map<std::array<int, 2>, int>& seen) const {
+  const mjModel& m = *model_;
+  const int which = seen[{c.geom1, c.geom2}]++;
+  const auto row = static_cast<Index>(out.problem.key.size());
+  const std::uint64_t pair = (static_cast<std::uint64_t>(c.geom1) << 32) | static_cast<std::uint32_t>(c.geom2);
+  out.problem.key.push_back({mix_bits(pair + 4), static_cast<std::uint32_t>(which)});
+  out.origin.push_back({.type = "contact",
+                        .label = name(mjOBJ_GEOM, c.geom1) + " on " + name(mjOBJ_GEOM, c.geom2) +
+                                 (which ? ", " + std::to_string(which + 1) : ""),
+                        .unit = "m/s^2"});
+  if (dimension(c) == 1) return;
+  // The point's velocity on the second body less that on the first, along the two tangents of the frame.
+  using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows first(3, m.nv), second(3, m.nv);
+  mj_jac(&m, data_.get(), first.data(), nullptr, c.pos, m.geom_bodyid[c.geom1]);
+  mj_jac(&m, data_.get(), second.data(), nullptr, c.pos, m.geom_bodyid[c.geom2]);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> frame(c.frame);
+  const Eigen::Matrix<double, 2, Eigen::Dynamic> tangents = frame.bottomRows<2>() * (second - first);
+  out.friction.push_back({.row = row, .mu = c.friction[0], .tangents = tangents.sparseView(0, 0)});
+}
+
+}  // namespace
+
+void capture(const CaptureOptions& options, const std::function<bool(int step, const Instance&)>& found) {
+  Model model(options.model);
+  for (int step = 0; step < options.steps; ++step) {
+    if (step % options.every == 0) {
+      model.forward();
+      Instance instance = model.problem();
+      instance.problem.name = instance.family + " step " + std::to_string(step);
+      instance.knob = "step";
+      instance.knob_value = step;
+      if (!found(step, instance)) return;
+    }
+    model.step();
+  }
+}
+
+}  // namespace zwang
