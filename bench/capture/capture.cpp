@@ -69,7 +69,8 @@ void Model::step() {
   mj_step(model_.get(), data_.get());
   for (const int warning : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL})
     if (data_->warning[warning].number > 0)
-      throw std::runtime_error(std::string("MuJoCo stopped: ") + mju_warningText(warning, data_->warning[warning].lastinfo));
+      throw std::runtime_error(std::string("MuJoCo stopped: ") +
+                               mju_warningText(warning, data_->warning[warning].lastinfo));
 }
 
 std::string Model::name(int kind, int id) const {

@@ -41,8 +41,8 @@ void add_scene(SceneEntry entry);
 const SceneEntry* find_scene(std::string_view name);
 
 // "tower(boxes=10,100),hand(contacts=64,seed=1..5)" -> every combination, named "tower(boxes=10)" and so on.
-// `seed` is the default of every knob of that name. Throws std::invalid_argument with the nearest name, or the knob's
-// range.
+// "crane.json" is a scene file (scene_file.h). `seed` is the default of every knob of that name. Throws
+// std::invalid_argument with the nearest name, or the knob's range.
 std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed = 1);
 
 }  // namespace zwang

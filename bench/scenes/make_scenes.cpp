@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/scene_file.h>
 #include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang {
@@ -87,6 +88,10 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
   std::vector<Instance> all;
   for (const std::string& part : split(text)) {
+    if (part.ends_with(".json")) {
+      all.push_back(read_scene_file(part));
+      continue;
+    }
     const auto open = part.find('(');
     const std::string name = part.substr(0, open);
     const SceneEntry* scene = find_scene(name);

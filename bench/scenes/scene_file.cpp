@@ -1,0 +1,313 @@
+#include <zwang/bench/scenes/scene_file.h>
+
+#include <map>
+#include <optional>
+
+#include <zwang/bench/scenes/json_document.h>
+#include <zwang/collision/load.h>
+#include <zwang/collision/world.h>
+#include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/contact.h>
+#include <zwang/constraints/distance.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/constraints/prismatic_joint.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/constraints/rope.h>
+#include <zwang/constraints/universal_joint.h>
+#include <zwang/constraints/weld.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/model/motion.h>
+#include <zwang/core/problem/did_you_mean.h>
+
+namespace zwang {
+namespace {
+
+Vec3 vector3(const JsonValue& v) {
+  const std::vector<double> x = v.numbers(3);
+  return {x[0], x[1], x[2]};
+}
+
+Vec3 direction(const JsonValue& v) {
+  const Vec3 d = vector3(v);
+  if (!(d.norm() > 0)) v.fail("a direction, not all zeros");
+  return d.normalized();
+}
+
+Vec<double, 6> twist(const JsonValue& v) {
+  const std::vector<double> x = v.numbers(6);
+  return Eigen::Map<const Vec<double, 6>>(x.data());
+}
+
+// "rotation": a rotation vector [rad].
+Pose<double> pose(const JsonValue& v) {
+  Pose<double> out;
+  if (v.has("position")) out.position = vector3(v["position"]);
+  if (v.has("rotation")) out.rotation = rotation(vector3(v["rotation"]));
+  return out;
+}
+
+// A body's outside: of what it is made for collisions, and its inertia about its middle [kg m^2].
+struct Outside {
+  std::optional<collision::Shape> shape = {};
+  std::shared_ptr<const collision::Tree> mesh = {};
+  Vec3 inertia_of_a_kg = Vec3::Ones();
+};
+
+Outside outside(const JsonValue& v, const std::filesystem::path& folder) {
+  v.only({"box", "sphere", "capsule", "mesh", "rounding"});
+  if (v.value().size() - (v.has("rounding") ? 1 : 0) != 1) v.fail("one of box, sphere, capsule, mesh");
+  Outside out;
+  if (v.has("box")) {
+    const Vec3 w = vector3(v["box"]);
+    if (!(w.minCoeff() > 0)) v["box"].fail("three positive widths");
+    const double rounding = v.has("rounding") ? v["rounding"].positive() : 1e-3 * w.minCoeff();
+    if (2 * rounding > w.minCoeff()) v["rounding"].fail("at most half of the smallest width");
+    out.shape = collision::Shape::rounded_box(w, rounding);
+    const Vec3 s = w.cwiseProduct(w) / 12;
+    out.inertia_of_a_kg = {s.y() + s.z(), s.z() + s.x(), s.x() + s.y()};
+  } else if (v.has("sphere")) {
+    const double r = v["sphere"].positive();
+    out.shape = collision::Shape::sphere(r);
+    out.inertia_of_a_kg.setConstant(0.4 * r * r);
+  } else if (v.has("capsule")) {
+    const std::vector<double> c = v["capsule"].numbers(2);
+    if (!(c[0] > 0 && c[1] > 0)) v["capsule"].fail("[length between the caps' centres, radius], both positive");
+    const double l = c[0], r = c[1];
+    out.shape = collision::Shape::capsule(l, r);
+    // A cylinder and two half balls, by their volumes.
+    const double cylinder = l / (l + 4 * r / 3), caps = 1 - cylinder;
+    const double along = cylinder * r * r / 2 + caps * 0.4 * r * r;
+    const double across = cylinder * (r * r / 4 + l * l / 12) + caps * (0.4 * r * r + l * l / 4 + 0.375 * l * r);
+    out.inertia_of_a_kg = {across, along, across};
+  } else {
+    const collision::MeshName name = collision::parse_mesh_name(v["mesh"].text());
+    out.mesh =
+        std::make_shared<const collision::Tree>(collision::load_tree(folder / name.file, {.unit = name.unit}).tree);
+  }
+  return out;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : file_(file), document_(file) {}
+  Instance read();
+
+ private:
+  void body(const JsonValue& v);
+  void joint(const JsonValue& v);
+  void limit(const JsonValue& v);
+  void contact(const JsonValue& v);
+  void detect(const JsonValue& v);
+  BodyId body_named(const JsonValue& v) const;
+  std::string label(const JsonValue& v, BodyId a, BodyId b) const;
+  const Pose<double>& at(BodyId b) const { return scene_.bodies[static_cast<std::size_t>(b)].pose; }
+  Vec3 local(BodyId b, const Vec3& point) const { return at(b).rotation.transpose() * (point - at(b).position); }
+  Vec3 local_turn(BodyId b, const Vec3& d) const { return at(b).rotation.transpose() * d; }
+
+  struct Hinge {
+    BodyId a, b;
+    Vec3 axis;  // world
+  };
+
+  std::filesystem::path file_;
+  JsonDocument document_;
+  Scene scene_;
+  std::vector<std::string> names_;
+  std::vector<Outside> outside_;
+  std::vector<Vec<double, 6>> force_;
+  std::vector<Pose<double>> target_;
+  std::map<std::string, Hinge> hinges_;
+};
+
+BodyId Reader::body_named(const JsonValue& v) const {
+  const std::string name = v.text();
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) v.fail("the name of a body" + did_you_mean(name, names_));
+  return static_cast<BodyId>(found - names_.begin());
+}
+
+std::string Reader::label(const JsonValue& v, BodyId a, BodyId b) const {
+  if (v.has("name")) return v["name"].text();
+  return names_[static_cast<std::size_t>(a)] + " on " + names_[static_cast<std::size_t>(b)];
+}
+
+void Reader::body(const JsonValue& v) {
+  v.only({"name", "motion", "mass", "inertia", "shape", "position", "rotation", "velocity", "acceleration", "force",
+          "target"});
+  Body body;
+  const std::string name = v["name"].text();
+  if (std::find(names_.begin(), names_.end(), name) != names_.end()) v["name"].fail("a name of its own");
+  const std::string motion = v.has("motion") ? v["motion"].word({"free", "fixed", "prescribed"}) : "free";
+  body.motion = motion == "free" ? Motion::free : motion == "fixed" ? Motion::fixed : Motion::prescribed;
+  body.pose = pose(v);
+  Outside out = v.has("shape") ? outside(v["shape"], file_.parent_path()) : Outside{};
+  if (v.has("mass")) body.mass = v["mass"].positive();
+  if (v.has("inertia")) {
+    const Vec3 inertia = vector3(v["inertia"]);
+    if (!(inertia.minCoeff() > 0)) v["inertia"].fail("three positive moments of inertia (kg m^2)");
+    body.inertia = inertia.asDiagonal();
+  } else {
+    if (out.mesh && motion == "free") v.fail("a member 'inertia', for a mesh says nothing about the mass inside");
+    body.inertia = Vec3(body.mass * out.inertia_of_a_kg).asDiagonal();
+  }
+  if (v.has("velocity")) body.velocity = twist(v["velocity"]);
+  if (v.has("acceleration")) {
+    if (body.motion != Motion::prescribed) v["acceleration"].fail("\"motion\": \"prescribed\" beside it");
+    body.prescribed = twist(v["acceleration"]);
+  }
+  force_.push_back(v.has("force") ? twist(v["force"]) : Vec<double, 6>::Zero());
+  target_.push_back(v.has("target") ? pose(v["target"]) : body.pose);
+  names_.push_back(name);
+  outside_.push_back(std::move(out));
+  scene_.add(body);
+}
+
+void Reader::joint(const JsonValue& v) {
+  v.only({"name", "type", "a", "b", "at", "at_b", "axis", "axis_b", "length"});
+  const std::string type = v["type"].word({"ball", "hinge", "universal", "slider", "weld", "distance", "rope"});
+  const BodyId a = body_named(v["a"]), b = body_named(v["b"]);
+  if (a == b) v["b"].fail("another body than a");
+  const std::string text = label(v, a, b);
+  const Vec3 point = vector3(v["at"]);
+  const Vec3 point_b = v.has("at_b") ? vector3(v["at_b"]) : point;
+  const Vec3 anchor_a = local(a, point), anchor_b = local(b, point_b);
+  const Mat3 relative = at(a).rotation.transpose() * at(b).rotation;
+  const auto axis = [&] { return direction(v["axis"]); };
+  if (type == "ball") {
+    scene_.add(BallJoint{.bodies = {a, b}, .anchor_a = anchor_a, .anchor_b = anchor_b}, text);
+  } else if (type == "weld") {
+    scene_.add(Weld{.bodies = {a, b}, .anchor_a = anchor_a, .anchor_b = anchor_b, .relative = relative}, text);
+  } else if (type == "hinge") {
+    scene_.add(RevoluteJoint{.bodies = {a, b},
+                             .anchor_a = anchor_a,
+                             .anchor_b = anchor_b,
+                             .axis_a = local_turn(a, axis()),
+                             .axis_b = local_turn(b, axis())},
+               text);
+    if (!hinges_.insert({text, {a, b, axis()}}).second) v["name"].fail("a name of its own");
+  } else if (type == "universal") {
+    const Vec3 second = direction(v["axis_b"]);
+    scene_.add(UniversalJoint{.bodies = {a, b},
+                              .anchor_a = anchor_a,
+                              .anchor_b = anchor_b,
+                              .axis_a = local_turn(a, axis()),
+                              .axis_b = local_turn(b, second)},
+               text);
+  } else if (type == "slider") {
+    scene_.add(PrismaticJoint{.bodies = {a, b},
+                              .anchor_a = anchor_a,
+                              .anchor_b = anchor_b,
+                              .axis_b = local_turn(b, axis()),
+                              .relative = relative},
+               text);
+  } else {
+    const Distance distance{.bodies = {a, b},
+                            .anchor_a = anchor_a,
+                            .anchor_b = anchor_b,
+                            .length = v.has("length") ? v["length"].positive() : (point - point_b).norm()};
+    if (!(distance.length > 0)) v.fail("at and at_b apart, or a length");
+    if (type == "distance")
+      scene_.add(distance, text);
+    else
+      scene_.add(Rope{distance}, text);
+  }
+}
+
+// Angles count from the pose that the file gives.
+void Reader::limit(const JsonValue& v) {
+  v.only({"joint", "low", "high"});
+  const std::string name = v["joint"].text();
+  const auto found = hinges_.find(name);
+  if (found == hinges_.end()) {
+    std::vector<std::string> names;
+    for (const auto& [known, unused] : hinges_) names.push_back(known);
+    v["joint"].fail("the name of a hinge" + did_you_mean(name, names));
+  }
+  const Hinge& h = found->second;
+  const Vec3 across = h.axis.unitOrthogonal();
+  JointLimit limit{.bodies = {h.a, h.b},
+                   .axis = local_turn(h.a, h.axis),
+                   .zero = local_turn(h.a, across),
+                   .direction = local_turn(h.b, across),
+                   .reach = 10};  // rad: the row is always there
+  if (!v.has("low") && !v.has("high")) v.fail("a member 'low' or 'high' (rad)");
+  if (v.has("low")) {
+    limit.bound = v["low"].number();
+    limit.side = Side::lower;
+    scene_.add(limit, name + ", low");
+  }
+  if (v.has("high")) {
+    limit.bound = v["high"].number();
+    limit.side = Side::upper;
+    if (v.has("low") && v["low"].number() > limit.bound) v["high"].fail("no less than low");
+    scene_.add(limit, name + ", high");
+  }
+}
+
+void Reader::contact(const JsonValue& v) {
+  v.only({"name", "a", "b", "point", "normal", "gap", "friction"});
+  const BodyId a = body_named(v["a"]), b = body_named(v["b"]);
+  if (a == b) v["b"].fail("another body than a");
+  const double friction = v.has("friction") ? v["friction"].number() : 0;
+  if (friction < 0) v["friction"].fail("a number that is not negative");
+  scene_.add(contact_at(scene_.bodies, a, b, vector3(v["point"]), direction(v["normal"]),
+                        v.has("gap") ? v["gap"].number() : 0, friction),
+             label(v, a, b));
+}
+
+// Contacts of all pairs of shapes that are nearer than `within`, and of shapes with meshes.
+void Reader::detect(const JsonValue& v) {
+  v.only({"within", "friction"});
+  const double within = v["within"].positive(), friction = v.has("friction") ? v["friction"].number() : 0;
+  if (friction < 0) v["friction"].fail("a number that is not negative");
+  collision::World world;
+  std::vector<BodyId> body_of;
+  for (std::size_t b = 0; b < outside_.size(); ++b) {
+    const Outside& o = outside_[b];
+    const bool scenery = scene_.bodies[b].motion == Motion::fixed;
+    if (o.shape) world.add(*o.shape, scene_.bodies[b].pose, {}, scenery);
+    if (o.mesh) world.add(o.mesh, scene_.bodies[b].pose);
+    if (o.shape || o.mesh) body_of.push_back(static_cast<BodyId>(b));
+  }
+  std::map<std::pair<BodyId, BodyId>, int> count;
+  for (const collision::Touch& t : world.touches(within)) {
+    const BodyId a = body_of[static_cast<std::size_t>(t.a)], b = body_of[static_cast<std::size_t>(t.b)];
+    const int which = count[{a, b}]++;
+    scene_.add(contact_at(scene_.bodies, a, b, t.point_a, t.normal, t.gap, friction),
+               names_[static_cast<std::size_t>(a)] + " on " + names_[static_cast<std::size_t>(b)] +
+                   (which ? ", " + std::to_string(which + 1) : ""));
+  }
+}
+
+Instance Reader::read() {
+  const JsonValue root(document_);
+  root.only({"format", "name", "mode", "dt", "gravity", "bodies", "joints", "limits", "contacts", "detect"});
+  root["format"].word({"zwang scene 1"});
+  const std::string mode = root.has("mode") ? root["mode"].word({"dynamic", "quasi-static"}) : "dynamic";
+  const AssembleOptions options{.dt = root.has("dt") ? root["dt"].positive() : 1e-3,
+                                .mode = mode == "dynamic" ? Mode::dynamic : Mode::quasi_static};
+  for (const JsonValue& v : root["bodies"].items()) body(v);
+  if (root.has("joints"))
+    for (const JsonValue& v : root["joints"].items()) joint(v);
+  if (root.has("limits"))
+    for (const JsonValue& v : root["limits"].items()) limit(v);
+  if (root.has("contacts"))
+    for (const JsonValue& v : root["contacts"].items()) contact(v);
+  if (root.has("detect")) detect(root["detect"]);
+  Vector z_u;
+  if (options.mode == Mode::dynamic)
+    move_freely(scene_, root.has("gravity") ? vector3(root["gravity"]) : gravity, force_, z_u);
+  else
+    couple_to_targets(scene_, target_, reaching_stiffness(options.dt), z_u);
+  if (z_u.size() == 0) root["bodies"].fail("a free body among them");
+  Instance out = to_instance(scene_, z_u, options);
+  out.problem.name = root.has("name") ? root["name"].text() : file_.stem().string();
+  out.family = "scene file";
+  return out;
+}
+
+}  // namespace
+
+Instance read_scene_file(const std::filesystem::path& file) { return Reader(file).read(); }
+
+}  // namespace zwang
