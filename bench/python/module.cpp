@@ -70,6 +70,18 @@ py::tuple from_matrix(const Sparse& stored) {
                         Integers(A.outerSize() + 1, A.outerIndexPtr()), A.rows(), A.cols());
 }
 
+QuadraticProgram to_program(const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
+                            const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub) {
+  return {.P = to_matrix<Eigen::ColMajor>(P, "P"),
+          .q = to_vector(q, "q"),
+          .G = to_matrix<Eigen::RowMajor>(G, "G"),
+          .h = to_vector(h, "h"),
+          .A = to_matrix<Eigen::RowMajor>(A, "A"),
+          .b = to_vector(b, "b"),
+          .lb = to_vector(lb, "lb"),
+          .ub = to_vector(ub, "ub")};
+}
+
 // What bench, judge and solve say of numbers that nobody can work with.
 void require_good(const Problem& p) {
   require_matching_sizes(p);
@@ -224,6 +236,11 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("rows", [](const Instance& i) { return i.problem.rows(); })
       .def_property_readonly("name", [](const Instance& i) { return i.problem.name; })
       .def_readonly("family", &Instance::family)
+      .def("_name_it",
+           [](Instance& i, const std::string& name, const std::string& family) {
+             i.problem.name = name;
+             i.family = family;
+           })
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("row_names",
                              [](const Instance& i) {
@@ -298,17 +315,16 @@ PYBIND11_MODULE(_zwang, m) {
     const py::gil_scoped_release working;
     return judge(instance, given, multipliers, tolerance, reference_cache());
   });
-  m.def("judge_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
+  m.def("from_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h, const Compressed& A,
+                      const Numbers& b, const Numbers& lb, const Numbers& ub) {
+    AsLeastConstraint form = as_least_constraint(to_program(P, q, G, h, A, b, lb, ub));
+    form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
+    return form.instance;
+  });
+  m.def("judge_qp", [const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
                        const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub, const Numbers& x,
                        const Numbers& y, const Numbers& z, const Numbers& z_box, double tolerance) {
-    const QuadraticProgram program{.P = to_matrix<Eigen::ColMajor>(P, "P"),
-                                   .q = to_vector(q, "q"),
-                                   .G = to_matrix<Eigen::RowMajor>(G, "G"),
-                                   .h = to_vector(h, "h"),
-                                   .A = to_matrix<Eigen::RowMajor>(A, "A"),
-                                   .b = to_vector(b, "b"),
-                                   .lb = to_vector(lb, "lb"),
-                                   .ub = to_vector(ub, "ub")};
+    const QuadraticProgram program = to_program(P, q, G, h, A, b, lb, ub);
     const Vector x_ = to_vector(x, "x"), y_ = to_vector(y, "y"), z_ = to_vector(z, "z"),
                  box = to_vector(z_box, "z_box");
     const py::gil_scoped_release working;

@@ -109,8 +109,10 @@ def scene(text, seed=1):
 
 
 def load(file):
-    """The problems of a file (docs/formats.md), as a list. Raises BadFile with file, place and what was expected."""
-    return _zwang.load(pathlib.Path(file))
+    """The problems of a file, as a list: zwang's own layout, FCLIB, Siconos' text, Maros-Meszaros, qpbenchmark, QPS,
+    Matrix Market (zwang.formats). Raises BadFile with file, place and what was expected."""
+    from . import formats
+    return formats.load(file)
 
 
 def save(file, problems):

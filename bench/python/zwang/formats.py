@@ -1,0 +1,342 @@
+"""Problems in other people's formats, as zwang problems: load(), and save() for what others read.
+
+    .h5 .hdf5         zwang's own layout and FCLIB (docs/formats.md)
+    .dat              Siconos' text files of local frictional problems (dense, sparse-block, triplets)
+    .mat              Maros-Meszaros: P, q, r, l, u, A with l <= A x <= u
+    .npz              qpbenchmark: P, q, G, h, A, b, lb, ub
+    .qps .qps.gz      quadratic programs (QUADOBJ, QMATRIX)
+    a folder          Matrix Market: M.mtx, z_u.mtx, J.mtx, c.mtx, equality.mtx
+
+Quadratic programs must be strictly convex. What cannot be read raises BadFile: one line with file, place and what was
+expected.
+"""
+import gzip
+import pathlib
+import tempfile
+
+import numpy
+import scipy.io
+import scipy.sparse
+
+import zwang
+from . import _zwang
+from ._zwang import BadFile
+
+
+def load(file):
+    """The problems of a file or folder, as a list."""
+    path = pathlib.Path(file)
+    name = path.name.lower()
+    try:
+        if path.is_dir():
+            return [_matrix_market(path)]
+        for suffix, read in _readers.items():
+            if name.endswith(suffix):
+                if not path.exists():
+                    raise BadFile(f"{path}: there is no such file")
+                return read(path)
+    except (OSError, ValueError, TypeError, KeyError, IndexError, OverflowError, NotImplementedError, EOFError,
+            MemoryError, AttributeError, scipy.io.matlab.MatReadError) as bad:
+        text = str(bad).splitlines()[0] if str(bad) else type(bad).__name__
+        raise BadFile(text if text.startswith(str(path)) else f"{path}: {text}") from None
+    return _zwang.load(path)
+
+
+def _named(problem, path, family):
+    problem._name_it(path.stem, family)
+    return [problem]
+
+
+def _program(path, family, P, q, G=None, h=None, A=None, b=None, lb=None, ub=None):
+    q = zwang._numbers(q, "q")
+    n = len(q)
+    problem = _zwang.from_qp(zwang._compressed(P, "P", n, False), q, zwang._compressed(G, "G", n, True),
+                             zwang._numbers(h, "h", 1), zwang._compressed(A, "A", n, True), zwang._numbers(b, "b", 1),
+                             zwang._numbers(lb, "lb", n), zwang._numbers(ub, "ub", n))
+    return _named(problem, path, family)
+
+
+def _two_sided(P, q, A, l, u, infinite=1e20):
+    """l <= A x <= u as equality rows, inequality rows and bounds: the last n rows of A may be the identity."""
+    P, A = scipy.sparse.csc_matrix(P, dtype=float), scipy.sparse.csr_matrix(A, dtype=float)
+    q, l, u = (numpy.asarray(v, dtype=float).reshape(-1) for v in (q, l, u))
+    n = len(q)
+    if A.shape != (len(l), n) or len(u) != len(l):
+        raise ValueError(f"A is {A.shape[0]} x {A.shape[1]}; expected {len(l)} x {n}")
+    l, u = numpy.where(l <= -infinite, -numpy.inf, l), numpy.where(u >= infinite, numpy.inf, u)
+    lb = ub = None
+    if len(l) >= n and (A[len(l) - n:] != scipy.sparse.identity(n)).nnz == 0:
+        lb, ub, A, l, u = l[-n:], u[-n:], A[:-n], l[:-n], u[:-n]
+    equal = l == u
+    above, below = ~equal & numpy.isfinite(u), ~equal & numpy.isfinite(l)
+    G = scipy.sparse.vstack([A[above], -A[below]], format="csr")
+    return dict(P=P, q=q, G=G, h=numpy.r_[u[above], -l[below]], A=A[equal], b=l[equal], lb=lb, ub=ub)
+
+
+def _mat(path):
+    parts = scipy.io.loadmat(path)
+    for name in ("P", "q", "A", "l", "u"):
+        if name not in parts:
+            raise ValueError(f"has no array {name}; expected P, q, A, l, u")
+    return _program(path, "maros-meszaros", **_two_sided(*(parts[name] for name in ("P", "q", "A", "l", "u"))))
+
+
+def _npz(path):
+    with numpy.load(path, allow_pickle=False) as parts:
+        given = {}
+        for name in ("P", "q", "G", "h", "A", "b", "lb", "ub"):
+            if name not in parts.files:
+                continue
+            try:
+                value = parts[name]
+            except ValueError:  # a pickled None: the part is absent
+                continue
+            given[name] = value if value.ndim > 0 else None
+    for name in ("P", "q"):
+        if given.get(name) is None:
+            raise ValueError(f"has no array {name}; expected P and q")
+    return _program(path, "qpbenchmark", **given)
+
+
+class _Words:
+    """The numbers of a text file, one after another."""
+
+    def __init__(self, path):
+        self.words = path.read_text(encoding="ascii", errors="replace").split()
+        self.at = 0
+
+    def number(self, what, kind=float):
+        if self.at >= len(self.words):
+            raise ValueError(f"ends before {what}")
+        word = self.words[self.at]
+        self.at += 1
+        try:
+            return kind(word)
+        except ValueError:
+            raise ValueError(f"word {self.at} is '{word}'; expected {what}") from None
+
+    def count(self, what):
+        value = self.number(what, int)
+        if not 0 <= value <= len(self.words) + 100000:
+            raise ValueError(f"word {self.at} is {value}; expected {what}")
+        return value
+
+    def numbers(self, count, what, kind=float):
+        return [self.number(what, kind) for _ in range(count)]
+
+
+def _siconos(path):
+    """dimension, contacts, W, q, mu: u = W r + q, [N, T1, T2] a contact. Read through FCLIB's layout, as its local files."""
+    words = _Words(path)
+    dimension = words.count("the dimension, 2 or 3")
+    if dimension not in (2, 3):
+        raise ValueError(f"has dimension {dimension}; expected 2 or 3")
+    contacts = words.count("the number of contacts")
+    size = dimension * contacts
+    storage = words.count("the storage: 0 dense, 1 sparse-block, 2 sparse")
+    if (words.count("the rows of W"), words.count("the columns of W")) != (size, size):
+        raise ValueError(f"W should be {size} x {size}, for {contacts} contacts")
+    if storage == 0:
+        if (words.count("the rows of W"), words.count("the columns of W")) != (size, size):
+            raise ValueError(f"W should be {size} x {size}")
+        W = scipy.sparse.coo_matrix(numpy.reshape(words.numbers(size * size, "an entry of W"), (size, size)))
+    elif storage == 1:
+        W = _blocks(words, size)
+    else:
+        raise ValueError(f"has storage {storage}; expected 0 (dense) or 1 (sparse-block)")
+    q = words.numbers(size, "an entry of q")
+    mu = words.numbers(contacts, "a friction coefficient")
+    import h5py
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / (path.stem + ".hdf5")
+        with h5py.File(file, "w") as out:
+            local = out.create_group("fclib_local")
+            local["spacedim"] = numpy.array([dimension], dtype=numpy.int32)
+            _write_triplets(local.create_group("W"), W)
+            vectors = local.create_group("vectors")
+            vectors["q"], vectors["mu"] = numpy.array(q), numpy.array(mu)
+        return _named(_zwang.load(file)[0], path, "siconos")
+
+
+def _blocks(words, size):
+    """Sparse blocks: their count, the cumulative sizes, a compressed-row index, then each block by columns."""
+    count, rows, columns = words.count("the number of blocks"), words.count("rows of blocks"), words.count("columns")
+    row_end = words.numbers(rows, "a cumulative size", int)
+    column_end = words.numbers(columns, "a cumulative size", int)
+    filled, filled_too = words.count("the length of index1"), words.count("the length of index2")
+    first = words.numbers(filled, "an entry of index1", int)
+    column = words.numbers(filled_too, "an entry of index2", int)
+    row_of = numpy.zeros(count, dtype=int)
+    for row in range(min(len(first) - 1, rows)):
+        row_of[first[row]:first[row + 1]] = row
+    if filled_too < count:
+        raise ValueError(f"index2 has {filled_too} entries; expected {count}")
+    data, i, j = [], [], []
+    for _ in range(count):
+        block = words.count("the number of a block")
+        if block >= count or column[block] >= columns or column[block] < 0:
+            raise ValueError(f"word {words.at} is {block}; expected a block below {count}")
+        low = row_end[row_of[block] - 1] if row_of[block] else 0
+        left = column_end[column[block] - 1] if column[block] else 0
+        height, width = row_end[row_of[block]] - low, column_end[column[block]] - left
+        if min(height, width, low, left) < 0 or low + height > size or left + width > size:
+            raise ValueError(f"block {block} lies outside of W")
+        values = numpy.reshape(words.numbers(height * width, "an entry of a block"), (width, height)).T
+        for a in range(height):
+            for b in range(width):
+                data.append(values[a, b])
+                i.append(low + a)
+                j.append(left + b)
+    return scipy.sparse.coo_matrix((data, (i, j)), shape=(size, size))
+
+
+def _write_triplets(group, matrix):
+    """FCLIB's triplets: p holds columns, i rows (the header's comment says the reverse; the files say this)."""
+    matrix = scipy.sparse.coo_matrix(matrix)
+    for name, value in (("nzmax", matrix.nnz), ("m", matrix.shape[0]), ("n", matrix.shape[1]), ("nz", matrix.nnz)):
+        group[name] = numpy.array([value], dtype=numpy.int32)
+    group["p"], group["i"] = matrix.col.astype(numpy.int32), matrix.row.astype(numpy.int32)
+    group["x"] = matrix.data.astype(float)
+
+
+def _qps(path):
+    """QPS, fixed or free: sections by their names, the objective's constant with its minus sign, one triangle."""
+    opened = gzip.open(path, "rt") if path.name.endswith(".gz") else open(path, encoding="ascii", errors="replace")
+    with opened as lines:
+        section, kinds, rows, columns = "", {}, {}, {}
+        entries, objective, right, ranges, quadratic = [], {}, {}, {}, []
+        lower, upper, goal = {}, {}, None
+        for number, line in enumerate(lines, 1):
+            if not line.strip() or line[0] == "*":
+                continue
+            words = line.split()
+            try:
+                if not line[0].isspace():
+                    section = words[0].upper()
+                    if section == "ENDATA":
+                        break
+                    continue
+                if section == "ROWS":
+                    kind, row = words[0].upper(), words[1]
+                    if kind == "N" and goal is None:
+                        goal = row
+                    kinds[row] = kind
+                    if kind != "N":
+                        rows[row] = len(rows)
+                elif section in ("COLUMNS", "RHS", "RANGES"):
+                    pairs = words[1:] if len(words) % 2 else words
+                    column = words[0]
+                    if section == "COLUMNS":
+                        if "'MARKER'" in words:
+                            raise ValueError("integer columns are not convex")
+                        columns.setdefault(column, len(columns))
+                    for row, value in zip(pairs[::2], map(float, pairs[1::2])):
+                        if row not in kinds:
+                            raise ValueError(f"no row '{row}'")
+                        if section == "COLUMNS" and row == goal:
+                            objective[column] = value
+                        elif section == "COLUMNS" and row in rows:
+                            entries.append((rows[row], columns[column], value))
+                        elif row in rows:
+                            (right if section == "RHS" else ranges)[row] = value
+                elif section in ("QUADOBJ", "QMATRIX", "QSECTION"):
+                    a, b, value = columns[words[0]], columns[words[1]], float(words[2])
+                    quadratic.append((a, b, value))
+                    if section != "QMATRIX" and a != b:
+                        quadratic.append((b, a, value))
+                elif section == "BOUNDS":
+                    kind = words[0].upper()
+                    value = None if kind in ("FR", "MI", "PL") else float(words[-1])
+                    column = columns[words[-1] if value is None else words[-2]]
+                    if kind in ("LO", "FX"):
+                        lower[column] = value
+                    if kind in ("UP", "FX"):
+                        upper[column] = value
+                        if kind == "UP" and value < 0 and column not in lower:
+                            lower[column] = -numpy.inf
+                    if kind in ("FR", "MI"):
+                        lower[column] = -numpy.inf
+                    if kind not in ("LO", "UP", "FX", "FR", "MI", "PL"):
+                        raise ValueError(f"no bound '{kind}' is known here")
+            except (IndexError, KeyError, ValueError) as bad:
+                raise ValueError(f"line {number}: {section or 'no section'}: cannot read "
+                                 f"'{line.strip()}' ({bad})") from None
+    n, m = len(columns), len(rows)
+    if n == 0:
+        raise ValueError("has no columns; expected a QPS file")
+    A = scipy.sparse.coo_matrix(([e[2] for e in entries], ([e[0] for e in entries], [e[1] for e in entries])), (m, n))
+    P = scipy.sparse.coo_matrix(([e[2] for e in quadratic], ([e[0] for e in quadratic], [e[1] for e in quadratic])),
+                                (n, n))
+    q = numpy.zeros(n)
+    for column, value in objective.items():
+        q[columns[column]] = value
+    l, u = numpy.full(m, -numpy.inf), numpy.full(m, numpy.inf)
+    for row, i in rows.items():
+        b, kind, width = right.get(row, 0.0), kinds[row], ranges.get(row)
+        if kind in ("E", "G"):
+            l[i] = b
+        if kind in ("E", "L"):
+            u[i] = b
+        if width is not None:
+            if kind == "G":
+                u[i] = b + abs(width)
+            elif kind == "L":
+                l[i] = b - abs(width)
+            else:
+                l[i], u[i] = (b, b + width) if width >= 0 else (b + width, b)
+    lb = numpy.array([lower.get(j, 0.0) for j in range(n)])
+    ub = numpy.array([upper.get(j, numpy.inf) for j in range(n)])
+    parts = _two_sided(P, q, scipy.sparse.vstack([A, scipy.sparse.identity(n)]), numpy.r_[l, lb], numpy.r_[u, ub])
+    return _program(path, "qps", **parts)
+
+
+def _matrix_market(folder):
+    def read(name, needed=True):
+        file = folder / f"{name}.mtx"
+        if not file.exists() and not needed:
+            return None
+        return scipy.io.mmread(file)
+    z_u, c, mask = read("z_u"), read("c", False), read("equality", False)
+    dense = (lambda v: None if v is None else numpy.asarray(v.toarray() if scipy.sparse.issparse(v) else v).reshape(-1))
+    problem = zwang.Problem(read("M"), dense(z_u), read("J", False), dense(c),
+                            equality=0 if mask is None else dense(mask) != 0, name=folder.name)
+    return problem
+
+
+_readers = {".dat": _siconos, ".mat": _mat, ".npz": _npz, ".qps": _qps, ".qps.gz": _qps}
+
+
+def save_matrix_market(folder, problem):
+    """M.mtx, z_u.mtx, J.mtx, c.mtx, equality.mtx in a new folder, 17 digits: every double comes back. Row names and keys
+    cannot be kept; c = -inf is refused, since the format has no infinity."""
+    folder = pathlib.Path(folder)
+    if not numpy.isfinite(problem.c).all():
+        raise ValueError(f"{folder}: c holds -inf, which Matrix Market cannot")
+    folder.mkdir(parents=True)
+    for name, value in (("M", problem.M), ("J", problem.J), ("z_u", problem.z_u[:, None]), ("c", problem.c[:, None]),
+                        ("equality", problem.equality.astype(float)[:, None])):
+        scipy.io.mmwrite(folder / f"{name}.mtx", value, precision=17, symmetry="general")
+
+
+def save_fclib(file, problem, mu=0.0):
+    """FCLIB's global layout: M v = H r + G lambda + f, contacts [N, T1, T2]. Inequality rows become normals; the tangents
+    of a problem without friction are rows of zeros and mu = 0. Equality rows become G. f = M z_u is rounded: the file's
+    z_u differs in the last bits; row names and keys cannot be kept."""
+    import h5py
+    J, c, equal = problem.J, problem.c, problem.equality
+    bounds = numpy.flatnonzero(~equal & numpy.isfinite(c))
+    H = scipy.sparse.coo_matrix(J[bounds].T)
+    H = scipy.sparse.coo_matrix((H.data, (H.row, 3 * H.col)), shape=(problem.size, 3 * len(bounds)))
+    w = numpy.zeros(3 * len(bounds))
+    w[::3] = -c[bounds]
+    with h5py.File(file, "w") as out:
+        out_global = out.create_group("fclib_global")
+        out_global["spacedim"] = numpy.array([3], dtype=numpy.int32)
+        _write_triplets(out_global.create_group("M"), problem.M)
+        _write_triplets(out_global.create_group("H"), H)
+        vectors = out_global.create_group("vectors")
+        vectors["f"], vectors["w"] = problem.M @ problem.z_u, w
+        vectors["mu"] = numpy.full(len(bounds), float(mu))
+        if equal.any():
+            _write_triplets(out_global.create_group("G"), J[equal].T)
+            vectors["b"] = -c[equal]
