@@ -321,7 +321,7 @@ PYBIND11_MODULE(_zwang, m) {
     form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
     return form.instance;
   });
-  m.def("judge_qp", [const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
+  m.def("judge_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
                        const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub, const Numbers& x,
                        const Numbers& y, const Numbers& z, const Numbers& z_box, double tolerance) {
     const QuadraticProgram program = to_program(P, q, G, h, A, b, lb, ub);
