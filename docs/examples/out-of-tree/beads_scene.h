@@ -37,5 +37,5 @@ inline const zwang::SceneEntry beads_scene = {.name = "beads",
                                               .sweep = "beads",
                                               .knobs = {{"beads", 10, 1, 1000, true, "number of beads"},
                                                         {"tilt", 0.5, 0, 1.5, false, "of the wire (rad)"},
-                                                        zwang::seed_knob},
+                                                        {"seed", 1, 0, 1e9, true, "of the random draws"}},
                                               .make = beads};
