@@ -70,9 +70,7 @@ std::vector<fs::path> write_figures(const fs::path& dir, const std::vector<std::
   }
   const fs::path figures = dir / "figures", data = figures / "data.json";
   write(data, page_data(run, {title(run), headline(run)}, tables));
-  std::vector<std::string> words = {data.string(), figures.string()};
-  words.insert(words.end(), formats.begin(), formats.end());
-  run_script("figures.mjs", words);
+  draw_figures(data, figures, formats);
   fs::remove(data);
   for (const auto& entry : fs::directory_iterator(figures)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());

@@ -6,7 +6,7 @@ namespace zwang {
 
 std::filesystem::path recorded_data() {
   const char* given = std::getenv("ZWANG_DATA");
-  return given && *given ? given : ZWANG_SOURCE_DIR "/../shared/data";
+  return given && *given ? given : "$ZWANG_DATA";
 }
 
 }  // namespace zwang

@@ -2,24 +2,69 @@
 
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <stdexcept>
+#include <string_view>
+
+#include <zwang/bench/report/page/embedded.h>
 
 extern char** environ;
 
-namespace zwang::report {
+ZWANG_EMBEDDED(figures_mjs, ZWANG_FIGURES)
+ZWANG_EMBEDDED(draw_mjs, ZWANG_DRAW)
 
-void run_script(const std::string& script, std::vector<std::string> words) {
-  words.insert(words.begin(), {"node", ZWANG_REPORT_DIR "/" + script});
+namespace zwang::report {
+namespace {
+
+// Node takes modules from files only.
+class ScriptFile {
+ public:
+  explicit ScriptFile(std::string_view text) {
+    std::string name = (std::filesystem::temp_directory_path() / "zwang-XXXXXX.mjs").string();
+    const int file = mkstemps(name.data(), 4);
+    const bool written = file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    if (file >= 0) close(file);
+    path_ = name;
+    if (!written) throw std::runtime_error(name + ": cannot be written");
+  }
+  ~ScriptFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  ScriptFile(const ScriptFile&) = delete;
+  ScriptFile& operator=(const ScriptFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void run(const char* name, std::string_view script, std::vector<std::string> words) {
+  const ScriptFile file(script);
+  words.insert(words.begin(), {"node", file.path().string()});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t child = 0;
   int status = 0;
   if (posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ) != 0)
-    throw std::runtime_error("cannot start " + words[0] + "; ./zwang setup installs it");
+    throw std::runtime_error("cannot start node, which draws figures for print; ./zwang setup installs it");
   if (waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw std::runtime_error(words[0] + " " + words[1] + " failed");
+    throw std::runtime_error(std::string("node failed in ") + name);
+}
+
+}  // namespace
+
+void draw_figures(const std::filesystem::path& data, const std::filesystem::path& directory,
+                  const std::vector<std::string>& formats) {
+  std::vector<std::string> words = {data.string(), directory.string()};
+  words.insert(words.end(), formats.begin(), formats.end());
+  run("figures.mjs", figures_mjs(), std::move(words));
+}
+
+void draw(const std::filesystem::path& findings, const std::filesystem::path& directory) {
+  run("draw.mjs", draw_mjs(), {findings.string(), directory.string()});
 }
 
 }  // namespace zwang::report

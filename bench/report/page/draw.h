@@ -6,13 +6,13 @@
 
 namespace zwang::report {
 
-// Runs a script of this folder with Node, as ./zwang sets it up: its output is passed through. Throws
-// std::runtime_error when it cannot start or ends with an error.
-void run_script(const std::string& script, std::vector<std::string> words);
+// Every chart of a report for print: DATA.json, the folder, the formats "svg" and "pdf". Node runs the script, which is
+// part of the program; its output is passed through. Throws std::runtime_error when it cannot start or ends with an
+// error.
+void draw_figures(const std::filesystem::path& data, const std::filesystem::path& directory,
+                  const std::vector<std::string>& formats);
 
-// The charts of an experiment's findings as DIR/NAME.svg (draw.mjs).
-inline void draw(const std::filesystem::path& findings, const std::filesystem::path& directory) {
-  run_script("draw.mjs", {findings.string(), directory.string()});
-}
+// The charts of an experiment's findings as DIR/NAME.svg. Throws likewise.
+void draw(const std::filesystem::path& findings, const std::filesystem::path& directory);
 
 }  // namespace zwang::report

@@ -1,4 +1,5 @@
-// node figures.mjs DATA.json OUT FORMAT...: every chart of a report as a file for print (svg, pdf).
+// node figures.mjs DATA.json OUT FORMAT...: every chart of a report as a file for print (svg, pdf). bundle_script.mjs
+// puts the specs into CHARTS.
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import * as vega from 'vega';
@@ -8,7 +9,6 @@ import './labels.js';
 import {use_font} from './font.mjs';
 
 const [data_file, out, ...formats] = process.argv.slice(2);
-const here = new URL('.', import.meta.url).pathname;
 const data = JSON.parse(fs.readFileSync(data_file, 'utf8'));
 const {register, spec, rows, words, all_rows, speed_families} = zwang_charts;
 const {labelled} = zwang_labels;
@@ -43,7 +43,7 @@ for (const [chart, name, title, choices] of figures) {
   const state = {on: shown, listed: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
   const drawn = rows[chart](data, state);
   if (drawn.length === 0) continue;
-  const template = JSON.parse(fs.readFileSync(`${here}../charts/${chart}.vl.json`, 'utf8'));
+  const template = structuredClone(CHARTS[chart]);
   const labels = labelled(chart, drawn, {width: template.width, height: template.height});
   const options = {font, title: {text: title, subtitle: data.circumstances},
                    words: {FAMILIES: data.families, COLUMNS: chart === 'families' ? 3 : 2, SWEEP_WIDTH: 230, FACET_WIDTH: 212, LIGHT: true, ...words[chart]?.(data, state), ...labels.words}};
