@@ -15,6 +15,7 @@ int solve_command(std::vector<std::string> words);
 int solvers_command(std::vector<std::string> words);
 int scenes_command(std::vector<std::string> words);
 int export_command(std::vector<std::string> words);
+int capture_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);

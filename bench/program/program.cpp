@@ -29,6 +29,8 @@ const std::array own_commands = {
     Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true", fuzz_command},
     Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
             solve_command},
+    Command{"capture", "Look at one problem", "step a MuJoCo model (MJCF, URDF) and write the problem of each step",
+            capture_command},
     Command{"export", "Look at one problem", "write a scene's problem to a file", export_command},
     Command{"mesh", "Look at one mesh", "load a mesh file and say what is in it", mesh_command},
     Command{"scenes", "What there is", "the scenes and their knobs", scenes_command},

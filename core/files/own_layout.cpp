@@ -63,6 +63,36 @@ Reference read_reference(const hdf5::Group& group, Index n, Index m) {
   return r;
 }
 
+std::vector<RecordedAnswer> read_recorded(const hdf5::Group& group, Index n) {
+  std::vector<RecordedAnswer> all;
+  const std::vector<std::string> by = group.read_strings("by");
+  const Matrix z = Matrix(read_matrix(group, "z", static_cast<Index>(by.size()), n, Storage::rows));
+  for (std::size_t k = 0; k < by.size(); ++k) all.push_back({by[k], z.row(static_cast<Index>(k)).transpose()});
+  return all;
+}
+
+std::vector<ContactFriction> read_friction(const hdf5::Group& group, const Problem& p) {
+  std::vector<ContactFriction> all;
+  const std::size_t count = length(group, "row");
+  const std::vector<std::int64_t> row = group.read<std::int64_t>("row", count);
+  const std::vector<std::int64_t> tangents = group.read<std::int64_t>("tangents_per_row", count);
+  const Vector mu = read_vector(group, "mu", count);
+  Index rows = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (row[k] < 0 || row[k] >= p.rows() || p.is_equality(row[k]) || (k > 0 && row[k] <= row[k - 1]))
+      group.fail("row", "holds " + std::to_string(row[k]) + "; expected inequality rows, rising");
+    if (tangents[k] != 1 && tangents[k] != 2)
+      group.fail("tangents_per_row", "holds " + std::to_string(tangents[k]) + "; expected 1 or 2");
+    if (!(mu[static_cast<Index>(k)] >= 0)) group.fail("mu", "negative; expected friction coefficients");
+    rows += tangents[k];
+  }
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> T = read_matrix(group, "T", rows, p.size(), Storage::rows);
+  Index at = 0;
+  for (std::size_t k = 0; k < count; at += tangents[k++])
+    all.push_back({row[k], mu[static_cast<Index>(k)], T.middleRows(at, tangents[k])});
+  return all;
+}
+
 template <class T>
 std::span<const T> span_of(const T* data, Index size) {
   return {data, static_cast<std::size_t>(size)};
@@ -83,6 +113,40 @@ void write_matrix(hdf5::Group& parent, const std::string& name, SparseMatrix A) 
 
 void write_text(hdf5::Group& group, const std::string& name, const std::string& text) {
   group.write_strings(name, {&text, 1});
+}
+
+void write_recorded(hdf5::Group& parent, const std::vector<RecordedAnswer>& recorded) {
+  hdf5::Group group = parent.add_group("recorded");
+  std::vector<std::string> by;
+  Matrix z(static_cast<Index>(recorded.size()), recorded.front().z.size());
+  for (const RecordedAnswer& r : recorded) {
+    z.row(static_cast<Index>(by.size())) = r.z.transpose();
+    by.push_back(r.by);
+  }
+  group.write_strings("by", by);
+  write_matrix(group, "z", Eigen::SparseMatrix<double, Eigen::RowMajor>(z.sparseView(0, 0)));
+}
+
+void write_friction(hdf5::Group& parent, const Instance& instance) {
+  hdf5::Group group = parent.add_group("friction");
+  std::vector<std::int64_t> row, tangents;
+  std::vector<double> mu;
+  std::vector<Eigen::Triplet<double>> entries;
+  int rows = 0;
+  for (const ContactFriction& f : instance.friction) {
+    row.push_back(f.row);
+    mu.push_back(f.mu);
+    tangents.push_back(f.tangents.rows());
+    for (Index i = 0; i < f.tangents.rows(); ++i, ++rows)
+      for (decltype(f.tangents)::InnerIterator e(f.tangents, i); e; ++e)
+        entries.emplace_back(rows, static_cast<int>(e.col()), e.value());
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> T(rows, instance.problem.size());
+  T.setFromTriplets(entries.begin(), entries.end());
+  group.write("row", std::span<const std::int64_t>(row));
+  group.write("tangents_per_row", std::span<const std::int64_t>(tangents));
+  group.write("mu", std::span<const double>(mu));
+  write_matrix(group, "T", T);
 }
 
 }  // namespace
@@ -119,6 +183,8 @@ Instance read_own(const hdf5::Group& group) {
     instance.origin.push_back(parse_row_origin(origin[i], unit.empty() ? "" : unit[i]));
   std::ranges::move(texts_or_none(group, "notes"), std::back_inserter(instance.notes));
   if (group.has_group("reference")) instance.reference = read_reference(group.group("reference"), n, m);
+  if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
+  if (group.has_group("friction")) instance.friction = read_friction(group.group("friction"), p);
   return instance;
 }
 
@@ -155,6 +221,8 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   if (!origin.empty()) group.write_strings("origin", origin);
   if (!origin.empty()) group.write_strings("unit", unit);
   if (!instance.notes.empty()) group.write_strings("notes", instance.notes);
+  if (!instance.recorded.empty()) write_recorded(group, instance.recorded);
+  if (!instance.friction.empty()) write_friction(group, instance);
   if (!instance.reference) return;
   const Reference& r = *instance.reference;
   hdf5::Group reference = group.add_group("reference");

@@ -34,6 +34,19 @@ std::string constraint_name(const RowOrigin& origin);  // "type/label"
 std::string to_string(const RowOrigin& origin);
 RowOrigin parse_row_origin(std::string_view text, std::string unit = {});
 
+// What somebody else answered when the problem was recorded: judged like a solver's answer, never timed.
+struct RecordedAnswer {
+  std::string by = {};  // "mujoco"
+  Vector z = {};        // n
+};
+
+// What a model says of a contact's friction, beside the rows.
+struct ContactFriction {
+  Index row = 0;                                               // the contact's inequality row
+  double mu = 0;                                               // Coulomb's coefficient
+  Eigen::SparseMatrix<double, Eigen::RowMajor> tangents = {};  // 1 or 2 x n, in the row's unit: T z is the slip
+};
+
 // A problem together with what names it, what made it, and what is known about it.
 struct Instance {
   Problem problem = {};
@@ -44,6 +57,8 @@ struct Instance {
   std::vector<RowOrigin> origin = {};   // m; empty when nobody named them
   std::vector<std::string> notes = {};  // what a reader changed or assumed, one line each
   std::optional<Reference> reference = {};
+  std::vector<RecordedAnswer> recorded = {};
+  std::vector<ContactFriction> friction = {};  // of the contacts that have any, by rising row
 };
 
 // The name of row i: its origin, or "row 17" where nobody named it; "" for -1.

@@ -1,0 +1,89 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+
+#include <zwang/bench/capture/capture.h>
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/core/files/isolated.h>
+
+namespace zwang {
+namespace {
+
+#ifdef ZWANG_HAS_MUJOCO
+
+struct Captured {
+  long problems = 0, unknowns = 0, fewest_rows = 0, most_rows = 0;
+};
+
+std::string numbered_file(int step) {
+  char name[32];
+  std::snprintf(name, sizeof name, "step-%06d.h5", step);
+  return name;
+}
+
+// MuJoCo may end a process over a damaged model: it runs in one of its own, which writes a file a problem.
+Captured captured_apart(const CaptureOptions& options, const std::filesystem::path& out) {
+  std::filesystem::create_directories(out);
+  const IsolationLimits limits{.seconds = 1e5, .bytes = std::size_t{8} << 30};
+  const IsolatedAnswer answer = isolated(options.model, limits, [&](const WriteAnswer& write) {
+    Captured total;
+    capture(options, [&](int step, const Instance& instance) {
+      write_problem(out / numbered_file(step), instance);
+      const auto rows = static_cast<long>(instance.problem.rows());
+      total.unknowns = static_cast<long>(instance.problem.size());
+      total.fewest_rows = total.problems == 0 ? rows : std::min(total.fewest_rows, rows);
+      total.most_rows = std::max(total.most_rows, rows);
+      ++total.problems;
+      return true;
+    });
+    write(&total, sizeof total);
+  });
+  Captured total;
+  std::memcpy(&total, answer.bytes().data(), std::min(sizeof total, answer.bytes().size()));
+  return total;
+}
+
+#else
+
+struct Captured {
+  long problems = 0, unknowns = 0, fewest_rows = 0, most_rows = 0;
+};
+Captured captured_apart(const CaptureOptions&, const std::filesystem::path&) {
+  throw std::invalid_argument(
+      "capture needs MuJoCo, which was not there at the build: install libmujoco-dev, build anew");
+}
+
+#endif
+
+}  // namespace
+
+int capture_command(std::vector<std::string> words) {
+  CLI::App options("Steps an MJCF or URDF model with MuJoCo and writes the contact problem of each step.");
+  introduce(options, "capture",
+            "  ./zwang capture humanoid.xml --steps 500 --out humanoid\n"
+            "  ./zwang bench --problems humanoid --solvers dual_active_set,newton,ipopt");
+  CaptureOptions capture;
+  std::string model, out;
+  options.add_option("MODEL", model, "MJCF or URDF, read by MuJoCo's own loader")->type_name("FILE")->required();
+  options.add_option("--steps", capture.steps, "of the model's own length")
+      ->check(from_to(1, 1e7))
+      ->capture_default_str();
+  options.add_option("--every", capture.every, "one problem in so many steps")
+      ->check(from_to(1, 1e7))
+      ->capture_default_str();
+  options.add_option("--out", out, "a folder for the problems, a file each")->type_name("DIR")->required();
+  if (!read(options, std::move(words))) return done;
+  capture.model = model;
+  if (std::filesystem::exists(out) && !std::filesystem::is_empty(out))
+    throw std::invalid_argument("--out " + out + ": expected a folder that is new or empty");
+  const Captured total = captured_apart(capture, out);
+  std::printf(
+      "%ld problems of %ld unknowns and %ld to %ld rows -> %s\nSolve them: ./zwang bench --problems %s --solvers "
+      "dual_active_set,newton\n",
+      total.problems, total.unknowns, total.fewest_rows, total.most_rows, out.c_str(), out.c_str());
+  return done;
+}
+
+}  // namespace zwang
