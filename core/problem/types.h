@@ -4,6 +4,11 @@
 #include <Eigen/SparseCore>
 #include <cstdint>
 
+// Objects that hold Eigen's fixed-size members cross between the libraries and their host.
+#if EIGEN_MAX_ALIGN_BYTES != 16
+#error "zwang is built with EIGEN_MAX_ALIGN_BYTES=16 and this file is not: link zwang::core, which passes it on"
+#endif
+
 namespace zwang {
 
 template <class T, int N>
