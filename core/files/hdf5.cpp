@@ -350,6 +350,7 @@ template std::vector<double> Group::read(const std::string&, std::size_t) const;
 template std::vector<std::int64_t> Group::read(const std::string&, std::size_t) const;
 template std::vector<std::uint64_t> Group::read(const std::string&, std::size_t) const;
 template void Group::write(const std::string&, std::span<const double>);
+template void Group::write(const std::string&, std::span<const std::int64_t>);
 template void Group::write(const std::string&, std::span<const std::int32_t>);
 template void Group::write(const std::string&, std::span<const std::uint64_t>);
 template void Group::write(const std::string&, std::span<const std::uint32_t>);

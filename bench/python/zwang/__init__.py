@@ -17,6 +17,7 @@ import tempfile
 
 import numpy
 import scipy.sparse
+import scipy.sparse.linalg
 
 from . import _zwang
 from ._zwang import BadFile, Judgement, Solution, __version__
@@ -30,6 +31,8 @@ def _numbers(value, name, size=None):
     if value is None:
         return numpy.empty(0)
     try:
+        if numpy.iscomplexobj(value):
+            raise ValueError("it has complex entries")
         array = numpy.ascontiguousarray(value, dtype=numpy.float64)
     except (TypeError, ValueError) as bad:
         raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
@@ -42,13 +45,31 @@ def _numbers(value, name, size=None):
     return array
 
 
+def _check_indices(matrix):
+    """That indices lie inside the matrix: scipy's own conversions write wherever they point."""
+    if hasattr(matrix, "check_format"):
+        matrix.check_format(full_check=True)
+    elif matrix.format == "coo":
+        for index, size in zip((matrix.row, matrix.col), matrix.shape):
+            if len(index) != len(matrix.data) or (len(index) and not 0 <= index.min() <= index.max() < size):
+                raise ValueError("an index lies outside")
+    elif matrix.format in ("lil", "dok", "dia"):
+        return
+    else:
+        raise ValueError(f"the sparse format {matrix.format} is not known")
+
+
 def _compressed(matrix, name, columns, by_rows):
     """Any matrix as float64 in compressed columns or rows, sorted, without duplicates."""
     kind = scipy.sparse.csr_matrix if by_rows else scipy.sparse.csc_matrix
     if matrix is None:
         matrix = kind((0, columns))
     try:
-        if not scipy.sparse.issparse(matrix):
+        if numpy.iscomplexobj(matrix):
+            raise ValueError("it has complex entries")
+        if scipy.sparse.issparse(matrix):
+            _check_indices(matrix)
+        else:
             matrix = numpy.asarray(matrix, dtype=numpy.float64)
             if matrix.ndim == 1 and by_rows:
                 matrix = matrix.reshape(1, -1)
@@ -174,7 +195,6 @@ def _smallest_eigenvalue(P):
     P = scipy.sparse.csc_matrix(P, dtype=numpy.float64)
     if P.shape[0] <= 1500:
         return numpy.linalg.eigvalsh(P.toarray())[0]
-    import scipy.sparse.linalg
     # The largest one of |P| 1 - P: as far from zero as can be, where Lanczos' method converges.
     top = abs(P).sum(axis=0).max()
     shifted = scipy.sparse.identity(P.shape[0]) * top - P

@@ -131,10 +131,10 @@ class Solving(unittest.TestCase):
         rows = zwang.bench("chain(links=2),tower(boxes=2)", solvers=["dual_active_set", by_numpy, forgets, dies, raises],
                            tolerances=[1e-8], repetitions=1)
         of = {(row["solver"], row["problem"].split("(")[0]): row for row in rows}
-        self.assertEqual(of["by_numpy", "chain"]["verdict"], "solved")
-        self.assertEqual(of["by_numpy", "tower"]["verdict"], "wrong")  # it knows no contacts
-        self.assertEqual(of["forgets", "chain"]["verdict"], "no answer")
-        self.assertEqual(of["dies", "chain"]["verdict"], "crashed")
+        self.assertEqual(of["by_numpy", "chain"]["verified"], "solved")
+        self.assertEqual(of["by_numpy", "tower"]["verified"], "wrong")  # it knows no contacts
+        self.assertEqual(of["forgets", "chain"]["verified"], "no answer")
+        self.assertEqual(of["dies", "chain"]["verified"], "crashed")
         self.assertIn("not today", of["raises", "chain"]["message"])
 
 
