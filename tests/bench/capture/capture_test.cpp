@@ -1,0 +1,104 @@
+#include <zwang/bench/capture/capture.h>
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/problem.h>
+#include <zwang/core/referee/measure.h>
+#include <zwang/solvers/registry.h>
+
+namespace zwang {
+namespace {
+
+// A box of 2 kg lies on the floor, tied to a ball by an equality; the door's hinge stands at its limit.
+constexpr auto model = R"(<mujoco>
+  <option timestep="0.002"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="3 3 .1"/>
+    <body name="box" pos="0 0 .0999"><freejoint/><geom name="box" type="box" size=".1 .1 .1" mass="2" friction=".7"/></body>
+    <body name="ball" pos="1 0 1"><freejoint/><geom name="ball" type="sphere" size=".1" mass="1" condim="1"/></body>
+    <body name="door" pos="-1 0 .5"><joint name="hinge" type="hinge" axis="0 1 0" range="0 1" limited="true"/>
+      <geom name="leaf" type="box" size=".1 .01 .1" pos=".1 0 0" mass="1"/></body>
+  </worldbody>
+  <equality><connect name="tie" body1="ball" body2="world" anchor="0 0 0"/></equality>
+</mujoco>)";
+
+struct Capture : testing::Test {
+  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "capture_test.xml";
+  ~Capture() override { std::filesystem::remove(file); }
+  void write(const std::string& text) { std::ofstream(file) << text; }
+};
+
+TEST_F(Capture, ProblemsAreMuJoCosWithoutItsSoftness) {
+  write(model);
+  std::vector<Instance> all;
+  capture({.model = file, .steps = 20, .every = 5}, [&](int step, const Instance& instance) {
+    EXPECT_EQ(step % 5, 0);
+    all.push_back(instance);
+    return true;
+  });
+  ASSERT_EQ(all.size(), 4u);
+  const Instance& first = all[0];
+  EXPECT_EQ(first.problem.size(), 13);  // two free bodies and a hinge
+  EXPECT_EQ(bad_input(first.problem), "");
+  int equalities = 0, contacts = 0;
+  for (Index i = 0; i < first.problem.rows(); ++i) {
+    equalities += first.problem.is_equality(i);
+    contacts += first.origin[static_cast<std::size_t>(i)].type == "contact";
+  }
+  EXPECT_EQ(equalities, 3);
+  EXPECT_EQ(contacts, 4);
+  ASSERT_EQ(first.friction.size(), 4u);  // the ball touches nothing
+  for (const ContactFriction& f : first.friction) {
+    EXPECT_EQ(f.mu, 1);  // MuJoCo takes the larger one, the floor's
+    EXPECT_EQ(f.tangents.rows(), 2);
+    EXPECT_EQ(f.tangents.cols(), first.problem.size());
+  }
+  for (const Instance& instance : all) {
+    Solution s;
+    make_solver("dual_active_set").solve(instance.problem, {}, s);
+    EXPECT_EQ(measure(instance.problem, s, nullptr, 1e-9).verdict, Verdict::solved);
+    ASSERT_EQ(instance.recorded.size(), 1u);
+    EXPECT_EQ(instance.recorded[0].by, "mujoco");
+    // MuJoCo's rows give way: its answer lies near the hard one, and is not it.
+    const double apart = (instance.recorded[0].z - s.z).norm(), size = instance.problem.z_u.norm();
+    EXPECT_GT(apart, 1e-8 * size);
+    EXPECT_LT(apart, size);
+  }
+  EXPECT_EQ(all[0].problem.key, all[1].problem.key);  // nothing came or went
+}
+
+TEST_F(Capture, KeepsWhatTheFileFormatHolds) {
+  write(model);
+  const std::filesystem::path stored = std::filesystem::path(testing::TempDir()) / "capture_test.h5";
+  capture({.model = file, .steps = 1}, [&](int, const Instance& instance) {
+    write_problem(stored, instance);
+    const Instance again = read_problems(stored).at(0);
+    EXPECT_EQ(problem_sha256(again.problem), problem_sha256(instance.problem));
+    EXPECT_EQ(again.recorded.at(0).z, instance.recorded.at(0).z);
+    EXPECT_EQ(again.friction.size(), instance.friction.size());
+    for (std::size_t k = 0; k < again.friction.size(); ++k) {
+      EXPECT_EQ(again.friction[k].row, instance.friction[k].row);
+      EXPECT_EQ(again.friction[k].mu, instance.friction[k].mu);
+      EXPECT_EQ(Matrix(again.friction[k].tangents), Matrix(instance.friction[k].tangents));
+    }
+    return true;
+  });
+  std::filesystem::remove(stored);
+}
+
+TEST_F(Capture, PassesOnWhatMuJoCoSays) {
+  write("<mujoco><worldbody><body><geom/></body></worldboddy></mujoco>");
+  try {
+    capture({.model = file, .steps = 1}, [](int, const Instance&) { return true; });
+    FAIL();
+  } catch (const BadFile& bad) {
+    EXPECT_NE(std::string(bad.what()).find("MuJoCo says"), std::string::npos) << bad.what();
+    EXPECT_EQ(std::string(bad.what()).find('\n'), std::string::npos) << bad.what();
+  }
+}
+
+}  // namespace
+}  // namespace zwang
