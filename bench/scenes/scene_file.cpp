@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include <zwang/bench/scenes/json_document.h>
 #include <zwang/collision/load.h>
@@ -114,6 +115,7 @@ class Reader {
   Scene scene_;
   std::vector<std::string> names_;
   std::vector<Outside> outside_;
+  std::set<std::pair<BodyId, BodyId>> joined_;  // by a joint that holds a point: such shapes overlap by design
   std::vector<Vec<double, 6>> force_;
   std::vector<Pose<double>> target_;
   std::map<std::string, Hinge> hinges_;
@@ -173,6 +175,7 @@ void Reader::joint(const JsonValue& v) {
   const Vec3 anchor_a = local(a, point), anchor_b = local(b, point_b);
   const Mat3 relative = at(a).rotation.transpose() * at(b).rotation;
   const auto axis = [&] { return direction(v["axis"]); };
+  if (type != "distance" && type != "rope") joined_.insert(std::minmax(a, b));
   if (type == "ball") {
     scene_.add(BallJoint{.bodies = {a, b}, .anchor_a = anchor_a, .anchor_b = anchor_b}, text);
   } else if (type == "weld") {
@@ -255,7 +258,8 @@ void Reader::contact(const JsonValue& v) {
              label(v, a, b));
 }
 
-// Contacts of all pairs of shapes that are nearer than `within`, and of shapes with meshes.
+// Contacts of all pairs of shapes that are nearer than `within`, and of shapes with meshes; not of bodies that a joint
+// holds together.
 void Reader::detect(const JsonValue& v) {
   v.only({"within", "friction"});
   const double within = v["within"].positive(), friction = v.has("friction") ? v["friction"].number() : 0;
@@ -272,6 +276,7 @@ void Reader::detect(const JsonValue& v) {
   std::map<std::pair<BodyId, BodyId>, int> count;
   for (const collision::Touch& t : world.touches(within)) {
     const BodyId a = body_of[static_cast<std::size_t>(t.a)], b = body_of[static_cast<std::size_t>(t.b)];
+    if (joined_.contains(std::minmax(a, b))) continue;
     const int which = count[{a, b}]++;
     scene_.add(contact_at(scene_.bodies, a, b, t.point_a, t.normal, t.gap, friction),
                names_[static_cast<std::size_t>(a)] + " on " + names_[static_cast<std::size_t>(b)] +
@@ -302,7 +307,7 @@ Instance Reader::read() {
   if (z_u.size() == 0) root["bodies"].fail("a free body among them");
   Instance out = to_instance(scene_, z_u, options);
   out.problem.name = root.has("name") ? root["name"].text() : file_.stem().string();
-  out.family = "scene file";
+  out.family = file_.stem().string();
   return out;
 }
 
