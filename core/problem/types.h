@@ -4,9 +4,9 @@
 #include <Eigen/SparseCore>
 #include <cstdint>
 
-// Objects that hold Eigen's fixed-size members cross between the libraries and their host.
-#if EIGEN_MAX_ALIGN_BYTES != 16
-#error "zwang is built with EIGEN_MAX_ALIGN_BYTES=16 and this file is not: link zwang::core, which passes it on"
+// Matrices cross between the libraries and their host: both must lay them out, take and free their memory alike.
+#if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MALLOC_ALREADY_ALIGNED
+#error "this file is compiled with another layout of Eigen's matrices than zwang: link zwang::core, which passes it on"
 #endif
 
 namespace zwang {

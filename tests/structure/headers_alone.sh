@@ -6,7 +6,7 @@ cd "$1"
 check() {
   source=${3%.h}.cpp
   [ -f "$source" ] && [ "$(grep -m1 '^#include' "$source")" = "#include <zwang/$3>" ] && return
-  echo "#include <zwang/$3>" | "$1" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I"$4" -isystem "$2" -x c++ - ||
+  echo "#include <zwang/$3>" | "$1" -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=0 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I"$4" -isystem "$2" -x c++ - ||
     { echo "$3 does not compile alone"; exit 1; }
 }
 export -f check
