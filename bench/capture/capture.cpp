@@ -50,6 +50,7 @@ Model::Model(const std::filesystem::path& file) : family_(file.stem().string()) 
     throw BadFile(file.string() + ": MuJoCo says: " + text);
   }
   mjModel& m = *model_;
+  if (m.nv == 0) throw BadFile(file.string() + ": nothing in this model moves; expected a body with a joint");
   condim_.assign(m.geom_condim, m.geom_condim + m.ngeom);
   pair_dim_.assign(m.pair_dim, m.pair_dim + m.npair);
   std::fill_n(m.geom_condim, m.ngeom, 1);

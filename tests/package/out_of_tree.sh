@@ -34,7 +34,7 @@ run "$beads" scenes | grep -q beads
 run "$beads" solvers | grep -q delassus_sweeps
 run "$beads" bench --scenes 'beads(beads=2,5,10)' --solvers delassus_sweeps,dual_active_set --tolerances 1e-8 --out "$work/run" >"$work/bench.log" 2>&1 ||
   { cat "$work/bench.log" >&2; exit 1; }
-[ "$(grep -c '"verdict":"solved"' "$work/run/results.jsonl")" -eq 6 ] || { cat "$work/run/results.jsonl" >&2; exit 1; }
+[ "$(grep -c '"verified":"solved"' "$work/run/results.jsonl")" -eq 6 ] || { cat "$work/run/results.jsonl" >&2; exit 1; }
 grep -q delassus_sweeps "$work/run/report.html"
 grep -q 'beads(' "$work/run/report.html"
 run "$beads" fuzz --count 200 --solvers delassus_sweeps >"$work/fuzz.log" 2>&1 || [ $? -eq 1 ]

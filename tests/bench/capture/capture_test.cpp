@@ -89,14 +89,18 @@ TEST_F(Capture, KeepsWhatTheFileFormatHolds) {
   std::filesystem::remove(stored);
 }
 
-TEST_F(Capture, PassesOnWhatMuJoCoSays) {
-  write("<mujoco><worldbody><body><geom/></body></worldboddy></mujoco>");
-  try {
-    capture({.model = file, .steps = 1}, [](int, const Instance&) { return true; });
-    FAIL();
-  } catch (const BadFile& bad) {
-    EXPECT_NE(std::string(bad.what()).find("MuJoCo says"), std::string::npos) << bad.what();
-    EXPECT_EQ(std::string(bad.what()).find('\n'), std::string::npos) << bad.what();
+TEST_F(Capture, SaysWhatIsWrongInOneLine) {
+  for (const auto& [text, word] :
+       {std::pair("<mujoco><worldbody><body><geom/></body></worldboddy></mujoco>", "MuJoCo says"),
+        std::pair("<mujoco/>", "nothing in this model moves")}) {
+    write(text);
+    try {
+      capture({.model = file, .steps = 1}, [](int, const Instance&) { return true; });
+      FAIL() << word;
+    } catch (const BadFile& bad) {
+      EXPECT_NE(std::string(bad.what()).find(word), std::string::npos) << bad.what();
+      EXPECT_EQ(std::string(bad.what()).find('\n'), std::string::npos) << bad.what();
+    }
   }
 }
 
