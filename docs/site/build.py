@@ -38,6 +38,17 @@ for page in sorted((source / "docs").rglob("*.md")):
     there = pages / page.relative_to(source / "docs")
     there.write_text(inside(page, page.read_text()))
 (pages / "index.md").write_text(inside(source / "README.md", (source / "README.md").read_text()))
+# Doxygen's pages are made after these, so mkdocs does not know them: HTML, which it leaves alone.
+(pages / "api.md").write_text("""# API reference
+
+The C++ headers, by Doxygen. `#include <zwang/...>` with the path that stands there; [library](library.md) says how to link.
+
+- <a href="api/annotated.html">Types</a>: Problem, Solution, SolveOptions, Metrics, Scene, ...
+- <a href="api/namespacezwang.html">Everything in namespace zwang</a>
+- <a href="api/files.html">Headers</a>
+
+The Python module has its own page: [Python](python.md).
+""")
 
 settings = (source / "docs/mkdocs.yml").read_text()
 (output / "mkdocs.yml").write_text(f"{settings}\ndocs_dir: {pages}\nsite_dir: {scratch}\n")
