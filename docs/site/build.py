@@ -31,6 +31,8 @@ def inside(page, text):
             here = source / "docs" if page.name == "README.md" else page.parent
             return f"[{label}]({os.path.relpath(file, here)}{anchor})"
         return f"`{label}`" if re.fullmatch(r"[\w./-]+", label) else label
+    # Code in a list item: GitHub counts from the item's text, Python's Markdown in fours.
+    text = re.sub(r"(?m)^ {7}(?=\S)", " " * 8, text)
     return re.sub(r"\[([^]]*)\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]+)?\)", link, text)
 
 
@@ -50,6 +52,7 @@ The C++ headers, by Doxygen. `#include <zwang/...>` with the path that stands th
 The Python module has its own page: [Python](python.md).
 """)
 
+shutil.copy(source / "docs/site/extra.css", pages)
 settings = (source / "docs/mkdocs.yml").read_text()
 (output / "mkdocs.yml").write_text(f"{settings}\ndocs_dir: {pages}\nsite_dir: {scratch}\n")
 subprocess.run(["mkdocs", "build", "--quiet", "--strict", "--config-file", output / "mkdocs.yml"], check=True)
