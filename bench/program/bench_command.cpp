@@ -103,7 +103,7 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
                         ? make_plan(std::move(asked.suite))
                         : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
-  const bool own = asked.resume.empty() && (options.count("--scenes") > 0 || options.count("--problems") > 0);
+  const bool own = !plan.options.scenes.empty() || !plan.options.problems.empty();
   std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
               own ? "your problems" : (plan.options.suite + " suite").c_str(), plan.solvers(), plan.instances.size(),
               plan.options.tolerances.size(), static_cast<unsigned long long>(plan.options.seed));

@@ -104,7 +104,11 @@ FoundReference reference_for(const Instance& instance, const std::filesystem::pa
                    (second_witness ? "-two" : "") + ".reference");
   if (std::optional<Reference> kept = read_cached(file); kept && fits(*kept, problem)) return {.reference = kept};
   FoundReference found = compute(problem, second_witness);
-  if (found.reference) write_cached(file, *found.reference);
+  try {
+    if (found.reference) write_cached(file, *found.reference);
+  } catch (const std::exception&) {
+    // A cache that cannot be written costs time, and nothing else.
+  }
   return found;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
@@ -112,37 +113,46 @@ class Builder : public nlohmann::json_sax<Json> {
   std::string key_;
 };
 
+template <class Name>
+std::string below(const std::string& at, const Name& name) {
+  return (Json::json_pointer(at) / name).to_string();
+}
+
 }  // namespace
 
-JsonDocument::JsonDocument(const std::filesystem::path& file) : file_(file) {
+JsonDocument::JsonDocument(const std::filesystem::path& file) : file_(file), root_(std::make_shared<Json>()) {
   std::ifstream in(file, std::ios::binary);
   std::stringstream text;
   text << in.rdbuf();
   if (!in) throw BadFile(file.string() + ": cannot be read");
   const std::string all = std::move(text).str();
   int line = 1;
-  Builder builder(root_, line_, line);
+  Builder builder(*root_, line_, line);
   const Counted begin{all.data(), &line}, end{all.data() + all.size(), &line};
   if (!Json::sax_parse(begin, end, &builder))
     throw BadFile(file.string() + ", line " + std::to_string(line) + ": " + builder.error);
 }
 
-void JsonDocument::fail(const Json::json_pointer& at, const std::string& expected) const {
-  const auto line = line_.find(at.to_string());
+void JsonDocument::fail(const std::string& at, const std::string& expected) const {
+  const auto line = line_.find(at);
   throw BadFile(file_.string() + (line == line_.end() ? "" : ", line " + std::to_string(line->second)) + ": " +
-                (at.empty() ? "" : at.to_string() + ": ") + "expected " + expected);
+                (at.empty() ? "" : at + ": ") + "expected " + expected);
 }
+
+bool JsonValue::has(const char* member) const { return value_->is_object() && value_->contains(member); }
+
+std::size_t JsonValue::size() const { return value_->size(); }
 
 JsonValue JsonValue::operator[](const char* member) const {
   if (!value_->is_object()) fail("an object");
   if (!has(member)) fail("a member '" + std::string(member) + "'");
-  return {*document_, at_ / member, (*value_)[member]};
+  return {*document_, below(at_, member), (*value_)[member]};
 }
 
 std::vector<JsonValue> JsonValue::items() const {
   if (!value_->is_array()) fail("a list");
   std::vector<JsonValue> all;
-  for (std::size_t i = 0; i < value_->size(); ++i) all.push_back({*document_, at_ / i, (*value_)[i]});
+  for (std::size_t i = 0; i < value_->size(); ++i) all.push_back({*document_, below(at_, i), (*value_)[i]});
   return all;
 }
 
@@ -152,7 +162,7 @@ void JsonValue::only(const std::vector<std::string>& members) const {
     if (std::find(members.begin(), members.end(), name) == members.end()) {
       std::string all;
       for (const std::string& m : members) all += (all.empty() ? "" : ", ") + m;
-      document_->fail(at_ / name, "one of the members " + all + did_you_mean(name, members));
+      document_->fail(below(at_, name), "one of the members " + all + did_you_mean(name, members));
     }
 }
 

@@ -2,7 +2,8 @@
 
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,24 +16,23 @@ class JsonDocument {
   // Throws BadFile with the line where the text is no JSON, or names a member twice.
   explicit JsonDocument(const std::filesystem::path& file);
 
-  const nlohmann::json& root() const { return root_; }
-  // "FILE, line 12: /bodies/2/mass: expected TEXT", thrown as BadFile.
-  [[noreturn]] void fail(const nlohmann::json::json_pointer& at, const std::string& expected) const;
+  const nlohmann::json& root() const { return *root_; }
+  // "FILE, line 12: /bodies/2/mass: expected TEXT", thrown as BadFile. at: a JSON pointer.
+  [[noreturn]] void fail(const std::string& at, const std::string& expected) const;
 
  private:
   std::filesystem::path file_;
-  nlohmann::json root_;
+  std::shared_ptr<nlohmann::json> root_;
   std::map<std::string, int> line_;  // by the value's JSON pointer
 };
 
 // One value of a document, read by what it should be. Every function throws BadFile with line and member.
 class JsonValue {
  public:
-  explicit JsonValue(const JsonDocument& document)
-      : JsonValue(document, nlohmann::json::json_pointer(), document.root()) {}
+  explicit JsonValue(const JsonDocument& document) : JsonValue(document, {}, document.root()) {}
 
-  const nlohmann::json& value() const { return *value_; }
-  bool has(const char* member) const { return value_->is_object() && value_->contains(member); }
+  bool has(const char* member) const;
+  std::size_t size() const;                        // members or items
   JsonValue operator[](const char* member) const;  // which must be there
   std::vector<JsonValue> items() const;            // of a list
   // That no other members are there than these, and that it is an object at all.
@@ -48,11 +48,11 @@ class JsonValue {
   std::string word(const std::vector<std::string>& words) const;
 
  private:
-  JsonValue(const JsonDocument& document, nlohmann::json::json_pointer at, const nlohmann::json& value)
+  JsonValue(const JsonDocument& document, std::string at, const nlohmann::json& value)
       : document_(&document), at_(std::move(at)), value_(&value) {}
 
   const JsonDocument* document_;
-  nlohmann::json::json_pointer at_;
+  std::string at_;  // its JSON pointer
   const nlohmann::json* value_;
 };
 

@@ -56,7 +56,7 @@ struct Outside {
 
 Outside outside(const JsonValue& v, const std::filesystem::path& folder) {
   v.only({"box", "sphere", "capsule", "mesh", "rounding"});
-  if (v.value().size() - (v.has("rounding") ? 1 : 0) != 1) v.fail("one of box, sphere, capsule, mesh");
+  if (v.size() - (v.has("rounding") ? 1 : 0) != 1) v.fail("one of box, sphere, capsule, mesh");
   Outside out;
   if (v.has("box")) {
     const Vec3 w = vector3(v["box"]);

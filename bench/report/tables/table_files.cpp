@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <regex>
 #include <sstream>
 #include <utility>
 
@@ -28,7 +29,8 @@ std::string tex_text(std::string text) {
   text = replaced(std::move(text), "^", "\\^{}");
   text = replaced(std::move(text), "|", "$|$");
   text = replaced(std::move(text), "<=", "$\\le$");
-  return replaced(std::move(text), " us", " $\\mu$s");
+  static const std::regex microseconds(" us\\b");
+  return std::regex_replace(text, microseconds, " $$\\mu$$s");
 }
 
 }  // namespace
