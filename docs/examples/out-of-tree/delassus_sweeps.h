@@ -12,6 +12,7 @@ struct DelassusSweeps {
 
   void solve(const zwang::Problem& p, const zwang::SolveOptions& options, zwang::Solution& solution) {
     using namespace zwang;
+    solution.reset(p.size(), p.rows());
     const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> mass(p.M);
     const Matrix W = mass.solve(Matrix(p.J.transpose()));  // M^-1 J'
     const Matrix S = p.J * W;
