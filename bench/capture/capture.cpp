@@ -118,8 +118,8 @@ void Model::add_rows(Instance& out) const {
   const mjData& d = *data_;
   Problem& p = out.problem;
   std::vector<Eigen::Triplet<double>> J;
-  std::map<std::array<int, 2>, int> seen;  // contacts of one pair of geoms, in MuJoCo's order
-  std::map<std::array<int, 2>, int> equality_rows;
+  std::map<std::array<int, 2>, int> seen;     // contacts of one pair of geoms, in MuJoCo's order
+  std::map<std::array<int, 2>, int> rows_of;  // equality 0, joint limit 1, tendon limit 2; by its number
   p.c = Eigen::Map<const Vector>(d.efc_aref, d.nefc);
   for (int i = 0; i < d.nefc; ++i) {
     for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e)
@@ -127,13 +127,13 @@ void Model::add_rows(Instance& out) const {
     const int id = d.efc_id[i];
     p.kind.push_back(d.efc_type[i] == mjCNSTR_EQUALITY ? RowKind::equality : RowKind::inequality);
     if (d.efc_type[i] == mjCNSTR_EQUALITY) {
-      const int row = equality_rows[{0, id}]++;
+      const int row = rows_of[{0, id}]++;
       out.origin.push_back({.type = "equality", .label = name(mjOBJ_EQUALITY, id), .row = row});
       p.key.push_back({mix_bits(1), static_cast<std::uint32_t>(64 * id + row)});
     } else if (d.efc_type[i] == mjCNSTR_LIMIT_JOINT || d.efc_type[i] == mjCNSTR_LIMIT_TENDON) {
       const bool joint = d.efc_type[i] == mjCNSTR_LIMIT_JOINT;
       // Both sides of one limit may be near.
-      const int side = equality_rows[{joint ? 1 : 2, id}]++;
+      const int side = rows_of[{joint ? 1 : 2, id}]++;
       out.origin.push_back({.type = joint ? "joint limit" : "tendon limit",
                             .label = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, id) + (side ? ", other side" : "")});
       p.key.push_back({mix_bits(joint ? 2 : 3), static_cast<std::uint32_t>(2 * id + side)});
@@ -168,7 +168,7 @@ void Model::add_contact(Instance& out, const mjContact& c, std::map<std::array<i
 
 }  // namespace
 
-void capture(const CaptureOptions& options, const std::function<bool(int step, const Instance&)>& found) {
+void capture(const CaptureOptions& options, const std::function<void(int step, const Instance&)>& found) {
   Model model(options.model);
   for (int step = 0; step < options.steps; ++step) {
     if (step % options.every == 0) {
@@ -177,7 +177,7 @@ void capture(const CaptureOptions& options, const std::function<bool(int step, c
       instance.problem.name = instance.family + " step " + std::to_string(step);
       instance.knob = "step";
       instance.knob_value = step;
-      if (!found(step, instance)) return;
+      found(step, instance);
     }
     model.step();
   }

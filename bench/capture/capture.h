@@ -22,7 +22,7 @@ struct CaptureOptions {
 // frictionloss 0), in MuJoCo's run as well, so that both answer one problem; the tangents and friction coefficients of
 // the model are stored beside it. Row keys last from step to step.
 //
-// `found`: called with each problem; false ends the run. Throws BadFile with MuJoCo's own message.
-void capture(const CaptureOptions& options, const std::function<bool(int step, const Instance&)>& found);
+// `found`: called with each problem. Throws BadFile with MuJoCo's own message.
+void capture(const CaptureOptions& options, const std::function<void(int step, const Instance&)>& found);
 
 }  // namespace zwang

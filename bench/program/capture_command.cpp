@@ -11,11 +11,11 @@
 namespace zwang {
 namespace {
 
-#ifdef ZWANG_HAS_MUJOCO
-
 struct Captured {
   long problems = 0, unknowns = 0, fewest_rows = 0, most_rows = 0;
 };
+
+#ifdef ZWANG_HAS_MUJOCO
 
 std::string numbered_file(int step) {
   char name[32];
@@ -36,7 +36,6 @@ Captured captured_apart(const CaptureOptions& options, const std::filesystem::pa
       total.fewest_rows = total.problems == 0 ? rows : std::min(total.fewest_rows, rows);
       total.most_rows = std::max(total.most_rows, rows);
       ++total.problems;
-      return true;
     });
     write(&total, sizeof total);
   });
@@ -47,9 +46,6 @@ Captured captured_apart(const CaptureOptions& options, const std::filesystem::pa
 
 #else
 
-struct Captured {
-  long problems = 0, unknowns = 0, fewest_rows = 0, most_rows = 0;
-};
 Captured captured_apart(const CaptureOptions&, const std::filesystem::path&) {
   throw std::invalid_argument(
       "capture needs MuJoCo, which was not there at the build: install libmujoco-dev, build anew");

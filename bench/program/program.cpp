@@ -63,7 +63,9 @@ void print_help(std::span<const Command> commands) {
   std::puts(
       "\nThe project itself:\n"
       "  setup      install what is needed and build\n"
-      "  test       build and run the tests (./zwang test -R PATTERN: some of them)\n\n"
+      "  test       build and run the tests (./zwang test -R PATTERN: some of them)\n"
+      "  python     build the Python module, say how to import it\n"
+      "  docs       build the pages and the API reference as a site that opens offline\n\n"
       "Examples:\n"
       "  ./zwang bench                    the standard suite, at most ten minutes\n"
       "  ./zwang bench --suite quick      a minute\n"
@@ -74,7 +76,7 @@ void print_help(std::span<const Command> commands) {
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {
-  std::vector<std::string> names = {"setup", "test"};
+  std::vector<std::string> names = {"setup", "test", "python", "docs"};
   for (const Command& c : commands) {
     if (c.name == word) return c.run(std::move(rest));
     names.push_back(c.name);

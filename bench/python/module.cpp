@@ -169,7 +169,7 @@ struct Solved {
 };
 
 Solved solve(const Instance& instance, const std::string& text, double tolerance, int max_iterations, double time_limit,
-             const std::optional<Numbers>& warm) {
+             const std::optional<Numbers>& warm, bool keep_python) {
   const SolverEntry* entry = find_solver(text);
   const MakeSolver make = [](std::string_view t) { return make_solver(t); };
   make(text);  // a wrong name or setting is said before anything runs
@@ -186,23 +186,16 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
                                   " entries, and has " + std::to_string(request.warm.lambda.size()));
   }
   const Run run{.solver = text, .foreign = entry->foreign, .tolerance = tolerance};
-  const bool python = entry->limits == "a Python function";
   std::optional<py::gil_scoped_release> free;
-  if (!python) free.emplace();
+  if (!keep_python) free.emplace();
   Dispatcher dispatcher(make);
   SolveReply reply = dispatcher.run(instance.problem, run, request, nullptr);
   return {std::move(reply.solution), reply.seconds};
 }
 
 // Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
-void bench(SuiteOptions options, const std::vector<Instance>& problems, const std::filesystem::path& directory) {
-  Plan plan = problems.empty() ? make_plan(std::move(options)) : [&] {
-    options.scenes = "tower(boxes=1)";  // a plan wants something to plan for; its place is taken below
-    Plan p = make_plan(std::move(options));
-    p.instances = problems;
-    p.options.scenes = {};
-    return p;
-  }();
+void bench(SuiteOptions options, const std::filesystem::path& directory) {
+  const Plan plan = make_plan(std::move(options));
   std::atomic<bool> interrupted = false;
   run_suite(plan, {.directory = directory, .cache = reference_cache(), .command = "zwang.bench"}, interrupted);
 }
@@ -338,13 +331,14 @@ PYBIND11_MODULE(_zwang, m) {
     SuiteOptions options{.suite = suite,
                          .scenes = scenes,
                          .problems = files,
+                         .instances = problems,
                          .solvers = chosen,
                          .tolerances = tolerances,
                          .repetitions = repetitions,
                          .seed = seed};
     std::optional<py::gil_scoped_release> working;
     if (!keep_python) working.emplace();
-    bench(std::move(options), problems, directory);
+    bench(std::move(options), directory);
   });
 }
 

@@ -16,13 +16,6 @@ std::string number(double x) {
   return text;
 }
 
-Verdict by_distance(double at_least, double at_most, double tolerance) {
-  const double accepted = accepted_error(tolerance);
-  if (at_most <= accepted) return Verdict::solved;
-  if (at_most <= 1000 * accepted) return Verdict::near;
-  return at_least > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
-}
-
 std::string in_words(const Judgement& j, const char* variable) {
   std::string text(to_string(j.verdict));
   const std::string distance = std::string("|") + variable + " - " + variable + "*|";
@@ -71,7 +64,7 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
       out.proof = truth.reference->method;
     }
   }
-  if (z.allFinite()) out.verdict = by_distance(out.at_least, std::isnan(out.at_most) ? 1e300 : out.at_most, tolerance);
+  if (z.allFinite()) out.verdict = by_error(out.at_most, out.at_least, tolerance);
   out.text = in_words(out, variable);
   return out;
 }

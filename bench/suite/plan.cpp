@@ -1,6 +1,7 @@
 #include <zwang/bench/suite/plan.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -147,7 +148,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   Plan plan;
   plan.time_limit = suite.time_limit;
   plan.second_witness = suite.name == "full";
-  if (options.scenes.empty() && options.problems.empty()) options.scenes = suite.scenes;
+  if (options.scenes.empty() && options.problems.empty() && options.instances.empty()) options.scenes = suite.scenes;
   plan.whole_suite =
       suite.fills_time && options.scenes == suite.scenes && options.problems.empty() && options.families.empty();
   plan.limit_s = suite.limit_s;
@@ -177,7 +178,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   }
   if (plan.runs.empty()) throw std::invalid_argument("no solver chosen");
 
-  if (!options.scenes.empty()) plan.instances = make_scenes(options.scenes, options.seed);
+  plan.instances = std::move(options.instances);
+  if (!options.scenes.empty())
+    std::ranges::move(make_scenes(options.scenes, options.seed), std::back_inserter(plan.instances));
   if (plan.speed) {
     std::vector<Instance> measured = measured_problems();
     plan.instances.insert(plan.instances.begin(), measured.begin(), measured.end());

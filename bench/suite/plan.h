@@ -16,6 +16,7 @@ struct SuiteOptions {
   std::string scenes = {};
   std::string families = {};                         // "MR,NPE": of the problems, only these
   std::vector<std::filesystem::path> problems = {};  // files, or folders of *.h5 and *.hdf5
+  std::vector<Instance> instances = {};              // problems of a host's own
   Friction friction = Friction::none;
   std::string solvers = {};  // "nnls,nlopt:algorithm=2"
   std::vector<double> tolerances = {};

@@ -46,13 +46,6 @@ void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const 
   out.gap = out.stationarity * out.stationarity / 2 + or_infinity(weighted_slack.hi / s / s);
 }
 
-Verdict by_error(double upper, double lower, double tolerance) {
-  const double accepted = accepted_error(tolerance);
-  if (upper <= accepted) return Verdict::solved;
-  if (upper <= 1000 * accepted) return Verdict::near;
-  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
-}
-
 bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(); }
 
 // "No z meets the rows" is worth what its certificate is worth.
@@ -103,6 +96,13 @@ Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Ref
 }
 
 }  // namespace
+
+Verdict by_error(double upper, double lower, double tolerance) {
+  const double accepted = accepted_error(tolerance);
+  if (upper <= accepted) return Verdict::solved;
+  if (upper <= 1000 * accepted) return Verdict::near;
+  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+}
 
 std::string_view to_string(Verdict verdict) {
   static constexpr std::array<std::string_view, 11> words{

@@ -25,6 +25,9 @@ enum class Verdict {
   unsupported,
 };
 
+// Of a z whose error lies in [lower, upper], relative to s.
+Verdict by_error(double upper, double lower, double tolerance);
+
 std::string_view to_string(Verdict verdict);  // "solved", "infeasible, proven", "infeasible, claimed only", ...
 
 // All residuals are in the M-norm on unit rows (row i divided by |G_i| = sqrt(J_i M^-1 J_i')), divided by the scale s

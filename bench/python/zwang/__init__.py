@@ -159,7 +159,8 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=
     """
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
-    return _zwang.solve(problem, text, float(tolerance), int(max_iterations), float(time_limit), warm)
+    return _zwang.solve(problem, text, float(tolerance), int(max_iterations), float(time_limit), warm,
+                        solver.split(":")[0] in _python_solvers)
 
 
 def judge(problem, z, lambda_=None, *, tolerance=1e-9):
