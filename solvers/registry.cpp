@@ -14,13 +14,20 @@
 #include <zwang/solvers/first_order/projected_gradient.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
+#include <zwang/solvers/rivals/daqp.h>
 #include <zwang/solvers/rivals/ipopt.h>
 #include <zwang/solvers/rivals/mujoco.h>
 #include <zwang/solvers/rivals/nlopt.h>
+#include <zwang/solvers/rivals/osqp.h>
+#include <zwang/solvers/rivals/piqp.h>
+#include <zwang/solvers/rivals/proxqp.h>
+#include <zwang/solvers/rivals/qpoases.h>
 
 namespace zwang {
 namespace {
 
+// Libraries that are compiled where they are found: what they claim is claimed as it is.
+constexpr Accuracy outside{.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
 // They reach what the tolerance says (the referee's margin: 10 T), or say that they did not.
 constexpr Accuracy iterative{.tolerance = 1e-8, .z_error = 1e-7, .certificate = 1e-6, .solved_share = 0.9};
 // What NLopt and Bullet return is claimed as it is, right as far as stated. SLSQP's subproblem and Dantzig's pivots are
@@ -29,8 +36,8 @@ constexpr Accuracy pivoting{.tolerance = 1e-8, .z_error = 1e-10};
 // MMA and CCSAQ crawl along degenerate rows. Steps of 1e-8 end up to 2.2e-6 away, by the compiler's rounding.
 constexpr Accuracy creeping{.tolerance = 1e-8, .z_error = 1e-5, .solved_share = 0.75};
 
-std::vector<SolverEntry>& registry() {
-  static std::vector<SolverEntry> all = {
+std::vector<SolverEntry> always() {
+  return {
       entry<DualActiveSet>({.method = "Goldfarb-Idnani by orthogonal updates, refined",
                             .limits = "dense: slow beyond 1000 unknowns",
                             .exact = true,
@@ -102,26 +109,76 @@ std::vector<SolverEntry>& registry() {
                         .limits = "as pgs, with step length as its only test; 2000 rows",
                         .foreign = true,
                         .accuracy = {.tolerance = 1e-8, .z_error = 1e-6, .solved_share = 0.95}}),
-#ifdef ZWANG_HAS_MUJOCO
-      // Its rows are soft: no more is claimed, and that for three problems in five.
-      entry<MujocoNewton>(
-          {.method = "MuJoCo 2.2.2's Newton solver on soft rows: a yardstick of speed",
-           .limits = "rows give way by their force / stiffness; no certificates; 1000 unknowns, 2000 rows",
-           .foreign = true,
-           .accuracy = {.tolerance = 1e-2, .z_error = 5e-2, .solved_share = 0.6}}),
-#endif
   };
-  return all;
+}
+
+struct Registry {
+  std::vector<SolverEntry> solvers = always();
+  std::vector<AbsentSolver> absent = {};
+
+  // Optional: its library was found, or else how to add it.
+  template <Solver S, bool found>
+  void add(std::string_view how_to_add, SolverEntry e) {
+    if constexpr (found)
+      solvers.push_back(entry<S>(std::move(e)));
+    else
+      absent.push_back({S::name, how_to_add});
+  }
+
+  Registry() {
+    // Its rows are soft: no more is claimed, and that for three problems in five.
+    add<MujocoNewton, ZWANG_HAS_MUJOCO>(
+        "MuJoCo, Debian's libmujoco-dev",
+        {.method = "MuJoCo 2.2.2's Newton solver on soft rows: a yardstick of speed",
+         .limits = "rows give way by their force / stiffness; no certificates; 1000 unknowns, 2000 rows",
+         .foreign = true,
+         .accuracy = {.tolerance = 1e-2, .z_error = 5e-2, .solved_share = 0.6}});
+    add<Daqp, ZWANG_HAS_DAQP>("DAQP 0.9, -DZWANG_DAQP_DIR=PREFIX (docs/solvers.md)",
+                              {.method = "DAQP 0.9: dual active set on the least-distance form",
+                               .limits = "dense: 2000 unknowns, 4000 rows; no iterate at its limits",
+                               .foreign = true,
+                               .largest_island = 700,
+                               .accuracy = outside});
+    add<Piqp, ZWANG_HAS_PIQP>("PIQP 0.6, -DZWANG_PIQP_DIR=PREFIX (docs/solvers.md)",
+                              {.method = "PIQP 0.6: proximal interior point, sparse",
+                               .limits = "weakly active rows; rarely notices infeasibility; no time limit",
+                               .foreign = true,
+                               .accuracy = outside});
+    add<Osqp, ZWANG_HAS_OSQP>("OSQP 1, -DZWANG_OSQP_DIR=PREFIX (docs/solvers.md)",
+                              {.method = "OSQP 1: operator splitting, sparse, polished",
+                               .limits = "slow where many rows are redundant; polishing may fail there",
+                               .foreign = true,
+                               .accuracy = outside});
+    add<Proxqp, ZWANG_HAS_PROXQP>(
+        "ProxSuite 0.7, -DZWANG_PROXQP_DIR=PREFIX (docs/solvers.md)",
+        {.method = "ProxQP 0.7: proximal augmented Lagrangian, sparse",
+         .limits = "slow where many rows are redundant; rarely notices infeasibility; no time limit",
+         .foreign = true,
+         .accuracy = outside});
+    add<Qpoases, ZWANG_HAS_QPOASES>("qpOASES 3.2, -DZWANG_QPOASES_DIR=PREFIX (docs/solvers.md)",
+                                    {.method = "qpOASES 3.2: parametric active set, its MPC options",
+                                     .limits = "dense: 1000 unknowns, 2000 rows; no certificates",
+                                     .foreign = true,
+                                     .proves_infeasibility = false,
+                                     .largest_island = 700,
+                                     .accuracy = outside});
+  }
+};
+
+Registry& registry() {
+  static Registry one;
+  return one;
 }
 
 }  // namespace
 
-std::span<const SolverEntry> solvers() { return registry(); }
+std::span<const SolverEntry> solvers() { return registry().solvers; }
+std::span<const AbsentSolver> absent_solvers() { return registry().absent; }
 
 void add_solver(SolverEntry entry) {
   if (find_solver(entry.name))
     throw std::invalid_argument("a solver of the name '" + entry.name + "' is registered already");
-  registry().push_back(std::move(entry));
+  registry().solvers.push_back(std::move(entry));
 }
 
 const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntry> among) {
@@ -133,6 +190,9 @@ AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among)
   const std::string name(text.substr(0, text.find(':')));
   if (const SolverEntry* e = find_solver(name, among))
     return e->make(text.substr(std::min(name.size() + 1, text.size())));
+  for (const AbsentSolver& s : absent_solvers())
+    if (s.name == name)
+      throw std::invalid_argument("solver '" + name + "' is not built in: " + std::string(s.how_to_add));
   std::vector<std::string> names;
   for (const SolverEntry& e : among) names.push_back(e.name);
   throw std::invalid_argument("no solver '" + name + "'" + did_you_mean(name, names) + " (./zwang solvers lists all)");

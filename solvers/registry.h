@@ -14,11 +14,18 @@ std::span<const SolverEntry> solvers();
 // Throws std::invalid_argument where its name is taken.
 void add_solver(SolverEntry entry);
 
+// An optional solver whose library was absent when this was built.
+struct AbsentSolver {
+  std::string_view name, how_to_add;
+};
+std::span<const AbsentSolver> absent_solvers();
+
 // By its name, which may be followed by ":key=value,...". Null when there is none. `among`: a test may bring solvers of
 // its own.
 const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntry> among = solvers());
 
-// "nnls" or "nnls:key=value,..." -> solver. Throws std::invalid_argument with the nearest name.
+// "nnls" or "nnls:key=value,..." -> solver. Throws std::invalid_argument with the nearest name,
+// or with how to add one that is absent.
 AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among = solvers());
 
 }  // namespace zwang

@@ -30,16 +30,17 @@ struct Accuracy {
 struct SolverEntry {
   static constexpr Index any_size = std::numeric_limits<Index>::max();
   std::string name = {};
-  std::string method = {};          // one line
-  std::string limits = {};          // what it cannot do, one line
-  bool foreign = false;             // may hang or crash: runs in a child process with a deadline
-  bool exact = false;               // an active-set method: the answer does not depend on the tolerance
-  bool sees_infeasibility = true;   // false: may claim success where no z exists
-  bool needs_range = false;         // right only where c lies in range(J)
-  bool needs_rank = false;          // may give up, saying so, on dependent equality rows
-  bool creeps = false;              // goes to its iteration limit on degenerate rows
-  bool yardstick = false;           // the speed suite never shortens its time limit
-  Index largest_island = any_size;  // unknowns; the speed suite asks no more of its dense matrices
+  std::string method = {};           // one line
+  std::string limits = {};           // what it cannot do, one line
+  bool foreign = false;              // may hang or crash: runs in a child process with a deadline
+  bool exact = false;                // an active-set method: the answer does not depend on the tolerance
+  bool sees_infeasibility = true;    // false: may claim success where no z exists
+  bool proves_infeasibility = true;  // false: its "infeasible" may come without a certificate
+  bool needs_range = false;          // right only where c lies in range(J)
+  bool needs_rank = false;           // may give up, saying so, on dependent equality rows
+  bool creeps = false;               // goes to its iteration limit on degenerate rows
+  bool yardstick = false;            // the speed suite never shortens its time limit
+  Index largest_island = any_size;   // unknowns; the speed suite asks no more of its dense matrices
   Accuracy accuracy = {};
   std::vector<SettingInfo> settings = {};
   // Builds the solver with `key=value,...` applied; throws std::invalid_argument naming the setting.

@@ -18,6 +18,8 @@ int solvers_command(std::vector<std::string> words) {
     for (const SettingInfo& s : e.settings)
       std::printf("%-18s   %s=%s   %s\n", "", s.name.c_str(), s.value.c_str(), s.help.c_str());
   }
+  for (const AbsentSolver& s : absent_solvers())
+    std::printf("%-18s not built in: %s\n", std::string(s.name).c_str(), std::string(s.how_to_add).c_str());
   return done;
 }
 

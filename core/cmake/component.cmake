@@ -24,8 +24,9 @@ function(zwang_install_package)
     ${PROJECT_BINARY_DIR}/zwangConfig.cmake INSTALL_DESTINATION ${place})
   # No promise between 0.2 and 0.3.
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/zwangConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  file(GLOB modules CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/cmake/Find*.cmake ${PROJECT_SOURCE_DIR}/core/cmake/rivals.cmake)
   install(FILES ${PROJECT_BINARY_DIR}/zwangConfig.cmake ${PROJECT_BINARY_DIR}/zwangConfigVersion.cmake
-    ${PROJECT_SOURCE_DIR}/core/cmake/FindSuiteSparseQR.cmake ${PROJECT_SOURCE_DIR}/core/cmake/FindMuJoCo.cmake
+    ${modules}
     DESTINATION ${place} COMPONENT dev)
   foreach(component core constraints solvers collision bench god_hand)
     install(EXPORT zwang_${component} FILE zwang_${component}.cmake NAMESPACE zwang:: DESTINATION ${place} COMPONENT dev)

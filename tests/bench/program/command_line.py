@@ -138,6 +138,16 @@ def check_help():
     check("solvers lists settings", "max_sweeps=" in run(["solvers"]).stdout)
 
 
+def check_absent_solvers():
+    for line in run(["solvers"]).stdout.splitlines():
+        name, absent, how_to_add = line.partition(" not built in: ")
+        if not absent:
+            continue
+        asked = run(["bench", "--solvers", name.strip()])
+        says = f"solver '{name.strip()}' is not built in: {how_to_add}"
+        check(says, asked.returncode == 2 and says in asked.stderr and asked.stderr.count("\n") == 1, asked.stderr)
+
+
 def check_solve():
     result = run(["solve", "box.h5", "--solver", "pgs", "--json"])
     box = json.loads(result.stdout)
@@ -187,6 +197,7 @@ with tempfile.TemporaryDirectory() as folder:
     write_inputs()
     check_mistakes()
     check_help()
+    check_absent_solvers()
     check_solve()
     check_export_and_bench()
     os.chdir("/")

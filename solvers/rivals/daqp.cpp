@@ -1,0 +1,108 @@
+#include <zwang/solvers/rivals/daqp.h>
+
+#include <daqp/api.h>
+
+#include <algorithm>
+
+#include <zwang/solvers/rivals/peer_rows.h>
+
+namespace zwang {
+namespace {
+
+static_assert(std::is_same_v<c_float, double>, "DAQP in single precision");
+
+Status meaning(int flag) {
+  switch (flag) {
+    case DAQP_EXIT_OPTIMAL:
+      return Status::solved;
+    case DAQP_EXIT_INFEASIBLE:
+      return Status::infeasible;
+    case DAQP_EXIT_ITERLIMIT:
+      return Status::iteration_limit;
+    case DAQP_EXIT_TIMELIMIT:
+      return Status::time_limit;
+    default:
+      return Status::numerical_failure;
+  }
+}
+
+}  // namespace
+
+std::string Daqp::supports(const Problem& problem) const {
+  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
+  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
+         std::to_string(most_rows) + " rows";
+}
+
+void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr double least_tolerance = 1e-14;
+  const Deadline deadline(options.time_limit);
+  auto& [program, Gt, lower, upper, y, lambda, sense] = work;
+  if (!program.build(problem, options, solution)) return;
+  Vector warm;
+  {
+    const Preparation preparing;
+    lower = program.h();
+    upper.setConstant(program.rows(), DAQP_INF);
+    program.warm_multipliers(problem, options.warm_start, warm);
+  }
+  write_dense(program, Gt);
+
+  DAQPProblem qp = {};
+  qp.n = static_cast<int>(program.size());
+  qp.m = static_cast<int>(program.rows());
+  qp.A = Gt.data();
+  qp.blower = lower.data();
+  qp.bupper = upper.data();
+  DAQPSettings limits;
+  daqp_default_settings(&limits);
+  limits.primal_tol = std::max(options.tolerance, least_tolerance);
+  limits.iter_limit = std::min({max_iterations, options.max_iterations, 1'000'000'000}) + 1;
+  limits.time_limit = seconds_left(deadline, 0);
+  y.resize(program.size());
+  lambda.setZero(program.rows());
+  DAQPResult result = {};
+  result.x = y.data();
+  result.lam = lambda.data();
+
+  const auto run = [&](bool with_warm_rows) {
+    sense.assign(static_cast<std::size_t>(program.rows()), 0);
+    for (Index i = 0; i < program.rows(); ++i) {
+      int& flags = sense[static_cast<std::size_t>(i)];
+      if (program.is_equality(i)) {
+        upper[i] = lower[i];
+        flags = DAQP_ACTIVE | DAQP_IMMUTABLE;
+      } else if (with_warm_rows && warm[i] > 0) {
+        flags = DAQP_ACTIVE | DAQP_LOWER;
+      }
+    }
+    qp.sense = sense.data();
+    DAQPWorkspace workspace = {};
+    workspace.settings = &limits;
+    const int mask = DAQP_UPDATE_unconstrained | (eliminate ? DAQP_UPDATE_eliminate : 0);
+    result.exitflag = setup_daqp_main(&qp, &workspace, nullptr, mask);
+    if (result.exitflag < 0) return;
+    daqp_solve(&result, &workspace);
+    workspace.settings = nullptr;
+    free_daqp_workspace(&workspace);
+    free_daqp_ldp(&workspace);
+  };
+  const bool guessed = (warm.array() > 0).any();
+  run(guessed);
+  if (guessed && result.exitflag < 0 && meaning(result.exitflag) == Status::numerical_failure) run(false);
+
+  solution.iterations = result.iter;
+  solution.status = meaning(result.exitflag);
+  solution.message = "DAQP: exit flag " + std::to_string(result.exitflag);
+  lambda = -lambda;  // DAQP's is negative at a lower bound
+  if (solution.status == Status::solved) {
+    program.write(problem, y, lambda, solution);
+  } else if (solution.status == Status::infeasible) {
+    write_infeasible(problem, program, lambda, solution);
+  } else {
+    solution.empty_z();
+    solution.empty_lambda();
+  }
+}
+
+}  // namespace zwang

@@ -1,0 +1,90 @@
+#include <zwang/solvers/rivals/peer_rows.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/solvers/common/farkas.h>
+
+namespace zwang {
+namespace {
+
+UnitProgram::Rows some(const UnitProgram& program, const std::vector<Index>& rows) {
+  UnitProgram::Rows chosen(std::ssize(rows), program.size());
+  for (Index at = 0; at < chosen.rows(); ++at) {
+    chosen.startVec(at);
+    for (UnitProgram::Rows::InnerIterator it(program.G(), rows[static_cast<std::size_t>(at)]); it; ++it)
+      chosen.insertBack(at, it.col()) = it.value();
+  }
+  chosen.finalize();
+  return chosen;
+}
+
+// u_E with G_E'u_E as near to -G_I'u_I as can be. False where the dense factorization would be large.
+bool fit_equalities(const UnitProgram& program, Vector& u) {
+  constexpr Index large = 4'000'000;
+  RowsApart rows;
+  rows.build(program);
+  const Index count = rows.E.rows();
+  if (count == 0 || count * program.size() > large) return false;
+  Vector of_E, of_F;
+  rows.part(u, of_E, of_F);
+  of_E = Matrix(rows.E.transpose()).completeOrthogonalDecomposition().solve(rows.F.transpose() * -of_F);
+  rows.join(of_E, of_F, u);
+  return true;
+}
+
+}  // namespace
+
+void RowsApart::build(const UnitProgram& program) {
+  equalities.clear();
+  inequalities.clear();
+  for (Index i = 0; i < program.rows(); ++i) (program.is_equality(i) ? equalities : inequalities).push_back(i);
+  E = some(program, equalities);
+  F = some(program, inequalities);
+  part(program.h(), e, f);
+}
+
+void RowsApart::part(const Vector& lambda, Vector& of_E, Vector& of_F) const {
+  of_E = lambda(equalities);
+  of_F = lambda(inequalities);
+}
+
+void RowsApart::join(const Vector& of_E, const Vector& of_F, Vector& lambda) const {
+  lambda.resize(of_E.size() + of_F.size());
+  lambda(equalities) = of_E;
+  lambda(inequalities) = of_F;
+}
+
+void write_dense(const UnitProgram& program, Matrix& Gt) {
+  Gt.setZero(program.size(), program.rows());
+  for (Index i = 0; i < program.rows(); ++i)
+    for (UnitProgram::Rows::InnerIterator it(program.G(), i); it; ++it) Gt(it.col(), i) = it.value();
+}
+
+void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution) {
+  solution.status = Status::infeasible;
+  solution.empty_z();
+  solution.empty_lambda();
+  if (u.size() != program.rows() || !u.allFinite()) return;
+  Vector motion, given = u;
+  bool proven = proves_infeasible(program, u, motion);
+  if (!proven) {
+    u = given.cwiseMax(0);
+    for (Index i = 0; i < u.size(); ++i)
+      if (program.is_equality(i)) u[i] = given[i];
+    proven = fit_equalities(program, u) && proves_infeasible(program, u, motion);
+  }
+  if (!proven) return;
+  Sharpening().run(program, u);
+  program.write_certificate(problem, u, solution);
+}
+
+double seconds_left(const Deadline& deadline, double unlimited) {
+  constexpr double least_seconds = 1e-6;
+  deadline.keep();
+  const double left = deadline.left();
+  return std::isfinite(left) ? std::max(left, least_seconds) : unlimited;
+}
+
+}  // namespace zwang

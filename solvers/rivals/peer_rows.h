@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/solvers/common/unit_program.h>
+
+namespace zwang {
+
+// The unit rows in the forms that QP libraries ask for.
+
+// Equality rows apart, each part by columns:  E y = e,  F y >= f.
+struct RowsApart {
+  using Columns = Eigen::SparseMatrix<double>;
+
+  std::vector<Index> equalities, inequalities;  // rows of the program
+  Columns E, F;
+  Vector e, f;
+
+  void build(const UnitProgram& program);
+  // Multipliers of the two parts from those of the program, and back.
+  void part(const Vector& lambda, Vector& of_E, Vector& of_F) const;
+  void join(const Vector& of_E, const Vector& of_F, Vector& lambda) const;
+};
+
+// All of G, row by row: n x k. The method's own matrix, not preparation.
+void write_dense(const UnitProgram& program, Matrix& Gt);
+
+// A library's word that no y meets the rows. Where `u`, the multipliers that it ended with, proves it (with the
+// multipliers of the equality rows that fit best in place of its own, if need be), the certificate is written.
+void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution);
+
+// The seconds left, for a library that takes none for "no limit" as `unlimited`. Throws Stopped where none are.
+double seconds_left(const Deadline& deadline, double unlimited);
+
+}  // namespace zwang

@@ -1,0 +1,65 @@
+#include <zwang/solvers/rivals/piqp.h>
+
+#include <algorithm>
+#include <piqp/piqp.hpp>
+
+namespace zwang {
+namespace {
+
+Status meaning(piqp::Status status) {
+  switch (status) {
+    case piqp::PIQP_SOLVED:
+      return Status::solved;
+    case piqp::PIQP_PRIMAL_INFEASIBLE:
+      return Status::infeasible;
+    case piqp::PIQP_MAX_ITER_REACHED:
+      return Status::iteration_limit;
+    default:
+      return Status::numerical_failure;
+  }
+}
+
+}  // namespace
+
+void Piqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr double least_gap = 1e-14;  // of an objective near 1, what rounding leaves
+  const Deadline deadline(options.time_limit);
+  auto& [program, rows] = work;
+  if (!program.build(problem, options, solution)) return;
+  RowsApart::Columns identity(program.size(), program.size());
+  const Vector no_cost = Vector::Zero(program.size());
+  {
+    const Preparation preparing;
+    rows.build(program);
+    identity.setIdentity();
+  }
+  deadline.keep();
+
+  piqp::SparseSolver<double> solver;
+  auto& settings = solver.settings();
+  settings.kkt_solver = condensed ? piqp::KKTSolver::sparse_ldlt_cond : piqp::KKTSolver::sparse_ldlt;
+  settings.eps_abs = options.tolerance;
+  settings.eps_rel = 0;
+  settings.eps_duality_gap_abs = std::max(0.5 * options.tolerance * options.tolerance, least_gap);
+  settings.eps_duality_gap_rel = 0;
+  settings.max_iter = std::max(1, std::min(max_iterations, options.max_iterations));
+  solver.setup(identity, no_cost, rows.E, rows.e, rows.F, rows.f);
+  const piqp::Status status = solver.solve();
+
+  const auto& result = solver.result();
+  solution.iterations = static_cast<int>(result.info.iter);
+  solution.status = meaning(status);
+  solution.message = std::string("PIQP: ") + piqp::status_to_string(status);
+  Vector lambda;
+  rows.join(-result.y, result.z_l, lambda);
+  if (solution.status == Status::infeasible) {
+    write_infeasible(problem, program, lambda, solution);
+  } else if (result.x.allFinite() && lambda.allFinite()) {
+    program.write(problem, result.x, lambda, solution);
+  } else {
+    solution.empty_z();
+    solution.empty_lambda();
+  }
+}
+
+}  // namespace zwang

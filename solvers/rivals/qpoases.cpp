@@ -1,0 +1,90 @@
+#include <zwang/solvers/rivals/qpoases.h>
+
+#include <algorithm>
+#include <qpOASES.hpp>
+
+#include <zwang/solvers/rivals/peer_rows.h>
+
+namespace zwang {
+namespace {
+
+namespace peer = qpOASES;
+static_assert(std::is_same_v<peer::real_t, double>, "qpOASES in single precision");
+
+Status meaning(peer::returnValue code, bool infeasible) {
+  if (infeasible) return Status::infeasible;
+  switch (code) {
+    case peer::SUCCESSFUL_RETURN:
+      return Status::solved;
+    case peer::RET_INIT_FAILED_INFEASIBILITY:
+    case peer::RET_QP_INFEASIBLE:
+      return Status::infeasible;
+    case peer::RET_MAX_NWSR_REACHED:
+      return Status::iteration_limit;
+    default:
+      return Status::numerical_failure;
+  }
+}
+
+}  // namespace
+
+std::string Qpoases::supports(const Problem& problem) const {
+  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
+  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
+         std::to_string(most_rows) + " rows";
+}
+
+void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr double unlimited = 1e10;  // seconds
+  const Deadline deadline(options.time_limit);
+  auto& [program, Gt] = work;
+  if (!program.build(problem, options, solution)) return;
+  const Index n = program.size(), k = program.rows();
+  Vector lambda, y, upper = program.h();
+  {
+    const Preparation preparing;
+    program.warm_multipliers(problem, options.warm_start, lambda);
+    program.motion(lambda, y);
+    for (Index i = 0; i < k; ++i)
+      if (!program.is_equality(i)) upper[i] = peer::INFTY;
+  }
+  write_dense(program, Gt);
+
+  peer::QProblem qp(static_cast<peer::int_t>(n), static_cast<peer::int_t>(k), peer::HST_IDENTITY);
+  peer::Options given;
+  if (mpc) given.setToMPC();
+  given.printLevel = peer::PL_NONE;
+  given.terminationTolerance = options.tolerance;
+  qp.setOptions(given);
+  const Vector no_cost = Vector::Zero(n);
+  Vector start = Vector::Zero(n + k);  // multipliers of bounds, then of rows
+  start.tail(k) = lambda;
+  const bool started = lambda.size() == k && (lambda.array() != 0).any();
+  peer::int_t steps = std::min(max_iterations, options.max_iterations);
+  const peer::int_t most_steps = steps;
+  double seconds = seconds_left(deadline, unlimited);
+  const double most_seconds = seconds;
+  const auto code = qp.init(nullptr, no_cost.data(), Gt.data(), nullptr, nullptr, program.h().data(), upper.data(),
+                            steps, &seconds, started ? y.data() : nullptr, started ? start.data() : nullptr);
+
+  solution.iterations = static_cast<int>(steps);
+  solution.status = meaning(code, qp.isInfeasible());
+  if (solution.status == Status::iteration_limit && steps < most_steps && seconds >= 0.9 * most_seconds)
+    solution.status = Status::time_limit;
+  solution.message = "qpOASES: return code " + std::to_string(static_cast<int>(code));
+  if (solution.status == Status::infeasible) {
+    write_infeasible(problem, program, {}, solution);
+    return;
+  }
+  qp.getPrimalSolution(y.data());
+  qp.getDualSolution(start.data());
+  lambda = start.tail(k);
+  if (y.allFinite() && lambda.allFinite()) {
+    program.write(problem, y, lambda, solution);
+  } else {
+    solution.empty_z();
+    solution.empty_lambda();
+  }
+}
+
+}  // namespace zwang
