@@ -67,16 +67,14 @@ void write_infeasible(const Problem& problem, const UnitProgram& program, Vector
   solution.empty_z();
   solution.empty_lambda();
   if (u.size() != program.rows() || !u.allFinite()) return;
-  Vector motion, given = u;
-  bool proven = proves_infeasible(program, u, motion);
-  if (!proven) {
-    u = given.cwiseMax(0);
-    for (Index i = 0; i < u.size(); ++i)
-      if (program.is_equality(i)) u[i] = given[i];
-    proven = fit_equalities(program, u) && proves_infeasible(program, u, motion);
-  }
-  if (!proven) return;
-  Sharpening().run(program, u);
+  // A library's ray is rough, so it is sharpened before it is judged.
+  Vector motion;
+  const auto proves = [&] {
+    program.project(u);
+    Sharpening().run(program, u);
+    return proves_infeasible(program, u, motion);
+  };
+  if (!proves() && !(fit_equalities(program, u) && proves())) return;
   program.write_certificate(problem, u, solution);
 }
 
