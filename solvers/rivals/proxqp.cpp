@@ -57,6 +57,9 @@ void Proxqp::solve(const Problem& problem, const SolveOptions& options, Solution
   peer::sparse::QP<double, int> qp(n, rows.E.rows(), rows.F.rows());
   qp.settings.eps_abs = options.tolerance;
   qp.settings.eps_rel = 0;
+  qp.settings.check_duality_gap = true;
+  qp.settings.eps_duality_gap_abs = options.tolerance;
+  qp.settings.eps_duality_gap_rel = 0;
   qp.settings.max_iter = std::max(1, std::min(max_iterations, options.max_iterations));
   const bool started = warm && options.warm_start;
   qp.settings.initial_guess =
