@@ -50,11 +50,13 @@ std::vector<SolverEntry> always() {
            .limits = "dense: time grows with rows x unknowns x active rows; meant for up to a few thousand rows",
            .exact = true,
            .largest_island = 700}),
+#if ZWANG_HAS_CHOLMOD
       entry<Cholesky>(
           {.method = "dual active set on the Delassus form, CHOLMOD factor with row updates",
            .limits = "squares the condition number: near-dependent rows go to orthogonal factors (fallback)",
            .exact = true,
            .largest_island = 700}),
+#endif
       entry<Newton>(
           {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
            .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
@@ -124,6 +126,9 @@ struct Registry {
   }
 
   Registry() {
+#if !ZWANG_HAS_CHOLMOD
+    absent.push_back({"cholesky", "CHOLMOD's row updates, which are under the GPL: -DZWANG_GPL=ON"});
+#endif
     // Its rows are soft: no more is claimed, and that for three problems in five.
     add<MujocoNewton, ZWANG_HAS_MUJOCO>(
         "MuJoCo, Debian's libmujoco-dev",

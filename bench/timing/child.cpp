@@ -1,9 +1,7 @@
 #include <zwang/bench/timing/child.h>
 
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
-#include <algorithm>
 #include <csignal>
 #include <ctime>
 #include <system_error>
@@ -14,43 +12,18 @@
 namespace zwang {
 namespace {
 
-enum class Message { problem, call, reply };
-
-bool send_bytes(int socket, const void* data, std::size_t size) {
-  const char* const from = static_cast<const char*>(data);
-  return transfer(size, [&](std::size_t done) { return send(socket, from + done, size - done, MSG_NOSIGNAL); });
-}
-bool receive_bytes(int socket, void* data, std::size_t size) {
-  char* const to = static_cast<char*>(data);
-  return transfer(size, [&](std::size_t done) { return recv(socket, to + done, size - done, 0); });
-}
-
-// A message is its header, then its bytes.
-struct Header {
-  Message kind;
-  std::size_t size = 0;
-};
-bool send_message(int socket, Message kind, const std::string& bytes) {
-  const Header header{kind, bytes.size()};
-  return send_bytes(socket, &header, sizeof header) && send_bytes(socket, bytes.data(), bytes.size());
-}
-bool receive_message(int socket, Message& kind, std::string& bytes) {
-  Header header{};
-  if (!receive_bytes(socket, &header, sizeof header)) return false;
-  kind = header.kind;
-  bytes.resize(header.size);
-  return receive_bytes(socket, bytes.data(), bytes.size());
-}
+// The first byte of a message says what it is.
+constexpr char problem_follows = 'p', call_follows = 'c';
 
 // What the child does.
 void serve(int socket, MakeSolver make) {
   SolveService bench(std::move(make));
   Problem problem;
-  std::string bytes;
-  for (Message kind; receive_message(socket, kind, bytes);) {
-    if (kind == Message::problem)
-      problem = unpack<Problem>(bytes);
-    else if (!send_message(socket, Message::reply, pack(bench.run(problem, unpack<SolveRequest>(bytes)))))
+  for (std::string bytes; receive_message(socket, bytes) && !bytes.empty();) {
+    const std::string_view content = std::string_view(bytes).substr(1);
+    if (bytes.front() == problem_follows)
+      problem = unpack<Problem>(content);
+    else if (!send_message(socket, pack(bench.run(problem, unpack<SolveRequest>(content)))))
       break;
   }
 }
@@ -86,7 +59,7 @@ void Child::stop() {
 void Child::load(const Problem& problem) {
   problem_ = &problem;
   if (pid_ < 0) return;
-  if (!send_message(socket_, Message::problem, pack(problem))) stop();
+  if (!send_message(socket_, problem_follows + pack(problem))) stop();
 }
 
 SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interrupted) {
@@ -105,20 +78,20 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
   const double cpu_start = seconds_of(cpu), wall_start = seconds_of(CLOCK_MONOTONIC);
   const double deadline = (call.solves + call.warm_up) * (1.25 * call.time_limit + 0.2);
 
-  if (!send_message(socket_, Message::call, pack(call)))
+  if (!send_message(socket_, call_follows + pack(call)))
     return give_up(Status::crashed, "the solver's process died", 0);
 
-  // Wait for the first bytes of the reply; look at the clocks 100 times within the deadline.
-  for (pollfd waiting{socket_, POLLIN, 0};;) {
-    const int milliseconds = static_cast<int>(std::clamp(deadline * 10, 1.0, 100.0));
-    if (poll(&waiting, 1, milliseconds) > 0) break;
-    if (interrupted && *interrupted) return give_up(Status::unsolved, "interrupted", 0);
-    const double used = seconds_of(cpu) - cpu_start, wall = seconds_of(CLOCK_MONOTONIC) - wall_start;
-    if (used > deadline || wall > 5 * deadline)
-      return give_up(Status::time_limit, "stopped from outside at its deadline", used);
-  }
+  double used = 0;
+  bool stopped = false;
+  const bool answered = wait_for_message(socket_, deadline, [&](double wall) {
+    used = seconds_of(cpu) - cpu_start;
+    stopped = interrupted && *interrupted;
+    return stopped || used > deadline || wall > 5 * deadline;
+  });
+  if (stopped) return give_up(Status::unsolved, "interrupted", 0);
+  if (!answered) return give_up(Status::time_limit, "stopped from outside at its deadline", used);
   std::string bytes;
-  if (Message kind; !receive_message(socket_, kind, bytes))
+  if (!receive_message(socket_, bytes))
     return give_up(Status::crashed, "the solver's process died", seconds_of(CLOCK_MONOTONIC) - wall_start);
   return unpack<SolveReply>(bytes);
 }

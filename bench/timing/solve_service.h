@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <zwang/core/files/wire.h>
 #include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/problem/preparation.h>
 #include <zwang/core/problem/solver.h>
@@ -25,11 +26,6 @@ struct SolveRequest {
   bool warm_up = false;          // one untimed solve first, to fill the caches
   bool observe = false;          // keep iterates (never in timed calls)
   WarmStart warm = {};           // the frame before; no keys: a cold solve
-};
-
-struct Iterate {
-  int iteration;
-  Vector z, lambda;
 };
 
 struct SolveReply {

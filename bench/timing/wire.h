@@ -1,17 +1,14 @@
 #pragma once
 
-#include <string>
-#include <string_view>
-
 #include <zwang/bench/timing/solve_service.h>
 
 namespace zwang {
 
-// What parent and child process say to each other: native-endian bytes, both ends being the same program.
-// T: Problem, SolveRequest, SolveReply. unpack throws std::runtime_error where the bytes end too early.
-template <class T>
-std::string pack(const T& value);
-template <class T>
-T unpack(std::string_view bytes);
+void fields(auto visit, same_but_const<SolveRequest> auto& x) {
+  visit(x.solver, x.tolerance, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe, x.warm);
+}
+void fields(auto visit, same_but_const<SolveReply> auto& x) {
+  visit(x.solution, x.seconds, x.prepare_s, x.allocations, x.iterates);
+}
 
 }  // namespace zwang

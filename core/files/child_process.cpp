@@ -1,11 +1,15 @@
 #include <zwang/core/files/child_process.h>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <system_error>
 
@@ -25,6 +29,32 @@ int start_child(const std::function<void()>& life) {
     for (const int stream : {0, 1, 2}) dup2(null, stream);
   [&]() noexcept { life(); }();  // an exception must not reach what the parent would do with it
   _exit(0);
+}
+
+bool send_message(int socket, std::string_view bytes) {
+  const auto send_all = [&](const char* from, std::size_t size) {
+    return transfer(size, [&](std::size_t done) { return send(socket, from + done, size - done, MSG_NOSIGNAL); });
+  };
+  const std::size_t size = bytes.size();
+  return send_all(reinterpret_cast<const char*>(&size), sizeof size) && send_all(bytes.data(), size);
+}
+
+bool receive_message(int socket, std::string& bytes) {
+  const auto receive_all = [&](char* to, std::size_t size) {
+    return transfer(size, [&](std::size_t done) { return recv(socket, to + done, size - done, 0); });
+  };
+  std::size_t size = 0;
+  if (!receive_all(reinterpret_cast<char*>(&size), sizeof size)) return false;
+  bytes.resize(size);
+  return receive_all(bytes.data(), size);
+}
+
+bool wait_for_message(int socket, double deadline, const std::function<bool(double wall)>& enough) {
+  const auto start = std::chrono::steady_clock::now();
+  const int milliseconds = static_cast<int>(std::clamp(deadline * 10, 1.0, 100.0));  // 100 looks within the deadline
+  for (pollfd waiting{socket, POLLIN, 0}; poll(&waiting, 1, milliseconds) <= 0;)
+    if (enough(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())) return false;
+  return true;
 }
 
 int wait_for_child(int child) {

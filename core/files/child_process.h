@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <cstddef>
 #include <functional>
+#include <string>
+#include <string_view>
 
 namespace zwang {
 
@@ -26,5 +28,13 @@ bool transfer(std::size_t bytes, Part part) {
   }
   return true;
 }
+
+// Whole messages over a stream socket: the length, then the bytes. False where the other end is gone.
+bool send_message(int socket, std::string_view bytes);
+bool receive_message(int socket, std::string& bytes);
+
+// Waits until there is something to read. `enough(wall)`, asked now and then with the seconds waited, ends the wait:
+// false.
+bool wait_for_message(int socket, double deadline, const std::function<bool(double wall)>& enough);
 
 }  // namespace zwang

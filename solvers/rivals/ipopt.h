@@ -1,49 +1,53 @@
 #pragma once
 
-#include <zwang/solvers/common/equality_rows.h>
+#include <memory>
+
+#include <zwang/core/files/other_program.h>
+#include <zwang/core/files/wire.h>
 #include <zwang/solvers/common/session.h>
 #include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/unit_program.h>
 
 namespace zwang {
 
-class IpoptSession;
-
-// Ipopt 3.11.9 (Waechter & Biegler 2006), interior point with MUMPS, on the whitened problem with settings a convex QP
-// deserves: constant Jacobians and Hessian announced, bounds not relaxed, no scaling on top of unit rows, start at
-// y = 0. Rows enter as G y - h, so their bounds are 0 and the slacks keep full precision. The tolerance T goes to
-// Ipopt as tol = dual_inf_tol = constr_viol_tol = T/2 and compl_inf_tol = T^2/4 (>= 1e-22), because lambda_i slack_i
-// <= T alone leaves a weakly active row off by sqrt(T). Settling for an "acceptable" point is switched off.
-// Ipopt refuses more equality rows than unknowns and stumbles over dependent ones: those are dropped by a
-// rank-revealing QR beforehand and reported as redundant, unless they contradict the rest, which proves infeasibility.
-// Ipopt's word for success (return codes 0, 1 and 3) counts only if the whole problem's KKT check holds to
-// max(T, 1e-13); otherwise it is a numerical failure. One iteration is one interior-point iteration.
-// A complementarity below 1e-16 cannot always be reached: the step to the boundary is 1 - mu, which rounds to 1 there,
-// so slacks become 0 and Ipopt wanders off (LMGC_100_PR_PerioBox of FCLIB: KKT residual below 1e-13 on the way, 1e-6 at
-// its end). So where Ipopt ends stuck, the best of its iterates is taken if it passes the
-// same check; not at an iteration or time limit. Tried: mu_strategy=adaptive mends that file in 24 iterations, but is
-// wrong on more of 57 problems at 1e-8 (6 instead of 2, none of them noticed); ending as soon as the check holds leaves
-// tall stacks near.
-struct Ipopt {
+struct IpoptSettings {
   static constexpr auto name = "ipopt";
 
   int max_iterations = 3000;
-  bool mehrotra = false;  // Mehrotra's predictor-corrector
+  bool mehrotra = false;
+};
 
+// Ipopt, in a program of its own (zwang-ipopt; solvers/ipopt/ipopt_method.h says how it is asked): its licence, the
+// EPL, and that of the parts of SuiteSparse that other solvers link, the GPL, do not go into one program. The time that
+// counts is that of the other program; what is said between the two is nobody's.
+struct Ipopt : IpoptSettings {
   static std::vector<Setting<Ipopt>> settings() {
     return {{"max_iterations", &Ipopt::max_iterations, "interior-point iterations before giving up"},
             {"mehrotra", &Ipopt::mehrotra, "Mehrotra's predictor-corrector instead of Ipopt's line search"}};
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    EqualityRows equalities;
-    Session<IpoptSession> session;
-  };
-  Workspace work = {};
+  Session<OtherProgram> program = {};
 };
 
 static_assert(Solver<Ipopt>);
+
+// What is said between the two.
+struct IpoptRequest {
+  IpoptSettings settings = {};
+  double tolerance = 0, time_limit = 0;
+  int max_iterations = 0;
+  bool observe = false, is_warm = false;
+  WarmStart warm = {};
+  Problem problem = {};
+};
+struct IpoptReply {
+  Solution solution = {};
+  double seconds = 0, prepare_s = 0;  // CPU time
+  std::vector<Iterate> iterates = {};
+};
+void fields(auto visit, same_but_const<IpoptRequest> auto& x) {
+  visit(x.settings, x.tolerance, x.time_limit, x.max_iterations, x.observe, x.is_warm, x.warm, x.problem);
+}
+void fields(auto visit, same_but_const<IpoptReply> auto& x) { visit(x.solution, x.seconds, x.prepare_s, x.iterates); }
 
 }  // namespace zwang

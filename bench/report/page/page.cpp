@@ -44,7 +44,8 @@ std::vector<std::string> notes(const Run& run) {
         "itself.");
   out.push_back("Times are thread CPU times; BLAS runs on one thread.");
   if (any("cholesky")) out.push_back("CHOLMOD's modify and supernodal modules are under the GPL.");
-  out.push_back("CGAL's QP solver, a witness of references, is under the GPL.");
+  if (std::ranges::any_of(run.results, [](const auto& r) { return r.reference.find("CGAL") != std::string::npos; }))
+    out.push_back("CGAL's QP solver, a witness of references, is under the GPL.");
   return out;
 }
 

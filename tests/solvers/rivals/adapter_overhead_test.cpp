@@ -12,7 +12,8 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/problem/cpu_clock.h>
-#include <zwang/solvers/registry.h>
+#include <zwang/solvers/ipopt/ipopt_method.h>
+#include <zwang/solvers/rivals/nlopt.h>
 
 namespace {
 
@@ -156,8 +157,8 @@ namespace {
 
 // The share of a solve that is spent outside the library or in what it calls back, the least disturbed of several
 // solves in thread CPU time: copying rows waits for memory, so other programs on the machine raise it (4.2 to 5.1 %).
-double own_share(const char* name, const Problem& problem) {
-  AnySolver solver = make_solver(name);
+double own_share(AnySolver solver, const Problem& problem) {
+  const std::string name(solver.name());
   Solution solution;
   solver.solve(problem, {}, solution);
   EXPECT_EQ(solution.status, Status::solved) << name << ": " << solution.message;
@@ -173,7 +174,7 @@ double own_share(const char* name, const Problem& problem) {
     shares.push_back((whole - in_library + in_callbacks) / whole);
   }
   const double least = *std::min_element(shares.begin(), shares.end());
-  std::printf("%s on %s: %.1f %% of the time is the adapter's own\n", name, problem.name.c_str(), 100 * least);
+  std::printf("%s on %s: %.1f %% of the time is the adapter's own\n", name.c_str(), problem.name.c_str(), 100 * least);
   return least;
 }
 
@@ -182,7 +183,8 @@ TEST(Adapters, OfSlsqpAndIpoptSpendAtMostATwentiethOfTheirTimeThemselves) {
   GTEST_SKIP() << "the libraries are optimized and this build is not";
 #endif
   for (const Instance& hand : make_scenes("hand(contacts=16,64,200)"))
-    for (const char* name : {"nlopt_slsqp", "ipopt"}) EXPECT_LE(own_share(name, hand.problem), 0.05) << name;
+    for (const AnySolver& solver : {AnySolver(NloptSlsqp()), AnySolver(IpoptMethod())})
+      EXPECT_LE(own_share(solver, hand.problem), 0.05) << solver.name();
 }
 
 }  // namespace

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstdlib>
+
+#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/ipopt/ipopt_method.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -80,7 +85,9 @@ TEST(Ipopt, ReturnsTheUnconstrainedMotionWithoutRows) {
 }
 
 TEST(Ipopt, StopsAtTheSmallerOfItsTwoLimits) {
-  EXPECT_EQ(solve(test::tower(10), {}, Ipopt{.max_iterations = 2}).status, Status::iteration_limit);
+  Ipopt two;
+  two.max_iterations = 2;
+  EXPECT_EQ(solve(test::tower(10), {}, two).status, Status::iteration_limit);
   const Solution s = solve<Ipopt>(test::tower(10), {.max_iterations = 1});
   EXPECT_EQ(s.status, Status::iteration_limit);
   EXPECT_EQ(s.iterations, 1);
@@ -101,6 +108,55 @@ TEST(Ipopt, ShowsItsIteratesToAnObserver) {
   ASSERT_EQ(errors.size(), static_cast<std::size_t>(s.iterations + 1));
   EXPECT_LT(errors.back(), 1e-8);
   EXPECT_GT(errors.front(), errors.back());
+}
+
+TEST(Ipopt, AnswersAsItWouldInThisProgramAndTakesItsTime) {
+  for (const Problem& p : {test::tower(10, 1048576), overdetermined(3), overdetermined(3.5), test::squeezed()}) {
+    const double start = thread_cpu_seconds();
+    const Solution there = solve<Ipopt>(p), here = solve<IpoptMethod>(p);
+    EXPECT_GT(thread_cpu_seconds(), start);
+    EXPECT_EQ(there.status, here.status);
+    EXPECT_EQ(there.z, here.z);
+    EXPECT_EQ(there.lambda, here.lambda);
+    EXPECT_EQ(there.certificate, here.certificate);
+    EXPECT_EQ(there.redundant, here.redundant);
+    EXPECT_EQ(there.message, here.message);
+    EXPECT_EQ(there.iterations, here.iterations);
+  }
+}
+
+TEST(Ipopt, WithoutItsProgramSaysSo) {
+  setenv("ZWANG_IPOPT", "/nowhere", 1);
+  const Solution s = AnySolver(Ipopt()).solve(test::tower(2));
+  unsetenv("ZWANG_IPOPT");
+  EXPECT_EQ(s.status, Status::unsupported);
+  EXPECT_EQ(s.message, "the program zwang-ipopt is not there; expected in PATH, or as ZWANG_IPOPT in the environment");
+}
+
+TEST(Ipopt, ADeadProgramIsACrashAndTheNextQuestionStartsAnother) {
+  setenv("ZWANG_IPOPT", "/bin/false", 1);
+  AnySolver solver = Ipopt();
+  EXPECT_EQ(solver.solve(test::tower(2)).status, Status::crashed);
+  unsetenv("ZWANG_IPOPT");
+  EXPECT_EQ(solver.solve(test::tower(2)).status, Status::solved);
+}
+
+// Licences: what is under the EPL and what is under the GPL never meet in one program.
+TEST(Ipopt, ItsProgramLinksNothingUnderTheGpl) {
+  const auto libraries = [](const std::string& program) {
+    std::string text;
+    if (FILE* const pipe = popen(("ldd " + program).c_str(), "r")) {
+      for (char line[512]; std::fgets(line, sizeof line, pipe);) text += line;
+      pclose(pipe);
+    }
+    return text;
+  };
+  const std::string program = find_program("zwang-ipopt");
+  ASSERT_FALSE(program.empty());
+  const std::string of_ipopt = libraries(program);
+  EXPECT_NE(of_ipopt.find("libipopt"), std::string::npos) << of_ipopt;
+  EXPECT_EQ(of_ipopt.find("libcholmod"), std::string::npos) << of_ipopt;
+  EXPECT_EQ(of_ipopt.find("libspqr"), std::string::npos) << of_ipopt;
 }
 
 TEST(Ipopt, PrintsNothing) {

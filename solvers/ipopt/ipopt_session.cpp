@@ -1,4 +1,4 @@
-#include <zwang/solvers/rivals/ipopt_session.h>
+#include <zwang/solvers/ipopt/ipopt_session.h>
 
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptCalculatedQuantities.hpp>

@@ -1,12 +1,37 @@
-#include <zwang/bench/timing/wire.h>
+#pragma once
 
 #include <array>
+#include <concepts>
 #include <cstring>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <type_traits>
+#include <utility>
+
+#include <zwang/core/problem/solver.h>
 
 namespace zwang {
-namespace {
+
+// What two processes of zwang say to each other: native-endian bytes, both being built together.
+
+template <class T, class Named>
+concept same_but_const = std::same_as<std::remove_const_t<T>, Named>;
+
+// An iterate of a solve that is observed.
+struct Iterate {
+  int iteration = 0;
+  Vector z = {}, lambda = {};
+};
+
+// The fields of each type that is sent, in one list for both directions. Others add an overload beside their type.
+void fields(auto visit, same_but_const<Problem> auto& x) { visit(x.name, x.M, x.z_u, x.J, x.c, x.kind, x.key); }
+void fields(auto visit, same_but_const<Solution> auto& x) {
+  visit(x.status, x.z, x.lambda, x.iterations, x.certificate, x.redundant, x.margins, x.fallback, x.range_gap,
+        x.handed_to, x.message);
+}
+void fields(auto visit, same_but_const<WarmStart> auto& x) { visit(x.key, x.lambda); }
+void fields(auto visit, same_but_const<Iterate> auto& x) { visit(x.iteration, x.z, x.lambda); }
 
 struct Outgoing {
   std::string bytes = {};
@@ -24,23 +49,6 @@ struct Incoming {
     left.remove_prefix(size);
   }
 };
-
-// The fields of each type, in one list for both directions.
-template <class Visit>
-void fields(Visit visit, auto& x) {
-  if constexpr (requires { x.z_u; })
-    visit(x.name, x.M, x.z_u, x.J, x.c, x.kind, x.key);
-  else if constexpr (requires { x.solves; })
-    visit(x.solver, x.tolerance, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe, x.warm.key,
-          x.warm.lambda);
-  else if constexpr (requires { x.iterates; })
-    visit(x.solution, x.seconds, x.prepare_s, x.allocations, x.iterates);
-  else if constexpr (requires { x.certificate; })
-    visit(x.status, x.z, x.lambda, x.iterations, x.certificate, x.redundant, x.margins, x.fallback, x.range_gap,
-          x.handed_to, x.message);
-  else
-    visit(x.iteration, x.z, x.lambda);
-}
 
 // Sends a value, or receives it: numbers as they are, lists behind their length, else field by field.
 template <class Wire, class T>
@@ -82,8 +90,6 @@ void walk(Wire& wire, T& value) {
   }
 }
 
-}  // namespace
-
 template <class T>
 std::string pack(const T& value) {
   Outgoing out;
@@ -91,6 +97,7 @@ std::string pack(const T& value) {
   return std::move(out.bytes);
 }
 
+// Throws std::runtime_error where the bytes end too early.
 template <class T>
 T unpack(std::string_view bytes) {
   Incoming in{bytes};
@@ -98,12 +105,5 @@ T unpack(std::string_view bytes) {
   walk(in, value);
   return value;
 }
-
-template std::string pack(const Problem&);
-template std::string pack(const SolveRequest&);
-template std::string pack(const SolveReply&);
-template Problem unpack(std::string_view);
-template SolveRequest unpack(std::string_view);
-template SolveReply unpack(std::string_view);
 
 }  // namespace zwang

@@ -1,0 +1,111 @@
+#include <zwang/solvers/ipopt/ipopt_method.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include <zwang/solvers/common/farkas.h>
+#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/ipopt/ipopt_session.h>
+#include <zwang/solvers/linalg/tolerances.h>
+
+namespace zwang {
+
+namespace {
+
+void write_proof(const Problem& problem, const UnitProgram& program, Vector& u, Solution& solution) {
+  solution.status = Status::infeasible;
+  Sharpening().run(program, u);
+  program.write_certificate(problem, u, solution);
+}
+
+// The rows that Ipopt can take. False where equality rows contradict each other, which is then written.
+bool choose_rows(const Problem& problem, const UnitProgram& program, EqualityRows& equalities, std::vector<Index>& rows,
+                 Solution& solution) {
+  const Preparation preparing;
+  rows.clear();
+  for (Index i = 0; i < program.rows(); ++i) rows.push_back(i);
+  if (equalities.clearly_independent(program)) return true;
+  equalities.factorize(program);
+  if (Vector u; equalities.conflict(program, u)) {
+    solution.empty_z();
+    write_proof(problem, program, u, solution);
+    solution.message = "equality rows contradict each other, found before Ipopt was called";
+    return false;
+  }
+  for (const Index i : equalities.dropped()) {
+    std::erase(rows, i);
+    solution.redundant.push_back(program.problem_row(i));
+  }
+  return true;
+}
+
+// Ipopt gives no certificate, but where its restoration stalls the multipliers, and what is still violated, often are
+// one: at the point of least violation v, G'v = 0 over the violated rows.
+bool certificate(const UnitProgram& program, const Vector& y, const Vector& lambda, Vector& u) {
+  Vector motion;
+  u = lambda;
+  if (proves_infeasible(program, u, motion)) return true;
+  program.slack(y, u);
+  u = -u;
+  return proves_infeasible(program, u, motion);
+}
+
+void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer& answer, double tolerance,
+           Solution& solution) {
+  const double enough = std::max(tolerance, tolerances::kkt_floor);
+  const double residual = answer.claims_success ? kkt_residual(program, answer.y, answer.lambda) : 0;
+  if (answer.claims_success && residual <= enough) {
+    solution.status = Status::solved;
+  } else if (answer.stuck && answer.best.residual <= enough) {
+    solution.status = Status::solved;
+    solution.message += ", an earlier iterate holds";
+    program.write(problem, answer.best.y, answer.best.lambda, solution);
+  } else if (Vector u; certificate(program, answer.y, answer.lambda, u)) {
+    write_proof(problem, program, u, solution);
+  } else if (answer.claims_success) {
+    std::ostringstream text;
+    text << ", but its KKT residual is " << residual;
+    solution.message += text.str();
+  }
+}
+
+}  // namespace
+
+void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  auto& [program, equalities, opened] = work;
+  if (!program.build(problem, options, solution)) return;
+  IpoptSession& session = opened.open();
+  IpoptQuestion& question = session.question();
+  if (!choose_rows(problem, program, equalities, question.rows, solution)) return;
+  question.program = &program;
+  Vector lambda;
+  program.warm_multipliers(problem, options.warm_start, lambda);
+  program.motion(lambda, question.start);
+  question.tolerance = options.tolerance;
+  question.max_iterations = std::min(max_iterations, options.max_iterations);
+  question.mehrotra = mehrotra;
+  question.deadline = deadline;
+  question.observe = nullptr;
+  if (options.observe)
+    question.observe = [&](int iteration, const Vector& y, const Vector& multipliers) {
+      program.write(problem, y, multipliers, solution);
+      options.observe(iteration, solution.z, solution.lambda);
+    };
+
+  const IpoptAnswer& answer = session.run();
+  solution.iterations = answer.iterations;
+  solution.message = answer.in_words;
+  solution.status = answer.status;
+  const bool has_point = answer.y.size() == program.size() && answer.y.allFinite();
+  if (has_point) {
+    program.write(problem, answer.y, answer.lambda, solution);
+  } else {
+    solution.empty_z();
+    solution.empty_lambda();
+  }
+  const bool limited = answer.status == Status::iteration_limit || answer.status == Status::time_limit;
+  if (has_point && !limited) judge(problem, program, answer, options.tolerance, solution);
+}
+
+}  // namespace zwang
