@@ -9,6 +9,8 @@
 
 namespace zwang {
 
+const bool has_rational_reference = true;
+
 // minimize x'Dx + c'x with 2 D = M, c = -M z_u, over free x; Gmpzf holds every double exactly, so the program is the
 // problem itself, not a rounding of it.
 std::optional<Reference> rational_reference(const Problem& p) {

@@ -9,12 +9,6 @@ namespace zwang {
 namespace {
 
 constexpr Index multiprecision_limit = 300, rational_limit = 96, extended_limit = 1200;
-#ifdef ZWANG_HAS_CGAL
-constexpr bool has_rational = true;
-#else
-constexpr bool has_rational = false;  // its QP solver is under the GPL
-std::optional<Reference> rational_reference(const Problem&) { return {}; }
-#endif
 constexpr double agreement = 1e-14;  // of two answers that are each rounded once
 
 FoundReference compute(const Problem& problem, bool second_witness);
@@ -101,7 +95,7 @@ bool fits(const Reference& r, const Problem& p) {
 FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
                              const ReferenceOptions& options) {
   const Problem& problem = instance.problem;
-  const bool second_witness = has_rational && options.second_witness && problem.size() <= rational_limit;
+  const bool second_witness = has_rational_reference && options.second_witness && problem.size() <= rational_limit;
   if (instance.reference) return confirm(problem, *instance.reference, second_witness);
   if (cache_dir.empty()) return compute(problem, second_witness);
 

@@ -18,7 +18,9 @@ std::optional<Reference> multiprecision_reference(const Problem& problem, std::s
 std::optional<Reference> extended_reference(const Problem& problem);
 
 // CGAL's exact rational simplex-like QP solver: shares no code and no arithmetic with the above. No multipliers.
+// Without CGAL, which is under the GPL, always empty.
 std::optional<Reference> rational_reference(const Problem& problem);
+extern const bool has_rational_reference;
 
 // What the referee proves of a reference's stored doubles, without any reference.
 enum class Standing { certified, refuted, open };

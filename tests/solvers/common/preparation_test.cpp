@@ -80,9 +80,9 @@ TEST(Preparation, ArithmeticOfWhiteningGrowsWithTheNonZeros) {
 
 class EverySolver : public testing::TestWithParam<std::string> {};
 
-TEST_P(EverySolver, PreparesInTimeAndMemoryThatGrowWithTheNonZeros) {
+TEST_P(EverySolver, PreparesInMemoryThatGrowsWithTheNonZeros) {
   struct Size {
-    double nonzeros = 0, bytes = 0, seconds = std::numeric_limits<double>::infinity(), whole_bytes = 0;
+    double nonzeros = 0, bytes = 0, whole_bytes = 0;
   };
   std::vector<Size> sizes;
   const SolveOptions one_step{.max_iterations = 1};
@@ -103,16 +103,9 @@ TEST_P(EverySolver, PreparesInTimeAndMemoryThatGrowWithTheNonZeros) {
       size.bytes = watch.sum();
     }
     size.whole_bytes = bytes() - before;
-    for (int i = 0; i < 9; ++i) {
-      const Preparation::Watch watch;
-      solver.solve(p, one_step, s);
-      size.seconds = std::min(size.seconds, watch.sum());
-    }
-    std::printf("%s, %d bricks: %.0f non-zeros, %.0f bytes each (%.0f in the whole), %.0f ns each\n",
-                GetParam().c_str(), bricks, size.nonzeros, size.bytes / size.nonzeros, size.whole_bytes / size.nonzeros,
-                1e9 * size.seconds / size.nonzeros);
+    std::printf("%s, %d bricks: %.0f non-zeros, %.0f bytes each (%.0f in the whole)\n", GetParam().c_str(), bricks,
+                size.nonzeros, size.bytes / size.nonzeros, size.whole_bytes / size.nonzeros);
     EXPECT_GT(size.bytes, 0) << "its preparation is not marked";
-    EXPECT_GT(size.seconds, 0);
     sizes.push_back(size);
   }
   ASSERT_FALSE(sizes.empty());
@@ -120,8 +113,6 @@ TEST_P(EverySolver, PreparesInTimeAndMemoryThatGrowWithTheNonZeros) {
   for (std::size_t k = 2; k < sizes.size(); ++k) {
     const double growth = sizes[k].nonzeros / sizes[k - 1].nonzeros;
     EXPECT_LE(sizes[k].bytes, 1.5 * growth * sizes[k - 1].bytes);
-    // A dense n x m takes 20 times as long at four times the size.
-    EXPECT_LE(sizes[k].seconds, 3 * growth * sizes[k - 1].seconds);
   }
 
   // Methods that are sparse hold nothing dense at all.
