@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include <zwang/core/files/layouts.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 namespace {
@@ -163,8 +164,15 @@ Instance read_own(const hdf5::Group& group) {
   complete_symmetric(group, "M", p.M, instance.notes);
 
   for (const std::int64_t kind : group.read<std::int64_t>("kind", static_cast<std::size_t>(m))) {
-    if (kind != 0 && kind != 1) group.fail("kind", "holds " + std::to_string(kind) + "; expected 0 (=) or 1 (>=)");
-    p.kind.push_back(kind == 0 ? RowKind::equality : RowKind::inequality);
+    if (kind < 0 || kind > 2)
+      group.fail("kind", "holds " + std::to_string(kind) + "; expected 0 (=), 1 (>=) or 2 (tangent)");
+    p.kind.push_back(static_cast<RowKind>(kind));
+  }
+  if (group.has_data("mu")) p.mu = read_raw(group, "mu", m);
+  try {
+    p.law = parse_law(text_or(group, "law", p.has_tangents() ? "coulomb" : "frictionless"));
+  } catch (const std::invalid_argument& unknown) {
+    group.fail("law", unknown.what());
   }
   std::vector<std::uint64_t> constraint(p.kind.size()), row(p.kind.size(), 0);
   std::iota(constraint.begin(), constraint.end(), std::uint64_t{1});
@@ -195,7 +203,7 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   std::vector<std::uint64_t> constraint(m);
   std::vector<std::uint32_t> row(m);
   for (std::size_t i = 0; i < m; ++i) {
-    kind[i] = p.kind[i] == RowKind::equality ? 0 : 1;
+    kind[i] = static_cast<std::uint8_t>(p.kind[i]);
     constraint[i] = p.key[i].constraint;
     row[i] = p.key[i].row;
   }
@@ -204,6 +212,8 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   write_vector(group, "z_u", p.z_u);
   write_vector(group, "c", p.c);
   group.write("kind", std::span<const std::uint8_t>(kind));
+  if (p.has_tangents()) write_vector(group, "mu", p.mu);
+  if (p.law != Law::frictionless) write_text(group, "law", std::string(to_string(p.law)));
   hdf5::Group key = group.add_group("key");
   key.write("constraint", std::span<const std::uint64_t>(constraint));
   key.write("row", std::span<const std::uint32_t>(row));

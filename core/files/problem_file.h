@@ -28,7 +28,7 @@ std::vector<Instance> read_problems(const std::filesystem::path& file, Friction 
 void write_problem(const std::filesystem::path& file, const Instance& instance);
 void write_problems(const std::filesystem::path& file, std::span<const Instance> instances);  // a collection
 
-// SHA-256 over M, z_u, J, c, kind (canonical bytes): the name of a problem's contents, 64 hexadecimal digits.
+// SHA-256 over M, z_u, J, c, kind and, where there are tangent rows, mu and the law (canonical bytes): the name of a problem's contents, 64 hexadecimal digits.
 std::string problem_sha256(const Problem& problem);
 
 }  // namespace zwang

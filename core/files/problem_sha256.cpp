@@ -43,6 +43,10 @@ std::string problem_sha256(const Problem& p) {
   canonical.add(p.z_u);
   canonical.add(p.c);
   for (const RowKind kind : p.kind) canonical.add(static_cast<std::uint64_t>(kind));
+  if (p.has_tangents()) {
+    canonical.add(p.mu);
+    canonical.add(static_cast<std::uint64_t>(p.law));
+  }
   return sha256(canonical.bytes);
 }
 

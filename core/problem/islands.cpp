@@ -94,8 +94,11 @@ void Islands::split(const Problem& problem, Index unit) {
 }
 
 bool Islands::several(const Problem& p, Index unit) {
-  if (unit == unit_ && M_places_.matches(p.M) && J_places_.matches(p.J)) return count_ > 1;
+  const bool same_contacts = p.has_tangents() ? kind_ == p.kind : kind_.empty();
+  if (unit == unit_ && same_contacts && M_places_.matches(p.M) && J_places_.matches(p.J)) return count_ > 1;
   unit_ = unit;
+  kind_.clear();
+  if (p.has_tangents()) kind_ = p.kind;
   M_places_.keep(p.M);
   J_places_.keep(p.J);
   // Dividing by a constant takes a quarter of the time.
@@ -137,6 +140,19 @@ bool Islands::several_blocks(const Problem& p, Unit unit) {
     }
   };
   for (Index i = 0; i < p.rows() && count > 1; ++i) visit(p.J, i, -1);
+  if (p.has_tangents()) {
+    // A contact's rows belong together even where they touch no body in common.
+    Index contact = -1;
+    for (Index i = 0; i < p.rows() && count > 1; ++i) {
+      const int e = p.J.outerIndexPtr()[i];
+      const bool empty = e == p.J.outerIndexPtr()[i + 1];
+      if (!p.is_tangent(i)) contact = -1;
+      if (empty) continue;
+      const Index own = block_of(p.J.innerIndexPtr()[e]);
+      if (contact >= 0 && contact != own) couple_blocks(contact, own);
+      contact = own;
+    }
+  }
   for (Index j = 0; j < p.size() && count > 1; ++j) visit(p.M, j, j / unit);
   return count > 1;
 }
@@ -164,10 +180,18 @@ void Islands::list(const Problem& p, Index unit) {
     }
   }
   if (n == 0) next_island();
+  const auto island_of = [&](Index row) -> Index {
+    const int e = p.J.outerIndexPtr()[row];
+    return e == p.J.outerIndexPtr()[row + 1] ? -1 : island_[static_cast<std::size_t>(p.J.innerIndexPtr()[e])];
+  };
+  Index own = 0;
   for (Index i = 0; i < p.rows(); ++i) {
-    const int e = p.J.outerIndexPtr()[i];
-    const bool empty = e == p.J.outerIndexPtr()[i + 1];
-    const Index own = empty ? 0 : island_[static_cast<std::size_t>(p.J.innerIndexPtr()[e])];
+    if (!p.is_tangent(i)) {
+      own = island_of(i);
+      // The normal row of a body that cannot move along it goes with its tangent rows.
+      for (Index t = 1; own < 0 && t <= p.tangents(i); ++t) own = island_of(i + t);
+      own = std::max<Index>(own, 0);
+    }
     islands_[static_cast<std::size_t>(own)].rows.push_back(i);
   }
 }
@@ -179,6 +203,8 @@ void Islands::fill(const Problem& p, const Island& island, Problem& part) const 
   part.c.resize(m);
   part.kind.resize(island.rows.size());
   part.key.resize(island.rows.size());
+  part.mu.resize(p.has_tangents() ? m : 0);
+  part.law = p.law;
   extract(p.M, island.columns, island.columns, local_, n, n, part.M);
   extract(p.J, island.rows, island.columns, local_, m, n, part.J);
   for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
@@ -187,6 +213,7 @@ void Islands::fill(const Problem& p, const Island& island, Problem& part) const 
     part.c[static_cast<Index>(i)] = p.c[row];
     part.kind[i] = p.kind[static_cast<std::size_t>(row)];
     part.key[i] = p.key[static_cast<std::size_t>(row)];
+    if (p.has_tangents()) part.mu[static_cast<Index>(i)] = p.mu[row];
   }
 }
 

@@ -55,7 +55,8 @@ class Islands {
   std::vector<Island> islands_;
   std::size_t count_ = 0;
   std::vector<Index> parent_, island_, local_;
-  Index unit_ = 0;  // what several() listed the islands for, or 0
+  Index unit_ = 0;             // what several() listed the islands for, or 0
+  std::vector<RowKind> kind_;  // where there are tangent rows
   SparsityPattern M_places_, J_places_;
   // Parts cut out just before they are solved: 64 shapes, as rows come and go between frames.
   ShapeCache<Problem> cut_{64};

@@ -1,21 +1,25 @@
 #include <zwang/core/problem/problem.h>
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 
 void require_matching_sizes(const Problem& p) {
   const Index n = p.size(), m = p.rows();
   const bool ok = p.M.rows() == n && p.M.cols() == n && p.J.rows() == m && p.J.cols() == n &&
-                  static_cast<Index>(p.kind.size()) == m && static_cast<Index>(p.key.size()) == m;
+                  static_cast<Index>(p.kind.size()) == m && static_cast<Index>(p.key.size()) == m &&
+                  (p.mu.size() == 0 || p.mu.size() == m);
   if (ok) return;
   std::ostringstream text;
   text << "problem '" << p.name << "': sizes do not match: z_u " << n << ", c " << m << ", M " << p.M.rows() << " x "
        << p.M.cols() << ", J " << p.J.rows() << " x " << p.J.cols() << ", kind " << p.kind.size() << ", key "
-       << p.key.size();
+       << p.key.size() << ", mu " << p.mu.size();
   throw std::invalid_argument(text.str());
 }
 
@@ -94,6 +98,29 @@ std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
   return {};
 }
 
+// Tangent rows stand in ones or twos after the inequality row of their contact, where mu is a number >= 0; a contact
+// with mu > 0 has them.
+std::string bad_friction(const Problem& p) {
+  const auto row = [](Index i) { return "row " + std::to_string(i); };
+  if (!p.has_tangents()) {
+    const auto tangent = std::ranges::find(p.kind, RowKind::tangent);
+    return tangent == p.kind.end() ? "" : row(tangent - p.kind.begin()) + " is a tangent row, but there are no mu";
+  }
+  if (p.law != Law::convex && p.law != Law::coulomb)
+    return "there are tangent rows, but the law is " + std::string(to_string(p.law)) + "; expected convex or coulomb";
+  for (Index i = 0; i < p.rows(); ++i) {
+    if (p.is_tangent(i)) return row(i) + " is a tangent row without an inequality row before it";
+    const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
+    if (p.is_equality(i)) continue;
+    if (!(p.mu[i] >= 0) || std::isinf(p.mu[i]))
+      return "mu(" + std::to_string(i) + ") is " + std::to_string(p.mu[i]) + "; expected a number >= 0";
+    if (tangents > 2) return row(i) + " has " + std::to_string(tangents) + " tangent rows; expected 1 or 2";
+    if (tangents == 0 && p.mu[i] > 0) return row(i) + " has mu > 0 and no tangent rows";
+    i += tangents;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string bad_input(const Problem& p) {
@@ -103,9 +130,11 @@ std::string bad_input(const Problem& p) {
   for (Index i = 0; check_z_u && i < p.size(); ++i)
     if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
   for (Index i = 0; check_c && i < p.rows(); ++i) {
-    const bool inactive = !p.is_equality(i) && p.c[i] == -std::numeric_limits<double>::infinity();
+    const bool inactive = p.kind[static_cast<std::size_t>(i)] == RowKind::inequality &&
+                          p.c[i] == -std::numeric_limits<double>::infinity();
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
+  if (std::string text = bad_friction(p); !text.empty()) return text;
   return bad_mass(p.M);
 }
 

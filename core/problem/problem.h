@@ -13,6 +13,8 @@ namespace zwang {
 //   subject to J z  = c   (equality rows: joints)
 //              J z >= c   (inequality rows: contacts, limits)
 //
+// and, at contacts with friction, one of the laws of types.h on an inequality row and the tangent rows after it.
+//
 // n = 6 x bodies unknowns in maximal coordinates, [linear; angular] per body, world axes at the centre of mass.
 // Units: z, z_u in m/s^2 and rad/s^2; M in kg and kg m^2; each row of J and its c share the row's own unit.
 // A row with c = -Inf (inequality only) is inactive for good; any other NaN or Inf is bad input.
@@ -25,10 +27,20 @@ struct BasicProblem {
   VectorX<Scalar> c = {};                               // m
   std::vector<RowKind> kind = {};                       // m
   std::vector<RowKey> key = {};                         // m, stable over frames
+  VectorX<Scalar> mu = {};      // m, read at inequality rows before tangent rows; empty: there are no tangent rows
+  Law law = Law::frictionless;  // what is to be solved; convex or coulomb where there are tangent rows (see under())
 
   Index size() const { return z_u.size(); }
   Index rows() const { return c.size(); }
   bool is_equality(Index i) const { return kind[static_cast<std::size_t>(i)] == RowKind::equality; }
+  bool is_tangent(Index i) const { return kind[static_cast<std::size_t>(i)] == RowKind::tangent; }
+  bool has_tangents() const { return mu.size() > 0; }
+  // How many tangent rows follow inequality row i.
+  Index tangents(Index i) const {
+    Index count = 0;
+    while (i + 1 + count < rows() && is_tangent(i + 1 + count)) ++count;
+    return count;
+  }
 };
 
 using Problem = BasicProblem<double>;
@@ -51,7 +63,9 @@ BasicProblem<Scalar> cast(const Problem& p) {
           .J = p.J.template cast<Scalar>(),
           .c = p.c.template cast<Scalar>(),
           .kind = p.kind,
-          .key = p.key};
+          .key = p.key,
+          .mu = p.mu.template cast<Scalar>(),
+          .law = p.law};
 }
 
 }  // namespace zwang

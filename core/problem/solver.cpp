@@ -3,6 +3,8 @@
 #include <array>
 #include <new>
 
+#include <zwang/core/problem/law.h>
+
 namespace zwang {
 
 std::string_view to_string(Status status) {
@@ -11,6 +13,10 @@ std::string_view to_string(Status status) {
       "unsupported", "bad input", "numerical failure",       "crashed"};
   const auto k = static_cast<std::size_t>(status);
   return k < words.size() ? words[k] : "unknown";
+}
+
+std::string AnySolver::cannot_read(Law law) {
+  return "reads no tangent rows under the law '" + std::string(to_string(law)) + "'";
 }
 
 void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {

@@ -122,13 +122,23 @@ struct Stopped {
 // A solver is the struct of its settings and its workspace. solve() writes into the caller's solution; a second solve
 // of the same shape allocates nothing (native solvers) and gives the same bits. Numerical trouble is a status, never
 // an exception; Stopped and std::bad_alloc are for what does not fit into the time or the memory there is. Optional
-// members: `std::string supports(const Problem&) const` ("" or the reason why not) and `static std::vector<Setting<S>>
-// settings()` for the command line.
+// members: `std::string supports(const Problem&) const` ("" or the reason why not), `static std::vector<Setting<S>>
+// settings()` for the command line, and `static constexpr std::array laws{Law::convex, Law::coulomb}` of a solver that
+// reads tangent rows under these laws. Without it a solver never sees a tangent row.
 template <class S>
 concept Solver = std::copyable<S> && requires(S s, const Problem& p, const SolveOptions& o, Solution& out) {
   { S::name } -> std::convertible_to<std::string_view>;
   { s.solve(p, o, out) } -> std::same_as<void>;
 };
+
+// Does S read tangent rows under this law?
+template <class S>
+constexpr bool reads(Law law) {
+  if constexpr (requires { S::laws; })
+    return std::ranges::find(S::laws, law) != std::ranges::end(S::laws);
+  else
+    return false;
+}
 
 // Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
 // a backend sees it. Stopped and std::bad_alloc become a status with one line; what else a backend throws is passed on.
@@ -151,6 +161,8 @@ class AnySolver {
   Solution solve(const Problem& problem, const SolveOptions& options = {});
 
  private:
+  static std::string cannot_read(Law law);  // the sentence
+
   struct Method {
     virtual ~Method() = default;
     virtual std::unique_ptr<Method> clone() const = 0;
@@ -165,7 +177,8 @@ class AnySolver {
     MethodOf(const MethodOf& other) : settings(other.settings), solver(std::make_unique<S>(*other.solver)) {}
     std::unique_ptr<Method> clone() const override { return std::make_unique<MethodOf>(*this); }
     std::string_view name() const override { return S::name; }
-    std::string supports([[maybe_unused]] const Problem& problem) const override {
+    std::string supports(const Problem& problem) const override {
+      if (problem.has_tangents() && !reads<S>(problem.law)) return cannot_read(problem.law);
       if constexpr (requires {
                       { settings.supports(problem) } -> std::same_as<std::string>;
                     })
@@ -174,6 +187,8 @@ class AnySolver {
         return {};
     }
     void solve(const Problem& problem, const SolveOptions& options, Solution& solution) override {
+      if (problem.has_tangents() && !reads<S>(problem.law))
+        throw Stopped{Status::unsupported, cannot_read(problem.law)};
       try {
         solver->solve(problem, options, solution);
       } catch (...) {

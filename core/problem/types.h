@@ -27,8 +27,18 @@ using Matrix = MatrixX<double>;
 using Index = Eigen::Index;
 using BodyId = int;
 
-// J z = c, or J z >= c.
-enum class RowKind : unsigned char { equality, inequality };
+// J z = c, J z >= c, or a direction of slip of the contact whose inequality row stands before it: 1 or 2 of them, in
+// the unit of that row, J z - c being the slip.
+enum class RowKind : unsigned char { equality, inequality, tangent };
+
+// How a contact with friction is read (docs/formulation.md). Per contact s = (s_n, s_t) = J z - c and
+// lambda = (l_n, l_t), K = {|l_t| <= mu l_n}, K* = {s_n >= mu |s_t|}; M (z - z_u) = J' lambda always.
+enum class Law : unsigned char {
+  frictionless,  // tangent rows are left out
+  pyramid,       // four facets (two in the plane) in place of K*: the inequality rows N +- mu T, a QP
+  convex,        // K* ∋ s ⊥ lambda ∈ K: Gauss' principle over the cone, one z if any
+  coulomb,       // K* ∋ s + mu |s_t| e_n ⊥ lambda ∈ K: Coulomb's own law; none, one or several z
+};
 
 // Names one row across frames: a joint's id, or a hash of (body, object, feature) for a contact, and the row within it.
 // Warm starts match rows by it when contacts appear and vanish.

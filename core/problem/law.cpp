@@ -1,0 +1,107 @@
+#include <zwang/core/problem/law.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace zwang {
+namespace {
+
+constexpr std::array<std::string_view, 4> words{"frictionless", "pyramid", "convex", "coulomb"};
+
+// A row of the new problem: row `normal` of the old one, plus factor x row `tangent` where there is one.
+struct NewRow {
+  Index normal, tangent = -1;
+  double factor = 0;
+  int edge = -1;  // of a pyramid
+};
+
+std::vector<NewRow> new_rows(Law law, const Problem& p) {
+  std::vector<NewRow> rows;
+  for (Index i = 0; i < p.rows(); ++i) {
+    const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
+    const bool slips = tangents > 0 && p.mu[i] > 0;
+    if (law == Law::pyramid && slips) {
+      for (int edge = 0; edge < 2 * tangents; ++edge)
+        rows.push_back({i, i + 1 + edge / 2, edge % 2 == 0 ? p.mu[i] : -p.mu[i], edge});
+    } else {
+      rows.push_back({i});
+      if (law == Law::convex || law == Law::coulomb)
+        for (Index t = 1; slips && t <= tangents; ++t) rows.push_back({i + t});
+    }
+    i += tangents;
+  }
+  return rows;
+}
+
+Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
+  Problem out{.name = p.name, .M = p.M, .z_u = p.z_u};
+  const auto m = static_cast<Index>(rows.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  out.c.resize(m);
+  Vector mu = Vector::Zero(m);
+  bool has_tangents = false;
+  for (Index k = 0; k < m; ++k) {
+    const NewRow& row = rows[static_cast<std::size_t>(k)];
+    const auto add = [&](Index from, double factor) {
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, from); it; ++it)
+        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), factor * it.value());
+    };
+    const auto old = static_cast<std::size_t>(row.normal);
+    add(row.normal, 1);
+    out.c[k] = p.c[row.normal];
+    if (row.tangent >= 0) {
+      add(row.tangent, row.factor);
+      out.c[k] += row.factor * p.c[row.tangent];
+    }
+    out.kind.push_back(p.kind[old]);
+    out.key.push_back(p.key[old]);
+    if (row.edge >= 0) out.key.back().row += static_cast<std::uint32_t>(row.edge);
+    if (p.has_tangents() && p.kind[old] == RowKind::inequality) mu[k] = p.mu[row.normal];
+    has_tangents |= p.is_tangent(row.normal);
+  }
+  out.J.resize(m, p.size());
+  out.J.setFromTriplets(entries.begin(), entries.end());
+  out.law = has_tangents || law == Law::pyramid ? law : Law::frictionless;
+  if (has_tangents) out.mu = mu;
+  return out;
+}
+
+}  // namespace
+
+std::string_view to_string(Law law) {
+  const auto k = static_cast<std::size_t>(law);
+  return k < words.size() ? words[k] : "unknown";
+}
+
+Law parse_law(std::string_view word) {
+  for (std::size_t k = 0; k < words.size(); ++k)
+    if (words[k] == word) return static_cast<Law>(k);
+  throw std::invalid_argument("no law '" + std::string(word) + "'; expected frictionless, pyramid, convex or coulomb");
+}
+
+Problem under(Law law, const Problem& problem) {
+  return problem.has_tangents() ? take(new_rows(law, problem), law, problem) : problem;
+}
+
+Instance under(Law law, Instance instance) {
+  if (!instance.problem.has_tangents()) return instance;
+  const std::vector<NewRow> rows = new_rows(law, instance.problem);
+  std::vector<RowOrigin> origin;
+  if (!instance.origin.empty())
+    for (const NewRow& row : rows) {
+      origin.push_back(instance.origin[static_cast<std::size_t>(row.normal)]);
+      if (row.edge < 0) continue;
+      origin.back().type = "friction_pyramid";
+      origin.back().row = row.edge;
+    }
+  if (instance.problem.law != law || static_cast<Index>(rows.size()) != instance.problem.rows())
+    instance.reference.reset();
+  instance.problem = take(rows, law, instance.problem);
+  instance.origin = std::move(origin);
+  return instance;
+}
+
+}  // namespace zwang
