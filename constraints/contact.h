@@ -11,8 +11,8 @@ namespace zwang {
 //
 // One type for every partner: a static obstacle is a fixed body, a moving one is prescribed or free; only free bodies
 // have columns. The normal turns with B. The paper's row [n, u x n | -n, -(u_B x n)], both levers to r_A, is then the
-// exact derivative, also for a gap that is not zero. The frame and the friction coefficient stay with the row for
-// whoever reads its multiplier; the frictionless row does not use them (friction_pyramid.h does).
+// exact derivative, also for a gap that is not zero. With friction two tangent rows follow, for the slip of A over the
+// face along t_1 and t_2: the same derivative with t in place of n.
 struct Contact {
   static constexpr auto name = "contact";
   static constexpr int rows = 1;
@@ -21,7 +21,8 @@ struct Contact {
   Vec3 point_a = Vec3::Zero();    // m, in A's axes
   Vec3 point_b = Vec3::Zero();    // m, in B's axes
   Mat3 frame = Mat3::Identity();  // columns n, t_1, t_2, orthonormal, in B's axes
-  double friction = 0;            // Coulomb's coefficient
+  double friction = 0;            // Coulomb's coefficient; 0: no tangent rows
+  Vec3 surface = Vec3::Zero();    // m/s, in B's axes: how fast the face runs over B (a belt)
 
   template <class T>
   Vec<T, 1> value(const Pose<T>& a, const Pose<T>& b) const {
@@ -32,15 +33,28 @@ struct Contact {
   Mat<double, 1, 12> jacobian(const Pose<double>& a, const Pose<double>& b) const {
     return row::separation(b.turn(frame.col(0)), a * point_a, a.position, b.position);
   }
-};
-static_assert(Constraint<Contact> && HasJacobian<Contact>);
 
-// An orthonormal frame [n, t_1, t_2] over a unit normal.
+  Slip<2> slip(const Pose<double>& a, const Pose<double>& b) const {
+    Slip<2> out;
+    for (int k = 0; k < 2; ++k) {
+      out.jacobian.row(k) = row::separation(b.turn(frame.col(1 + k)), a * point_a, a.position, b.position);
+      out.surface[k] = frame.col(1 + k).dot(surface);
+    }
+    return out;
+  }
+};
+static_assert(Constraint<Contact> && HasJacobian<Contact> && HasSlip<Contact>);
+
+// A right-handed orthonormal frame [n, t_1, t_2] over a unit normal: the x and y axes, turned by the shortest way from
+// z to n (Frisvad, J. Graphics Tools 16, 2012), or from -z where n points down. No choice is continuous on the whole
+// sphere; this one jumps on one circle only, away from floors, walls and ceilings.
 inline Mat3 contact_frame(const Vec3& normal) {
+  const double up = normal.z() > -0.35 ? 1 : -1;
+  const double x = normal.x(), y = normal.y(), scale = 1 / (1 + up * normal.z());
   Mat3 frame;
-  frame.col(0) = normal;
-  frame.col(1) = normal.unitOrthogonal();
-  frame.col(2) = normal.cross(frame.col(1));
+  frame << x, 1 - x * x * scale, -x * y * scale * up,  //
+      y, -x * y * scale, (1 - y * y * scale) * up,     //
+      normal.z(), -x * up, -y;
   return frame;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <span>
@@ -42,6 +43,10 @@ struct SolverEntry {
   bool yardstick = false;            // the speed suite never shortens its time limit
   Index largest_island = any_size;   // unknowns; the speed suite asks no more of its dense matrices
   Accuracy accuracy = {};
+  std::vector<Law> laws = {};  // under which it reads tangent rows; none: problems without them only
+  bool reads(const Problem& problem) const {
+    return !problem.has_tangents() || std::ranges::find(laws, problem.law) != laws.end();
+  }
   std::vector<SettingInfo> settings = {};
   // Builds the solver with `key=value,...` applied; throws std::invalid_argument naming the setting.
   std::function<AnySolver(std::string_view settings)> make = {};
@@ -62,12 +67,13 @@ int setting_value(const std::string& text);
 template <>
 bool setting_value(const std::string& text);
 
-// The entry of a solver of type S, whose name and settings are read from it:
+// The entry of a solver of type S, whose name, settings and laws are read from it:
 //
 //   entry<Mine>({.method = "...", .limits = "..."})
 template <Solver S>
 SolverEntry entry(SolverEntry e) {
   e.name = S::name;
+  if constexpr (requires { S::laws; }) e.laws.assign(S::laws.begin(), S::laws.end());
   if constexpr (requires { S::settings(); })
     for (const Setting<S>& s : S::settings()) {
       std::ostringstream value;

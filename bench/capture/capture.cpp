@@ -21,25 +21,27 @@ struct FreeModel {
 
 class Model {
  public:
-  explicit Model(const std::filesystem::path& file);
+  Model(const std::filesystem::path& file, bool friction);
   void forward() { mj_forward(model_.get(), data_.get()); }
   void step();
   Instance problem() const;
 
  private:
   void add_rows(Instance& out) const;
-  void add_contact(Instance& out, const mjContact& contact, std::map<std::array<int, 2>, int>& seen) const;
+  void add_contact(Instance& out, const mjContact& contact, int which) const;
+  Eigen::Matrix<double, 2, Eigen::Dynamic> tangents(const mjContact& contact) const;
   std::string name(int kind, int id) const;
   int dimension(const mjContact& contact) const;
 
   std::string family_;
+  bool friction_;
   std::unique_ptr<mjModel, FreeModel> model_;
   std::unique_ptr<mjData, FreeModel> data_;
   std::vector<int> condim_, pair_dim_;  // as the model has them
 };
 
 // Frictionless in MuJoCo's own run, and as exact as its Newton solver goes.
-Model::Model(const std::filesystem::path& file) : family_(file.stem().string()) {
+Model::Model(const std::filesystem::path& file, bool friction) : family_(file.stem().string()), friction_(friction) {
   mju_user_error = [](const char* message) { throw std::runtime_error(message); };
   mju_user_warning = [](const char*) {};
   std::array<char, 1000> error{};
@@ -109,7 +111,7 @@ Instance Model::problem() const {
   p.M.setFromTriplets(mass.begin(), mass.end());
   p.z_u = Eigen::Map<const Vector>(d.qacc_smooth, n);
   add_rows(out);
-  out.recorded.push_back({.by = "mujoco", .z = Eigen::Map<const Vector>(d.qacc, n)});
+  if (!p.has_tangents()) out.recorded.push_back({.by = "mujoco", .z = Eigen::Map<const Vector>(d.qacc, n)});
   return out;
 }
 
@@ -118,12 +120,14 @@ void Model::add_rows(Instance& out) const {
   const mjData& d = *data_;
   Problem& p = out.problem;
   std::vector<Eigen::Triplet<double>> J;
+  std::vector<double> c, mu;
   std::map<std::array<int, 2>, int> seen;     // contacts of one pair of geoms, in MuJoCo's order
   std::map<std::array<int, 2>, int> rows_of;  // equality 0, joint limit 1, tendon limit 2; by its number
-  p.c = Eigen::Map<const Vector>(d.efc_aref, d.nefc);
   for (int i = 0; i < d.nefc; ++i) {
     for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e)
-      if (d.efc_J[e] != 0) J.emplace_back(i, d.efc_J_colind[e], d.efc_J[e]);
+      if (d.efc_J[e] != 0) J.emplace_back(static_cast<int>(c.size()), d.efc_J_colind[e], d.efc_J[e]);
+    c.push_back(d.efc_aref[i]);
+    mu.push_back(0);
     const int id = d.efc_id[i];
     p.kind.push_back(d.efc_type[i] == mjCNSTR_EQUALITY ? RowKind::equality : RowKind::inequality);
     if (d.efc_type[i] == mjCNSTR_EQUALITY) {
@@ -138,38 +142,56 @@ void Model::add_rows(Instance& out) const {
                             .label = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, id) + (side ? ", other side" : "")});
       p.key.push_back({mix_bits(joint ? 2 : 3), static_cast<std::uint32_t>(2 * id + side)});
     } else {
-      add_contact(out, d.contact[id], seen);
+      const mjContact& contact = d.contact[id];
+      add_contact(out, contact, seen[{contact.geom1, contact.geom2}]++);
+      if (!friction_ || dimension(contact) == 1 || !(contact.friction[0] > 0)) continue;
+      mu.back() = contact.friction[0];
+      const Eigen::Matrix<double, 2, Eigen::Dynamic> T = tangents(contact);
+      for (int slip = 0; slip < 2; ++slip) {
+        for (int j = 0; j < m.nv; ++j)
+          if (T(slip, j) != 0) J.emplace_back(static_cast<int>(c.size()), j, T(slip, j));
+        c.push_back(-T.row(slip).dot(Eigen::Map<const Vector>(d.qvel, m.nv)) / m.opt.timestep);
+        mu.push_back(0);
+        p.kind.push_back(RowKind::tangent);
+        p.key.push_back({p.key.back().constraint, p.key.back().row + 1});
+        out.origin.push_back(out.origin.back());
+        out.origin.back().row = slip + 1;
+      }
     }
   }
-  p.J.resize(d.nefc, m.nv);
+  p.c = Eigen::Map<const Vector>(c.data(), static_cast<Index>(c.size()));
+  p.J.resize(p.c.size(), m.nv);
   p.J.setFromTriplets(J.begin(), J.end());
+  if (std::ranges::find(p.kind, RowKind::tangent) == p.kind.end()) return;
+  p.mu = Eigen::Map<const Vector>(mu.data(), p.c.size());
+  p.law = Law::coulomb;
 }
 
-void Model::add_contact(Instance& out, const mjContact& c, std::map<std::array<int, 2>, int>& seen) const {
-  const mjModel& m = *model_;
-  const int which = seen[{c.geom1, c.geom2}]++;
-  const auto row = static_cast<Index>(out.problem.key.size());
+// Four keys a contact where there may be tangents, or edges of a pyramid.
+void Model::add_contact(Instance& out, const mjContact& c, int which) const {
   const std::uint64_t pair = (static_cast<std::uint64_t>(c.geom1) << 32) | static_cast<std::uint32_t>(c.geom2);
-  out.problem.key.push_back({mix_bits(pair + 4), static_cast<std::uint32_t>(which)});
+  out.problem.key.push_back({mix_bits(pair + 4), static_cast<std::uint32_t>(friction_ ? 4 * which : which)});
   out.origin.push_back({.type = "contact",
                         .label = name(mjOBJ_GEOM, c.geom1) + " on " + name(mjOBJ_GEOM, c.geom2) +
                                  (which ? ", " + std::to_string(which + 1) : ""),
                         .unit = "m/s^2"});
-  if (dimension(c) == 1) return;
-  // The point's velocity on the second body less that on the first, along the two tangents of the frame.
+}
+
+// The point's velocity on the second body less that on the first, along the two tangents of the frame.
+Eigen::Matrix<double, 2, Eigen::Dynamic> Model::tangents(const mjContact& c) const {
   using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+  const mjModel& m = *model_;
   Rows first(3, m.nv), second(3, m.nv);
   mj_jac(&m, data_.get(), first.data(), nullptr, c.pos, m.geom_bodyid[c.geom1]);
   mj_jac(&m, data_.get(), second.data(), nullptr, c.pos, m.geom_bodyid[c.geom2]);
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> frame(c.frame);
-  const Eigen::Matrix<double, 2, Eigen::Dynamic> tangents = frame.bottomRows<2>() * (second - first);
-  out.friction.push_back({.row = row, .mu = c.friction[0], .tangents = tangents.sparseView(0, 0)});
+  return frame.bottomRows<2>() * (second - first);
 }
 
 }  // namespace
 
 void capture(const CaptureOptions& options, const std::function<void(int step, const Instance&)>& found) {
-  Model model(options.model);
+  Model model(options.model, options.friction);
   for (int step = 0; step < options.steps; ++step) {
     if (step % options.every == 0) {
       model.forward();

@@ -49,7 +49,7 @@ void add_options(CLI::App& options, Asked& asked) {
   options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems");
   options.add_option("--problems", s.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
       ->type_name("PATH");
-  add_friction(options, s.friction);
+  add_law(options, s.law);
   options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)");
   options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder");
   options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->check(from_to(0));
@@ -71,7 +71,7 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
             "  ./zwang bench --suite quick --out first\n"
             "  ./zwang bench --scenes \"tower(boxes=10,100),hand(contacts=64,seed=1..5)\" \\\n"
             "                --solvers nnls,dual_active_set,ipopt --tolerances 1e-6,1e-10\n"
-            "  ./zwang bench --problems rover/*.hdf5 --friction pyramid --trace --out rover\n"
+            "  ./zwang bench --problems rover/*.hdf5 --law pyramid --trace --out rover\n"
             "  ./zwang bench --suite atlas --families NPE,LOOP --solvers dual_active_set,cholesky\n"
             "  ./zwang bench --resume rover");
   Asked asked;
@@ -89,8 +89,9 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
   if (!asked.resume.empty()) {
     if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
     settings.directory = asked.resume;
-    asked.suite = options_to_resume(settings.directory, asked.suite,
-                                    [&](const std::string& name) { return options.count("--" + name) > 0; });
+    asked.suite = options_to_resume(settings.directory, asked.suite, [&](const std::string& name) {
+      return options.count("--" + name) > 0 || (name == "law" && options.count("--friction") > 0);
+    });
   } else {
     settings.directory = new_directory(asked.out, "./zwang bench --resume");
   }

@@ -7,6 +7,7 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/core/files/isolated.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {
@@ -69,6 +70,7 @@ int capture_command(std::vector<std::string> words) {
   options.add_option("--every", capture.every, "one problem in so many steps")
       ->check(from_to(1, 1e7))
       ->capture_default_str();
+  options.add_flag("--friction", capture.friction, "contacts have the model's friction: tangent rows, Coulomb's law");
   options.add_option("--out", out, "a folder for the problems, a file each")->type_name("DIR")->required();
   if (!read(options, std::move(words))) return done;
   capture.model = model;
@@ -77,8 +79,9 @@ int capture_command(std::vector<std::string> words) {
   const Captured total = captured_apart(capture, out);
   std::printf(
       "%ld problems of %ld unknowns and %ld to %ld rows -> %s\nSolve them: ./zwang bench --problems %s --solvers "
-      "dual_active_set,newton\n",
-      total.problems, total.unknowns, total.fewest_rows, total.most_rows, out.c_str(), out.c_str());
+      "dual_active_set,newton%s\n",
+      total.problems, total.unknowns, total.fewest_rows, total.most_rows, out.c_str(), out.c_str(),
+      capture.friction ? " --law pyramid" : "");
   return done;
 }
 

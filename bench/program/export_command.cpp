@@ -9,6 +9,7 @@
 #include <zwang/bench/suite/atlas_files.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/bench/suite/suite.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 namespace {

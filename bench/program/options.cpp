@@ -18,16 +18,25 @@ void introduce(CLI::App& app, const std::string& name, const std::string& exampl
   app.get_formatter()->column_width(34);
 }
 
-CLI::Option* add_friction(CLI::App& app, Friction& friction) {
-  const std::map<std::string, Friction> words = {{"none", Friction::none}, {"pyramid", Friction::pyramid}};
-  return app
-      .add_option_function<std::string>(
-          "--friction",
-          [&friction, words](const std::string& word) {
-            if (!words.contains(word)) throw std::invalid_argument("--friction " + word + " should be none or pyramid");
-            friction = words.at(word);
-          },
-          "how tangential directions of FCLIB files are read: none (normal rows only) or pyramid")
+void add_law(CLI::App& app, std::optional<Law>& law) {
+  const auto says = [&law](Law now) {
+    if (law && *law != now) throw std::invalid_argument("--law and --friction say different things");
+    law = now;
+  };
+  app.add_option_function<std::string>(
+         "--law", [says](const std::string& word) { says(parse_law(word)); },
+         "how contacts with friction are read: frictionless, pyramid (four facets, a QP), convex (the cone) or "
+         "coulomb; "
+         "default: as the problem says, which is coulomb where there is a mu > 0")
+      ->type_name("WORD");
+  app.add_option_function<std::string>(
+         "--friction",
+         [says](const std::string& word) {
+           if (word != "none" && word != "pyramid")
+             throw std::invalid_argument("--friction " + word + " should be none or pyramid");
+           says(word == "none" ? Law::frictionless : Law::pyramid);
+         },
+         "none or pyramid: --law frictionless or --law pyramid")
       ->type_name("WORD");
 }
 

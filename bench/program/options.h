@@ -2,15 +2,15 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/law.h>
 
 namespace CLI {
 class App;
-class Option;
-}  // namespace CLI
+}
 
 namespace zwang {
 
@@ -22,8 +22,8 @@ void introduce(CLI::App& app, const std::string& name, const std::string& exampl
 // False after --help was printed. Throws std::invalid_argument with one line, the nearest option's name in it.
 bool read(CLI::App& app, std::vector<std::string> words);
 
-// --friction none|pyramid
-CLI::Option* add_friction(CLI::App& app, Friction& friction);
+// --law frictionless|pyramid|convex|coulomb, and its elder form --friction none|pyramid
+void add_law(CLI::App& app, std::optional<Law>& law);
 
 // For Option::check: "" when the text is a finite number from low to high, or above low; else what is expected.
 using Check = std::function<std::string(const std::string& text)>;

@@ -94,7 +94,7 @@ int solve_command(std::vector<std::string> words) {
   std::string file, name;
   Run run;
   bool with_trace = false, json = false;
-  Friction friction = Friction::none;
+  std::optional<Law> law;
   options.add_option("FILE", file, "the problem")->required();
   options.add_option("--problem", name, "its name, where the file holds several")->type_name("NAME");
   options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")
@@ -104,7 +104,7 @@ int solve_command(std::vector<std::string> words) {
       ->type_name("T");
   options.add_flag("--trace", with_trace, "the iterates on the way, with the time to reach them");
   options.add_flag("--json", json, "print one JSON object");
-  add_friction(options, friction);
+  add_law(options, law);
   if (!read(options, std::move(words))) return done;
   if (!(run.tolerance > 0 && run.tolerance < 1))
     throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
@@ -113,7 +113,7 @@ int solve_command(std::vector<std::string> words) {
 
   std::vector<std::string> notes;
   const auto assemble = [&] {
-    Instance instance = choose(file, read_problems(file, friction), name);
+    Instance instance = choose(file, read_problems(file, law), name);
     if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
     FoundReference found = reference_for(instance, reference_cache());
     instance.reference = std::move(found.reference);

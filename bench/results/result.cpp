@@ -66,6 +66,7 @@ Result describe(const Instance& instance) {
   r.equalities = std::count(p.kind.begin(), p.kind.end(), RowKind::equality);
   r.seed = instance.seed;
   r.problem_sha256 = problem_sha256(p);
+  r.law = to_string(p.law);
   if (instance.reference) {
     r.reference = instance.reference->method;
     r.reference_bound = instance.reference->bound;
@@ -105,8 +106,8 @@ std::string to_json(const Result& r, const Solution* with) {
   Json line;
   put(line, "problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value, "n", r.n, "m", r.m,
       "equalities", r.equalities, "seed", r.seed, "problem_sha256", r.problem_sha256, "problem_file", r.problem_file,
-      "solver", r.solver, "foreign", r.foreign, "tolerance", r.tolerance, "claimed", to_string(r.claimed), "verified",
-      to_string(k.verdict));
+      "law", r.law, "solver", r.solver, "foreign", r.foreign, "tolerance", r.tolerance, "claimed", to_string(r.claimed),
+      "verified", to_string(k.verdict));
   put(line, "z_error", k.z_error, "z_bound", k.z_bound, "bound_method", k.bound_method, "bound_sigma_min",
       k.bound_sigma_min, "primal", k.primal, "dual", k.dual, "stationarity", k.stationarity, "complementarity",
       k.complementarity, "gap", k.gap, "natural", k.natural, "scale", k.scale, "farkas", k.farkas);

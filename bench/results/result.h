@@ -19,7 +19,7 @@ struct Result {
   double knob_value = 0;
   Index n = 0, m = 0, equalities = 0;
   std::uint64_t seed = 0;
-  std::string problem_sha256 = {}, problem_file = {};
+  std::string problem_sha256 = {}, problem_file = {}, law = {};
   std::string reference = {};  // its method, or ""
   double reference_bound = unknown;
   enum class Feasible { no, yes, unknown } feasible = Feasible::unknown;

@@ -138,6 +138,22 @@ std::vector<std::string> split_solvers(const std::string& text) {
   return all;
 }
 
+std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) {
+  std::string names;
+  std::size_t problems = 0;
+  for (const std::string& text : split_solvers(plan.options.solvers)) {
+    const SolverEntry& entry = *find_solver(text, among);
+    const auto unread =
+        std::ranges::count_if(plan.instances, [&](const Instance& i) { return !entry.reads(i.problem); });
+    if (unread == 0) continue;
+    names += (names.empty() ? "" : ", ") + text;
+    problems = std::max(problems, static_cast<std::size_t>(unread));
+  }
+  if (names.empty()) return {};
+  return "Friction of " + std::to_string(problems) + (problems == 1 ? " problem" : " problems") +
+         " is not read by: " + names + " (they solve --law pyramid and --law frictionless)";
+}
+
 std::string why_bad(const Problem& problem) {
   if (std::string reason = bad_input(problem); !reason.empty()) return reason;
   return is_positive_definite(problem.M) ? "" : "M is not positive definite";
@@ -191,13 +207,15 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   }
   for (std::filesystem::path& path : options.problems) {
     for (const std::filesystem::path& file : files_of(path))
-      for (Instance& instance : read_problems(file, options.friction)) {
+      for (Instance& instance : read_problems(file, options.law)) {
         if (const std::string reason = why_bad(instance.problem); !reason.empty())
           throw BadFile(file.string() + ", problem " + instance.problem.name + ": " + reason);
         plan.instances.push_back(std::move(instance));
       }
     path = std::filesystem::absolute(path);
   }
+  if (options.law)
+    for (Instance& instance : plan.instances) instance = under(*options.law, std::move(instance));
   keep_families(options.families, plan.instances);
   if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
   plan.options = std::move(options);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,8 +18,8 @@ struct SuiteOptions {
   std::string families = {};                         // "MR,NPE": of the problems, only these
   std::vector<std::filesystem::path> problems = {};  // files, or folders of *.h5 and *.hdf5
   std::vector<Instance> instances = {};              // problems of a host's own
-  Friction friction = Friction::none;
-  std::string solvers = {};  // "nnls,nlopt:algorithm=2"
+  std::optional<Law> law = {};                       // of every problem; none: its own
+  std::string solvers = {};                          // "nnls,nlopt:algorithm=2"
   std::vector<double> tolerances = {};
   int repetitions = 0;
   std::uint64_t seed = 1;
@@ -55,6 +56,9 @@ struct Plan {
 // `among`: the solvers there are. Throws std::invalid_argument (unknown names, tolerances outside (0, 1)) or BadFile
 // (files that cannot be read, or whose M is not positive definite).
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solvers());
+
+// "" or one line: which of the plan's solvers cannot read the law of how many of its problems.
+std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among);
 
 // "a,b:key=1,key=2,c" -> a | b:key=1,key=2 | c.
 std::vector<std::string> split_solvers(const std::string& text);

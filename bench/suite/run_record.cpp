@@ -9,8 +9,6 @@
 
 namespace zwang {
 
-NLOHMANN_JSON_SERIALIZE_ENUM(Friction, {{Friction::none, "none"}, {Friction::pyramid, "pyramid"}})
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -22,7 +20,7 @@ void visit_options(Options& o, Visit visit) {
   visit("scenes", o.scenes);
   visit("families", o.families);
   visit("problems", o.problems);
-  visit("friction", o.friction);
+  visit("law", o.law);
   visit("solvers", o.solvers);
   visit("tolerances", o.tolerances);
   visit("repetitions", o.repetitions);
@@ -32,13 +30,23 @@ void visit_options(Options& o, Visit visit) {
 
 Json to_json(const SuiteOptions& options) {
   Json j;
-  visit_options(options, [&j](const char* name, const auto& value) { j[name] = value; });
+  visit_options(options, [&j](const char* name, const auto& value) {
+    if constexpr (std::is_same_v<decltype(value), const std::optional<Law>&>)
+      j[name] = value ? Json(to_string(*value)) : Json();
+    else
+      j[name] = value;
+  });
   return j;
 }
 
 SuiteOptions options_from(const Json& j) {
   SuiteOptions options;
-  visit_options(options, [&j](const char* name, auto& value) { j.at(name).get_to(value); });
+  visit_options(options, [&j](const char* name, auto& value) {
+    if constexpr (!std::is_same_v<decltype(value), std::optional<Law>&>)
+      j.at(name).get_to(value);
+    else if (j.at(name).is_string())
+      value = parse_law(j.at(name).get<std::string>());
+  });
   return options;
 }
 

@@ -122,6 +122,10 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();
     write_traces(plan, directory, settings.cache, desk, budget, interrupted, record.notes);
   }
+  if (const std::string line = laws_not_read(plan, settings.solvers); !line.empty()) {
+    outcome.notes.push_back(line);
+    record.notes.push_back(line);
+  }
   if (timed_once > 0)
     record.notes.push_back(grouped(timed_once) + " runs were timed by their first solve alone: too slow to repeat");
   if (schedule.shortest_time_limit() < plan.time_limit) {

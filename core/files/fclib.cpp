@@ -36,8 +36,8 @@ struct Directions {
   Sparse equality, contact;  // n x e, n x dim * contacts
   Vector b, w;               // G'v + b = 0, u = H'v + w
   Index dim = 1;             // columns of a contact
-  Index sliding = 0;         // of which so many after N count as directions of friction
-  Vector mu = {};            // one a contact, when sliding > 0
+  Index sliding = 0;         // of which so many after N are directions of slip
+  Vector mu = {};            // one a contact; empty: none slips
 };
 
 Index read_spacedim(const hdf5::Group& group, bool rolling, std::size_t contact_rows) {
@@ -50,56 +50,50 @@ Index read_spacedim(const hdf5::Group& group, bool rolling, std::size_t contact_
   return dim;
 }
 
-Vector read_mu(const hdf5::Group& vectors, Index contacts) {
+// Empty where the law, or a file without mu, wants no tangent rows.
+Vector read_mu(const hdf5::Group& vectors, std::optional<Law> law, Index contacts) {
+  if (law == Law::frictionless || (!law && !vectors.has_data("mu"))) return {};
   Vector mu = read_vector(vectors, "mu", static_cast<std::size_t>(contacts));
   for (Index k = 0; k < contacts; ++k)
     if (mu[k] < 0) vectors.fail("mu[" + std::to_string(k) + "]", "negative; expected a friction coefficient >= 0");
   return mu;
 }
 
-// Rows of the problem: equality rows first, then each contact's normal row N z >= -w_N or, with friction, the edges
-//
-//   (N +- mu T) z >= -(w_N +- mu w_T)      for each sliding direction T
-//
-// of its pyramid: u = H'z + w lies in the dual of the polyhedral cone spanned by N +- mu T, which makes the convex
-// relaxation of Coulomb's law a least-constraint problem. A contact with mu = 0 keeps its one normal row.
+// Rows of the problem: equality rows first, then each contact's normal row N z >= -w_N and, where mu > 0, a tangent row
+// for each direction T of slip, T z + w_T.
 void add_rows(const Directions& d, Instance& instance) {
   const Index e = d.b.size(), contacts = d.contact.cols() / d.dim;
   std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> c;
+  std::vector<double> c, mu;
   Problem& p = instance.problem;
-  const auto add_column = [&](const Sparse& from, Index column, double factor) {
+  const auto add_row = [&](const Sparse& from, Index column, double right, RowKind kind, RowKey key, RowOrigin origin) {
     for (Sparse::InnerIterator it(from, column); it; ++it)
-      entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(it.row()), factor * it.value());
-  };
-  const auto finish_row = [&](RowKind kind, RowKey key, double right, const std::string& origin) {
+      entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(it.row()), it.value());
     c.push_back(right);
+    mu.push_back(0);
     p.kind.push_back(kind);
     p.key.push_back(key);
-    instance.origin.push_back(parse_row_origin(origin, kind == RowKind::equality ? "" : "m/s^2"));
+    instance.origin.push_back(std::move(origin));
   };
-  for (Index i = 0; i < e; ++i) {
-    add_column(d.equality, i, 1);
-    finish_row(RowKind::equality, {static_cast<std::uint64_t>(i) + 1, 0}, -d.b[i], "equality/" + std::to_string(i));
-  }
+  for (Index i = 0; i < e; ++i)
+    add_row(d.equality, i, -d.b[i], RowKind::equality, {static_cast<std::uint64_t>(i) + 1, 0},
+            {.type = "equality", .label = std::to_string(i)});
   for (Index k = 0; k < contacts; ++k) {
-    const Index N = k * d.dim;
     const std::uint64_t id = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(k);
-    const std::string number = std::to_string(k);
-    const double mu = d.sliding > 0 ? d.mu[k] : 0;
-    if (mu == 0) {
-      add_column(d.contact, N, 1);
-      finish_row(RowKind::inequality, {id, 0}, -d.w[N], "contact/" + number);
-      continue;
+    const double friction = d.mu.size() > 0 ? d.mu[k] : 0;
+    const Index slips = friction > 0 ? d.sliding : 0;
+    for (Index r = 0; r <= slips; ++r) {
+      const Index column = k * d.dim + r;
+      add_row(
+          d.contact, column, -d.w[column], r == 0 ? RowKind::inequality : RowKind::tangent,
+          {id, static_cast<std::uint32_t>(r)},
+          {.type = "contact", .label = std::to_string(k), .row = r == 0 ? -1 : static_cast<int>(r), .unit = "m/s^2"});
+      if (r == 0) mu.back() = friction;
     }
-    for (Index edge = 0; edge < 2 * d.sliding; ++edge) {
-      const double factor = edge % 2 == 0 ? mu : -mu;
-      const Index T = N + 1 + edge / 2;
-      add_column(d.contact, N, 1);
-      add_column(d.contact, T, factor);
-      finish_row(RowKind::inequality, {id, static_cast<std::uint32_t>(edge)}, -(d.w[N] + factor * d.w[T]),
-                 "friction_pyramid/" + number + " [" + std::to_string(edge) + "]");
-    }
+  }
+  if (d.mu.size() > 0 && d.mu.maxCoeff() > 0) {
+    p.mu = Eigen::Map<const Vector>(mu.data(), static_cast<Index>(mu.size()));
+    p.law = Law::coulomb;
   }
   p.c = Eigen::Map<const Vector>(c.data(), static_cast<Index>(c.size()));
   p.J.resize(p.c.size(), d.contact.rows());
@@ -141,7 +135,7 @@ Factor rank_revealing_factor(const Matrix& W) {
 
 // M v = H r + G lambda + f, G'v + b = 0, u = H'v + w: the free motion is M^-1 f, or exactly vectors/z_u where a file
 // carries it.
-Instance read_fclib_global(const hdf5::Group& group, Friction friction, bool rolling) {
+Instance read_fclib_global(const hdf5::Group& group, std::optional<Law> law, bool rolling) {
   Instance instance;
   const hdf5::Group vectors = group.group("vectors");
   const bool exact = vectors.has_data("z_u");
@@ -156,11 +150,9 @@ Instance read_fclib_global(const hdf5::Group& group, Friction friction, bool rol
   d.w = Eigen::Map<const Vector>(free_velocity.data(), static_cast<Index>(w));
   d.equality = b > 0 ? read_matrix(group, "G", n, b) : Sparse(static_cast<Index>(n), 0);
   d.b = b > 0 ? read_vector(vectors, "b", b) : Vector(0);
-  if (friction == Friction::pyramid) {
-    d.sliding = rolling ? (d.dim - 1) / 2 : d.dim - 1;
-    d.mu = read_mu(vectors, static_cast<Index>(w) / d.dim);
-    if (rolling) instance.notes.push_back("rolling friction is left out: the pyramids hold sliding friction only");
-  }
+  d.sliding = rolling ? (d.dim - 1) / 2 : d.dim - 1;
+  d.mu = read_mu(vectors, law, static_cast<Index>(w) / d.dim);
+  if (rolling && d.mu.size() > 0) instance.notes.push_back("rolling friction is left out");
   Problem& p = instance.problem;
   p.M = read_matrix(group, "M", n, n);
   complete_symmetric(group, "M", p.M, instance.notes);
@@ -178,12 +170,18 @@ Instance read_fclib_global(const hdf5::Group& group, Friction friction, bool rol
 }
 
 // u = W r + V lambda + q, V'r + R lambda + s = 0: the Delassus form only. With M = I and z_u = 0, any J with
-// J J' = [R V'; V W] gives the same problem up to a rotation of z. Only the rows in use are factored.
-Instance read_fclib_local(const hdf5::Group& group, Friction friction) {
+// J J' = [R V'; V W] gives the same problem up to a rotation of z. Only the rows in use are factored: all, or the
+// normal ones of a problem without friction.
+Instance read_fclib_local(const hdf5::Group& group, std::optional<Law> law) {
   Instance instance;
   const hdf5::Group vectors = group.group("vectors");
   const std::size_t rows = count(vectors, "q"), e = group.has_group("R") ? count(vectors, "s") : 0;
-  const Index dim = read_spacedim(group, false, rows), step = friction == Friction::none ? dim : 1;
+  Directions d;
+  d.dim = read_spacedim(group, false, rows);
+  d.sliding = d.dim - 1;
+  d.mu = read_mu(vectors, law, static_cast<Index>(rows) / d.dim);
+  const bool slips = law == Law::pyramid || (d.mu.size() > 0 && d.mu.maxCoeff() > 0);
+  const Index step = slips ? 1 : d.dim;
   const std::vector<double> q = vectors.read<double>("q");
   Matrix W = read_matrix(group, "W", rows, rows);
   std::ostringstream note;
@@ -196,7 +194,6 @@ Instance read_fclib_local(const hdf5::Group& group, Friction friction) {
   const auto stride = Eigen::seqN(0, used, step);
   Matrix S(E + used, E + used);
   S.bottomRightCorner(used, used) = W(stride, stride);
-  Directions d;
   d.b = Vector(0);
   if (e > 0) {
     const Matrix V = read_matrix(group, "V", rows, e);
@@ -222,11 +219,7 @@ Instance read_fclib_local(const hdf5::Group& group, Friction friction) {
   d.equality = Matrix(factor.J.topRows(E).transpose()).sparseView(0, 0);
   d.contact = Matrix(factor.J.bottomRows(used).transpose()).sparseView(0, 0);
   d.w = Eigen::Map<const Vector>(q.data(), static_cast<Index>(rows))(stride);
-  if (friction == Friction::pyramid) {
-    d.dim = dim;
-    d.sliding = dim - 1;
-    d.mu = read_mu(vectors, static_cast<Index>(rows) / dim);
-  }
+  if (!slips) d.dim = 1, d.mu.resize(0);
   instance.problem.M.resize(n, n);
   instance.problem.M.setIdentity();
   instance.problem.z_u.setZero(n);

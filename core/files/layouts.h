@@ -10,12 +10,13 @@ namespace zwang {
 using Sparse = Eigen::SparseMatrix<double>;
 
 // zwang's own layout: the group "zwang" of a problem.
-Instance read_own(const hdf5::Group& group);
+Instance read_own(const hdf5::Group& group, std::optional<Law> law);
 void write_own(hdf5::Group& group, const Instance& instance);
 
-// FCLIB's groups "fclib_global" or "fclib_global_rolling", and "fclib_local".
-Instance read_fclib_global(const hdf5::Group& group, Friction friction, bool rolling);
-Instance read_fclib_local(const hdf5::Group& group, Friction friction);
+// FCLIB's groups "fclib_global" or "fclib_global_rolling", and "fclib_local". Without tangent rows where the law wants
+// none.
+Instance read_fclib_global(const hdf5::Group& group, std::optional<Law> law, bool rolling);
+Instance read_fclib_local(const hdf5::Group& group, std::optional<Law> law);
 
 // What the p of a sparse matrix's p, i, x counts.
 enum class Storage { triplets, columns, rows };

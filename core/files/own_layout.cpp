@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <zwang/core/files/layouts.h>
-#include <zwang/core/problem/law.h>
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 namespace {
@@ -72,8 +73,11 @@ std::vector<RecordedAnswer> read_recorded(const hdf5::Group& group, Index n) {
   return all;
 }
 
-std::vector<ContactFriction> read_friction(const hdf5::Group& group, const Problem& p) {
-  std::vector<ContactFriction> all;
+// Files of an earlier program keep the tangents of some contacts in a group beside the rows. Here they are tangent
+// rows, as if everything were at rest: what stood in their c was not kept. Reference and recorded answers were
+// frictionless.
+void insert_friction(const hdf5::Group& group, Instance& instance) {
+  Problem& p = instance.problem;
   const std::size_t count = length(group, "row");
   const std::vector<std::int64_t> row = group.read<std::int64_t>("row", count);
   const std::vector<std::int64_t> tangents = group.read<std::int64_t>("tangents_per_row", count);
@@ -87,11 +91,50 @@ std::vector<ContactFriction> read_friction(const hdf5::Group& group, const Probl
     if (!(mu[static_cast<Index>(k)] >= 0)) group.fail("mu", "negative; expected friction coefficients");
     rows += tangents[k];
   }
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> T = read_matrix(group, "T", rows, p.size(), Storage::rows);
-  Index at = 0;
-  for (std::size_t k = 0; k < count; at += tangents[k++])
-    all.push_back({row[k], mu[static_cast<Index>(k)], T.middleRows(at, tangents[k])});
-  return all;
+  using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  const RowMajor T = read_matrix(group, "T", rows, p.size(), Storage::rows);
+  if (count == 0 || !(mu.maxCoeff() > 0)) return;
+
+  const Instance before = std::exchange(instance, {.family = instance.family,
+                                                   .knob = instance.knob,
+                                                   .knob_value = instance.knob_value,
+                                                   .seed = instance.seed,
+                                                   .notes = instance.notes});
+  const Problem& old = before.problem;
+  p = {.name = old.name, .M = old.M, .z_u = old.z_u, .law = Law::coulomb};
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> c, friction;
+  const auto add_row = [&](const RowMajor& from, Index of, double right, RowKind kind, Index contact, int slip,
+                           bool slips) {
+    for (RowMajor::InnerIterator e(from, of); e; ++e)
+      entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(e.col()), e.value());
+    c.push_back(right);
+    friction.push_back(0);
+    p.kind.push_back(kind);
+    RowKey key = old.key[static_cast<std::size_t>(contact)];
+    if (slips) key = {mix_bits(key.constraint + key.row), static_cast<std::uint32_t>(slip)};
+    p.key.push_back(key);
+    if (before.origin.empty()) return;
+    instance.origin.push_back(before.origin[static_cast<std::size_t>(contact)]);
+    if (slip > 0) instance.origin.back().row = slip;
+  };
+  Index next = 0;  // of T's rows
+  std::size_t k = 0;
+  for (Index i = 0; i < old.rows(); ++i) {
+    const bool listed = k < count && row[k] == i;
+    const double coefficient = listed ? mu[static_cast<Index>(k)] : 0;
+    add_row(old.J, i, old.c[i], old.kind[static_cast<std::size_t>(i)], i, 0, coefficient > 0);
+    friction.back() = coefficient;
+    if (!listed) continue;
+    for (int slip = 1; slip <= tangents[k]; ++slip, ++next)
+      if (coefficient > 0) add_row(T, next, 0, RowKind::tangent, i, slip, true);
+    ++k;
+  }
+  p.J.resize(static_cast<Index>(c.size()), p.size());
+  p.J.setFromTriplets(entries.begin(), entries.end());
+  p.c = Eigen::Map<const Vector>(c.data(), p.J.rows());
+  p.mu = Eigen::Map<const Vector>(friction.data(), p.J.rows());
+  instance.notes.push_back("written without the velocities of slip: bodies and surfaces count as being at rest");
 }
 
 template <class T>
@@ -128,31 +171,9 @@ void write_recorded(hdf5::Group& parent, const std::vector<RecordedAnswer>& reco
   write_matrix(group, "z", Eigen::SparseMatrix<double, Eigen::RowMajor>(z.sparseView(0, 0)));
 }
 
-void write_friction(hdf5::Group& parent, const Instance& instance) {
-  hdf5::Group group = parent.add_group("friction");
-  std::vector<std::int64_t> row, tangents;
-  std::vector<double> mu;
-  std::vector<Eigen::Triplet<double>> entries;
-  int rows = 0;
-  for (const ContactFriction& f : instance.friction) {
-    row.push_back(f.row);
-    mu.push_back(f.mu);
-    tangents.push_back(f.tangents.rows());
-    for (Index i = 0; i < f.tangents.rows(); ++i, ++rows)
-      for (decltype(f.tangents)::InnerIterator e(f.tangents, i); e; ++e)
-        entries.emplace_back(rows, static_cast<int>(e.col()), e.value());
-  }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> T(rows, instance.problem.size());
-  T.setFromTriplets(entries.begin(), entries.end());
-  group.write("row", std::span<const std::int64_t>(row));
-  group.write("tangents_per_row", std::span<const std::int64_t>(tangents));
-  group.write("mu", std::span<const double>(mu));
-  write_matrix(group, "T", T);
-}
-
 }  // namespace
 
-Instance read_own(const hdf5::Group& group) {
+Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
   Instance instance;
   Problem& p = instance.problem;
   const Index n = static_cast<Index>(length(group, "z_u")), m = static_cast<Index>(length(group, "c"));
@@ -192,7 +213,7 @@ Instance read_own(const hdf5::Group& group) {
   std::ranges::move(texts_or_none(group, "notes"), std::back_inserter(instance.notes));
   if (group.has_group("reference")) instance.reference = read_reference(group.group("reference"), n, m);
   if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
-  if (group.has_group("friction")) instance.friction = read_friction(group.group("friction"), p);
+  if (group.has_group("friction") && law != Law::frictionless) insert_friction(group.group("friction"), instance);
   return instance;
 }
 
@@ -232,7 +253,6 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   if (!origin.empty()) group.write_strings("unit", unit);
   if (!instance.notes.empty()) group.write_strings("notes", instance.notes);
   if (!instance.recorded.empty()) write_recorded(group, instance.recorded);
-  if (!instance.friction.empty()) write_friction(group, instance);
   if (!instance.reference) return;
   const Reference& r = *instance.reference;
   hdf5::Group reference = group.add_group("reference");

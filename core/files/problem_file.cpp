@@ -18,7 +18,7 @@ bool holds_problem(const hdf5::Group& group) {
 }
 
 // A problem's group may carry what is known about it beside the FCLIB group: truth/status (0 solved, 1 infeasible) and
-// truth/z.
+// truth/z, of the problem without friction.
 void read_truth(const hdf5::Group& group, Instance& instance) {
   if (!group.has_group("truth")) return;
   const hdf5::Group truth = group.group("truth");
@@ -51,37 +51,38 @@ void require_good(const hdf5::Group& group, const Instance& instance) {
   if (!is_positive_definite(instance.problem.M)) group.fail("M", "not positive definite; expected a mass matrix");
 }
 
-Instance read_problem(const hdf5::Group& group, const std::string& name, Friction friction) {
+Instance read_problem(const hdf5::Group& group, const std::string& name, std::optional<Law> law) {
   Instance instance;
   std::string layout = own;
   if (group.has_group(own)) {
-    instance = read_own(group.group(own));
+    instance = read_own(group.group(own), law);
   } else if (group.has_group("fclib_local")) {
-    instance = read_fclib_local(group.group(layout = "fclib_local"), friction);
+    instance = read_fclib_local(group.group(layout = "fclib_local"), law);
   } else {
     const bool rolling = !group.has_group("fclib_global");
     layout = rolling ? "fclib_global_rolling" : "fclib_global";
-    instance = read_fclib_global(group.group(layout), friction, rolling);
+    instance = read_fclib_global(group.group(layout), law, rolling);
   }
   require_good(group.group(layout), instance);
+  if (law) instance = under(*law, std::move(instance));
   if (instance.problem.name.empty()) instance.problem.name = name;
-  if (!instance.reference) read_truth(group, instance);
+  if (!instance.reference && !instance.problem.has_tangents()) read_truth(group, instance);
   return instance;
 }
 
-std::vector<Instance> read_all(const std::filesystem::path& file, Friction friction) {
+std::vector<Instance> read_all(const std::filesystem::path& file, std::optional<Law> law) {
   const hdf5::Group root = hdf5::Group::open(file);
   const std::string stem = file.stem().string();
   std::vector<Instance> all;
   if (holds_problem(root)) {
-    all.push_back(read_problem(root, stem, friction));
+    all.push_back(read_problem(root, stem, law));
     if (all.back().family.empty()) all.back().family = root.has_group(own) ? stem : "fclib";
     return all;
   }
   for (const std::string& name : root.groups()) {
     const hdf5::Group group = root.group(name);
     if (!holds_problem(group)) continue;
-    all.push_back(read_problem(group, name, friction));
+    all.push_back(read_problem(group, name, law));
     if (all.back().family.empty()) read_knob(name, all.back());
     if (all.back().family.empty()) all.back().family = stem;
   }
@@ -91,9 +92,9 @@ std::vector<Instance> read_all(const std::filesystem::path& file, Friction frict
 
 }  // namespace
 
-std::vector<Instance> read_problems(const std::filesystem::path& file, Friction friction) {
+std::vector<Instance> read_problems(const std::filesystem::path& file, std::optional<Law> law) {
   try {
-    return read_all(file, friction);
+    return read_all(file, law);
   } catch (const std::bad_alloc&) {
     throw BadFile(file.string() + ": too large for the memory; expected a problem that fits");
   }

@@ -49,15 +49,17 @@ RowPlace Assembler::lay_out_rows(std::size_t active) {
   if (first[1] < 0) return {.item = a.item, .row = RowPlace::nowhere};
   for (int& entry : place.entry) entry = entry < 0 ? -1 : first[0] >= 0 && entry == first[1] ? 6 : 0;
 
-  for (unsigned r = 0; r < a.rows; ++r) {
+  const auto rows = static_cast<unsigned>(a.rows + a.tangents);
+  for (unsigned r = 0; r < rows; ++r) {
     for (const int from : first)
       for (int d = 0; from >= 0 && d < 6; ++d) pattern_.J_index.push_back(from + d);
     if (a.soft >> r & 1) pattern_.J_index.push_back(bodies_ + soft_++);
     pattern_.J_start.push_back(static_cast<int>(pattern_.J_index.size()));
-    pattern_.kind.push_back(a.kind);
+    pattern_.kind.push_back(r < a.rows ? a.kind : RowKind::tangent);
     pattern_.key.push_back({a.key, r});
     row_of_.push_back(active);
   }
+  slips_ |= a.tangents > 0;
   return place;
 }
 
@@ -80,6 +82,7 @@ void Assembler::lay_out(const Scene& scene) {
   bodies_ = first_columns(scene.bodies, column_);
   active_ = active_now_;
   soft_ = 0;
+  slips_ = false;
   pattern_.J_start.assign(1, 0);
   pattern_.J_index.clear();
   pattern_.kind.clear();
@@ -120,11 +123,14 @@ void Assembler::assemble(const Scene& scene, const Vector& z_u, const AssembleOp
   p.z_u.resize(n);
   p.z_u << z_u, Vector::Zero(soft_);
   p.c.resize(m);
+  p.mu.setZero(slips_ ? m : 0);
+  p.law = slips_ ? Law::coulomb : Law::frictionless;
 
   write_mass(scene, p.M.valuePtr());
   const RowFrame frame{.start = p.J.outerIndexPtr(),
                        .J = p.J.valuePtr(),
                        .c = p.c.data(),
+                       .mu = p.mu.data(),
                        .soft_mass = p.M.valuePtr() + 2 * bodies_,
                        .dt = options.dt,
                        .moving = options.mode == Mode::dynamic};
@@ -141,7 +147,8 @@ std::vector<RowOrigin> Assembler::origin(const Scene& scene, const Problem& prob
   for (std::size_t i = 0; i < row_of_.size(); ++i) {
     const ActiveConstraint& a = active_[row_of_[i]];
     RowOrigin origin = origin_of(scene, a);
-    if (a.rows > 1) origin.row = static_cast<int>(pattern_.key[i].row);
+    const std::uint32_t row = pattern_.key[i].row;
+    if (a.rows > 1 || row > 0) origin.row = static_cast<int>(row);
     origin.unit = "rad/s^2";
     for (decltype(problem.J)::InnerIterator entry(problem.J, static_cast<Index>(i)); entry; ++entry)
       if (entry.col() < bodies_ && entry.col() % 6 < 3 && entry.value() != 0) origin.unit = "m/s^2";

@@ -20,6 +20,13 @@ struct AssembleOptions {
 //
 //   c = -value / dt^2 - J y / dt - J_k z_k     (y = 0 in the quasi-static mode; z_k: bodies of prescribed motion)
 //
+// and, on the two tangent rows behind the row of a contact with friction, for the velocity v_surface of the face itself
+//
+//   c_t = (v_surface - J_t y) / dt - J_tk z_k,
+//
+// so that J_t z - c_t is the slip after the step, over dt. It has no position term: that would pull slip back. A
+// problem with tangent rows is under Coulomb's law (core/problem/law.h states it under another).
+//
 // Columns: 6 per free body, in the order of the bodies, then one per soft row (mass 1/compliance, z_u = 0). Rows:
 // equality first, each kind in the order of the scene's lists. A constraint between bodies none of which is free has no
 // unknown to act on and is skipped (`skipped()` names those).
@@ -55,6 +62,7 @@ class Assembler {
   std::vector<ActiveConstraint> active_, active_now_;  // likewise
   Pattern pattern_;
   int bodies_ = 0, soft_ = 0;        // unknowns of free bodies, and of soft rows
+  bool slips_ = false;               // there are tangent rows
   std::vector<RowPlace> place_;      // of each active constraint
   std::vector<std::size_t> row_of_;  // of each row: its active constraint
 };

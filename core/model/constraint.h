@@ -37,6 +37,11 @@ auto evaluate_active(const C& c, const std::array<Pose<double>, sizeof...(I)>& q
     -> decltype(c.active(q[I]...)) {
   return c.active(q[I]...);
 }
+template <class C, std::size_t... I>
+auto evaluate_slip(const C& c, const std::array<Pose<double>, sizeof...(I)>& q, std::index_sequence<I...>)
+    -> decltype(c.slip(q[I]...)) {
+  return c.slip(q[I]...);
+}
 template <class C>
 using ArityIndices = std::make_index_sequence<static_cast<std::size_t>(arity<C>)>;
 
@@ -56,6 +61,13 @@ concept Constraint = std::copyable<C> && ActsOnBodies<C> && requires(const C c, 
   { evaluate(c, q) } -> std::same_as<Vec<double, C::rows>>;
 };
 
+// How a contact may slip: along two orthogonal tangents, each as long as its inequality row.
+template <int bodies>
+struct Slip {
+  Mat<double, 2, 6 * bodies> jacobian = {};         // d slip / d twist, as a constraint's jacobian
+  Vec<double, 2> surface = Vec<double, 2>::Zero();  // m/s, at which the face itself runs along them (a belt)
+};
+
 // jacobian(poses...) is rows x 6*arity: d value / d twist, [linear; angular] per body, world axes.
 template <class C>
 concept HasJacobian = requires(const C c, const PosesOf<C, double>& q) {
@@ -70,6 +82,14 @@ concept HasCompliance = requires(const C c) {
 template <class C>
 concept HasActive = requires(const C c, const PosesOf<C, double>& q) {
   { evaluate_active(c, q, ArityIndices<C>{}) } -> std::same_as<bool>;
+};
+
+// Optional, of one inequality row: slip(poses...) -> Slip, and `friction`, Coulomb's coefficient. Where that is not 0,
+// two tangent rows follow the inequality row.
+template <class C>
+concept HasSlip = C::rows == 1 && C::kind == RowKind::inequality && requires(const C c, const PosesOf<C, double>& q) {
+  { c.friction } -> std::convertible_to<double>;
+  { evaluate_slip(c, q, ArityIndices<C>{}) } -> std::same_as<Slip<arity<C>>>;
 };
 
 // value(q (+) step) = value + jacobian * step + O(step^2).

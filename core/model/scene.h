@@ -45,7 +45,8 @@ struct ActiveConstraint {
   RowKind kind;
   unsigned char rows;  // 1..6
   unsigned char soft;  // bit r: row r has a compliance
-  unsigned char arity;
+  unsigned char arity : 4;
+  unsigned char tangents : 4;  // rows of slip behind the others
 };
 
 // Where the rows of an active constraint belong in the problem.
@@ -62,6 +63,7 @@ struct RowFrame {
   const int* start;   // of the rows of J, compressed
   double* J;          // its values
   double* c;          // m
+  double* mu;         // m, where there are tangent rows
   double* soft_mass;  // of the soft unknowns: 1/compliance
   double dt;          // s
   bool moving;        // velocities count
@@ -104,7 +106,8 @@ class ConstraintListOf final : public ConstraintList {
                         C::kind,
                         C::rows,
                         static_cast<unsigned char>(soft),
-                        arity<C>});
+                        arity<C>,
+                        tangents(all[i])});
     }
   }
 
@@ -119,23 +122,32 @@ class ConstraintListOf final : public ConstraintList {
           return differentiate(constraint, {pose...});
       });
       [[maybe_unused]] double* soft_mass = frame.soft_mass + place.soft;
-      for (int r = 0; r < C::rows; ++r) {
-        double* row = frame.J + frame.start[place.row + r];
-        double c = 0 - linear.value[r] / (frame.dt * frame.dt);  // 0 - 0 is +0
+      const auto write_row = [&](Index i, const auto& jacobian, int r, double c) {
+        double* row = frame.J + frame.start[i];
         for (std::size_t b = 0; b < arity<C>; ++b) {
           const Body& body = bodies[static_cast<std::size_t>(constraint.bodies[b])];
-          const Vec<double, 6> twist = linear.jacobian.template block<1, 6>(r, 6 * static_cast<Index>(b)).transpose();
+          const Vec<double, 6> twist = jacobian.template block<1, 6>(r, 6 * static_cast<Index>(b)).transpose();
           if (frame.moving) c -= twist.dot(body.velocity) / frame.dt;
           if (body.motion == Motion::prescribed) c -= twist.dot(body.prescribed);
           if (place.entry[b] >= 0) Eigen::Map<Vec<double, 6>>(row + place.entry[b]) = twist;
         }
-        frame.c[place.row + r] = c;
+        frame.c[i] = c;
+      };
+      for (int r = 0; r < C::rows; ++r) {
+        write_row(place.row + r, linear.jacobian, r, 0 - linear.value[r] / (frame.dt * frame.dt));  // 0 - 0 is +0
         if constexpr (HasCompliance<C>)
           if (const double compliance = constraint.compliance()[r]; compliance > 0) {
             *soft_mass++ = 1 / compliance;
             frame.J[frame.start[place.row + r + 1] - 1] = 1;
           }
       }
+      if constexpr (HasSlip<C>)
+        if (tangents(constraint) > 0) {
+          const Slip<arity<C>> slip =
+              with_poses(constraint, bodies, [&](const auto&... pose) { return constraint.slip(pose...); });
+          frame.mu[place.row] = constraint.friction;
+          for (int r = 0; r < 2; ++r) write_row(place.row + 1 + r, slip.jacobian, r, slip.surface[r] / frame.dt);
+        }
     }
   }
 
@@ -144,6 +156,14 @@ class ConstraintListOf final : public ConstraintList {
   std::vector<std::uint64_t> keys = {};
 
  private:
+  // A bad coefficient has rows too, so that it is seen.
+  static unsigned char tangents([[maybe_unused]] const C& constraint) {
+    if constexpr (HasSlip<C>)
+      return constraint.friction != 0 ? 2 : 0;
+    else
+      return 0;
+  }
+
   // Poses by reference: copying two into an array takes as long as a contact's row.
   template <class Visit>
   static auto with_poses(const C& constraint, const std::vector<Body>& bodies, const Visit& visit) {

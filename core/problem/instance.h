@@ -40,13 +40,6 @@ struct RecordedAnswer {
   Vector z = {};        // n
 };
 
-// What a model says of a contact's friction, beside the rows.
-struct ContactFriction {
-  Index row = 0;                                               // the contact's inequality row
-  double mu = 0;                                               // Coulomb's coefficient
-  Eigen::SparseMatrix<double, Eigen::RowMajor> tangents = {};  // 1 or 2 x n, in the row's unit: T z is the slip
-};
-
 // A problem together with what names it, what made it, and what is known about it.
 struct Instance {
   Problem problem = {};
@@ -58,7 +51,6 @@ struct Instance {
   std::vector<std::string> notes = {};  // what a reader changed or assumed, one line each
   std::optional<Reference> reference = {};
   std::vector<RecordedAnswer> recorded = {};
-  std::vector<ContactFriction> friction = {};  // of the contacts that have any, by rising row
 };
 
 // The name of row i: its origin, or "row 17" where nobody named it; "" for -1.

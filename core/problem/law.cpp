@@ -54,7 +54,7 @@ Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
     out.c[k] = p.c[row.normal];
     if (row.tangent >= 0) {
       add(row.tangent, row.factor);
-      out.c[k] += row.factor * p.c[row.tangent];
+      out.c[k] = -(row.factor * -p.c[row.tangent] - out.c[k]);  // FCLIB's -(w_N + mu w_T), to the sign of its zero
     }
     out.kind.push_back(p.kind[old]);
     out.key.push_back(p.key[old]);
@@ -97,8 +97,10 @@ Instance under(Law law, Instance instance) {
       origin.back().type = "friction_pyramid";
       origin.back().row = row.edge;
     }
-  if (instance.problem.law != law || static_cast<Index>(rows.size()) != instance.problem.rows())
+  if (instance.problem.law != law || static_cast<Index>(rows.size()) != instance.problem.rows()) {
     instance.reference.reset();
+    instance.recorded.clear();
+  }
   instance.problem = take(rows, law, instance.problem);
   instance.origin = std::move(origin);
   return instance;

@@ -17,7 +17,7 @@ Law parse_law(std::string_view word);
 // What stands in the files and in a scene is under coulomb; from pyramid or frictionless there is no way back.
 Problem under(Law law, const Problem& problem);
 
-// With the names of its rows. A reference answers one law: it stays only where the rows are the same.
+// With the names of its rows. A reference, and what was recorded, answer one law: they stay only where it is the same.
 Instance under(Law law, Instance instance);
 
 }  // namespace zwang

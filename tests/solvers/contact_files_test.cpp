@@ -36,7 +36,7 @@ TEST(ContactFiles, FourMethodsSolveAtLeastFourOfFiveAndAgreeOnZ) {
   ASSERT_EQ(paths.size(), 5u);
   std::map<std::string, int> solved;
   for (const auto& path : paths) {
-    const std::vector<Instance> read = read_problems(path);
+    const std::vector<Instance> read = read_problems(path, Law::frictionless);
     ASSERT_EQ(read.size(), 1u) << path;
     const Problem& p = read.front().problem;
     std::map<std::string, Vector> answers;
@@ -66,7 +66,7 @@ TEST(ContactFiles, FourMethodsSolveAtLeastFourOfFiveAndAgreeOnZ) {
 TEST(ContactFiles, IpoptAnswersThePeriodicBoxAtEveryTolerance) {
   for (const auto& path : files()) {
     if (!path.filename().string().starts_with("LMGC_100_PR_PerioBox")) continue;
-    const Instance instance = read_problems(path).front();
+    const Instance instance = read_problems(path, Law::frictionless).front();
     const auto truth = multiprecision_reference(instance.problem);
     ASSERT_TRUE(truth && truth->feasible);
     for (const double asked : {1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {

@@ -79,6 +79,8 @@ MISTAKES = [
     (["bench", "--tolerances", "2"], 2, "between 0 and 1"),
     (["bench", "--repetitions", "-1"], 2, "--repetitions"),
     (["bench", "--friction", "some"], 2, "none or pyramid"),
+    (["bench", "--law", "some"], 2, "frictionless, pyramid, convex or coulomb"),
+    (["solve", "box.h5", "--solver", "pgs", "--law", "coulomb", "--friction", "none"], 2, "different things"),
     (["bench", "--out", "taken"], 2, "--resume taken"),
     (["bench", "--resume", "empty"], 3, "holds no run"),
     (["bench", "--resume", "foreign"], 3, "another version"),
@@ -112,7 +114,7 @@ MISTAKES = [
     (["solvers", "--all"], 2, "no option '--all'"),
 ]
 
-KEYS = set("""problem family knob knob_value n m equalities seed problem_sha256 problem_file solver foreign tolerance
+KEYS = set("""problem family knob knob_value n m equalities seed problem_sha256 problem_file law solver foreign tolerance
 claimed verified z_error z_bound bound_method bound_sigma_min primal dual stationarity complementarity gap natural scale
 farkas setup_s solve_s solve_s_q1 solve_s_q3 prepare_s kernel_s allocations repetitions iterations reference reference_bound feasible worst_row
 worst_by_type rank smallest_pivot largest_rejected_pivot redundant conflicting fallback handed_to range_gap message batch

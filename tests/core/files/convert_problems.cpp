@@ -1,5 +1,5 @@
 // Reads problems and writes them again in zwang's own layout, for tests that look at files from outside:
-// convert_problems IN OUT [none | pyramid]. Prints each problem's name and SHA-256. Exit code 2 and one line on
+// convert_problems IN OUT [LAW]. Prints each problem's name and SHA-256. Exit code 2 and one line on
 // standard error for a bad file.
 #include <cstdio>
 #include <string>
@@ -8,12 +8,12 @@
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: convert_problems IN OUT [none | pyramid]\n");
+    std::fprintf(stderr, "usage: convert_problems IN OUT [LAW]\n");
     return 1;
   }
   try {
-    const bool pyramid = argc > 3 && std::string(argv[3]) == "pyramid";
-    const auto problems = zwang::read_problems(argv[1], pyramid ? zwang::Friction::pyramid : zwang::Friction::none);
+    const auto problems =
+        argc > 3 ? zwang::read_problems(argv[1], zwang::parse_law(argv[3])) : zwang::read_problems(argv[1]);
     zwang::write_problems(argv[2], problems);
     for (const auto& in : problems)
       std::printf("%s %s\n", in.problem.name.c_str(), zwang::problem_sha256(in.problem).c_str());

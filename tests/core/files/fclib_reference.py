@@ -52,7 +52,7 @@ def sparse(group, m, n, by_row):
 def read_own(group):
     n, m = len(group["z_u"]), len(group["c"])
     return {"M": sparse(group["M"], n, n, False), "J": sparse(group["J"], m, n, True), "z_u": group["z_u"][:],
-            "c": group["c"][:], "kind": group["kind"][:]}
+            "c": group["c"][:], "kind": group["kind"][:], "mu": group["mu"][:] if "mu" in group else None}
 
 
 def notes_in(file):
@@ -70,23 +70,38 @@ def sha256(own):
                 digest.update(struct.pack("<qqd", i, j, A[i, j]))
         digest.update(struct.pack("<q", -1))
     digest.update(own["z_u"].tobytes() + own["c"].tobytes() + own["kind"].astype("<u8").tobytes())
+    if own["mu"] is not None:
+        digest.update(own["mu"].tobytes() + struct.pack("<q", 3))  # Coulomb's law
     return digest.hexdigest()
 
 
-def contact_rows(H, w, mu, dim, sliding, pyramid):
-    """Normal rows, or the edges of the friction pyramids: rows of J and entries of c."""
-    J, c = [], []
+def contact_rows(H, w, mu, dim, sliding, law):
+    """Normal rows, the edges of the friction pyramids, or normal and tangent rows: rows of J, entries of c, and the
+    coefficient of each row, -1 for a tangent."""
+    J, c, rows = [], [], []
     for k in range(H.shape[1] // dim):
         N, wN = H[:, k * dim], w[k * dim]
-        if not pyramid or mu[k] == 0:
-            J.append(N)
-            c.append(-wN)
+        if law != "pyramid" or mu[k] == 0:
+            slips = sliding if law == "coulomb" and mu[k] > 0 else 0
+            J += [H[:, k * dim + r] for r in range(1 + slips)]
+            c += [-w[k * dim + r] for r in range(1 + slips)]
+            rows += [mu[k]] + slips * [-1]
             continue
+        rows += 2 * sliding * [0]
         for t in range(1, sliding + 1):
             for sign in (1, -1):
                 J.append(N + sign * mu[k] * H[:, k * dim + t])
                 c.append(-(wN + sign * mu[k] * w[k * dim + t]))
-    return np.array(J).reshape(-1, H.shape[0]), np.array(c)
+    return np.array(J).reshape(-1, H.shape[0]), np.array(c), np.array(rows)
+
+
+def check_kinds(own, equalities, rows, law):
+    expected = [0] * equalities + [2 if mu < 0 else 1 for mu in rows]
+    assert own["kind"].tolist() == expected, "equality rows come first, tangent rows after their contact's"
+    if law == "coulomb" and (rows < 0).any():
+        assert own["mu"].tolist() == [0] * equalities + [max(mu, 0) for mu in rows], "mu stands at inequality rows"
+    else:
+        assert own["mu"] is None
 
 
 def close(name, a, b, tolerance, scale=None):
@@ -96,7 +111,7 @@ def close(name, a, b, tolerance, scale=None):
     assert error <= tolerance, f"{name}: relative difference {error}"
 
 
-def check_global(own, group, pyramid, rolling):
+def check_global(own, group, law, rolling):
     vectors = {k: v[:] for k, v in group["vectors"].items()}
     M, H, dim = dense(group["M"]), dense(group["H"]), int(group["spacedim"][0])
     if np.count_nonzero(np.tril(M, -1)) == 0 or np.count_nonzero(np.triu(M, 1)) == 0:
@@ -105,15 +120,15 @@ def check_global(own, group, pyramid, rolling):
     b = vectors["b"] if "G" in group else np.zeros(0)
     z_u = vectors["z_u"] if "z_u" in vectors else np.linalg.solve(M, vectors["f"])
     sliding = (dim - 1) // 2 if rolling else dim - 1
-    J, c = contact_rows(H, vectors["w"], vectors["mu"], dim, sliding, pyramid)
+    J, c, rows = contact_rows(H, vectors["w"], vectors["mu"], dim, sliding, law)
     close("M", own["M"], M, 0)
     close("z_u", own["z_u"], z_u, 0 if "z_u" in vectors else 1e-11)
     close("J", own["J"], np.vstack([G.T, J]), 0)
     close("c", own["c"], np.concatenate([-b, c]), 0)
-    assert own["kind"].tolist() == [0] * len(b) + [1] * len(c), "equality rows come first"
+    check_kinds(own, len(b), rows, law)
 
 
-def check_local(own, group, pyramid):
+def check_local(own, group, law):
     vectors = {k: v[:] for k, v in group["vectors"].items()}
     W, dim = dense(group["W"]), int(group["spacedim"][0])
     e = len(vectors["s"]) if "R" in group else 0
@@ -124,7 +139,8 @@ def check_local(own, group, pyramid):
         S[:e, :e], S[e:, :e], s = dense(group["R"]), dense(group["V"]), vectors["s"]
         S[:e, e:] = S[e:, :e].T
     # Rows are combinations of the Delassus form's unit directions: J J' = P S P'.
-    P, c = contact_rows(np.eye(len(W)), vectors["q"], vectors["mu"], dim, dim - 1, pyramid)
+    P, c, rows = contact_rows(np.eye(len(W)), vectors["q"], vectors["mu"], dim, dim - 1, law)
+    check_kinds(own, e, rows, law)
     P = np.block([[np.eye(e), np.zeros((e, len(W)))], [np.zeros((len(P), e)), P]])
     expected = P @ S @ P.T
     close("J J'", own["J"] @ own["J"].T, expected, 1e-12)
@@ -135,22 +151,22 @@ def check_local(own, group, pyramid):
 
 
 def check(convert, file):
-    """Reads one file with both friction models; a short description."""
+    """Reads one file under three laws; a short description."""
     with h5py.File(file) as source, tempfile.TemporaryDirectory() as folder:
         name = next(k for k in source if k.startswith("fclib"))
-        for friction in ("none", "pyramid"):
+        for law in ("frictionless", "pyramid", "coulomb"):
             out = os.path.join(folder, "out.h5")
-            run = subprocess.run([convert, file, out, friction], capture_output=True, text=True)
+            run = subprocess.run([convert, file, out, law], capture_output=True, text=True)
             assert run.returncode == 0, run.stderr
             with h5py.File(out) as converted:
                 own = read_own(converted["zwang"])
                 notes = notes_in(converted)
             if name == "fclib_local":
-                check_local(own, source[name], friction == "pyramid")
+                check_local(own, source[name], law)
             else:
-                check_global(own, source[name], friction == "pyramid", name.endswith("rolling"))
+                check_global(own, source[name], law, name.endswith("rolling"))
             assert run.stdout.split()[-1] == sha256(own), "the SHA-256 computed outside differs"
-            print(f"{os.path.basename(file)}: friction {friction}: n {own['J'].shape[1]}, m {own['J'].shape[0]}", *notes, sep="; ")
+            print(f"{os.path.basename(file)}: {law}: n {own['J'].shape[1]}, m {own['J'].shape[0]}", *notes, sep="; ")
         return notes
 
 
