@@ -134,6 +134,7 @@ void Tally::count(Status claimed, Verdict verdict) {
       case Verdict::wrong:
         return wrong;
       case Verdict::undecided:
+      case Verdict::consistent:
       case Verdict::infeasible_claimed:
         return undecided;
       case Verdict::unsupported:

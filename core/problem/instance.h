@@ -17,6 +17,7 @@ struct Reference {
   Vector lambda = {};       // m, one valid choice; may be empty when only z is known
   Vector certificate = {};  // m, when infeasible: u with u_I >= 0, J'u = 0, c'u > 0; may be empty
   double bound = 0;         // upper bound on |z - z*|_M / max(|z_u|_M, |z*|_M); 0 when z is z* rounded once
+  bool unique = true;       // false: one of several solutions, or not known to be the only one (Coulomb's law)
   std::string method = {};  // "mpfr 100 digits", "CGAL exact", "closed form", "known answer", "file", ...
 };
 

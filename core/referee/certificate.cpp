@@ -64,7 +64,24 @@ bool project(const ScaledProblem& scaled, const std::vector<Index>& support, Ext
   return true;
 }
 
-bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u) {
+// In the problem's units |u_t| <= mu u_n: rows of a contact may differ by powers of two here.
+bool in_cone(const ScaledProblem& scaled, const ExtendedVector& u, const Problem& p, Index i) {
+  const auto part = [&](Index row) {
+    const auto k = static_cast<std::size_t>(row);
+    return u[k].scaled(scaled.row_exponent[static_cast<std::size_t>(i)] - scaled.row_exponent[k]);
+  };
+  DoubleDouble squares;
+  for (Index t = 1; t <= p.tangents(i); ++t) squares += part(i + t) * part(i + t);
+  const double mu = p.tangents(i) > 0 ? p.mu[i] : 0;
+  return part(i).hi >= 0 && (squares == DoubleDouble(0) || sqrt(squares) * (1 + 0x1p-52) <= part(i) * mu);
+}
+
+bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u, const Problem* cones) {
+  if (cones && cones->has_tangents()) {
+    for (Index i = 0; i < scaled.rows(); ++i)
+      if (!cones->is_equality(i) && !cones->is_tangent(i) && !in_cone(scaled, u, *cones, i)) return false;
+    return true;
+  }
   for (Index i = 0; i < scaled.rows(); ++i)
     if (!scaled.is_equality(i) && u[static_cast<std::size_t>(i)].hi < 0) return false;
   return true;
@@ -72,7 +89,7 @@ bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u) {
 
 }  // namespace
 
-Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, double motion_scale) {
+Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, double motion_scale, const Problem* cones) {
   Farkas out;
   const Index m = scaled.rows();
   if (given.size() != m || !given.allFinite() || m == 0) return out;
@@ -105,10 +122,10 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
   std::stable_sort(out.conflicting.begin(), out.conflicting.end(),
                    [&](Index a, Index b) { return weight[a] > weight[b]; });
 
-  if (sign_holds(scaled, u)) out.distance = weigh(scaled, u).distance;
+  if (sign_holds(scaled, u, cones)) out.distance = weigh(scaled, u).distance;
   ExtendedVector moved(static_cast<std::size_t>(m));
   for (const Index i : out.conflicting) moved[static_cast<std::size_t>(i)] = u[static_cast<std::size_t>(i)];
-  if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved))
+  if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved, cones))
     out.distance = std::max(std::isnan(out.distance) ? 0 : out.distance, weigh(scaled, moved).distance);
   out.proven = out.distance >= referee::farkas_margin * scale;
   return out;

@@ -7,6 +7,7 @@
 
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
+#include <zwang/core/referee/friction/judge.h>
 #include <zwang/core/referee/scaled_problem.h>
 
 namespace zwang {
@@ -105,9 +106,18 @@ Verdict by_error(double upper, double lower, double tolerance) {
 }
 
 std::string_view to_string(Verdict verdict) {
-  static constexpr std::array<std::string_view, 11> words{
-      "solved",  "near",    "wrong",     "infeasible, proven", "infeasible, claimed only", "undecided", "no answer",
-      "timeout", "crashed", "bad input", "unsupported"};
+  static constexpr std::array<std::string_view, 12> words{"solved",
+                                                          "near",
+                                                          "wrong",
+                                                          "infeasible, proven",
+                                                          "infeasible, claimed only",
+                                                          "undecided",
+                                                          "no answer",
+                                                          "timeout",
+                                                          "crashed",
+                                                          "bad input",
+                                                          "unsupported",
+                                                          "consistent"};
   const auto k = static_cast<std::size_t>(verdict);
   return k < words.size() ? words[k] : "unknown verdict";
 }
@@ -132,6 +142,12 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   if (!bad_input(problem).empty()) return with(Verdict::wrong);
   const ScaledProblem scaled(problem);
   if (!scaled.definite) return with(Verdict::wrong);
+  if (problem.has_tangents()) {
+    if (solution.status != Status::infeasible && !has_z) return with(Verdict::wrong);
+    const Verdict verdict = judge_friction(problem, scaled, solution, reference, tolerance, out);
+    const bool close = verdict == Verdict::solved || verdict == Verdict::near || verdict == Verdict::consistent;
+    return with(stopped && !close ? Verdict::timeout : verdict);
+  }
   if (solution.status == Status::infeasible) return with(judge_infeasible(scaled, solution, reference, out));
   if (!has_z) return with(Verdict::wrong);
   const Verdict verdict = judge_z(scaled, solution, reference, tolerance, out);

@@ -7,6 +7,7 @@
 
 #include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/solver.h>
+#include <zwang/core/referee/friction/friction_metrics.h>
 
 namespace zwang {
 
@@ -23,6 +24,8 @@ enum class Verdict {
   crashed,
   bad_input,
   unsupported,
+  consistent,  // Coulomb's law: z is the convex answer for its own slip to the tolerance, but no solution is proven
+               // near
 };
 
 // Of a z whose error lies in [lower, upper], relative to s.
@@ -49,6 +52,7 @@ struct Metrics {
   Index worst_row = -1;                 // of primal
   double farkas = unknown;              // h'u / |G'u| / s of the certificate, +Inf when G'u = 0 exactly
   std::vector<Index> conflicting = {};  // rows with a part in the certificate, largest first
+  FrictionMetrics friction = {};        // of problems with tangent rows
 };
 
 // The referee. Works in extended precision where a claim rests on cancellation. Never throws on a bad solution: sizes

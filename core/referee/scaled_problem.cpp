@@ -65,7 +65,7 @@ ScaledProblem::ScaledProblem(const Problem& p) : M(p.M), J(p.J), z_u(p.z_u), c(p
     for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
     const int e = row_exponent[static_cast<std::size_t>(i)] = exponent_of(entry);
     for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
-    if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) ? std::abs(c[i]) : c[i], -e);
+    if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) || p.is_tangent(i) ? std::abs(c[i]) : c[i], -e);
   }
   motion_exponent = top.value_or(0);
   for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);

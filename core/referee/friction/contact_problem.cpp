@@ -1,0 +1,249 @@
+#include <zwang/core/referee/friction/contact_problem.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+// Bounds the relative rounding of a sum of `terms` products in double-double.
+double rounding_of(Index terms) { return static_cast<double>(terms + 8) * 0x1p-100; }
+
+int exponent_of(double x) {
+  int e = 0;
+  (void)std::frexp(x, &e);
+  return e;
+}
+
+}  // namespace
+
+ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scaled, double motion_scale)
+    : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
+  const Index n = scaled.size(), m = scaled.rows();
+  shift = exponent_of(motion_scale);
+  column_shift_.resize(static_cast<std::size_t>(n));
+  row_shift_.resize(static_cast<std::size_t>(m));
+  const Vector mass = M.diagonal();
+  for (Index j = 0; j < n; ++j) column_shift_[static_cast<std::size_t>(j)] = exponent_of(mass[j]) / 2;
+
+  // Blocks: in the problem's units all rows of a contact share one power of two.
+  for (Index i = 0; i < m; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const int own = scaled.row_exponent[k];
+    if (problem.is_equality(i)) {
+      row_shift_[k] = exponent_of(row_norm[i]);
+      if (!scaled.is_zero(i))
+        equalities.push_back(i);
+      else if (!scaled.zero_row_holds(i))
+        fixed_contradiction = true;
+      continue;
+    }
+    const Index tangents = problem.has_tangents() ? problem.tangents(i) : 0;
+    Contact contact{.row = i, .tangents = tangents, .mu = tangents > 0 ? problem.mu[i] : 0};
+    int block = row_norm[i] > 0 ? exponent_of(row_norm[i]) + own : std::numeric_limits<int>::min();
+    if (row_norm[i] == 0)
+      for (Index t = 1; t < contact.rows(); ++t)
+        if (row_norm[i + t] > 0)
+          block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[k + static_cast<std::size_t>(t)]);
+    if (block == std::numeric_limits<int>::min()) {
+      contact.unit = 0;
+      block = own;
+    }
+    for (Index t = 0; t <= tangents; ++t)
+      row_shift_[k + static_cast<std::size_t>(t)] = block - scaled.row_exponent[k + static_cast<std::size_t>(t)];
+    if (!scaled.is_vacuous(i)) contacts.push_back(contact);
+    i += tangents;
+  }
+
+  const auto move = [&](double& x, int e) {
+    const double moved = std::ldexp(x, e);
+    if (x != 0 && !(std::abs(moved) > 1e-280 && std::abs(moved) < 1e280)) exact = false;
+    x = moved;
+  };
+  for (Index j = 0; j < n; ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      move(it.valueRef(),
+           -column_shift_[static_cast<std::size_t>(j)] - column_shift_[static_cast<std::size_t>(it.row())]);
+  h.resize(static_cast<std::size_t>(m));
+  for (Index i = 0; i < m; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const int e = row_shift_[k];
+    double sum = std::abs(scaled.c[i]);
+    Index terms = 1;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms) {
+      sum += std::abs(it.value() * scaled.z_u[it.col()]);
+      move(it.valueRef(), -e - column_shift_[static_cast<std::size_t>(it.col())]);
+    }
+    row_norm[i] = std::ldexp(row_norm[i], -e);
+    if (scaled.is_vacuous(i)) continue;
+    h[k] = scaled.violation(i).scaled(-e - shift);
+    h_error[i] = std::ldexp(rounding_of(terms) * sum, -e - shift) + 1e-290;
+    if (!std::isfinite(h_error[i])) exact = false;
+  }
+  for (Contact& contact : contacts) {
+    if (contact.unit == 0) continue;
+    contact.unit = row_norm[contact.row];
+    if (contact.unit == 0)
+      for (Index t = 1; t < contact.rows(); ++t) contact.unit = std::max(contact.unit, row_norm[contact.row + t]);
+  }
+  free_motion = from_norm(scaled.norm_of_free_motion());
+  scale = from_norm(motion_scale);
+}
+
+ExtendedVector ContactProblem::motion(const ExtendedVector& d) const {
+  ExtendedVector x(d.size());
+  for (std::size_t j = 0; j < d.size(); ++j) x[j] = d[j].scaled(column_shift_[j] - shift);
+  return x;
+}
+
+ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const {
+  ExtendedVector d(x.size());
+  for (std::size_t j = 0; j < x.size(); ++j) d[j] = x[j].scaled(shift - column_shift_[j]);
+  return d;
+}
+
+ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
+  ExtendedVector l(lambda.size());
+  for (std::size_t i = 0; i < l.size(); ++i) l[i] = lambda[i].scaled(row_shift_[i] - shift);
+  return l;
+}
+
+ExtendedVector ContactProblem::to_multipliers(const ExtendedVector& lambda) const {
+  ExtendedVector l(lambda.size());
+  for (std::size_t i = 0; i < l.size(); ++i) l[i] = lambda[i].scaled(shift - row_shift_[i]);
+  return l;
+}
+
+int ContactProblem::block_exponent(Index row) const {
+  const auto k = static_cast<std::size_t>(row);
+  return row_shift_[k] + scaled_->row_exponent[k];
+}
+
+DoubleDouble ContactProblem::slack(Index row, const ExtendedVector& x) const {
+  DoubleDouble sum = -h[static_cast<std::size_t>(row)];
+  for (decltype(J)::InnerIterator it(J, row); it; ++it)
+    sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
+  return sum;
+}
+
+double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
+  double sum = std::abs(h[static_cast<std::size_t>(row)].hi);
+  Index terms = 1;
+  for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms)
+    sum += std::abs(it.value() * x[static_cast<std::size_t>(it.col())].hi);
+  return h_error[row] + rounding_of(terms) * sum;
+}
+
+double ContactProblem::reach(Index row, const Vector& radius) const {
+  double sum = 0;
+  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += std::abs(it.value()) * radius[it.col()];
+  return sum;
+}
+
+DoubleDouble ContactProblem::slip(const Contact& contact, const ExtendedVector& x) const {
+  if (contact.rows() == 1) return {};
+  if (contact.rows() == 2) return abs(slack(contact.row + 1, x));
+  const DoubleDouble a = slack(contact.row + 1, x), b = slack(contact.row + 2, x);
+  return sqrt(a * a + b * b);
+}
+
+double ContactProblem::slip_error(const Contact& contact, const ExtendedVector& x) const {
+  double sum = 0;
+  for (Index t = 1; t < contact.rows(); ++t) sum += slack_error(contact.row + t, x);
+  return sum + 0x1p-96 * slip(contact, x).hi + 1e-150;
+}
+
+ExtendedVector ContactProblem::force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const {
+  ExtendedVector r(x.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it)
+      r[static_cast<std::size_t>(it.row())] += DoubleDouble(it.value()) * x[static_cast<std::size_t>(j)];
+  for (Index i = 0; i < rows(); ++i) {
+    const DoubleDouble weight = lambda[static_cast<std::size_t>(i)];
+    if (weight == DoubleDouble(0)) continue;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it)
+      r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
+  }
+  return r;
+}
+
+Vector ContactProblem::force_error(const ExtendedVector& x, const ExtendedVector& lambda) const {
+  Vector sum = Vector::Zero(size());
+  Eigen::VectorXi terms = Eigen::VectorXi::Zero(size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it) {
+      sum[it.row()] += std::abs(it.value() * x[static_cast<std::size_t>(j)].hi);
+      ++terms[it.row()];
+    }
+  for (Index i = 0; i < rows(); ++i) {
+    const double weight = std::abs(lambda[static_cast<std::size_t>(i)].hi);
+    if (weight == 0) continue;
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) {
+      sum[it.col()] += std::abs(it.value()) * weight;
+      ++terms[it.col()];
+    }
+  }
+  for (Index j = 0; j < size(); ++j) sum[j] = sum[j] * rounding_of(terms[j]) + 1e-290;
+  return sum;
+}
+
+double ContactProblem::norm(const ExtendedVector& x) const {
+  const ExtendedVector force = force_residual(x, ExtendedVector(static_cast<std::size_t>(rows())));
+  DoubleDouble sum;
+  for (std::size_t j = 0; j < x.size(); ++j) sum += force[j] * x[j];
+  return std::sqrt(std::max(0.0, sum.hi));
+}
+
+double ContactProblem::norm_bound(const Vector& radius) const {
+  double sum = 0;
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (decltype(M)::InnerIterator it(M, j); it; ++it) sum += radius[it.row()] * std::abs(it.value()) * radius[j];
+  return std::sqrt(sum) * (1 + 1e-9);
+}
+
+// |r|_(M^-1) <= sqrt(sum bound_j^2 / (least eigenvalue of M)) would be too large by the condition of M: each entry
+// apart, |r| <= sum_j bound_j |e_j|, with |e_j| taken from the factor once.
+double ContactProblem::dual_norm(const Vector& bound) const {
+  ExtendedVector scaled(static_cast<std::size_t>(size()));
+  double sum = 0;
+  if (bound.size() == 0 || bound.maxCoeff() == 0) return 0;
+  if (unit_norm_.size() == 0) {
+    unit_norm_.resize(size());
+    for (Index j = 0; j < size(); ++j) {
+      ExtendedVector e(static_cast<std::size_t>(size()));
+      e[static_cast<std::size_t>(j)] = 1.0;
+      unit_norm_[j] = dual_norm(e);
+    }
+  }
+  for (Index j = 0; j < size(); ++j) sum += bound[j] * unit_norm_[j];
+  return sum * (1 + 1e-9);
+}
+
+// With M' = D^-1 M D^-1, |r'|_(M'^-1) = |D r'|_(M^-1), D = 2^column_shift.
+double ContactProblem::dual_norm(const ExtendedVector& r) const {
+  ExtendedVector own(r.size());
+  for (std::size_t j = 0; j < r.size(); ++j) own[j] = r[j].scaled(column_shift_[j]);
+  return scaled_->dual_norm(own) * (1 + 1e-9);
+}
+
+VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
+  ExtendedVector entries(static_cast<std::size_t>(size()));
+  for (decltype(J)::InnerIterator it(J, row); it; ++it)
+    entries[static_cast<std::size_t>(it.col())] =
+        std::ldexp(it.value(), column_shift_[static_cast<std::size_t>(it.col())]);
+  return scaled_->whiten(entries);
+}
+
+ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda) const {
+  ExtendedVector x(static_cast<std::size_t>(size()));
+  for (int round = 0; round < 3; ++round) {
+    ExtendedVector force = force_residual(x, lambda);
+    for (std::size_t j = 0; j < force.size(); ++j) force[j] = force[j].scaled(column_shift_[j]);
+    const VectorX<FactorReal> step = scaled_->unwhiten(scaled_->whiten(force));
+    for (std::size_t j = 0; j < x.size(); ++j)
+      x[j] -= double_double(step[static_cast<Index>(j)]).scaled(column_shift_[j]);
+  }
+  return x;
+}
+
+}  // namespace zwang

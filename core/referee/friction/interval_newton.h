@@ -1,0 +1,29 @@
+#pragma once
+
+#include <limits>
+
+#include <zwang/core/referee/friction/mode_system.h>
+
+namespace zwang {
+
+// A solution of Coulomb's law that was proven to exist, in the units of a ContactProblem.
+//
+// Krawczyk's operator (1969) on the equations of the modes (mode_system.h), residuals in double-double with bounds on
+// their rounding: the box x +- radius_x holds a zero. Where rows depend on each other, an independent part is imposed
+// and the other multipliers keep their values. What then does not hold exactly is bounded by `delta`: the solution is
+// exact for a problem whose c (or z_u, for forces outside their cone) differs by delta s.
+struct ModeProof {
+  bool proven = false;
+  ModePoint point = {};
+  double radius = std::numeric_limits<double>::infinity();  // |z - z_point|_M / s
+  double delta = std::numeric_limits<double>::infinity();
+  bool strict = false;     // every inequality of the modes holds on the whole box with something to spare
+  double null_motion = 0;  // largest |dz|_M of a unit change of multipliers that keeps the equations
+};
+
+// The same from a guess: polished first, and with the modes changed that do not hold.
+ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess);
+
+ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point);
+
+}  // namespace zwang

@@ -1,0 +1,189 @@
+#include <zwang/core/referee/friction/judge.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/core/referee/bounds.h>
+#include <zwang/core/referee/certificate.h>
+#include <zwang/core/referee/friction/interval_newton.h>
+#include <zwang/core/referee/friction/numbers.h>
+#include <zwang/core/referee/friction/self_bound.h>
+
+namespace zwang {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Unit changes of multipliers that move z by less leave it isolated.
+constexpr double still = 1e-8;
+// Of a contact's |lambda| + |s| in doubles: less is zero for a first guess at its mode.
+constexpr double mode_cut = 1e-9;
+// Unknowns and rows up to which the dense proofs are tried.
+constexpr Index dense_unknowns = 1500, dense_rows = 2000, self_rows = 1200;
+
+double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
+  for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
+  return or_infinity(p.norm(b));
+}
+
+struct Slips {
+  ExtendedVector sigma;
+  Vector error;
+};
+
+// sigma(z) under Coulomb's law. Under the convex law 0.
+Slips slips_at(const ContactProblem& p, const ExtendedVector& x, Law law) {
+  Slips out{.sigma = ExtendedVector(p.contacts.size()), .error = Vector::Zero(static_cast<Index>(p.contacts.size()))};
+  for (std::size_t c = 0; c < p.contacts.size() && law == Law::coulomb; ++c) {
+    out.sigma[c] = p.slip(p.contacts[c], x);
+    out.error[static_cast<Index>(c)] = p.slip_error(p.contacts[c], x);
+  }
+  return out;
+}
+
+double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x) {
+  return p.from_norm(scaled.norm_with_free_motion(p.to_motion(x)));
+}
+
+bool small(const ContactProblem& p) { return p.size() <= dense_unknowns && p.rows() <= dense_rows; }
+
+// The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
+Vector certificate_in_cone(const Problem& problem, Vector u) {
+  if (u.size() != problem.rows() || !u.allFinite()) return u;
+  for (Index i = 0; i < u.size(); ++i) {
+    if (problem.is_equality(i)) continue;
+    const Index tangents = problem.tangents(i);
+    const double mu = problem.law == Law::convex && tangents > 0 ? problem.mu[i] : 0;
+    const double most = mu * std::max(0.0, u[i]) * (1 - 1e-15);
+    double tangential = 0;
+    for (Index t = 1; t <= tangents; ++t) tangential = std::hypot(tangential, u[i + t]);
+    for (Index t = 1; t <= tangents; ++t)
+      if (tangential > most) u[i + t] *= most > 0 ? most / tangential * (1 - 1e-15) : 0;
+    i += tangents;
+  }
+  return u;
+}
+
+Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
+                         const Reference* reference, Metrics& out) {
+  const double s = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  out.scale = scaled.to_problem_norm(s);
+  const Vector u = certificate_in_cone(problem, solution.certificate);
+  const Farkas farkas = judge_certificate(scaled, u, s, &problem);
+  out.farkas = farkas.distance / s;
+  out.conflicting = farkas.conflicting;
+  if (reference && reference->feasible) return Verdict::wrong;
+  if (farkas.proven) return Verdict::infeasible_proven;
+  if (reference) return Verdict::infeasible_claimed;
+  const ContactProblem p(problem, scaled, s);
+  if (!small(p) || p.rows() > self_rows) return Verdict::infeasible_claimed;
+  // Coulomb's law has a solution wherever some z opens all contacts that can move to the inside of K*.
+  const ExtendedVector still_motion(static_cast<std::size_t>(p.size()));
+  Slips slips = slips_at(p, still_motion, problem.law);
+  for (std::size_t c = 0; c < p.contacts.size(); ++c)
+    if (p.contacts[c].unit > 0) slips.sigma[c] = 0, slips.error[static_cast<Index>(c)] = 0;
+  const ConvexBound bound = bound_convex(p, scaled, slips.sigma, slips.error, nullptr);
+  const bool feasible = problem.law == Law::convex ? bound.rows == ConvexBound::Rows::feasible : bound.interior;
+  return feasible ? Verdict::wrong : Verdict::infeasible_claimed;
+}
+
+// A proven solution of Coulomb's law near x, from each guess until one is near enough.
+struct Nearest {
+  ModeProof proof;
+  double upper = infinity;  // |z - solution|_M
+};
+
+void consider(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x, ModePoint guess,
+              Nearest& nearest) {
+  ModeProof proof = prove_near(p, scaled, std::move(guess));
+  if (!proof.proven) return;
+  const double upper = (distance(p, x, proof.point.x) + proof.radius) * (1 + 1e-9);
+  if (!(upper + proof.delta < nearest.upper + (nearest.proof.proven ? nearest.proof.delta : infinity))) return;
+  nearest.upper = upper;
+  nearest.proof = std::move(proof);
+}
+
+}  // namespace
+
+Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
+                       const Reference* reference, double tolerance, Metrics& out) {
+  if (solution.status == Status::infeasible) return judge_infeasible(problem, scaled, solution, reference, out);
+  const bool has_lambda = solution.lambda.size() == problem.rows() && solution.lambda.allFinite();
+  const bool known = reference && reference->feasible && reference->z.size() == problem.size();
+  const double own_scale = std::max({scaled.norm_of_free_motion(), or_infinity(scaled.norm_of(solution.z)),
+                                     known ? scaled.norm_of(reference->z) : 0, scaled.least_scale()});
+  if (!std::isfinite(own_scale)) return Verdict::wrong;
+  const ContactProblem p(problem, scaled, own_scale);
+  const ExtendedVector x = p.motion(scaled.motion(solution.z));
+  ExtendedVector lambda;
+  if (has_lambda) lambda = p.multipliers(scaled.multipliers(solution.lambda));
+  out.scale = scaled.to_problem_norm(own_scale);
+  out.friction = friction_residuals(p, problem.law, x, has_lambda ? &lambda : nullptr);
+  out.primal = out.friction.penetration;
+  for (const Index i : p.equalities)
+    out.primal = std::max(out.primal, or_infinity(std::abs(p.slack(i, x).hi) / p.row_norm[i] / p.scale));
+  out.natural = out.friction.natural;
+  out.complementarity = out.friction.complementarity;
+  if (has_lambda) {
+    out.dual = out.friction.cone_violation;
+    out.stationarity = or_infinity(p.dual_norm(p.force_residual(x, lambda)) / p.scale);
+  }
+  const double accepted = accepted_error(tolerance);
+  if (known) {
+    out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.scale;
+    if (problem.law == Law::convex) return by_error(out.z_error, infinity, tolerance);
+  }
+  if (reference && !reference->feasible) return Verdict::wrong;
+  if (!small(p)) return Verdict::undecided;
+
+  const Slips slips = slips_at(p, x, problem.law);
+  ModePoint guess{x, lambda, {}};
+  if (has_lambda) guess.modes = modes_by_size(p, x, lambda, mode_cut);
+  Nearest nearest;
+  if (problem.law == Law::coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
+
+  // Z(sigma(z)), or under the convex law its one answer.
+  ConvexBound convex;
+  double upper = infinity, lower = 0;
+  if (p.rows() <= self_rows) {
+    if (nearest.proof.proven) guess = nearest.proof.point;
+    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess);
+  }
+  if (convex.upper < infinity) {
+    const double off = distance(p, x, convex.x), size = norm_of_answer(p, scaled, convex.x);
+    const double least = std::max({p.free_motion, size - convex.upper, p.from_norm(scaled.least_scale())});
+    const double greatest = std::max({p.free_motion, size + convex.upper, p.scale});
+    upper = (off + convex.upper) * (1 + 1e-9) / least;
+    lower = std::max(0.0, off * (1 - 1e-9) - convex.upper) / greatest;
+  }
+  if (convex.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
+  if (problem.law == Law::convex) {
+    out.z_bound = upper;
+    out.bound_method = upper < infinity ? "conic duality" : "";
+    return by_error(upper, lower, tolerance);
+  }
+  out.friction.self_bound = upper;
+  const auto near_enough = [&] {
+    return nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta <= accepted;
+  };
+  if (!near_enough() && convex.upper < infinity)
+    consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
+  if (nearest.proof.proven) {
+    const double size = norm_of_answer(p, scaled, nearest.proof.point.x);
+    const double least = std::max({p.free_motion, size - nearest.proof.radius, p.from_norm(scaled.least_scale())});
+    out.z_bound = nearest.upper / least;
+    out.bound_method = "interval Newton";
+    out.friction.radius = nearest.proof.radius / least;
+    out.friction.delta = nearest.proof.delta / least;
+    out.friction.null_motion = nearest.proof.null_motion;
+    out.friction.strict = nearest.proof.strict;
+    out.friction.isolated = nearest.proof.strict && nearest.proof.null_motion < still;
+    const double error = std::max(out.z_bound, out.friction.delta);
+    if (error <= accepted) return Verdict::solved;
+    if (!(upper <= accepted) && error <= 1000 * accepted) return Verdict::near;
+  }
+  if (upper <= accepted) return Verdict::consistent;
+  const bool refuted = known && reference->unique && out.z_error - reference->bound > 1000 * accepted;
+  return refuted || lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+}
+
+}  // namespace zwang

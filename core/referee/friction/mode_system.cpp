@@ -1,0 +1,209 @@
+#include <zwang/core/referee/friction/mode_system.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace zwang {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Pivots of rows of unit size, in double: smaller ones are rounding.
+constexpr double rank_pivot = 1e-11;
+constexpr int newton_steps = 40;
+// Of the motion: the slip that a contact begins with when it leaves stick.
+constexpr double first_slip = 1e-3;
+// Residuals below it fall by refinement with the factors at hand.
+constexpr double refine_below = 1e-9;
+
+void add_row(Matrix& into, Index at, const ContactProblem& p, Index row, double factor) {
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
+    into(at, it.col()) += factor * it.value();
+}
+
+struct Residual {
+  Vector force, rows;
+  bool finite = true;
+};
+
+Residual residual_of(const ModeSystem& system, const ModePoint& point) {
+  const ContactProblem& p = *system.problem;
+  Residual r{.force = Vector(p.size()), .rows = Vector(static_cast<Index>(system.active.size()))};
+  const ExtendedVector force = p.force_residual(point.x, point.lambda);
+  for (Index j = 0; j < p.size(); ++j) r.force[j] = force[static_cast<std::size_t>(j)].hi;
+  for (Index k = 0; k < r.rows.size(); ++k)
+    r.rows[k] = system.row_residual(system.active[static_cast<std::size_t>(k)], point.x).hi;
+  r.finite = r.force.allFinite() && r.rows.allFinite();
+  return r;
+}
+
+}  // namespace
+
+std::vector<Mode> modes_by_size(const ContactProblem& p, const ExtendedVector& x, const ExtendedVector& lambda,
+                                double cut) {
+  std::vector<Mode> modes;
+  for (const Contact& contact : p.contacts) {
+    const double g = contact.unit > 0 ? contact.unit : 1;
+    const double l_n = lambda[static_cast<std::size_t>(contact.row)].hi * g, s_n = p.slack(contact.row, x).hi / g;
+    double l_t = 0;
+    for (Index t = 1; t < contact.rows(); ++t)
+      l_t = std::hypot(l_t, lambda[static_cast<std::size_t>(contact.row + t)].hi * g);
+    const double s_t = p.slip(contact, x).hi / g;
+    const double zero = cut * (std::abs(l_n) + l_t + std::abs(s_n) + s_t);
+    if (contact.unit == 0 || l_n <= zero)
+      modes.push_back(Mode::open);
+    else
+      modes.push_back(contact.rows() > 1 && s_t > zero ? Mode::slide : Mode::stick);
+  }
+  return modes;
+}
+
+bool settle_forces(const ContactProblem& p, ModePoint& point) {
+  bool usable = true;
+  for (std::size_t c = 0; c < p.contacts.size(); ++c) {
+    const Contact& contact = p.contacts[c];
+    const auto row = static_cast<std::size_t>(contact.row);
+    const Index used = point.modes[c] == Mode::open ? 0 : contact.rows();
+    for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
+    if (point.modes[c] != Mode::slide) continue;
+    const DoubleDouble slip = p.slip(contact, point.x);
+    if (!(slip.hi > 1e-250)) {
+      usable = false;
+      continue;
+    }
+    for (Index t = 1; t < contact.rows(); ++t)
+      point.lambda[row + static_cast<std::size_t>(t)] =
+          -(point.lambda[row] * contact.mu * (p.slack(contact.row + t, point.x) / slip));
+  }
+  return usable;
+}
+
+ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const ExtendedVector* slips)
+    : problem(&p), sigma(slips), H(p.M), direction(p.contacts.size()) {
+  for (const Index i : p.equalities) active.push_back({.row = i});
+  for (std::size_t c = 0; c < p.contacts.size(); ++c) {
+    const Index rows = point.modes[c] == Mode::stick ? p.contacts[c].rows() : point.modes[c] == Mode::slide ? 1 : 0;
+    for (Index t = 0; t < rows; ++t)
+      active.push_back({p.contacts[c].row + t, static_cast<Index>(c), point.modes[c] == Mode::slide});
+  }
+  const auto count = static_cast<Index>(active.size());
+  S = Matrix::Zero(count, p.size());
+  Matrix columns = Matrix::Zero(count, p.size());
+  for (Index k = 0; k < count; ++k) {
+    const Row& row = active[static_cast<std::size_t>(k)];
+    add_row(S, k, p, row.row, 1);
+    add_row(columns, k, p, row.row, 1);
+    if (!row.slides) continue;
+    const auto c = static_cast<std::size_t>(row.contact);
+    const Contact& contact = p.contacts[c];
+    const DoubleDouble slip = p.slip(contact, point.x);
+    if (!(slip.hi > 1e-250)) {
+      usable = false;
+      return;
+    }
+    for (Index t = 1; t < contact.rows(); ++t) {
+      direction[c][static_cast<std::size_t>(t - 1)] = (p.slack(contact.row + t, point.x) / slip).hi;
+      add_row(columns, k, p, contact.row + t, -contact.mu * direction[c][static_cast<std::size_t>(t - 1)]);
+    }
+    if (contact.rows() < 3) continue;
+    // (I - tau tau') = nu nu' in two dimensions, nu = (-tau_2, tau_1).
+    Eigen::RowVectorXd across = Eigen::RowVectorXd::Zero(p.size());
+    for (Index t = 1; t < 3; ++t)
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, contact.row + t); it; ++it)
+        across[it.col()] += (t == 1 ? -direction[c][1] : direction[c][0]) * it.value();
+    const double weight = contact.mu * std::max(0.0, point.lambda[static_cast<std::size_t>(contact.row)].hi) / slip.hi;
+    H += weight * across.transpose() * across;
+  }
+  N = columns.transpose();
+  if (sigma) S = columns;
+}
+
+DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) const {
+  const DoubleDouble s = problem->slack(row.row, x);
+  if (!sigma || row.contact < 0) return s;
+  const Contact& contact = problem->contacts[static_cast<std::size_t>(row.contact)];
+  if (row.row != contact.row) return s;
+  const DoubleDouble lift = (*sigma)[static_cast<std::size_t>(row.contact)];
+  return s + DoubleDouble(contact.mu) * (row.slides ? lift - problem->slip(contact, x) : lift);
+}
+
+bool change_modes(const ContactProblem& p, ModePoint& point) {
+  constexpr double holds = 1e-13;  // relative to the motion: what rounding of dependent rows leaves
+  bool changed = false;
+  for (std::size_t c = 0; c < p.contacts.size(); ++c) {
+    const Contact& contact = p.contacts[c];
+    if (contact.unit == 0) continue;
+    const auto row = static_cast<std::size_t>(contact.row);
+    Mode& mode = point.modes[c];
+    const Mode before = mode;
+    const double l_n = point.lambda[row].hi, s_n = p.slack(contact.row, point.x).hi;
+    if (mode == Mode::open) {
+      if (s_n < -holds) mode = Mode::stick;
+    } else if (l_n < -holds) {
+      mode = Mode::open;
+      for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
+    } else if (mode == Mode::stick && contact.rows() > 1) {
+      double l_t = 0;
+      for (Index t = 1; t < contact.rows(); ++t)
+        l_t = std::hypot(l_t, point.lambda[row + static_cast<std::size_t>(t)].hi);
+      if (l_t > contact.mu * l_n + holds) {
+        mode = Mode::slide;
+        // A first slip against the force, by a push on the contact alone.
+        ExtendedVector push(static_cast<std::size_t>(p.rows()));
+        for (Index t = 1; t < contact.rows(); ++t) {
+          const auto k = row + static_cast<std::size_t>(t);
+          push[k] = point.lambda[k] * (-first_slip / l_t / (p.row_norm[contact.row + t] * p.row_norm[contact.row + t]));
+        }
+        const ExtendedVector move = p.motion_by(push);
+        for (std::size_t j = 0; j < move.size(); ++j) point.x[j] += move[j];
+      }
+    } else if (mode == Mode::slide && !(p.slip(contact, point.x).hi > holds)) {
+      mode = Mode::stick;
+    }
+    changed |= mode != before;
+  }
+  return changed;
+}
+
+double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* sigma) {
+  double least = infinity, last = infinity;
+  ModePoint best = point;
+  std::optional<ModeSystem> system;
+  Eigen::LLT<Matrix> mass;
+  Eigen::CompleteOrthogonalDecomposition<Matrix> rows;
+  rows.setThreshold(rank_pivot);
+  int without_gain = 0;
+  for (int step = 0; step < newton_steps; ++step) {
+    if (!settle_forces(p, point)) break;
+    if (!system || last > refine_below) {
+      system.emplace(p, point, sigma);
+      if (!system->usable) break;
+      mass.compute(system->H);
+      if (mass.info() != Eigen::Success) break;
+      if (!system->active.empty()) rows.compute(system->S * mass.solve(system->N));
+    }
+    const Residual r = residual_of(*system, point);
+    if (!r.finite) break;
+    const Vector free = mass.solve(r.force);
+    Vector change = Vector::Zero(r.rows.size());
+    if (change.size() > 0) change = rows.solve(system->S * free - r.rows);
+    const Vector move = mass.solve(system->N * change) - free;
+    // The step says how far the equations are from holding; rows that contradict each other by rounding do not count.
+    last = std::max(move.size() > 0 ? move.lpNorm<Eigen::Infinity>() : 0,
+                    change.size() > 0 ? change.lpNorm<Eigen::Infinity>() : 0);
+    if (!std::isfinite(last)) break;
+    without_gain = last < least / 2 ? 0 : without_gain + 1;
+    if (last < least) {
+      least = last;
+      best = point;
+    }
+    if (!(last > 1e-31) || without_gain > 3) break;
+    for (Index j = 0; j < p.size(); ++j) point.x[static_cast<std::size_t>(j)] += move[j];
+    for (Index k = 0; k < change.size(); ++k)
+      point.lambda[static_cast<std::size_t>(system->active[static_cast<std::size_t>(k)].row)] += change[k];
+  }
+  point = best;
+  return least;
+}
+
+}  // namespace zwang

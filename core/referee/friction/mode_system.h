@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <vector>
+
+#include <zwang/core/referee/friction/contact_problem.h>
+
+namespace zwang {
+
+// What a contact does: nothing pushes; it slides and is pushed; it neither opens nor slides.
+enum class Mode : unsigned char { open, slide, stick };
+
+// A point with a mode for each contact, in the units of a ContactProblem.
+struct ModePoint {
+  ExtendedVector x, lambda;
+  std::vector<Mode> modes;
+};
+
+// Modes by each contact's own scale: `cut` of its |lambda| + |s| counts as zero.
+std::vector<Mode> modes_by_size(const ContactProblem& problem, const ExtendedVector& x, const ExtendedVector& lambda,
+                                double cut);
+
+// The equations that modes ask for, linearized at a point:
+//
+//   M x = J'lambda;   stick: s = 0;   slide: s_n = 0, l_t = -mu l_n s_t / |s_t|;   open: lambda = 0;
+//
+// under the convex law with the slip sigma of each contact given, s_n + mu sigma - mu |s_t| = 0 where one slides, and
+// s_n + mu sigma = 0, s_t = 0 where one sticks. The derivative is [[H, -N], [S, 0]] in (x, active multipliers).
+struct ModeSystem {
+  struct Row {
+    Index row = 0;
+    Index contact = -1;  // -1: an equality row
+    bool slides = false;
+  };
+
+  // sigma: one a contact, or null for Coulomb's law.
+  ModeSystem(const ContactProblem& problem, const ModePoint& point, const ExtendedVector* sigma);
+
+  const ContactProblem* problem;
+  const ExtendedVector* sigma;
+  std::vector<Row> active;
+  Matrix H;                                      // n x n: M + sum mu l_n J_t'(I - tau tau')J_t / |s_t|, l_n >= 0
+  Matrix N;                                      // n x active
+  Matrix S;                                      // active x n
+  std::vector<std::array<double, 2>> direction;  // tau of each contact that slides
+  bool usable = true;                            // no contact slides at |s_t| = 0
+
+  DoubleDouble row_residual(const Row& row, const ExtendedVector& x) const;
+};
+
+// Newton's method with minimum-norm steps, residuals in double-double. Returns the largest residual that is left,
+// relative to the motion; infinity where it breaks down. Slide keeps l_t on the cone's edge against the slip.
+double polish(const ContactProblem& problem, ModePoint& point, const ExtendedVector* sigma = nullptr);
+
+// Gives the contacts whose modes do not hold at the point the modes that would; false where all hold.
+bool change_modes(const ContactProblem& problem, ModePoint& point);
+
+// Sets l_t = -mu l_n s_t / |s_t| where a contact slides, and lambda = 0 where it is open. False at |s_t| = 0.
+bool settle_forces(const ContactProblem& problem, ModePoint& point);
+
+}  // namespace zwang

@@ -1,0 +1,283 @@
+#include <zwang/core/referee/friction/self_bound.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/core/referee/exact_rank.h>
+#include <zwang/core/referee/friction/interior_point.h>
+#include <zwang/core/referee/orthogonal_rows.h>
+
+namespace zwang {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double widened = 1 + 1e-9;
+// A bound that is this small is not worth another try.
+constexpr double sharp_enough = 1e-13;
+// Rows up to which the interior point works in double-double, and in FactorReal.
+constexpr Index double_double_rows = 160, extended_rows = 400;
+
+double safe(double x) { return std::isnan(x) ? infinity : x; }
+
+class Duality {
+ public:
+  Duality(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& sigma,
+          const Vector& sigma_error, std::vector<Index> equalities)
+      : p_(problem),
+        sigma_(sigma),
+        sigma_error_(sigma_error),
+        equalities_(std::move(equalities)),
+        orthogonal_(problem.size()) {
+    for (const Index i : equalities_) {
+      const auto split = orthogonal_.split(scaled.unit_row(i));
+      if (split.dependent) return;
+      orthogonal_.append(split);
+    }
+    sigma_min_ = orthogonal_.sigma_min(orthogonal_.rank()) / 1.01;
+    Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
+    for (Index k = 0; k < rows.rows(); ++k) {
+      const Index i = equalities_[static_cast<std::size_t>(k)];
+      rows.row(k) = p_.whitened_row(i).template cast<double>() / p_.row_norm[i];
+    }
+    if (rows.rows() > 0) gram_.compute(rows * rows.transpose());
+  }
+
+  // Moves x onto the equality rows, by refinement.
+  void correct(ExtendedVector& x) const {
+    if (equalities_.empty()) return;
+    for (int round = 0; round < 4; ++round) {
+      Vector slack(static_cast<Index>(equalities_.size()));
+      for (Index k = 0; k < slack.size(); ++k) {
+        const Index i = equalities_[static_cast<std::size_t>(k)];
+        slack[k] = p_.slack(i, x).hi / p_.row_norm[i];
+      }
+      const Vector push = gram_.solve(slack);
+      if (!push.allFinite()) return;
+      ExtendedVector lambda(static_cast<std::size_t>(p_.rows()));
+      for (Index k = 0; k < slack.size(); ++k) {
+        const Index i = equalities_[static_cast<std::size_t>(k)];
+        lambda[static_cast<std::size_t>(i)] = -push[k] / p_.row_norm[i];
+      }
+      const ExtendedVector move = p_.motion_by(lambda);
+      for (std::size_t j = 0; j < x.size(); ++j) x[j] += move[j];
+    }
+  }
+
+  // How far an exact solution of the equality rows is from x.
+  double off(const ExtendedVector& x) const {
+    if (equalities_.empty()) return 0;
+    double sum = 0;
+    for (const Index i : equalities_)
+      sum = std::hypot(sum, (std::abs(p_.slack(i, x).hi) + p_.slack_error(i, x)) / p_.row_norm[i]);
+    return sigma_min_ > 0 ? safe(sum / sigma_min_ * 1.01) : infinity;
+  }
+
+  // At least so far inside K*, for every sigma in its interval and every motion within `off` of x.
+  double margin(std::size_t c, const ExtendedVector& x, double off) const {
+    const Contact& contact = p_.contacts[c];
+    double reach = p_.row_norm[contact.row];
+    DoubleDouble s = p_.slack(contact.row, x);
+    double error = p_.slack_error(contact.row, x);
+    if (contact.rows() > 1) {
+      s += DoubleDouble(contact.mu) * (sigma_[c] - p_.slip(contact, x));
+      error += contact.mu * (sigma_error_[static_cast<Index>(c)] + p_.slip_error(contact, x)) +
+               0x1p-97 * (std::abs(s.hi) + contact.mu * (sigma_[c].hi + p_.slip(contact, x).hi));
+      for (Index t = 1; t < contact.rows(); ++t) reach += contact.mu * p_.row_norm[contact.row + t];
+    }
+    return s.hi - (error + reach * off) * widened - std::abs(s.hi) * 1e-15;
+  }
+
+  bool feasible(const ExtendedVector& x) const {
+    const double distance = off(x);
+    if (distance == infinity) return false;
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c)
+      if (p_.contacts[c].unit == 0 ? !fixed_holds(c) : !(margin(c, x, distance) >= 0)) return false;
+    return true;
+  }
+
+  bool strictly_inside(const ExtendedVector& x) const {
+    const double distance = off(x);
+    if (!feasible(x)) return false;
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c)
+      if (p_.contacts[c].unit > 0 && !(margin(c, x, distance) > 0)) return false;
+    return true;
+  }
+
+  // J_i = 0: s = -h, exactly.
+  bool fixed_holds(std::size_t c) const {
+    const Contact& contact = p_.contacts[c];
+    const DoubleDouble s = -p_.h[static_cast<std::size_t>(contact.row)];
+    const bool lifted = sigma_error_[static_cast<Index>(c)] > 0;  // by sigma = |s_t| itself
+    if (contact.rows() == 1 || lifted) return s.hi >= 0;
+    const ExtendedVector still(static_cast<std::size_t>(p_.size()));
+    const DoubleDouble slip = DoubleDouble(contact.mu) * (p_.slip(contact, still) - sigma_[c]);
+    return (s - slip).hi >= -0x1p-90 * (std::abs(s.hi) + std::abs(slip.hi));  // on the edge: it holds
+  }
+
+  // The part of the way to `inner` that brings x inside, or infinity.
+  double way_inside(const ExtendedVector& x, const ExtendedVector& inner) const {
+    const double near = off(x), far = off(inner);
+    if (near == infinity || far == infinity) return infinity;
+    double way = 0;
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
+      if (p_.contacts[c].unit == 0) continue;
+      const double lack = -margin(c, x, near), room = margin(c, inner, far);
+      if (lack <= 0) continue;
+      if (!(room > 0)) return infinity;
+      way = std::max(way, 2 * lack / (2 * lack + room));
+    }
+    return way;
+  }
+
+  // lambda moved into K, and the bound of (x, lambda); infinity where x is not inside.
+  double bound(const ExtendedVector& x, ExtendedVector& lambda) const {
+    if (!feasible(x)) return infinity;
+    const double distance = off(x);
+    DoubleDouble product;
+    double rounding = 0;
+    ExtendedVector pushes(lambda.size());
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
+      const Contact& contact = p_.contacts[c];
+      const auto row = static_cast<std::size_t>(contact.row);
+      into_cone(contact, lambda);
+      if (contact.unit == 0) continue;
+      const DoubleDouble lifted = contact.rows() > 1 ? p_.slack(contact.row, x) + DoubleDouble(contact.mu) * sigma_[c]
+                                                     : p_.slack(contact.row, x);
+      DoubleDouble part = lambda[row] * lifted;
+      double sizes = std::abs(part.hi);
+      rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * sigma_error_[static_cast<Index>(c)]);
+      pushes[row] = lambda[row];
+      for (Index t = 1; t < contact.rows(); ++t) {
+        const auto k = row + static_cast<std::size_t>(t);
+        const DoubleDouble term = lambda[k] * p_.slack(contact.row + t, x);
+        part += term;
+        sizes += std::abs(term.hi);
+        rounding += std::abs(lambda[k].hi) * p_.slack_error(contact.row + t, x);
+        pushes[k] = lambda[k];
+      }
+      product += part;
+      rounding += 0x1p-96 * (sizes + contact.mu * lambda[row].hi * sigma_[c].hi);
+    }
+    rounding += static_cast<double>(p_.contacts.size()) * 0x1p-100 * std::abs(product.hi);
+    const double residual = p_.dual_norm(p_.force_residual(x, lambda)) * 1.01 + p_.dual_norm(p_.force_error(x, lambda));
+    double gap = (residual + distance) * (residual + distance) / 2 + std::max(0.0, product.hi) + rounding;
+    if (distance > 0) {
+      const ExtendedVector still(x.size());
+      gap += distance * p_.dual_norm(p_.force_residual(still, pushes)) * 1.01;
+    }
+    return safe((distance + std::sqrt(2 * gap)) * widened);
+  }
+
+ private:
+  void into_cone(const Contact& contact, ExtendedVector& lambda) const {
+    const auto row = static_cast<std::size_t>(contact.row);
+    if (!(lambda[row].hi > 0) || contact.unit == 0) lambda[row] = 0;
+    DoubleDouble tangential;
+    for (Index t = 1; t <= contact.tangents; ++t) {
+      DoubleDouble& l = lambda[row + static_cast<std::size_t>(t)];
+      if (t >= contact.rows() || lambda[row].hi == 0) l = 0;
+      tangential += l * l;
+    }
+    tangential = sqrt(tangential);
+    const DoubleDouble most = lambda[row] * contact.mu * DoubleDouble(1 - 0x1p-53, 0);
+    if (tangential.hi < 1e-140) {  // squares may have vanished
+      for (Index t = 1; t <= contact.tangents; ++t)
+        if (std::abs(lambda[row + static_cast<std::size_t>(t)].hi) * 2 > most.hi)
+          lambda[row + static_cast<std::size_t>(t)] = 0;
+      return;
+    }
+    const DoubleDouble edge = lambda[row] * contact.mu;
+    if ((edge - tangential).hi > 0x1p-96 * edge.hi) return;
+    const DoubleDouble factor = edge / tangential * (DoubleDouble(1) - DoubleDouble(0x1p-94));
+    for (Index t = 1; t < contact.rows(); ++t) lambda[row + static_cast<std::size_t>(t)] *= factor;
+  }
+
+  const ContactProblem& p_;
+  const ExtendedVector& sigma_;
+  const Vector& sigma_error_;
+  std::vector<Index> equalities_;
+  OrthogonalRows orthogonal_;
+  double sigma_min_ = 0;
+  Eigen::LDLT<Matrix> gram_;
+};
+
+}  // namespace
+
+std::vector<Index> independent_equalities(const ContactProblem& p, const ScaledProblem& scaled, bool& contradictory) {
+  const ExactBasis basis = exact_basis(scaled.J, scaled.c, p.equalities);
+  contradictory = !basis.contradictory.empty();
+  return basis.rows;
+}
+
+ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& sigma,
+                         const Vector& sigma_error, const ModePoint* guess) {
+  ConvexBound best;
+  bool contradictory = p.fixed_contradiction;
+  const std::vector<Index> equalities =
+      contradictory ? std::vector<Index>{} : independent_equalities(p, scaled, contradictory);
+  const Duality duality(p, scaled, sigma, sigma_error, equalities);
+  for (std::size_t c = 0; c < p.contacts.size(); ++c)
+    if (p.contacts[c].unit == 0 && !duality.fixed_holds(c)) contradictory = true;
+  if (contradictory) {
+    best.rows = ConvexBound::Rows::infeasible;
+    return best;
+  }
+  if (!p.exact) return best;
+
+  const InteriorPoint method(p, equalities);
+  std::vector<InteriorAnswer> inner = method.solve<double>(&sigma, {.keep_iterates = true});
+  for (InteriorAnswer& iterate : inner) {
+    duality.correct(iterate.x);
+    best.interior |= duality.strictly_inside(iterate.x);
+  }
+  const auto consider = [&](ModePoint point) {
+    const std::vector<Mode> modes = point.modes;
+    const auto take = [&](ExtendedVector x) {
+      ExtendedVector lambda = point.lambda;
+      const double upper = duality.bound(x, lambda);
+      if (!(upper < best.upper)) return;
+      best.upper = upper;
+      best.x = std::move(x);
+      best.lambda = std::move(lambda);
+      best.modes = modes;
+      best.rows = ConvexBound::Rows::feasible;
+    };
+    duality.correct(point.x);
+    if (duality.feasible(point.x)) return take(point.x);
+    double cost = infinity, part = 0;
+    const InteriorAnswer* target = nullptr;
+    for (const InteriorAnswer& iterate : inner) {
+      const double way = duality.way_inside(point.x, iterate.x);
+      if (way < 1 && way * (iterate.complementarity + 1e-12) < cost) {
+        cost = way * (iterate.complementarity + 1e-12);
+        part = way;
+        target = &iterate;
+      }
+    }
+    if (!target) return;
+    ExtendedVector x = point.x;
+    for (std::size_t j = 0; j < x.size(); ++j) x[j] += DoubleDouble(part) * (target->x[j] - x[j]);
+    take(std::move(x));
+  };
+  if (guess) {
+    ModePoint point = *guess;
+    polish(p, point, &sigma);
+    consider(std::move(point));
+  }
+  const auto polished = [&](const InteriorAnswer& answer) {
+    ModePoint point{answer.x, answer.lambda, answer.modes};
+    polish(p, point, &sigma);
+    consider(std::move(point));
+    consider({answer.x, answer.lambda, answer.modes});
+  };
+  if (best.upper > sharp_enough && !inner.empty()) polished(inner.back());
+  if (best.upper > sharp_enough && method.rows() <= extended_rows) {
+    const std::vector<InteriorAnswer> finer = method.rows() <= double_double_rows
+                                                  ? method.solve<DoubleDouble>(&sigma, {.target = 1e-27})
+                                                  : method.solve<FactorReal>(&sigma, {.target = 1e-24});
+    if (!finer.empty()) polished(finer.back());
+  }
+  return best;
+}
+
+}  // namespace zwang

@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <zwang/core/referee/measure.h>
+#include "tests/core/referee/friction/small_frictional.h"
+
+namespace zwang {
+namespace {
+
+using test::block;
+using test::pinch;
+using test::rod;
+using test::vector;
+using test::wedge;
+
+Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}, double tolerance = 1e-13) {
+  Solution s;
+  s.status = Status::solved;
+  s.z = z;
+  s.lambda = lambda;
+  return measure(p, s, nullptr, tolerance);
+}
+
+Metrics judge_claim(const Problem& p, const Vector& certificate) {
+  Solution s;
+  s.status = Status::infeasible;
+  s.certificate = certificate;
+  return measure(p, s, nullptr, 1e-10);
+}
+
+TEST(FrictionJudge, KnowsASlidingAndAStickingBlock) {
+  const Problem slides = block(4, 1, .5).problem();
+  const Metrics right = judge(slides, vector({3.5, 0, 0}), vector({1, -.5, 0}));
+  EXPECT_EQ(right.verdict, Verdict::solved);
+  EXPECT_LE(right.z_bound, 1e-15);
+  EXPECT_TRUE(right.friction.strict);
+  EXPECT_TRUE(right.friction.isolated);
+  EXPECT_EQ(right.friction.delta, 0);
+  EXPECT_LE(right.friction.radius, 1e-20);
+  EXPECT_LE(right.friction.self_bound, 1e-12);
+  EXPECT_LE(right.friction.natural, 1e-16);
+  EXPECT_LE(right.friction.eta, 1e-16);
+
+  EXPECT_EQ(judge(slides, vector({3.5, 0, 0})).verdict, Verdict::solved) << "no multipliers are needed";
+  EXPECT_EQ(judge(slides, vector({2.8, 0, 1.4}), vector({2.4, -1.2, 0})).verdict, Verdict::wrong)
+      << "the convex law's answer";
+  EXPECT_EQ(judge(slides, vector({3.5 + 1e-10, 0, 0}), vector({1, -.5, 0})).verdict, Verdict::near);
+  EXPECT_EQ(judge(slides, vector({3.5, 0, -1e-3}), vector({1, -.5, 0})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(block(.25, 1, .5).problem(), vector({0, 0, 0}), vector({1, -.25, 0})).verdict, Verdict::solved);
+}
+
+TEST(FrictionJudge, MeasuresWhatIsOff) {
+  const FrictionMetrics f = judge(block(4, 1, .5).problem(), vector({3.5, 0, -.1}), vector({1, .75, 0})).friction;
+  const double s = std::sqrt(17);
+  EXPECT_NEAR(f.penetration, .1 / s, 1e-15);
+  EXPECT_NEAR(f.cone_violation, .25 / s, 1e-15);
+  EXPECT_NEAR(f.complementarity, .1 / s / s, 1e-15);
+  EXPECT_NEAR(f.dissipation, (.5 * 3.5 + .75 * 3.5) / s / s, 1e-15);
+}
+
+TEST(FrictionJudge, ConvexLawHasItsOwnAnswer) {
+  const Problem p = block(4, 1, .5).problem(Law::convex);
+  EXPECT_EQ(judge(p, vector({2.8, 0, 1.4}), vector({2.4, -1.2, 0})).verdict, Verdict::solved);
+  EXPECT_EQ(judge(p, vector({2.8, 0, 1.4})).verdict, Verdict::solved);
+  EXPECT_EQ(judge(p, vector({3.5, 0, 0}), vector({1, -.5, 0})).verdict, Verdict::wrong);
+}
+
+TEST(FrictionJudge, AcceptsEachOfSeveralSolutions) {
+  EXPECT_EQ(judge(rod(2), vector({2, .25, 0})).verdict, Verdict::solved) << "open";
+  EXPECT_EQ(judge(rod(2), vector({17. / 12, 17. / 24, -17. / 24})).verdict, Verdict::solved) << "sticks";
+  EXPECT_EQ(judge(rod(2), vector({1.75, .375, -.375})).verdict, Verdict::solved) << "slides";
+  EXPECT_EQ(judge(rod(1), vector({17. / 12, 17. / 24, -17. / 24})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(wedge(1, 0, 1), vector({0, 1})).verdict, Verdict::solved) << "pulled out";
+  EXPECT_EQ(judge(wedge(1, 0, 1), vector({0, 0}), vector({.5, -.5, .5, -.5})).verdict, Verdict::solved) << "held";
+  EXPECT_NE(judge(wedge(.5, 0, 1), vector({0, 0}), vector({.5, -.5, .5, -.5})).verdict, Verdict::solved);
+}
+
+TEST(FrictionJudge, AReferenceThatIsOneOfSeveralNeverMakesAnAnswerWrong) {
+  Solution s;
+  s.status = Status::solved;
+  s.z = vector({2, .25, 0});
+  Reference other{.z = vector({1.75, .375, -.375}), .unique = false, .method = "known answer"};
+  const Metrics m = measure(rod(2), s, &other, 1e-10);
+  EXPECT_EQ(m.verdict, Verdict::solved);
+  EXPECT_GT(m.z_error, .1);
+}
+
+TEST(FrictionJudge, SaysNotIsolated) {
+  const Metrics m = judge(pinch(), vector({0, 2}), vector({2, -2, 1, -1}) * .5);
+  EXPECT_NE(m.verdict, Verdict::wrong);
+  EXPECT_FALSE(m.friction.isolated);
+}
+
+TEST(FrictionJudge, JammedWedgeHasNoSolutionAndNothingIsSolved) {
+  for (const double y : {0., 1e-9, .5, 1., -1.})
+    EXPECT_NE(judge(wedge(1, -1, -1), vector({0, y})).verdict, Verdict::solved);
+  EXPECT_EQ(judge(wedge(.5, -1, -1), vector({0, 0})).verdict, Verdict::solved) << "below mu = 3/4 it is no jam";
+}
+
+TEST(FrictionJudge, ACertificateWithATangentialPartProvesNothingForCoulomb) {
+  // Two plates that push against each other: J_n z >= 1 on both sides of one coordinate.
+  const auto shut = [](Law law) {
+    return test::SmallFrictional{.z_u = vector({0, 0})}
+        .contact(1, {{vector({1, 0}), 1}, {vector({0, 1}), 0}})
+        .contact(1, {{vector({-1, 0}), 1}, {vector({0, 1}), 0}})
+        .problem(law);
+  };
+  EXPECT_EQ(judge_claim(shut(Law::coulomb), vector({1, 0, 1, 0})).verdict, Verdict::infeasible_proven);
+  EXPECT_EQ(judge_claim(shut(Law::convex), vector({1, 0, 1, 0})).verdict, Verdict::infeasible_proven);
+  // PINCH: the convex law has no answer, Coulomb's has a continuum.
+  Problem p = pinch();
+  EXPECT_NE(judge_claim(p, vector({1, 1, 1, -1})).verdict, Verdict::infeasible_proven);
+  p.law = Law::convex;
+  EXPECT_EQ(judge_claim(p, vector({1, 1, 1, -1})).verdict, Verdict::infeasible_proven);
+  EXPECT_EQ(judge_claim(p, vector({1, 1.5, 1, -1.5})).verdict, Verdict::infeasible_proven) << "moved into the cone";
+  // Where some z opens every contact there is a solution.
+  EXPECT_EQ(judge_claim(block(4, 1, .5).problem(), vector({1, 0, 0})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge_claim(block(4, 1, .5).problem(Law::convex), vector({1, 0, 0})).verdict, Verdict::wrong);
+}
+
+TEST(FrictionJudge, DegenerateInput) {
+  using test::SmallFrictional;
+  // mu = 0 with tangent rows: K is a ray.
+  EXPECT_EQ(judge(block(4, 1, 0).problem(), vector({4, 0, 0}), vector({1, 0, 0})).verdict, Verdict::solved);
+  EXPECT_EQ(judge(block(4, 1, 0).problem(), vector({3.5, 0, 0}), vector({1, -.5, 0})).verdict, Verdict::wrong);
+  // Nothing to do at all.
+  EXPECT_EQ(judge(block(0, 0, .5).problem(), vector({0, 0, 0}), vector({0, 0, 0})).verdict, Verdict::solved);
+  EXPECT_EQ(judge(block(4, 0, .5).problem(), vector({4, 0, 0}), vector({0, 0, 0})).verdict, Verdict::solved)
+      << "grazes";
+  // On the cone's edge: the friction that is needed is all there is.
+  EXPECT_EQ(judge(block(.5, 1, .5).problem(), vector({0, 0, 0}), vector({1, -.5, 0})).verdict, Verdict::solved);
+  // A contact that nothing can move: it holds, or there is no solution; the laws disagree.
+  const Vector zero = vector({0, 0, 0});
+  const auto fixed = [&](double c_n, double c_t, Law law) {
+    SmallFrictional p = block(4, 1, .5);
+    p.contact(1, {{zero, c_n}, {zero, c_t}, {zero, 0}});
+    return p.problem(law);
+  };
+  const Vector slide = vector({3.5, 0, 0}), lambda = vector({1, -.5, 0, 0, 0, 0});
+  EXPECT_EQ(judge(fixed(-1, 2, Law::coulomb), slide, lambda).verdict, Verdict::solved);
+  EXPECT_EQ(judge(fixed(1, 0, Law::coulomb), slide, lambda).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(fixed(-1, 1, Law::convex), vector({2.8, 0, 1.4})).verdict, Verdict::solved) << "on the edge of K*";
+  EXPECT_EQ(judge(fixed(-1, 2, Law::convex), vector({2.8, 0, 1.4})).verdict, Verdict::wrong);
+  // Scales.
+  for (const double scale : {0x1p-400, 0x1p400}) {
+    Problem p = block(4, 1, .5).problem();
+    p.z_u *= scale;
+    EXPECT_EQ(judge(p, vector({3.5, 0, 0}) * scale, vector({1, -.5, 0}) * scale).verdict, Verdict::solved) << scale;
+    EXPECT_EQ(judge(p, vector({3.4, 0, 0}) * scale, vector({1, -.5, 0}) * scale).verdict, Verdict::wrong) << scale;
+    p = block(4, 1, .5).problem();
+    p.J *= scale;
+    EXPECT_EQ(judge(p, vector({3.5, 0, 0}), vector({1, -.5, 0}) / scale).verdict, Verdict::solved) << scale;
+  }
+  SmallFrictional heavy = block(4, 1, .5);
+  heavy.mass = vector({1, 0x1p40, 1});
+  EXPECT_EQ(judge(heavy.problem(), vector({3.5, 0, 0})).verdict, Verdict::solved);
+  // The same contact four times, and an equality row twice.
+  SmallFrictional often = block(4, 1, .5);
+  for (int k = 0; k < 3; ++k)
+    often.contact(.5, {{vector({0, 0, 1}), 0}, {vector({1, 0, 0}), 0}, {vector({0, 1, 0}), 0}});
+  often.equality(vector({0, 1, 0}), 0).equality(vector({0, 2, 0}), 0);
+  const Metrics m = judge(often.problem(), vector({3.5, 0, 0}));
+  EXPECT_EQ(m.verdict, Verdict::solved);
+  EXPECT_EQ(m.friction.delta, 0);
+  EXPECT_EQ(judge(often.problem(), vector({3, 0, 0})).verdict, Verdict::wrong);
+  often.equality(vector({0, 1, 0}), 1);
+  EXPECT_EQ(judge(often.problem(), vector({3.5, 0, 0})).verdict, Verdict::wrong) << "rows that contradict each other";
+}
+
+TEST(FrictionJudge, NeverThrowsOnABadSolution) {
+  const Problem p = block(4, 1, .5).problem();
+  EXPECT_EQ(judge(p, vector({3.5, 0})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(p, vector({std::numeric_limits<double>::quiet_NaN(), 0, 0})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(p, vector({1e308, 1e308, 1e308})).verdict, Verdict::wrong);
+  EXPECT_EQ(judge(p, vector({3.5, 0, 0}), vector({1e300, -1e300, 1e300})).verdict, Verdict::solved);
+}
+
+}  // namespace
+}  // namespace zwang
