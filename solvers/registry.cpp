@@ -12,6 +12,7 @@
 #include <zwang/solvers/first_order/apgd.h>
 #include <zwang/solvers/first_order/pgs.h>
 #include <zwang/solvers/first_order/projected_gradient.h>
+#include <zwang/solvers/friction/cone.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
 #include <zwang/solvers/rivals/daqp.h>
@@ -61,6 +62,9 @@ std::vector<SolverEntry> always() {
           {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
            .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
            .exact = true}),
+      entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
+                   .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
+                   .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
       // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the method fails.
       entry<NnlsPaper>(
           {.method = "the paper's Eq. 6-11: k with J k = c, then NNLS",

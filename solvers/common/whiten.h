@@ -225,7 +225,7 @@ void BasicWhitened<Scalar>::select_rows(const BasicProblem<Scalar>& p) {
       row.push_back(i);
       equality.push_back(p.is_equality(i));
       row_exponent_.push_back(exponent_of(top));
-    } else if (p.c[i] == Scalar(0) || (!p.is_equality(i) && p.c[i] < Scalar(0))) {
+    } else if (p.c[i] == Scalar(0) || (!p.is_equality(i) && p.c[i] < Scalar(0)) || p.is_tangent(i)) {
       idle.push_back(i);
     } else if (conflict < 0) {
       conflict = i;

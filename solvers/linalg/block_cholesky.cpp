@@ -19,8 +19,9 @@ int column_end(const BlockCholesky::SparseMatrix& M, Index j) {
 }  // namespace
 
 void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
-                            const Deadline& deadline) {
+                            const Deadline& deadline, int triples) {
   valid_ = false;
+  triples_ = triples;
   if (M_places_.matches(M) && row_begin_ == rows.begin && row_column_ == rows.column) return;
   row_begin_.clear();  // no pattern is known until all of it is
   group_columns(M, rows);
@@ -219,6 +220,18 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   dirty_.assign(ranges.size(), 1);
 }
 
+// g g' of three rows of one pattern, with weights of 1.
+void BlockCholesky::add_triple(const Front& front, const SparseRows& rows, int first) {
+  const int begin = rows.begin[at(first)], entries = rows.begin[at(first) + 1] - begin;
+  const double *const x = rows.value.data() + begin, *const y = x + entries, *const z = y + entries;
+  const int* const local = local_.data() + begin;
+  for (int p = 0; p < entries; ++p) {
+    double* const column = work_.data() + local[p] * front.stride;
+    for (int q = 0; q < entries; ++q)
+      if (local[q] >= local[p]) column[local[q]] += x[p] * x[q] + y[p] * y[q] + z[p] * z[q];
+  }
+}
+
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,
                               std::span<const double> weight, const Deadline& deadline) {
   const Front &front = front_[f], &after = front_[f + 1];
@@ -228,6 +241,11 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
     work[mass_[k].column * front.stride + mass_[k].row] += M.valuePtr()[mass_[k].from];
   for (std::size_t k = front.row; k < after.row; ++k) {
     const int i = row_list_[k];
+    if (i < 3 * triples_) {
+      if (i % 3 == 0 && (weight[at(i)] != 0 || weight[at(i) + 1] != 0 || weight[at(i) + 2] != 0))
+        add_triple(front, rows, i);
+      continue;
+    }
     if (weight[at(i)] == 0) continue;
     const int begin = rows.begin[at(i)], end = rows.begin[at(i) + 1];
     for (int p = begin; p < end; ++p) {

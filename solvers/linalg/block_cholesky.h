@@ -30,9 +30,10 @@ class BlockCholesky {
   using SparseMatrix = Eigen::SparseMatrix<double>;
 
   // The symbolic part, unless it is there already. Columns are those of M. Throws Stopped where the fronts, or the
-  // pairs of columns that the rows couple, do not fit, or the time is over.
+  // pairs of columns that the rows couple, do not fit, or the time is over. The first 3 `triples` rows come in threes
+  // of one pattern, which are added at once.
   void analyze(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options = {},
-               const Deadline& deadline = Deadline());
+               const Deadline& deadline = Deadline(), int triples = 0);
 
   int size() const { return static_cast<int>(column_.size()); }     // columns that are not loose
   int column(int position) const { return column_[at(position)]; }  // elimination order -> column of M
@@ -68,6 +69,7 @@ class BlockCholesky {
   void group_columns(const SparseMatrix& M, const SparseRows& rows);
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);
+  void add_triple(const Front& front, const SparseRows& rows, int first);
   bool factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
                  const Deadline& deadline);
 
@@ -84,7 +86,7 @@ class BlockCholesky {
   std::vector<double> panel_, rest_, work_, weight_;
   std::vector<char> dirty_;
   mutable std::vector<double> gathered_;
-  int parts_ = 0;
+  int parts_ = 0, triples_ = 0;
   bool valid_ = false;
 };
 

@@ -116,6 +116,23 @@ inline constexpr double newton_least_rate = 1e-16, newton_least_eigenvalue = 1e-
 // Of the largest: smaller violations have no part in a Farkas vector.
 inline constexpr double newton_part = 1e-9;
 
+// Contacts with friction (solvers/friction); residuals relative to the motion, others of the worst violation.
+
+// The gap at which the modes of contacts are first read off an interior point, and by what it falls until they are
+// read again.
+inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3;
+// Interior point: the share of the way to the boundary, the least centring, and the part of the gap that rounds |s_t|.
+inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_slip_rounding = 0.01;
+// The proximal term of Newton's method on the modes: at least the first, where the digits of a slack end, at most the
+// second, and between them this many times the residual.
+inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften = 100;
+// Multipliers that have grown by this factor may prove that no motion meets the rows.
+inline constexpr double cone_runs_off = 1e4;
+// Of what a pivot of a 3 x 3 block was: what rounding leaves of nothing.
+inline constexpr double cone_pivot = 1e-15;
+// A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
+inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
+
 // Contradictions.
 
 // The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the

@@ -1,0 +1,170 @@
+#include <zwang/solvers/friction/cone.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace zwang {
+namespace {
+
+constexpr int most_steps = 60;  // of an interior point from one start
+constexpr int most_modes = 12;  // Newton steps from one iterate
+
+}  // namespace
+
+void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  constexpr Index body = 6;
+  works_.begin();
+  islands_.solve_apart([this](const Problem& p, const SolveOptions& o,
+                              Solution& part) { works_.of(p.size(), p.rows()).solve(*this, p, o, part); },
+                       body, problem, options, solution);
+}
+
+void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
+  if (!(natural < natural_) || !v.allFinite() || !y.allFinite()) return;
+  v_ = v;
+  y_ = y;
+  natural_ = natural;
+}
+
+bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
+  const double scale = program_.scale(v);
+  if (r.natural <= tolerances::cone_exact * scale) return true;
+  return r.natural <= options.tolerance * scale &&
+         std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * scale;
+}
+
+bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                           const WarmStart* warm, Solution& solution) {
+  if (!program_.warm(p, warm, modes_.y)) return false;
+  modes_.v.setZero(program_.face().unknowns());
+  if (!program_.is_dense()) return false;
+  program_.face().force(modes_.y, modes_.v);
+  modes_.begin(program_);
+  const double goal = tolerances::cone_exact * program_.scale(modes_.v);
+  modes_.run(program_, goal, std::min(most_modes, options.max_iterations), deadline, solution.iterations);
+  keep(modes_.v, modes_.y, modes_.residual.natural);
+  return is_accepted(modes_.residual, modes_.v, options);
+}
+
+Cone::Work::End Cone::Work::from_inside(const Cone& settings, const Problem& p, const SolveOptions& options,
+                                        const Deadline& deadline, double start, Solution& solution) {
+  inside_.begin(program_, start);
+  const double unit = program_.start();
+  double target = tolerances::cone_regime, looked_at = tolerances::cone_runs_off * unit;
+  for (int step = 0;;) {
+    const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
+    bool stuck = step >= most_steps;
+    if (!in_regime && !stuck) {
+      if (deadline.passed() || solution.iterations >= options.max_iterations) {
+        keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+        return End::limit;
+      }
+      stuck = !inside_.step(program_);
+      if (!stuck) {
+        ++step;
+        ++solution.iterations;
+        if (options.observe) {
+          program_.write(p, inside_.v, inside_.y, solution);
+          options.observe(solution.iterations, solution.z, solution.lambda);
+        }
+        if (!program_.is_coulomb() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
+          if (inside_.proves_infeasible(program_, tolerances::out_of_reach, proof_)) {
+            program_.write_certificate(p, proof_, solution);
+            return End::infeasible;
+          }
+          looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
+        }
+        if (program_.is_dense()) continue;
+        const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
+        if (inside_.residual() > options.tolerance * program_.scale(inside_.v) || !is_accepted(own, inside_.v, options))
+          continue;
+        keep(inside_.v, inside_.y, own.natural);
+        return End::accepted;
+      }
+    }
+    keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+    if (settings.finish) {
+      modes_.begin(program_, inside_);
+      const double goal = tolerances::cone_exact * program_.scale(modes_.v);
+      modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
+                 solution.iterations);
+      keep(modes_.v, modes_.y, modes_.residual.natural);
+      if (is_accepted(modes_.residual, modes_.v, options)) return End::accepted;
+    } else {
+      const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
+      if (is_accepted(own, inside_.v, options)) return End::accepted;
+    }
+    if (stuck) return End::failed;
+    target *= tolerances::cone_deeper;
+  }
+}
+
+// Coulomb's law asks for s_n >= 0 of all contacts, whatever their friction: a proof against that is one against it.
+bool Cone::Work::contradicts_itself(const Problem& p, const SolveOptions& options, const Deadline& deadline) {
+  SolveOptions rest = options;
+  rest.observe = nullptr;
+  if (!program_.build(p, Law::frictionless, rest, deadline, normals_)) return normals_.status == Status::infeasible;
+  return from_inside({}, p, rest, deadline, 1, normals_) == End::infeasible;
+}
+
+bool Cone::Work::slides(const ConeProgram& program) const { return program.cones() > 0 && modes_.slides(); }
+
+// False where the answer is not to be trusted; solution says so.
+bool Cone::Work::solve_under(Law law, const Cone& settings, const Problem& p, const SolveOptions& options,
+                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
+  if (!program_.build(p, law, options, deadline, solution)) return false;
+  natural_ = std::numeric_limits<double>::infinity();
+  modes_.v.setZero(program_.face().unknowns());
+  modes_.y.setZero(program_.rows());
+  modes_.begin(program_);
+  keep(modes_.v, modes_.y, modes_.residual.natural);
+  bool accepted = modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution));
+  bool limited = false;
+  // What the start is too large or too small for shows at the end only.
+  for (const double start : {1.0, 0.03, 30.0}) {
+    if (accepted || limited) break;
+    const End end = from_inside(settings, p, options, deadline, start, solution);
+    accepted = end == End::accepted;
+    limited = end == End::limit;
+    if (end == End::infeasible) return false;
+  }
+  program_.write(p, v_, y_, solution);
+  if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
+  if (accepted) {
+    solution.status = Status::solved;
+  } else if (limited || deadline.passed()) {
+    solution.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
+  } else {
+    solution.status = Status::numerical_failure;
+    std::ostringstream text;
+    text << "the natural residual stays at " << natural_ / program_.scale(v_) << " of the motion";
+    solution.message = text.str();
+  }
+  return accepted;
+}
+
+void Cone::Work::solve(const Cone& settings, const Problem& p, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  const bool coulomb = p.has_tangents() && p.law == Law::coulomb;
+  if (coulomb && settings.adaptive) {
+    // No contact that slides: the convex answer meets Coulomb's law, too.
+    if (solve_under(Law::convex, settings, p, options, deadline, options.warm_start, solution) && !slides(program_))
+      return;
+    if (solution.status == Status::time_limit || solution.status == Status::iteration_limit) return;
+    const int before = solution.iterations;
+    solve_under(Law::coulomb, settings, p, options, deadline, options.warm_start, solution);
+    solution.iterations += before;
+    return;
+  }
+  solve_under(coulomb ? Law::coulomb : Law::convex, settings, p, options, deadline, options.warm_start, solution);
+  if (coulomb && solution.status == Status::numerical_failure && contradicts_itself(p, options, deadline)) {
+    solution.status = Status::infeasible;
+    solution.zero_certificate(p.rows()) = normals_.certificate;
+    solution.empty_z();
+    solution.empty_lambda();
+    solution.message.clear();
+  }
+}
+
+}  // namespace zwang

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <zwang/core/problem/islands.h>
+#include <zwang/core/problem/shape_cache.h>
+#include <zwang/solvers/common/setting.h>
+#include <zwang/solvers/friction/mode_newton.h>
+
+namespace zwang {
+
+// Contacts with friction, under the convex law and Coulomb's: an interior point into the regime where the modes of the
+// contacts show (interior_point.h), then Newton's method on the modes to the last digits (mode_newton.h). Hands are
+// solved in the few freedoms that their joints leave, walls by the sparse Cholesky factor of 6 x 6 blocks; islands
+// apart. A warm start goes to the modes at once, and to the interior point where they do not settle.
+//
+// One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
+// residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
+// where the modes hold to rounding. Coulomb's law may have several answers, or none: this is one of them.
+struct Cone {
+  static constexpr std::string_view name = "cone";
+  static constexpr std::array laws{Law::convex, Law::coulomb};
+
+  bool adaptive = false;
+  bool finish = true;
+
+  static std::vector<Setting<Cone>> settings() {
+    return {{"adaptive", &Cone::adaptive,
+             "under Coulomb's law, solve the convex law first and go on only where a contact slides, island by island"},
+            {"finish", &Cone::finish, "Newton's method on the modes behind the interior point"}};
+  }
+
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  class Work {
+   public:
+    void solve(const Cone& settings, const Problem& problem, const SolveOptions& options, Solution& solution);
+
+   private:
+    enum class End { accepted, failed, limit, infeasible };
+
+    bool solve_under(Law law, const Cone& settings, const Problem& problem, const SolveOptions& options,
+                     const Deadline& deadline, const WarmStart* warm, Solution& solution);
+    bool from_warm(const Problem& problem, const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
+                   Solution& solution);
+    End from_inside(const Cone& settings, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                    double start, Solution& solution);
+    bool is_accepted(const ConeProgram::Residual& residual, const Vector& v, const SolveOptions& options);
+    bool contradicts_itself(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
+    void keep(const Vector& v, const Vector& y, double natural);
+    bool slides(const ConeProgram& program) const;
+
+    ConeProgram program_;
+    InteriorPoint inside_;
+    ModeNewton modes_;
+    Vector v_, y_, proof_;  // the best there is
+    double natural_ = 0;
+    Solution normals_;
+  };
+
+  Islands islands_;
+  ShapeCache<Work> works_;
+};
+static_assert(Solver<Cone>);
+
+}  // namespace zwang

@@ -1,0 +1,339 @@
+#include <zwang/solvers/friction/cone_program.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <zwang/solvers/friction/second_order_cone.h>
+
+namespace zwang {
+namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+bool is_cone_law(Law law) { return law == Law::convex || law == Law::coulomb; }
+constexpr Index few_unknowns = 150;  // dense whatever the rows are
+constexpr Index most_dense = 1000;   // dense where the rows are full
+
+bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.size(); }
+
+bool has_equalities(const Problem& p) { return std::ranges::find(p.kind, RowKind::equality) != p.kind.end(); }
+
+}  // namespace
+
+double ConeProgram::row_norm(Index unit) const {
+  return form_ == Form::joints     ? joints_.rows().row_norm[unit]
+         : form_ == Form::whitened ? whitened_.row_norm[unit]
+                                   : unit_rows_.row_norm[unit];
+}
+
+int ConeProgram::exponent() const {
+  return form_ == Form::joints     ? joints_.rows().exponent
+         : form_ == Form::whitened ? whitened_.exponent
+                                   : unit_rows_.exponent;
+}
+
+void ConeProgram::add_row(Index source, Index unit, double factor, double h) {
+  source_.push_back(source);
+  source_unit_.push_back(unit);
+  factor_.push_back(factor);
+  collected_h_.push_back(h);
+}
+
+// A contact of a body that cannot move: s = -c is data. False where it contradicts the law, which is then written.
+bool ConeProgram::meets_immobile(const Problem& p, Index row, double mu, Solution& solution) const {
+  double slip = 0;
+  for (Index t = 1; t <= p.tangents(row); ++t) slip = std::hypot(slip, p.c[row + t]);
+  if (law_ == Law::coulomb || -p.c[row] >= mu * slip) return true;  // c_n <= 0: else the row is a conflict
+  Vector& u = solution.zero_certificate(p.rows());
+  u[row] = 1;
+  for (Index t = 1; t <= p.tangents(row); ++t) u[row + t] = mu * p.c[row + t] / slip;
+  solution.empty_z();
+  solution.empty_lambda();
+  solution.status = Status::infeasible;
+  solution.message.append("contact of row ").append(std::to_string(row)).append(" is zero and cannot hold");
+  return false;
+}
+
+template <class Rows>
+bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution) {
+  unit_of_.assign(at(p.rows()), -1);
+  for (Index k = 0; k < rows.rows(); ++k) unit_of_[at(rows.row[at(k)])] = k;
+  source_.clear();
+  source_unit_.clear();
+  factor_.clear();
+  collected_h_.clear();
+  mu_.clear();
+  equality_.clear();
+  const auto slips = [&](Index i) {
+    return is_cone_law(law_) && p.has_tangents() && !p.is_equality(i) && p.tangents(i) > 0 && p.mu[i] > 0;
+  };
+  const auto violation = [&](Index k) {
+    if (form_ == Form::joints) return joints_.rows().h[k] - joints_.rows().dot(k, joints_.y_E());
+    return static_cast<double>(rows.h[k]);
+  };
+  for (Index i = 0; i < p.rows(); ++i) {
+    if (p.is_tangent(i) || !slips(i) || !std::isfinite(p.c[i])) continue;
+    double trace = 0;
+    for (Index q = 0; q <= p.tangents(i); ++q)
+      if (const Index k = unit_of_[at(i + q)]; k >= 0) trace += rows.row_norm[k] * rows.row_norm[k];
+    if (!(trace > 0)) {
+      if (!meets_immobile(p, i, p.mu[i], solution)) return false;
+      continue;
+    }
+    const double unit = std::sqrt(3 / trace);
+    mu_.push_back(p.mu[i]);
+    for (Index q = 0; q < 3; ++q) {
+      const double own = q == 0 ? unit / p.mu[i] : unit;
+      if (q > p.tangents(i))
+        add_row(-1, -1, 0, 0);
+      else if (const Index k = unit_of_[at(i + q)]; k >= 0)
+        add_row(i + q, k, own * rows.row_norm[k], own * rows.row_norm[k] * violation(k));
+      else
+        add_row(i + q, -1, own, std::ldexp(own * p.c[i + q], -rows.exponent));
+    }
+  }
+  for (Index i = 0; i < p.rows(); ++i) {
+    const Index k = unit_of_[at(i)];
+    if (p.is_tangent(i) || k < 0 || slips(i) || (p.is_equality(i) && form_ == Form::joints)) continue;
+    equality_.push_back(p.is_equality(i));
+    add_row(i, k, 1, violation(k));
+  }
+  h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
+  start_ = 0;
+  for (Index k = 0; k < cones(); ++k) {
+    const double slip = law_ == Law::convex ? std::hypot(h_[3 * k + 1], h_[3 * k + 2]) : 0;
+    start_ = std::max(start_, mu(k) * (h_[3 * k] + slip));
+  }
+  for (Index r = 0; r < rays(); ++r) {
+    const double own = h_[3 * cones() + r];
+    start_ = std::max(start_, is_equality(r) ? std::abs(own) : own);
+  }
+  return true;
+}
+
+void ConeProgram::fill_dense() {
+  const Index n = form_ == Form::joints ? joints_.freedom() : whitened_.size();
+  dense_face_.reset(n, cones(), rays());
+  for (Index r = 0; r < rows(); ++r) {
+    const Index k = source_unit_[at(r)];
+    if (k < 0) continue;
+    Eigen::Map<Vector> row(dense_face_.row(r), dense_face_.padded());
+    if (form_ == Form::joints) {
+      joints_.reduce_row(k, row.data());
+      row *= factor_[at(r)];
+    } else {
+      whitened_.add(k, factor_[at(r)], row);
+    }
+  }
+}
+
+void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, const Deadline& deadline) {
+  sparse_rows_.begin.assign(1, 0);
+  sparse_rows_.column.clear();
+  sparse_rows_.value.clear();
+  const SparseRows& g = unit_rows_.g;
+  const auto end_row = [&] { sparse_rows_.begin.push_back(static_cast<int>(sparse_rows_.column.size())); };
+  for (Index k = 0; k < cones(); ++k) {
+    pattern_.clear();
+    for (Index q = 0; q < 3; ++q)
+      if (const Index i = source_unit_[at(3 * k + q)]; i >= 0)
+        pattern_.insert(pattern_.end(), g.column.begin() + g.begin[at(i)], g.column.begin() + g.begin[at(i) + 1]);
+    std::ranges::sort(pattern_);
+    pattern_.erase(std::unique(pattern_.begin(), pattern_.end()), pattern_.end());
+    for (Index q = 0; q < 3; ++q) {
+      const std::size_t first = sparse_rows_.column.size();
+      sparse_rows_.column.insert(sparse_rows_.column.end(), pattern_.begin(), pattern_.end());
+      sparse_rows_.value.resize(sparse_rows_.column.size(), 0);
+      end_row();
+      const Index i = source_unit_[at(3 * k + q)];
+      if (i < 0) continue;
+      for (auto e = at(g.begin[at(i)]); e < at(g.begin[at(i) + 1]); ++e) {
+        const auto place = std::ranges::lower_bound(pattern_, g.column[e]) - pattern_.begin();
+        sparse_rows_.value[first + at(place)] = factor_[at(3 * k + q)] * g.value[e];
+      }
+    }
+  }
+  for (Index r = 3 * cones(); r < rows(); ++r) {
+    const Index i = source_unit_[at(r)];
+    for (auto e = at(g.begin[at(i)]); e < at(g.begin[at(i) + 1]); ++e) {
+      sparse_rows_.column.push_back(g.column[e]);
+      sparse_rows_.value.push_back(g.value[e]);
+    }
+    end_row();
+  }
+  sparse_face_.reset(p, sparse_rows_, cones(), options, deadline);
+}
+
+bool ConeProgram::build(const Problem& p, Law law, const SolveOptions& options, const Deadline& deadline,
+                        Solution& solution) {
+  law_ = law;
+  const bool joints = has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
+                      joints_.freedom() <= few_unknowns && joints_.smallest_pivot() >= tolerances::clear_pivot;
+  const bool full = p.size() <= few_unknowns || (p.size() <= most_dense && rows_are_full(p));
+  form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;
+  dense_ = form_ != Form::sparse;
+  if (form_ == Form::joints) {
+    solution.reset(p.size(), p.rows());
+    const Preparation preparing;
+    if (!collect(p, joints_.rows(), solution)) return false;
+    constexpr Index pay_for_N = 48;
+    if (rows() >= pay_for_N) joints_.form_basis();
+    fill_dense();
+    free_norm_ = joints_.rows().free_norm;
+    motion_.resize(BodyRows::lanes, joints_.rows().bodies());
+    rest_.resize(BodyRows::lanes, joints_.rows().bodies());
+    mu_E_.resize(std::ssize(joints_.equalities()));
+  } else if (form_ == Form::whitened) {
+    if (!begin(whitened_, p, options, deadline, solution) || !collect(p, whitened_, solution)) return false;
+    const Preparation preparing;
+    fill_dense();
+    free_norm_ = whitened_.free.norm();
+  } else {
+    if (!begin(unit_rows_, p, options, deadline, solution) || !collect(p, unit_rows_, solution)) return false;
+    const Preparation preparing;
+    fill_sparse(p, options, deadline);
+    free_norm_ = unit_rows_.free_norm;
+  }
+  work_.setZero(face().unknowns());
+  if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
+  return true;
+}
+
+double ConeProgram::scale(const Vector& v) {
+  face().mass(v, work_);
+  const double own = std::sqrt(std::max(0.0, work_.dot(v)));
+  return std::max({free_norm_, own, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
+}
+
+ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) const {
+  Residual out;
+  for (Index k = 0; k < cones(); ++k) {
+    const double m = mu(k), slip = std::hypot(s[3 * k + 1], s[3 * k + 2]);
+    // The contact as it is: forces and slacks in one unit, K of coefficient mu.
+    const double l = y[3 * k] / m, shifted = m * (s[3 * k] + (is_coulomb() ? slip : 0));
+    const double a = l - shifted, b = y[3 * k + 1] - s[3 * k + 1], c = y[3 * k + 2] - s[3 * k + 2];
+    const double t = std::sqrt(b * b + c * c);
+    double normal = a, share = 1;
+    if (t > m * a) {
+      normal = m * t <= -a ? 0 : (a + m * t) / (1 + m * m);
+      share = normal > 0 ? m * normal / t : 0;
+    }
+    out.natural = std::max(
+        {out.natural, std::abs(l - normal), std::abs(y[3 * k + 1] - share * b), std::abs(y[3 * k + 2] - share * c)});
+    // Where l is so large that l - s is l, the residual is blind: the violation stands beside it.
+    const double violated = std::max(0.0, m * slip - shifted);
+    out.natural = std::max(out.natural, violated);
+    const double pull = std::max(0.0, std::hypot(y[3 * k + 1], y[3 * k + 2]) - m * l);
+    out.gap += l * shifted + y[3 * k + 1] * s[3 * k + 1] + y[3 * k + 2] * s[3 * k + 2] + 2 * std::abs(l) * violated +
+               2 * pull * (slip + std::abs(shifted));
+  }
+  for (Index r = 0; r < rays(); ++r) {
+    const double l = y[3 * cones() + r], own = s[3 * cones() + r];
+    if (is_equality(r)) {
+      out.natural = std::max(out.natural, std::abs(own));
+      out.gap += 2 * std::abs(l * own);
+    } else {
+      out.natural = std::max({out.natural, std::abs(l - std::max(0.0, l - own)), -own});
+      out.gap += std::abs(l * own) + 2 * std::max(0.0, l) * std::max(0.0, -own);
+    }
+  }
+  return out;
+}
+
+void ConeProgram::scale_multipliers(const Vector& lambda, Vector& y) const {
+  for (Index r = 0; r < rows(); ++r) {
+    const Index k = source_unit_[at(r)];
+    y[r] = k >= 0 ? std::ldexp(lambda[source_[at(r)]] * row_norm(k) / factor_[at(r)], -exponent()) : 0;
+  }
+}
+
+void ConeProgram::read(const Problem& p, const Vector& z, const Vector& lambda, Vector& v, Vector& y) {
+  y.setZero(rows());
+  scale_multipliers(lambda, y);
+  v.setZero(face().unknowns());
+  if (form_ == Form::sparse) {
+    for (Index j = 0; j < v.size(); ++j) {
+      const Index column = sparse_face_.column(j);
+      v[j] = std::ldexp(z[column] - p.z_u[column], -exponent());
+    }
+  } else {
+    short_ = z - p.z_u;
+    whitened_.factor.multiply_upper(short_);
+    for (Index j = 0; j < short_.size(); ++j) v[j] = std::ldexp(short_[j], -exponent());
+  }
+}
+
+bool ConeProgram::warm(const Problem& p, const WarmStart* warm, Vector& y) {
+  y.setZero(rows());
+  if (!warm) return false;
+  while (all_rows_.rows() < p.rows()) all_rows_.row.push_back(all_rows_.rows());
+  all_rows_.row.resize(at(p.rows()));
+  all_rows_.equality.assign(at(p.rows()), 1);  // so that no sign is asked for
+  warm_rows_.multipliers(p, all_rows_, warm, lambda_);
+  scale_multipliers(lambda_, y);
+  for (Index k = 0; k < cones(); ++k) y.segment<3>(3 * k) = second_order_cone::projected(y.segment<3>(3 * k));
+  for (Index r = 0; r < rays(); ++r)
+    if (!is_equality(r)) y[3 * cones() + r] = std::max(0.0, y[3 * cones() + r]);
+  return y.allFinite() && y.squaredNorm() > 0;
+}
+
+// What the joints carry of the force in rest_.
+void ConeProgram::joint_multipliers(Vector& lambda, int exponent) {
+  const BodyRows& rows = joints_.rows();
+  joints_.multipliers(rest_, mu_E_);
+  for (std::size_t e = 0; e < joints_.equalities().size(); ++e) {
+    const Index k = joints_.equalities()[e];
+    lambda[rows.row[at(k)]] = std::ldexp(mu_E_[static_cast<Index>(e)] / rows.row_norm[k], exponent);
+  }
+}
+
+// Multipliers of the problem's rows from y: row r is factor times a unit row.
+void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solution& solution) {
+  Solution& s = solution;
+  if (s.lambda.size() != p.rows()) s.spare.lambda.set_zero(s.lambda, p.rows());
+  if (s.z.size() != p.size()) s.spare.z.set_zero(s.z, p.size());
+  s.lambda.setZero();
+  for (Index r = 0; r < rows(); ++r)
+    if (source_[at(r)] >= 0)
+      s.lambda[source_[at(r)]] = source_unit_[at(r)] >= 0
+                                     ? std::ldexp(y[r] * factor_[at(r)] / row_norm(source_unit_[at(r)]), exponent())
+                                     : std::ldexp(y[r] * factor_[at(r)], exponent());
+  if (form_ == Form::whitened) {
+    short_ = v.head(whitened_.size());
+    whitened_.primal(p, short_, s.z);
+    return;
+  }
+  s.z = p.z_u;
+  if (form_ == Form::sparse) {
+    for (Index j = 0; j < v.size(); ++j) s.z[sparse_face_.column(j)] += std::ldexp(v[j], exponent());
+    return;
+  }
+  const BodyRows& rows_of = joints_.rows();
+  joints_.expand(v, motion_);
+  motion_ += joints_.y_E();
+  rest_ = motion_;
+  for (Index r = 0; r < rows(); ++r)
+    if (const Index k = source_unit_[at(r)]; k >= 0) rows_of.add(k, -y[r] * factor_[at(r)], rest_);
+  joint_multipliers(s.lambda, exponent());
+  for (Index b = 0; b < rows_of.bodies(); ++b) {
+    const BodyRows::Lanes step = BodyRows::times(rows_of.L_inverse_t[at(b)], motion_.col(b));
+    for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent());
+  }
+}
+
+void ConeProgram::write_certificate(const Problem& p, const Vector& y, Solution& solution) {
+  solution.empty_z();
+  solution.empty_lambda();
+  Vector& u = solution.zero_certificate(p.rows());
+  for (Index r = 0; r < rows(); ++r)
+    if (const Index k = source_unit_[at(r)]; source_[at(r)] >= 0)
+      u[source_[at(r)]] = k >= 0 ? y[r] * factor_[at(r)] / row_norm(k) : y[r] * factor_[at(r)];
+  if (form_ == Form::joints) {
+    rest_.setZero();
+    for (Index r = 0; r < rows(); ++r)
+      if (const Index k = source_unit_[at(r)]; k >= 0) joints_.rows().add(k, -y[r] * factor_[at(r)], rest_);
+    joint_multipliers(u, 0);
+  }
+  solution.status = Status::infeasible;
+}
+
+}  // namespace zwang

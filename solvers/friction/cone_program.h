@@ -1,0 +1,109 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/core/problem/problem.h>
+#include <zwang/solvers/common/unit_rows.h>
+#include <zwang/solvers/common/warm_rows.h>
+#include <zwang/solvers/friction/dense_face.h>
+#include <zwang/solvers/friction/sparse_face.h>
+#include <zwang/solvers/joint_space/null_space_form.h>
+
+namespace zwang {
+
+// A problem with friction in standard second-order cones, L = {x_0 >= |x_t|}: with v a motion in a unit of length near
+// the worst violation,
+//
+//   M v = G'y,   s = G v - h,   cones:       convex   L ∋ s ⊥ y ∈ L
+//                                            Coulomb  L ∋ s + |s_t| e_0 ⊥ y ∈ L
+//                               single rows: s >= 0 ⊥ y >= 0; equality rows s = 0.
+//
+// A contact (N, T1, T2) of coefficient mu becomes the cone (N / mu, T1, T2) with y = (mu l_n, l_t), all rows times one
+// factor that makes the mean diagonal of its Delassus block 1. Limits and contacts without friction (mu = 0) are single
+// unit rows. Jointed bodies are stated in the freedoms that their joints leave (null_space_form.h), problems of few
+// unknowns or full rows in whitened coordinates, both on a DenseFace with M = I; the rest on a SparseFace.
+class ConeProgram {
+ public:
+  // Resets the solution. False where the answer is known, and then written. `law`: convex or coulomb; any other takes
+  // every contact for one without friction.
+  bool build(const Problem& problem, Law law, const SolveOptions& options, const Deadline& deadline,
+             Solution& solution);
+
+  Law law() const { return law_; }
+  bool is_coulomb() const { return law_ == Law::coulomb; }
+  Index cones() const { return std::ssize(mu_); }
+  Index rays() const { return std::ssize(equality_); }
+  Index rows() const { return 3 * cones() + rays(); }
+  double mu(Index k) const { return mu_[static_cast<std::size_t>(k)]; }
+  bool is_equality(Index ray) const { return equality_[static_cast<std::size_t>(ray)] != 0; }
+  const Vector& h() const { return h_; }
+  ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
+  bool is_dense() const { return dense_; }
+  double scale(const Vector& v);           // max(|z_u|_M, |v|_M)
+  double start() const { return start_; }  // the worst violation at v = 0, or a small number
+
+  // s = G v - h.
+  void slack(const Vector& v, Vector& s) {
+    face().slack(v, s);
+    s -= h_;
+  }
+  // What is wrong with (s, y): the natural residual, the largest entry of a contact's l - P_K(l - s) in unit rows (with
+  // the law's shift of s), and the gap y's with the violations charged, by which |v - v*|_M <= sqrt(2 gap) under the
+  // convex law.
+  struct Residual {
+    double natural = 0, gap = 0;
+  };
+  Residual residual(const Vector& y, const Vector& s) const;
+
+  // Multipliers of an earlier frame; false where there are none.
+  bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
+  void write(const Problem& problem, const Vector& v, const Vector& y, Solution& solution);
+  // The way back, where no joints were eliminated.
+  void read(const Problem& problem, const Vector& z, const Vector& lambda, Vector& v, Vector& y);
+  void write_certificate(const Problem& problem, const Vector& u, Solution& solution);
+
+ private:
+  enum class Form { joints, whitened, sparse };
+  template <class Rows>
+  bool collect(const Problem& problem, const Rows& rows, Solution& solution);
+  void add_row(Index source, Index unit, double factor, double h);
+  bool meets_immobile(const Problem& problem, Index row, double mu, Solution& solution) const;
+  void fill_dense();
+  void fill_sparse(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
+  void scale_multipliers(const Vector& lambda, Vector& y) const;
+  void joint_multipliers(Vector& lambda, int exponent);
+  double row_norm(Index unit) const;
+  int exponent() const;
+
+  Form form_ = Form::whitened;
+  Law law_ = Law::convex;
+  bool dense_ = true;
+  NullSpaceForm joints_;
+  Whitened whitened_;
+  UnitRows unit_rows_;
+  WarmRows warm_rows_;
+  DenseFace dense_face_;
+  SparseFace sparse_face_;
+
+  std::vector<Index> unit_of_;      // of the problem's row: which unit row, or -1
+  std::vector<Index> source_;       // of row r here: the problem's row, or -1
+  std::vector<Index> source_unit_;  // the unit row, or -1 for a zero row
+  std::vector<double> factor_;      // the row here is that unit row times this
+  std::vector<double> mu_;
+  std::vector<char> equality_;
+  std::vector<double> collected_h_;
+  Vector h_;
+  double free_norm_ = 0, start_ = 1;
+  SparseRows sparse_rows_;
+  std::vector<int> pattern_;
+  Vector work_, short_, mu_E_, lambda_;
+  struct AllRows {  // of the problem, as WarmRows wants them
+    std::vector<Index> row;
+    std::vector<char> equality;
+    Index rows() const { return std::ssize(row); }
+    static double unit_multiplier(Index, double lambda) { return lambda; }
+  } all_rows_;
+  NullSpaceForm::Motion motion_, rest_;
+};
+
+}  // namespace zwang

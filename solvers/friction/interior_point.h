@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/core/problem/deadline.h>
+#include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/friction/second_order_cone.h>
+
+namespace zwang {
+
+// A primal-dual interior point on a cone program, with Nesterov-Todd scaling and Mehrotra's predictor and corrector
+// (Andersen, Roos & Terlaky 2003, Math. Program. 95): one factorization and two solves a step.
+//
+// Coulomb's law is the same with w = s + |s_t| e_0 in place of s (De Saxce & Feng 1998, Math. Comput. Modelling 28).
+// The shift is differentiated where the face takes matrices that are not symmetric, with |s_t| rounded off by a part of
+// the gap, and refreshed at each step elsewhere.
+class InteriorPoint {
+ public:
+  enum class End { reached, limit, stuck };
+
+  Vector v, y, w;  // the iterate: M v = G'y, and w is s (Coulomb: with its shift), up to what is left of the residuals
+  Vector s;        // G v - h
+
+  // y = w = `size` program.start() e.
+  void begin(ConeProgram& program, double size);
+  // One step; false where it breaks down, which leaves the iterate as it was.
+  bool step(ConeProgram& program);
+  double gap() const { return gap_; }            // the mean of y w
+  double residual() const { return residual_; }  // the largest entry of what is left
+  // y as far as it proves that no v meets the rows (convex law): u in the cones with |G'u|_M^-1 times `reach` < h'u.
+  bool proves_infeasible(ConeProgram& program, double reach, Vector& u);
+
+ private:
+  void measure(ConeProgram& program);
+  void weigh(const ConeProgram& program, bool couples);
+  void direct(ConeProgram& program);
+  void correct(const ConeProgram& program, double centre);
+  double step_length(const ConeProgram& program) const;
+  double gap_after(const ConeProgram& program, double step) const;
+
+  double gap_ = 0, residual_ = 0;
+  Vector left_, dv_, force_, mass_, ds_, dy_, dw_, target_, sum_, ray_weight_;
+  std::vector<double> D_;
+  struct Cone {
+    second_order_cone::Scaling scaling;
+    double slope1 = 0, slope2 = 0;  // of the shift
+  };
+  std::vector<Cone> cone_;
+  Index degree_ = 1;
+};
+
+}  // namespace zwang

@@ -1,0 +1,165 @@
+#include <zwang/solvers/friction/mode_newton.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+namespace soc = second_order_cone;
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void ModeNewton::begin(ConeProgram& program) {
+  const Index m = program.rows(), n = program.face().unknowns();
+  mode_.assign(at(program.cones()), Mode::open);
+  direction_.resize(at(program.cones()));
+  ray_active_.assign(at(program.rays()), 0);
+  D_.assign(at(9 * program.cones()), 0);
+  ray_weight_.setZero(program.rays());
+  for (Vector* x : {&s, &next_, &ds_}) x->setZero(m);
+  for (Vector* x : {&dv_, &mass_}) x->setZero(n);
+  program.slack(v, s);
+  residual = program.residual(y, s);
+  last_ = residual.natural;
+  chosen_ = false;
+  best_v_ = v;
+  best_y_ = y;
+  best_s_ = s;
+}
+
+// An iterate inside the cones tells the modes by which of two paired eigenvalues is the larger.
+void ModeNewton::begin(ConeProgram& program, const InteriorPoint& from) {
+  v = from.v;
+  y = from.y;
+  begin(program);
+  last_ = 0;
+  const Index nc = program.cones();
+  for (Index k = 0; k < nc; ++k) {
+    const double *Y = &from.y[3 * k], *W = &from.w[3 * k];
+    const double y_low = soc::smallest(Y), y_high = soc::largest(Y), w_low = soc::smallest(W), w_high = soc::largest(W);
+    mode_[at(k)] = w_low > y_high ? Mode::open : y_low > w_high ? Mode::stick : Mode::slide;
+    last_ = std::max({last_, std::min(y_low, w_high), std::min(y_high, w_low)});
+    const double p1 = Y[1] - W[1], p2 = Y[2] - W[2], size = std::sqrt(p1 * p1 + p2 * p2);
+    direction_[at(k)] = {p1 / size, p2 / size, size, Y[0]};
+  }
+  for (Index r = 0; r < program.rays(); ++r) {
+    const Index i = 3 * nc + r;
+    ray_active_[at(r)] = program.is_equality(r) || from.y[i] > from.w[i];
+    if (!program.is_equality(r)) last_ = std::max(last_, std::min(from.y[i], from.w[i]));
+  }
+  chosen_ = true;
+}
+
+void ModeNewton::choose(ConeProgram& program) {
+  const Index nc = program.cones();
+  for (Index k = 0; k < nc; ++k) {
+    const double p0 = y[3 * k] - s[3 * k], p1 = y[3 * k + 1] - s[3 * k + 1], p2 = y[3 * k + 2] - s[3 * k + 2];
+    const double size = std::sqrt(p1 * p1 + p2 * p2);
+    const bool opens = program.is_coulomb() ? p0 <= 0 : size <= -p0;
+    mode_[at(k)] = opens ? Mode::open : size <= p0 ? Mode::stick : Mode::slide;
+    if (mode_[at(k)] == Mode::slide)
+      direction_[at(k)] = {p1 / size, p2 / size, size, program.is_coulomb() ? p0 : 0.5 * (p0 + size)};
+  }
+  for (Index r = 0; r < program.rays(); ++r)
+    ray_active_[at(r)] = program.is_equality(r) || y[3 * nc + r] - s[3 * nc + r] > 0;
+}
+
+// y_new = next_ - D ds at the modes.
+void ModeNewton::linearize(ConeProgram& program) {
+  const Index nc = program.cones();
+  const double hard = 1 / softness_;
+  std::fill(D_.begin(), D_.end(), 0.0);
+  next_.setZero();
+  for (Index k = 0; k < nc; ++k) {
+    double *D = &D_[at(9 * k)], *next = &next_[3 * k];
+    const double *own = &y[3 * k], *slack = &s[3 * k];
+    if (mode_[at(k)] == Mode::stick) {
+      D[0] = D[4] = D[8] = hard;
+      for (Index i = 0; i < 3; ++i) next[i] = own[i] - hard * slack[i];
+    } else if (mode_[at(k)] == Mode::slide) {
+      const auto [u1, u2, size, pressure] = direction_[at(k)];
+      const double share = pressure / size;  // < 1: |s_t| = size - pressure
+      const double bend = std::min(hard, share / std::max(softness_, 1 - share));
+      const double P11 = bend * (1 - u1 * u1), P12 = -bend * u1 * u2, P22 = bend * (1 - u2 * u2);
+      const double n0 = program.is_coulomb() ? hard : 0.5 * hard, n1 = program.is_coulomb() ? 0 : n0 * u1,
+                   n2 = program.is_coulomb() ? 0 : n0 * u2;  // D's part of the row that holds
+      const double normal = pressure - (n0 * slack[0] + n1 * slack[1] + n2 * slack[2]);
+      next[0] = normal;
+      next[1] = u1 * normal - (P11 * slack[1] + P12 * slack[2]);
+      next[2] = u2 * normal - (P12 * slack[1] + P22 * slack[2]);
+      D[0] = n0;
+      D[3] = n1;
+      D[6] = n2;
+      D[1] = u1 * n0;
+      D[4] = u1 * n1 + P11;
+      D[7] = u1 * n2 + P12;
+      D[2] = u2 * n0;
+      D[5] = u2 * n1 + P12;
+      D[8] = u2 * n2 + P22;
+    }
+  }
+  for (Index r = 0; r < program.rays(); ++r) {
+    ray_weight_[r] = ray_active_[at(r)] ? hard : 0;
+    if (const Index i = 3 * nc + r; ray_active_[at(r)]) next_[i] = y[i] - hard * s[i];
+  }
+}
+
+bool ModeNewton::solve(ConeProgram& program) {
+  const Index nc = program.cones();
+  const bool symmetric = !program.is_coulomb() || std::ranges::find(mode_, Mode::slide) == mode_.end();
+  if (!symmetric && !program.face().takes_unsymmetric()) return false;
+  if (!program.face().factorize(D_, ray_weight_, symmetric)) return false;
+  program.face().force(next_, dv_);
+  program.face().mass(v, mass_);
+  dv_ -= mass_;
+  program.face().solve(dv_);
+  program.face().slack(dv_, ds_);
+  v += dv_;
+  for (Index k = 0; k < nc; ++k) {
+    const double *D = &D_[at(9 * k)], *d = &ds_[3 * k];
+    for (Index i = 0; i < 3; ++i) y[3 * k + i] = next_[3 * k + i] - (D[i] * d[0] + D[i + 3] * d[1] + D[i + 6] * d[2]);
+  }
+  for (Index r = 0; r < program.rays(); ++r) y[3 * nc + r] = next_[3 * nc + r] - ray_weight_[r] * ds_[3 * nc + r];
+  return v.allFinite() && y.allFinite();
+}
+
+void ModeNewton::run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations) {
+  ConeProgram::Residual best = residual;
+  if (chosen_) best.natural = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < most && !(best.natural <= goal) && !deadline.passed(); ++step) {
+    softness_ = std::clamp(tolerances::cone_soften * last_ / program.start(), tolerances::cone_softness,
+                           tolerances::cone_softest);
+    if (!chosen_) choose(program);
+    chosen_ = false;
+    linearize(program);
+    if (!solve(program)) break;
+    ++iterations;
+    if (program.is_dense()) program.face().force(y, v);
+    program.slack(v, s);
+    residual = program.residual(y, s);
+    last_ = residual.natural;
+    if (!std::isfinite(last_)) break;
+    if (last_ < best.natural) {
+      best = residual;
+      best_v_ = v;
+      best_y_ = y;
+      best_s_ = s;
+    } else if (step >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
+      break;
+    }
+  }
+  v = best_v_;
+  y = best_y_;
+  s = best_s_;
+  residual = best;
+}
+
+bool ModeNewton::slides() const {
+  for (std::size_t k = 0; k < mode_.size(); ++k)
+    if (mode_[k] == Mode::slide) return true;
+  return false;
+}
+
+}  // namespace zwang

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/solvers/friction/interior_point.h>
+
+namespace zwang {
+
+// From near a solution of a cone program to it: Newton's method on the equations of the modes that contacts are in
+// (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92),
+//
+//   open   y = 0        stick   s = 0        slide   y = a (1, u), u = -s_t / |s_t|;   Coulomb: s_0 = 0, convex: (1,
+//   u)'s = 0
+//
+// with a proximal term in the multipliers, y = y_before - s / softness, so that redundant contacts do no harm: each
+// keeps the share of the load that it had. The matrix is M + G'D G once more. The softness follows the residual down: a
+// row that depends on others to within the residual would else throw the multipliers about.
+class ModeNewton {
+ public:
+  Vector v, y, s;
+  ConeProgram::Residual residual;
+  enum class Mode : char { open, stick, slide };
+
+  // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
+  void begin(ConeProgram& program, const InteriorPoint& from);
+  void begin(ConeProgram& program);
+  // Until the natural residual is at `goal` or does not fall any more; keeps the best iterate. Counts its steps.
+  void run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations);
+  bool slides() const;  // does a contact that pushes?
+
+ private:
+  struct Direction {
+    double u1, u2, size, pressure;  // of y_t - s_t; and the normal multiplier
+  };
+  void choose(ConeProgram& program);
+  void linearize(ConeProgram& program);
+  bool solve(ConeProgram& program);
+
+  std::vector<Mode> mode_;
+  std::vector<Direction> direction_;
+  std::vector<char> ray_active_;
+  std::vector<double> D_;
+  Vector ray_weight_, next_, dv_, mass_, ds_, best_v_, best_y_, best_s_;
+  double softness_ = 1, last_ = 0;
+  bool chosen_ = false;
+};
+
+}  // namespace zwang

@@ -1,0 +1,287 @@
+// What `cone` promises on contacts with friction, beyond the contract of all solvers.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/friction/cone.h>
+#include "tests/solvers/friction/friction_problems.h"
+
+namespace zwang {
+namespace {
+
+using test::friction_problem;
+using test::law_error;
+using test::planted;
+
+constexpr RowKind equality = RowKind::equality, inequality = RowKind::inequality, tangent = RowKind::tangent;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Vector vec(std::initializer_list<double> values) {
+  Vector v(static_cast<Index>(values.size()));
+  std::copy(values.begin(), values.end(), v.begin());
+  return v;
+}
+
+Solution solve(const Problem& p, Cone settings = {}, const SolveOptions& options = {}) {
+  AnySolver solver = settings;
+  return solver.solve(p, options);
+}
+
+// A body on the ground, z = (normal, t1, t2).
+Problem block(double mu, const Vec3& z_u, Law law) {
+  return friction_problem(
+      vec({1, 1, 1}), z_u,
+      {{inequality, vec({1, 0, 0}), 0, mu}, {tangent, vec({0, 1, 0}), 0}, {tangent, vec({0, 0, 1}), 0}}, law);
+}
+
+TEST(Cone, ABlockSticksSlidesAndLifts) {
+  for (const Law law : {Law::convex, Law::coulomb}) {
+    Solution s = solve(block(0.5, Vec3(-8, 1.5, 2), law));
+    ASSERT_EQ(s.status, Status::solved) << s.message;
+    EXPECT_LE(s.z.norm(), 1e-14);
+    EXPECT_LE((s.lambda - vec({8, -1.5, -2})).norm(), 1e-13);
+    s = solve(block(0.5, Vec3(1, 3, 4), law));
+    ASSERT_EQ(s.status, Status::solved) << s.message;
+    EXPECT_LE((s.z - vec({1, 3, 4})).norm(), law == Law::coulomb ? 1e-15 : 3);
+  }
+  // Free slip 10, approach 8: Coulomb stops mu a of the slip; the convex law lifts the body (friction.md's sliding
+  // block).
+  const Solution coulomb = solve(block(0.5, Vec3(-8, 6, 8), Law::coulomb));
+  ASSERT_EQ(coulomb.status, Status::solved) << coulomb.message;
+  EXPECT_LE((coulomb.z - vec({0, 3.6, 4.8})).norm(), 1e-13);
+  const Solution convex = solve(block(0.5, Vec3(-8, 6, 8), Law::convex));
+  ASSERT_EQ(convex.status, Status::solved) << convex.message;
+  const double slip = (10 - 0.5 * 8) / 1.25;
+  EXPECT_LE((convex.z - vec({0.5 * slip, 0.6 * slip, 0.8 * slip})).norm(), 1e-13);
+}
+
+TEST(Cone, PlantedAnswersOfBothLawsAreMet) {
+  int solved = 0, planted_one = 0;
+  for (unsigned seed = 0; seed < 60; ++seed)
+    for (const double mu : {0x1p-6, 0.25, 1.0}) {
+      for (const Law law : {Law::convex, Law::coulomb}) {
+        const auto [p, z, lambda] =
+            planted(law, mu, 1 + static_cast<int>(seed % 4), 2 + static_cast<int>(seed % 6), seed);
+        const Solution s = solve(p);
+        if (law == Law::convex) {
+          ASSERT_EQ(s.status, Status::solved) << seed << " " << mu << ": " << s.message;
+          EXPECT_LE((s.z - z).norm(), 1e-9 * z.norm()) << seed << " " << mu;
+        }
+        if (s.status != Status::solved) continue;
+        ++solved;
+        planted_one += (s.z - z).norm() <= 1e-9 * z.norm();
+        EXPECT_LE(law_error(p, s), 1e-11) << seed << " " << mu << " " << to_string(s.status);
+      }
+    }
+  EXPECT_GE(solved, 355);  // of 360; Coulomb's law may have other answers, or be hard
+  EXPECT_GE(planted_one, 300);
+}
+
+TEST(Cone, NoFrictionIsAnExactCaseAndNoLimit) {
+  const Problem p = block(0, Vec3(-8, 6, 8), Law::coulomb);
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_EQ(s.lambda[1], 0);
+  EXPECT_EQ(s.lambda[2], 0);
+  EXPECT_LE((s.z - vec({0, 6, 8})).norm(), 1e-14);
+  // And nearly none is near to it.
+  for (int k = 10; k <= 40; k += 10) {
+    const Solution near = solve(block(std::ldexp(1.0, -k), Vec3(-8, 6, 8), Law::coulomb));
+    ASSERT_EQ(near.status, Status::solved) << k << ": " << near.message;
+    EXPECT_LE((near.z - vec({0, 6, 8})).norm(), 2 * std::ldexp(8.0, -k) + 1e-14) << k;
+  }
+}
+
+TEST(Cone, OneTangentAndLimitsAndJointsStandBesideEachOther) {
+  // In the plane, with a row that ties t2 to t1, a limit on t1 and a contact with one tangent: z = (n, t1, t2).
+  const Problem p = friction_problem(vec({1, 2, 2}), vec({-4, 3, 3}),
+                                     {{equality, vec({0, 1, -1}), 0},
+                                      {inequality, vec({1, 0, 0}), 0, 0.25},
+                                      {tangent, vec({0, 1, 0}), 0},
+                                      {inequality, vec({0, 0, -1}), -1}});
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE(law_error(p, s), 1e-13);
+  EXPECT_LE((s.z - vec({0, 1, 1})).norm(), 1e-12);  // slides up to its limit, friction 1 of the 8 on the way
+  EXPECT_NEAR(s.lambda[1], 4, 1e-12);
+  EXPECT_NEAR(s.lambda[2], -1, 1e-12);
+  EXPECT_NEAR(s.lambda[3], 7, 1e-12);
+}
+
+TEST(Cone, BodiesThatCannotMoveAreData) {
+  // A contact whose rows are all zero: Coulomb asks for c_n <= 0 only, the convex law for -c_n >= mu |c_t|.
+  const auto immobile = [](double c_n, double c_t, Law law) {
+    return friction_problem(vec({1, 1, 1}), vec({-1, 0, 0}),
+                            {{inequality, vec({0, 0, 0}), c_n, 1},
+                             {tangent, vec({0, 0, 0}), c_t},
+                             {tangent, vec({0, 0, 0}), 0},
+                             {inequality, vec({1, 0, 0}), 0, 0.5},
+                             {tangent, vec({0, 1, 0}), 0},
+                             {tangent, vec({0, 0, 1}), 0}},
+                            law);
+  };
+  EXPECT_EQ(solve(immobile(-1, 2, Law::coulomb)).status, Status::solved);
+  EXPECT_EQ(solve(immobile(-2, 1, Law::convex)).status, Status::solved);
+  EXPECT_EQ(solve(immobile(1, 0, Law::coulomb)).status, Status::infeasible);
+  const Solution s = solve(immobile(-1, 2, Law::convex));
+  ASSERT_EQ(s.status, Status::infeasible);
+  EXPECT_GT(s.certificate.dot(immobile(-1, 2, Law::convex).c), 0);
+  // Tangents that do not move, under a normal that does: the belt's speed is data.
+  const Problem belt =
+      friction_problem(vec({1, 1}), vec({-2, 0}), {{inequality, vec({1, 0}), 0, 0.5}, {tangent, vec({0, 0}), -3}});
+  const Solution b = solve(belt);
+  ASSERT_EQ(b.status, Status::solved) << b.message;
+  EXPECT_LE(law_error(belt, b), 1e-12);
+  EXPECT_NEAR(b.lambda[1], -1, 1e-10);
+  // c = -Inf at the normal row takes the whole contact out.
+  Problem out = block(0.5, Vec3(-8, 6, 8), Law::coulomb);
+  out.c[0] = -infinity;
+  const Solution o = solve(out);
+  ASSERT_EQ(o.status, Status::solved) << o.message;
+  EXPECT_EQ(o.z, out.z_u);
+}
+
+TEST(Cone, RowsThatContradictEachOtherHaveAProof) {
+  // Two walls that move into a body from both sides: no motion, under either law, and normals alone say so.
+  for (const Law law : {Law::convex, Law::coulomb}) {
+    const Problem p = friction_problem(vec({1, 1, 1}), vec({0, 0, 0}),
+                                       {{inequality, vec({1, 0, 0}), 1, 0.5},
+                                        {tangent, vec({0, 1, 0}), 0},
+                                        {tangent, vec({0, 0, 1}), 0},
+                                        {inequality, vec({-1, 0, 0}), 1, 0.5},
+                                        {tangent, vec({0, 1, 0}), 0},
+                                        {tangent, vec({0, 0, 1}), 0}},
+                                       law);
+    const Solution s = solve(p);
+    ASSERT_EQ(s.status, Status::infeasible) << to_string(s.status) << s.message;
+    const Vector& u = s.certificate;
+    EXPECT_LE((p.J.transpose() * u).norm(), 1e-8 * p.c.dot(u));
+    for (const Index i : {0, 3}) EXPECT_GE(p.mu[i] * u[i], std::hypot(u[i + 1], u[i + 2]) - 1e-12 * u.norm());
+  }
+}
+
+// PINCH of the notes: plates that slide past each other. No convex answer; Coulomb has a continuum, any of which will
+// do.
+TEST(Cone, ThePinchIsInfeasibleUnderTheConvexLawOnly) {
+  const auto pinch = [](Law law) {
+    return friction_problem(vec({1, 1}), vec({0, 3}),
+                            {{inequality, vec({1, 0}), 0, 1},
+                             {tangent, vec({0, 1}), 1},
+                             {inequality, vec({-1, 0}), 0, 1},
+                             {tangent, vec({0, 1}), -1}},
+                            law);
+  };
+  EXPECT_EQ(solve(pinch(Law::convex)).status, Status::infeasible);
+  const Solution s = solve(pinch(Law::coulomb));
+  EXPECT_NE(s.status, Status::infeasible);
+  if (s.status == Status::solved) {
+    EXPECT_LE(law_error(pinch(Law::coulomb), s), 1e-8);
+  }
+}
+
+// JAM: no answer beyond mu = 3/4, and nobody may claim one.
+TEST(Cone, AJamWithoutAnswerIsNotSolved) {
+  const auto jam = [](double mu, double c_t) {
+    return friction_problem(vec({1, 1}), vec({0, -1}),
+                            {{inequality, vec({-4, 3}) / 5, 0, mu},
+                             {tangent, vec({3, 4}) / 5, c_t / 5},
+                             {inequality, vec({4, 3}) / 5, 0, mu},
+                             {tangent, vec({-3, 4}) / 5, c_t / 5}});
+  };
+  const Solution s = solve(jam(0.5, -1));
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE(s.z.norm(), 1e-10);
+  EXPECT_NE(solve(jam(1, -1)).status, Status::solved);
+}
+
+TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
+  for (const Law law : {Law::convex, Law::coulomb}) {
+    const Problem p = planted(law, 0.5, 4, 8, 7).problem;
+    AnySolver solver = Cone();
+    Solution first, second;
+    solver.solve(p, {}, first);
+    solver.solve(p, {}, second);
+    const long before = allocations();
+    solver.solve(p, {}, second);
+    EXPECT_EQ(allocations() - before, 0);
+    ASSERT_EQ(first.status, second.status);
+    EXPECT_EQ(0, std::memcmp(first.z.data(), second.z.data(), sizeof(double) * static_cast<std::size_t>(p.size())));
+    EXPECT_EQ(
+        0, std::memcmp(first.lambda.data(), second.lambda.data(), sizeof(double) * static_cast<std::size_t>(p.rows())));
+  }
+}
+
+TEST(Cone, AWarmStartTakesFewerFactorizations) {
+  for (const Law law : {Law::convex, Law::coulomb}) {
+    Problem p = planted(law, 0.5, 3, 6, 3).problem;
+    const Solution cold = solve(p);
+    ASSERT_EQ(cold.status, Status::solved) << cold.message;
+    const WarmStart warm{p.key, cold.lambda};
+    p.z_u *= 1.001;
+    const Solution s = solve(p, {}, {.warm_start = &warm});
+    ASSERT_EQ(s.status, Status::solved) << s.message;
+    EXPECT_LT(s.iterations, cold.iterations);
+    EXPECT_LE(law_error(p, s), 1e-11);
+  }
+}
+
+TEST(Cone, LimitsEndTheSolveWithAnIterate) {
+  const Problem p = planted(Law::coulomb, 0.5, 4, 8, 7).problem;
+  EXPECT_EQ(solve(p, {}, {.max_iterations = 2}).status, Status::iteration_limit);
+  EXPECT_EQ(solve(p, {}, {.time_limit = 0}).status, Status::time_limit);
+  int shown = 0;
+  SolveOptions options;
+  options.observe = [&](int, const Vector& z, const Vector&) { shown += z.allFinite(); };
+  const Solution s = solve(p, {}, options);
+  EXPECT_GE(shown, s.iterations / 2);
+}
+
+TEST(Cone, AdaptiveGoesToCoulombWhereContactsSlide) {
+  Cone adaptive;
+  adaptive.adaptive = true;
+  const Problem sticks = block(0.5, Vec3(-8, 1.5, 2), Law::coulomb), slides = block(0.5, Vec3(-8, 6, 8), Law::coulomb);
+  const Solution still = solve(sticks, adaptive), moving = solve(slides, adaptive);
+  ASSERT_EQ(still.status, Status::solved) << still.message;
+  ASSERT_EQ(moving.status, Status::solved) << moving.message;
+  EXPECT_LE(law_error(sticks, still), 1e-12);
+  EXPECT_LE(law_error(slides, moving), 1e-12);
+  EXPECT_GT(moving.iterations, solve(slides).iterations);
+}
+
+TEST(Cone, IslandsAreSolvedApart) {
+  const auto one = planted(Law::coulomb, 0.5, 1, 3, 1), two = planted(Law::coulomb, 0.5, 1, 4, 2);
+  Problem both;
+  const Index n = 12, m = one.problem.rows() + two.problem.rows();
+  both.M.resize(n, n);
+  both.J.resize(m, n);
+  both.z_u.resize(n);
+  both.c.resize(m);
+  both.mu.resize(m);
+  both.law = Law::coulomb;
+  Index row = 0, column = 0;
+  for (const Problem* p : {&one.problem, &two.problem}) {
+    for (Index j = 0; j < 6; ++j) both.M.insert(column + j, column + j) = p->M.coeff(j, j);
+    for (Index i = 0; i < p->rows(); ++i)
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p->J, i); it; ++it)
+        both.J.insert(row + i, column + it.col()) = it.value();
+    both.z_u.segment(column, 6) = p->z_u;
+    both.c.segment(row, p->rows()) = p->c;
+    both.mu.segment(row, p->rows()) = p->mu;
+    both.kind.insert(both.kind.end(), p->kind.begin(), p->kind.end());
+    row += p->rows();
+    column += 6;
+  }
+  for (Index i = 0; i < m; ++i) both.key.push_back({static_cast<std::uint64_t>(i + 1), 0});
+  both.M.makeCompressed();
+  both.J.makeCompressed();
+  const Solution whole = solve(both), first = solve(one.problem), second = solve(two.problem);
+  ASSERT_EQ(whole.status, Status::solved) << whole.message;
+  EXPECT_EQ(whole.iterations, first.iterations + second.iterations);
+  EXPECT_EQ(whole.z.head(6), first.z);
+  EXPECT_EQ(whole.z.tail(6), second.z);
+}
+
+}  // namespace
+}  // namespace zwang
