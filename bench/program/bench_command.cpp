@@ -25,6 +25,7 @@ std::string counts(const Tally& t) {
   if (t.lies > 0)
     text += "   (" + grouped(t.lies) + (t.lies == 1 ? " of them was" : " of them were") +
             " claimed as success: see the table of false claims)";
+  if (t.recorded > 0) text += "; " + grouped(t.recorded) + " recorded answers judged";
   return text;
 }
 
@@ -57,6 +58,8 @@ void add_options(CLI::App& options, Asked& asked) {
   options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
       ->check(above(0));
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
+  options.add_flag("--sequence", s.sequence,
+                   "the problems of a family are successive frames: time each also from the answer of the one before");
   options.option_defaults()->group("Where it goes");
   options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
   options.add_option("--resume", asked.resume, "go on with a run that was stopped")->type_name("DIR");
@@ -90,7 +93,9 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
     if (!asked.out.empty()) throw std::invalid_argument("--resume DIR writes into DIR: --out has no part in it");
     settings.directory = asked.resume;
     asked.suite = options_to_resume(settings.directory, asked.suite, [&](const std::string& name) {
-      return options.count("--" + name) > 0 || (name == "law" && options.count("--friction") > 0);
+      const CLI::Option* option = options.get_option_no_throw("--" + name);
+      const bool by_alias = name == "law" && options.count("--friction") > 0;
+      return by_alias || (option && option->count() > 0);
     });
   } else {
     settings.directory = new_directory(asked.out, "./zwang bench --resume");
@@ -104,10 +109,9 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
                         ? make_plan(std::move(asked.suite))
                         : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
-  const bool own = !plan.options.scenes.empty() || !plan.options.problems.empty();
   std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
-              own ? "your problems" : (plan.options.suite + " suite").c_str(), plan.solvers(), plan.instances.size(),
-              plan.options.tolerances.size(), static_cast<unsigned long long>(plan.options.seed));
+              plan.title().c_str(), plan.solvers(), plan.instances.size(), plan.options.tolerances.size(),
+              static_cast<unsigned long long>(plan.options.seed));
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
   std::fflush(stdout);
 

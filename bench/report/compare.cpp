@@ -36,6 +36,11 @@ void append(Run& out, const Run& run, const Run& other, const std::string& mark,
     r.solver = shown(r.solver);
     out.results.push_back(r);
   }
+  for (Result r : run.recorded) {
+    if (const auto it = renamed.find(r.problem); it != renamed.end()) r.problem = it->second;
+    const auto same = [&r](const Result& known) { return known.problem == r.problem && known.solver == r.solver; };
+    if (std::ranges::none_of(out.recorded, same)) out.recorded.push_back(std::move(r));
+  }
   for (TracePoint t : run.traces) {
     if (const auto it = renamed.find(t.problem); it != renamed.end()) t.problem = it->second;
     t.solver = shown(t.solver);

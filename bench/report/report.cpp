@@ -23,7 +23,10 @@ void write(const fs::path& file, const std::string& text) {
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
-std::string title(const Run& run) { return run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite"; }
+std::string title(const Run& run) {
+  if (!run.title.empty()) return "zwang: " + run.title;
+  return run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite";
+}
 
 std::string collision_data(const fs::path& file) try {
   std::ifstream in(file);

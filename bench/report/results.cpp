@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/report/wording.h>
+#include <zwang/bench/results/recorded.h>
 
 namespace zwang::report {
 namespace {
@@ -120,7 +121,7 @@ void read_conditions(const json& about, Run& run) {
   };
   const auto add_text = [&](const char* name, const char* key) { add(name, get<std::string>(about, key)); };
   bool dirty;
-  read(about, "suite", run.suite, "commit", run.commit, "dirty", dirty);
+  read(about, "suite", run.suite, "title", run.title, "commit", run.commit, "dirty", dirty);
   std::vector<std::string> tolerances;
   for (const json& item : about.value("tolerances", json::array()))
     tolerances.push_back(item.is_number() ? scientific(item, 0) : item.dump());
@@ -160,8 +161,13 @@ Run read_run(const fs::path& dir) {
   run.dir = dir;
   run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
   read_lines(dir / "results.jsonl", run.torn, [&run](const json& line) {
-    run.results.push_back(parse_result(line));
-    run.results.back().replay = replay_command(run.dir, run.results.back());
+    Result result = parse_result(line);
+    if (is_recorded(result.solver)) {
+      run.recorded.push_back(std::move(result));
+      return;
+    }
+    result.replay = replay_command(run.dir, result);
+    run.results.push_back(std::move(result));
   });
   if (fs::exists(dir / "traces.jsonl"))
     read_lines(dir / "traces.jsonl", run.torn, [&run](const json& line) { run.traces.push_back(parse_trace(line)); });

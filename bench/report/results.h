@@ -89,19 +89,20 @@ struct SolverInfo {
 
 struct Run {
   std::filesystem::path dir;
-  std::string label;  // names the run where two are compared
-  std::string suite, commit;
+  std::string label;                                            // names the run where two are compared
+  std::string suite, title, commit;                             // title: "standard suite", "your problems"
   std::vector<std::pair<std::string, std::string>> conditions;  // name and value, as the page shows them
   std::vector<std::string> notes;
   std::vector<SolverInfo> solvers;  // in the order of the run
   std::vector<Result> results;
+  std::vector<Result> recorded;  // answers that came with the problems: judged, never timed, no solver's
   std::vector<TracePoint> traces;
   std::vector<AssemblyTimes> assembly;   // of the speed suite
   std::vector<SequenceTimes> sequences;  // likewise
   std::vector<StageTimes> stages;        // likewise
   std::string torn;                      // "" or what was left out: a line cut off by a killed run
 
-  bool is_of_speed() const { return suite == "speed" || !assembly.empty() || !sequences.empty(); }
+  bool is_of_speed() const { return suite == "speed" || !assembly.empty(); }
 };
 
 // Reads DIR/results.jsonl, and DIR/run.json, DIR/traces.jsonl and DIR/speed.jsonl where they exist. A torn last line (a

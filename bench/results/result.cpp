@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include <zwang/bench/results/recorded.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang {
@@ -95,6 +96,17 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.range_gap = solution.range_gap;
 }
 
+Result judge_recorded(Result r, const Instance& instance, const RecordedAnswer& answer, double tolerance) {
+  r.solver = recorded_name(answer.by);
+  r.tolerance = tolerance;
+  Solution given;
+  given.status = Status::solved;
+  given.z = answer.z;
+  judge(r, instance, given);
+  r.claimed = Status::unsolved;
+  return r;
+}
+
 std::string to_json(const Result& r, const Solution* with) {
   const Metrics& k = r.metrics;
   Json types = Json::array();
@@ -123,7 +135,11 @@ std::string to_json(const Result& r, const Solution* with) {
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-void Tally::count(Status claimed, Verdict verdict) {
+void Tally::count(std::string_view solver, Status claimed, Verdict verdict) {
+  if (is_recorded(solver)) {
+    ++recorded;
+    return;
+  }
   const auto part = [&]() -> std::size_t& {
     switch (verdict) {
       case Verdict::solved:
@@ -178,7 +194,8 @@ Stored load_results(const std::filesystem::path& file) {
       const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
                                     text.begin() + static_cast<std::ptrdiff_t>(end));
       stored.finished.emplace(line.at("problem_file"), line.at("solver"), line.at("tolerance"));
-      stored.tally.count(named(line.at("claimed"), Status::crashed), named(line.at("verified"), Verdict::unsupported));
+      stored.tally.count(line.at("solver").get_ref<const std::string&>(), named(line.at("claimed"), Status::crashed),
+                         named(line.at("verified"), Verdict::unsupported));
     } catch (const std::exception&) {
       throw BadFile(file.string() + ", line " + std::to_string(line_number) + ": not a line of results");
     }

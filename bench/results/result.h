@@ -60,6 +60,10 @@ bool lies(Status claimed, Verdict verdict);
 Result describe(const Instance& instance);
 void judge(Result& result, const Instance& instance, const Solution& solution);
 
+// The row of an answer that came with the problem (recorded.h): `problem` from describe(), judged like a solver's claim
+// at this tolerance.
+Result judge_recorded(Result problem, const Instance& instance, const RecordedAnswer& answer, double tolerance);
+
 // One JSON object, without a line's end: NaN is null, +-Inf is +-1.797e308. With a solution: its z and lambda too.
 std::string to_json(const Result& result, const Solution* with = nullptr);
 
@@ -68,7 +72,8 @@ using RunName = std::tuple<std::string, std::string, double>;  // problem_file, 
 
 struct Tally {
   std::size_t runs = 0, solved = 0, near = 0, wrong = 0, undecided = 0, failed = 0, unsupported = 0, lies = 0;
-  void count(Status claimed, Verdict verdict);
+  std::size_t recorded = 0;  // answers that came with their problems: no runs
+  void count(std::string_view solver, Status claimed, Verdict verdict);
 };
 
 // An append-only file of lines, on the disk when append() returns.

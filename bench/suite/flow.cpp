@@ -14,6 +14,9 @@ bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>&
   Result problem = describe(instance);
   problem.kernel_s = median(std::move(kernel));
   std::vector<Cell> cells;
+  if (flow.recorded_tolerance > 0)
+    for (const RecordedAnswer& answer : instance.recorded)
+      cells.push_back({judge_recorded(problem, instance, answer, flow.recorded_tolerance)});
   for (std::size_t i = 0; i < solved.size(); ++i) {
     Result measured = to_result(problem, instance, flow.runs[i], solved[i]);
     cells.push_back({std::move(measured), std::move(solved[i])});

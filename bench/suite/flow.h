@@ -9,7 +9,8 @@
 
 namespace zwang {
 
-// What one run left of one problem: the row of results, and the solve it was measured from.
+// What one run left of one problem: the row of results, and the solve it was measured from (of a recorded answer:
+// none).
 struct Cell {
   Result result = {};
   Timed timed = {};
@@ -20,7 +21,9 @@ struct Flow {
   std::function<Instance()> assemble = {};  // the problem, with what is known to be true of it
   std::vector<Run> runs = {};               // a solver's tolerances from loose to tight
   BatchLimits limits = {};                  // of time
-  std::function<void(const Instance&, std::vector<Cell>&)> append = {};  // one cell a run, in the order of the runs
+  // One cell a recorded answer, then one a run, in the order of the runs.
+  std::function<void(const Instance&, std::vector<Cell>&)> append = {};
+  double recorded_tolerance = 0;  // at which the problem's recorded answers are judged; 0: they are left out
   BatchProgress progress = [](double, std::size_t) {};
 };
 

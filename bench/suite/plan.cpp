@@ -23,7 +23,7 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
 }
 
 // "": all. Throws std::invalid_argument where a family has no problem here.
-void keep_families(const std::string& families, std::vector<Instance>& instances) {
+void keep_families(const std::string& families, std::vector<Instance>& instances, std::size_t& given) {
   std::vector<std::string> present, kept;
   for (const Instance& i : instances) present.push_back(i.family);
   std::stringstream parts(families);
@@ -32,8 +32,10 @@ void keep_families(const std::string& families, std::vector<Instance>& instances
       throw std::invalid_argument("no problem of family '" + family + "'" + did_you_mean(family, present));
     kept.push_back(family);
   }
-  if (!kept.empty())
-    std::erase_if(instances, [&](const Instance& i) { return std::ranges::find(kept, i.family) == kept.end(); });
+  if (kept.empty()) return;
+  const auto is_kept = [&](const Instance& i) { return std::ranges::find(kept, i.family) != kept.end(); };
+  given = static_cast<std::size_t>(std::ranges::count_if(std::span(instances).first(given), is_kept));
+  std::erase_if(instances, [&](const Instance& i) { return !is_kept(i); });
 }
 
 }  // namespace
@@ -159,6 +161,17 @@ std::string why_bad(const Problem& problem) {
   return is_positive_definite(problem.M) ? "" : "M is not positive definite";
 }
 
+std::string Plan::title() const {
+  const bool own = options.given > 0 || !options.problems.empty() || options.scenes != find_suite(options.suite).scenes;
+  return own ? "your problems" : options.suite + " suite";
+}
+
+std::filesystem::path kept_problem(std::size_t batch) {
+  char name[48];
+  std::snprintf(name, sizeof name, "problems/%04zu.h5", batch);
+  return name;
+}
+
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   const Suite& suite = find_suite(options.suite);
   Plan plan;
@@ -194,6 +207,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   }
   if (plan.runs.empty()) throw std::invalid_argument("no solver chosen");
 
+  options.given = options.instances.size();
   plan.instances = std::move(options.instances);
   if (!options.scenes.empty())
     std::ranges::move(make_scenes(options.scenes, options.seed), std::back_inserter(plan.instances));
@@ -216,7 +230,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   }
   if (options.law)
     for (Instance& instance : plan.instances) instance = under(*options.law, std::move(instance));
-  keep_families(options.families, plan.instances);
+  keep_families(options.families, plan.instances, options.given);
   if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
   plan.options = std::move(options);
   return plan;

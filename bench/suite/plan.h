@@ -24,6 +24,8 @@ struct SuiteOptions {
   int repetitions = 0;
   std::uint64_t seed = 1;
   bool trace = false;
+  bool sequence = false;  // the problems of a family are successive frames
+  std::size_t given = 0;  // how many of the problems, the first ones, are `instances`
 };
 
 // A named choice of scenes and tolerances that fits into a time.
@@ -50,6 +52,7 @@ struct Plan {
   std::vector<Instance> instances = {};
   std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
   std::size_t size() const { return instances.size() * runs.size(); }
+  std::string title() const;  // "standard suite", or "your problems"
   std::size_t solvers() const { return runs.size() / options.tolerances.size(); }
 };
 
@@ -59,6 +62,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solver
 
 // "" or one line: which of the plan's solvers cannot read the law of how many of its problems.
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among);
+
+// Where a run keeps the problem of a batch: "problems/0007.h5" in its folder.
+std::filesystem::path kept_problem(std::size_t batch);
 
 // "a,b:key=1,key=2,c" -> a | b:key=1,key=2 | c.
 std::vector<std::string> split_solvers(const std::string& text);

@@ -6,6 +6,7 @@
 
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 
@@ -26,6 +27,8 @@ void visit_options(Options& o, Visit visit) {
   visit("repetitions", o.repetitions);
   visit("seed", o.seed);
   visit("trace", o.trace);
+  visit("sequence", o.sequence);
+  visit("given", o.given);
 }
 
 Json to_json(const SuiteOptions& options) {
@@ -72,11 +75,9 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
         {{"name", text}, {"method", e.method}, {"limits", e.limits}, {"foreign", e.foreign}, {"exact", e.exact}});
   }
   for (const Instance& instance : plan.instances) hashes.push_back(problem_sha256(instance.problem));
-  Json j = {{"zwang", c.version},
-            {"suite", plan.options.suite},
-            {"command", record.command},
-            {"started", record.started},
-            {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
+  Json j = {{"zwang", c.version},        {"suite", plan.options.suite},
+            {"title", plan.title()},     {"command", record.command},
+            {"started", record.started}, {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
             {"seed", plan.options.seed}};
   j.update(Json::parse(fixed_conditions()));
   j["debug"] = c.debug;
@@ -113,7 +114,12 @@ SuiteOptions options_to_resume(const std::filesystem::path& directory, const Sui
     if (const Json stored = options.value(name, Json()); is_given(name) && stored != value)
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
                                   stored.dump() + ", not " + value.dump());
-  return from_record(directory, [&options] { return options_from(options); });
+  return from_record(directory, [&] {
+    SuiteOptions stored = options_from(options);
+    for (std::size_t b = 0; b < stored.given; ++b)
+      stored.instances.push_back(read_problems(directory / kept_problem(b)).at(0));
+    return stored;
+  });
 }
 
 void require_same_problems(const std::filesystem::path& directory, const Plan& plan) {

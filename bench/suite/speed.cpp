@@ -123,6 +123,23 @@ std::vector<std::string> profile_stages() {
   return lines;
 }
 
+// False when interrupted.
+bool write_sequence(Sequence& sequence, const std::filesystem::path& cache, std::span<const Run> runs, double budget,
+                    Dispatcher& desk, const std::atomic<bool>& interrupted, ResultFile& out) {
+  for (std::size_t f = 0; f < sequence.frames.size() && !interrupted; f += Sequence::check_every)
+    sequence.frames[f].reference = reference_for(sequence.frames[f], cache, {}).reference;
+  std::vector<std::string> lines;
+  for (const SequenceTimes& t : time_sequence(sequence, runs, budget, desk, interrupted))
+    lines.push_back(Json({{"kind", "sequence"},
+                          {"sequence", sequence.name},
+                          {"solver", t.solver},
+                          {"cold", to_json(t.cold)},
+                          {"warm", to_json(t.warm)}})
+                        .dump());
+  if (!interrupted) out.append(lines);
+  return !interrupted;
+}
+
 }  // namespace
 
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
@@ -139,22 +156,28 @@ bool write_speed(const std::filesystem::path& directory, const std::filesystem::
     sequences.push_back({"seq" + std::to_string(contacts) + " (file)", measured_sequence(contacts)});
   }
   std::erase_if(sequences, [](const Sequence& s) { return s.frames.empty(); });
-  for (Sequence& sequence : sequences) {
-    for (std::size_t f = 0; f < sequence.frames.size() && !interrupted; f += Sequence::check_every)
-      sequence.frames[f].reference = reference_for(sequence.frames[f], cache, {}).reference;
-    std::vector<std::string> lines;
-    for (const SequenceTimes& t :
-         time_sequence(sequence, runs, budget / static_cast<double>(sequences.size()), desk, interrupted))
-      lines.push_back(Json({{"kind", "sequence"},
-                            {"sequence", sequence.name},
-                            {"solver", t.solver},
-                            {"cold", to_json(t.cold)},
-                            {"warm", to_json(t.warm)}})
-                          .dump());
-    if (interrupted) return false;
-    out.append(lines);
-  }
+  for (Sequence& sequence : sequences)
+    if (!write_sequence(sequence, cache, runs, budget / static_cast<double>(sequences.size()), desk, interrupted, out))
+      return false;
   return true;
+}
+
+void write_sequences(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
+                     Dispatcher& desk, const std::atomic<bool>& interrupted) {
+  const auto file = directory / "speed.jsonl";
+  std::filesystem::remove(file);
+  ResultFile out(file);
+  std::vector<Run> tightest;
+  for (const Run& run : plan.runs)
+    if (run.tolerance == plan.options.tolerances.back()) tightest.push_back(run);
+  std::vector<Sequence> sequences;
+  for (const Instance& frame : plan.instances) {
+    if (sequences.empty() || sequences.back().name != frame.family) sequences.push_back({frame.family, {}});
+    sequences.back().frames.push_back(frame);
+  }
+  for (Sequence& sequence : sequences)
+    if (!write_sequence(sequence, cache, tightest, std::numeric_limits<double>::infinity(), desk, interrupted, out))
+      return;
 }
 
 }  // namespace zwang

@@ -21,12 +21,6 @@ std::string short_number(double x) {
   return text;
 }
 
-std::string file_name(std::size_t batch) {
-  char name[48];
-  std::snprintf(name, sizeof name, "problems/%04zu.h5", batch);
-  return name;
-}
-
 // run.json of a new run, or of the one that goes on.
 RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
   const auto& directory = settings.directory;
@@ -64,6 +58,10 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   const auto& directory = settings.directory;
   std::filesystem::create_directories(directory / "problems");
   RunRecord record = open_record(plan, settings);
+  // What a program gave is kept whole before anything runs: nobody else can give it again.
+  for (std::size_t b = 0; b < plan.options.given; ++b)
+    if (!std::filesystem::exists(directory / kept_problem(b)))
+      write_problem(directory / kept_problem(b), plan.instances[b]);
   Stored stored = load_results(directory / "results.jsonl");
   Outcome outcome;
   outcome.planned = plan.size();
@@ -78,7 +76,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   for (std::size_t b = 0; b < plan.instances.size() && !interrupted; ++b) {
     std::vector<Run> runs;
     for (const Run& run : plan.runs)
-      if (!stored.finished.contains({file_name(b), run.solver, run.tolerance})) runs.push_back(run);
+      if (!stored.finished.contains({kept_problem(b), run.solver, run.tolerance})) runs.push_back(run);
     Instance instance = plan.instances[b];
     if (runs.empty()) {
       schedule.skip(instance);
@@ -91,15 +89,16 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
       instance.reference = std::move(found.reference);
       if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
-      write_problem(directory / file_name(b), instance);
+      write_problem(directory / kept_problem(b), instance);
       return instance;
     };
     const auto append = [&](const Instance&, std::vector<Cell>& cells) {
       std::vector<std::string> lines;
       for (auto& [result, timed] : cells) {
-        result.problem_file = file_name(b);
+        result.problem_file = kept_problem(b);
         result.batch = static_cast<int>(b);
-        outcome.tally.count(result.claimed, result.metrics.verdict);
+        if (stored.finished.contains({result.problem_file, result.solver, result.tolerance})) continue;
+        outcome.tally.count(result.solver, result.claimed, result.metrics.verdict);
         timed_once += timed.samples.empty() && timed.first_s > 0 && timed.solution.z.size() > 0;
         for (const double s : timed.samples) repeating += std::max(s, 50e-6);
         lines.push_back(to_json(result));
@@ -107,15 +106,18 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       results.append(lines);
     };
     const auto show = [&](double of_batch, std::size_t i) {
+      if (settings.quiet) return;
       const double fraction = schedule.fraction(of_batch);
       progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + short_number(runs[i].tolerance),
                     schedule.left(fraction));
     };
-    if (!run_flow({assemble, runs, limits, append, show}, desk, interrupted)) break;
+    const Flow flow{assemble, runs, limits, append, plan.options.tolerances.back(), show};
+    if (!run_flow(flow, desk, interrupted)) break;
     schedule.finished(std::max(0.0, wall_seconds() - start - repeating));
   }
 
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
+  if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
   if (!interrupted && !plan.speed) {
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());

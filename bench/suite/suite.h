@@ -27,6 +27,7 @@ struct SuiteSettings {
   std::filesystem::path cache = {};      // of references; empty: none is kept
   std::string command = {};              // for run.json
   bool terminal = false;                 // draw a progress bar on stderr
+  bool quiet = false;                    // show no progress at all
   std::span<const SolverEntry> solvers = zwang::solvers();
 };
 

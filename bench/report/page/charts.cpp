@@ -11,6 +11,7 @@
 #include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/tables/profile.h>
+#include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/tables.h>
 #include <zwang/bench/report/tables/work_precision.h>
@@ -35,6 +36,28 @@ json chart(const std::string& fields, const json& rows) {
   return {{"fields", std::vector<std::string>(std::istream_iterator<std::string>(words), {})}, {"rows", rows}};
 }
 
+// An answer that came with a problem has an error and no time: one row a problem, and the median of each family.
+void add_recorded(const Run& run, json& rows) {
+  InOrder<std::pair<std::string, std::string>, std::vector<const Result*>> families;
+  const auto add = [&rows](const char* level, const Result& r, double error, const std::string& verified,
+                           const std::string& of) {
+    rows.push_back({level, r.family, r.problem, r.solver, known(r.tolerance), "recorded", known(error), json(), json(),
+                    json(), json(), json(), r.claimed, verified, of, ""});
+  };
+  for (const Result& r : run.recorded)
+    if (std::isfinite(r.error())) {
+      add("run", r, r.error(), r.verified, "a recorded answer");
+      families[{r.family, r.solver}].push_back(&r);
+    }
+  for (const auto& [key, answers] : families.items) {
+    std::vector<double> errors;
+    for (const Result* r : answers) errors.push_back(r->error());
+    const Result& any = *answers.front();
+    add("median", any, median(errors), answers.size() == 1 ? any.verified : "",
+        "median of " + std::to_string(answers.size()) + " recorded answers");
+  }
+}
+
 json work_precision(const Run& run) {
   json rows = json::array();
   for (const DrawnRun& d : work_precision_points(run)) {
@@ -43,6 +66,7 @@ json work_precision(const Run& run) {
                     known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.prepare_s), known(d.iterations, 6),
                     r.claimed, r.verified, d.of, r.replay});
   }
+  add_recorded(run, rows);
   return chart(
       "level family problem solver tolerance drawn error time q1 q3 prepare iterations claimed verified of replay",
       rows);

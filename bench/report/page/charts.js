@@ -162,6 +162,9 @@
     });
   }
 
+  const is_recorded = row => row.drawn === 'recorded';
+  const stands_in_medians = row => row.level !== 'run' || !(row.drawn === 'ok' || is_recorded(row));
+
   // Runs, or medians over a family, ready to draw. An exact solver's answer does not depend on the tolerance: of its right
   // runs, or medians, the tightest tolerance stands for all. Among medians, a run that has none is a dot off the line.
   function placed(whole, data, state, among_medians) {
@@ -173,7 +176,7 @@
     const tightest = {};
     for (const row of drawn.filter(stands_for_all)) if (!(tightest[key(row)]?.tolerance <= row.tolerance)) tightest[key(row)] = row;
     const kept = drawn.filter(row => !stands_for_all(row) || tightest[key(row)] === row);
-    const in_strip = row => row.x <= 1e-17;
+    const in_strip = row => row.x <= 1e-17 && !is_recorded(row);
     const families = [...new Set(kept.map(row => row.family))];
     return [...kept.filter(row => !in_strip(row)), ...families.flatMap(family => into_columns(kept.filter(row => in_strip(row) && row.family === family)))];
   }
@@ -187,9 +190,9 @@
     return {
       ...row,
       drawn: among_medians && row.level === 'lone' ? 'lone' : row.drawn,
-      x: in_strip ? lane : Math.min(row.error, 3),
+      x: in_strip ? lane : Math.min(Math.max(row.error, is_recorded(row) ? 5e-19 : 0), 3),
       error_text: row.error === null ? 'unknown' : (row.drawn === 'undecided' ? '≤ ' : '') + scientific(row.error),
-      time_text: duration(row.time) + (row.q1 === null ? '' : `  [${duration(row.q1)}, ${duration(row.q3)}]`),
+      time_text: is_recorded(row) ? 'none' : duration(row.time) + (row.q1 === null ? '' : `  [${duration(row.q1)}, ${duration(row.q3)}]`),
       tolerance_text: scientific(row.tolerance),
     };
   }
@@ -223,10 +226,10 @@
   // The rows each chart draws, from everything the page holds and what its reader chose.
   const rows = {
     'work-precision': (data, state) => placed(all_rows(data, 'work-precision')
-      .filter(row => state.on.has(row.solver) && row.family === state.family)
-      .filter(row => state.problem ? row.problem === state.problem && row.level !== 'median' : row.level !== 'run' || row.drawn !== 'ok'), data, state, !state.problem),
+      .filter(row => (state.on.has(row.solver) || is_recorded(row)) && row.family === state.family)
+      .filter(row => state.problem ? row.problem === state.problem && row.level !== 'median' : stands_in_medians(row)), data, state, !state.problem),
     'families': (data, state) => placed(all_rows(data, 'work-precision')
-      .filter(row => state.on.has(row.solver) && (row.level !== 'run' || row.drawn !== 'ok')), data, state, true),
+      .filter(row => (state.on.has(row.solver) || is_recorded(row)) && stands_in_medians(row)), data, state, true),
     'profile': (data, state) => all_rows(data, 'profile')
       .filter(row => row.kind === 'ratio' && state.on.has(row.solver) && row.family === state.group && row.level === state.level)
       .map(row => ({...row, share_text: `${Math.round(100 * row.share)} %`})),

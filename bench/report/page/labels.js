@@ -101,15 +101,16 @@
   };
 
   // The rows of a chart with the labels among them (part: "label"), and the words its spec asks for.
-  function labelled(name, rows, {width, height}) {
+  function labelled(name, every, {width, height}) {
     const chart = charts[name];
-    if (!chart) return {rows, words: {}};
+    if (!chart) return {rows: every, words: {}};
+    const lines = every.filter(row => row.drawn === 'recorded'), rows = every.filter(row => row.drawn !== 'recorded');
     const {x, y, order, line = () => true, text = row => row.solver} = chart;
     const domains = chart.domains ?? (shown => [with_margin(wider(range(shown.map(row => row[x])), 1.2, 1), true, width), wider(range(shown.map(row => row[y])), 1.5, 1.5)]);
     const [x_domain, y_domain] = domains(rows, width);
     const across = axis(!chart.linear_x, x_domain, width), up = axis(!chart.linear_y, y_domain, height);
     const words = {X_DOMAIN: x_domain, Y_DOMAIN: y_domain};
-    if (width < 420) return {rows, words};
+    if (width < 420) return {rows: every, words};
     const pixel = row => ({x: across.pixel(row[x]), y: height - up.pixel(row[y])});
     const occupied = rows.map(pixel), anchors = [];
     for (const solver of new Set(rows.map(row => row.solver))) {
@@ -127,7 +128,7 @@
       solver: label.row.solver, part: 'label', drawn: 'label', text: label.text, align: label.align, far: label.far, shift: label.rect ? (label.align === 'left' ? gap : -gap) : 3,
       [x]: across.value(label.at_x), [y]: up.value(height - label.at_y), from_x: label.row[x], from_y: label.row[y],
     }));
-    return {rows: [...rows, ...labels], words};
+    return {rows: [...rows, ...lines, ...labels], words};
   }
 
   globalThis.zwang_labels = {place, stack, labelled};

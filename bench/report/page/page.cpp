@@ -130,6 +130,9 @@ std::vector<std::string> headline(const Run& run) {
     lines.push_back(counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") + " wrong (" +
                     joined(lies) + "): see the table of false claims.");
   if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
+  if (!run.recorded.empty())
+    lines.push_back(counted(run.recorded.size(), "recorded answer") + " judged beside the runs, " +
+                    std::to_string(std::ranges::count_if(run.recorded, &Result::is_right)) + " right.");
   if (!run.torn.empty()) lines.push_back(run.torn);
   return lines;
 }

@@ -10,6 +10,7 @@
 
 #include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/in_order.h>
+#include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/report/wording.h>
 
 namespace zwang::report {
@@ -118,6 +119,38 @@ Table claims_table(const Run& run) {
                      : "No run claimed success, or infeasibility, where the referee found the opposite. Flagged or "
                        "unproven claims:",
                 "No run made a claim that the referee rejects.");
+  return table;
+}
+
+Table recorded_table(const Run& run) {
+  Table table("recorded",
+              "family; answer; #problems; #right; #near; #wrong; #smallest error; #median error; #largest error");
+  InOrder<std::pair<std::string, std::string>, std::vector<const Result*>> groups;
+  for (const Result& r : run.recorded) groups[{r.family, r.solver}].push_back(&r);
+  for (const auto& [key, answers] : groups.items) {
+    std::vector<double> errors;
+    long right = 0, near = 0, wrong = 0;
+    for (const Result* r : answers) {
+      if (std::isfinite(r->error())) errors.push_back(r->error());
+      right += r->is_right();
+      near += r->verified == "near";
+      wrong += r->verified == "wrong";
+    }
+    std::ranges::sort(errors);
+    const double none = unknown;
+    table.add("", key.first,
+              {key.first, key.second, whole_cell(std::ssize(answers)), whole_cell(right), whole_cell(near),
+               whole_cell(wrong), number_cell(errors.empty() ? none : errors.front()), number_cell(median(errors)),
+               number_cell(errors.empty() ? none : errors.back())});
+  }
+  const double asked = run.recorded.empty() ? unknown : run.recorded.front().tolerance;
+  table.explain(
+      ("Answers that came with the problems, judged by the referee like a solver's at tolerance " +
+       scientific(asked, 0) +
+       ". They are no runs: they have no time, and count in no other table. A simulator that softens its rows "
+       "answers another problem than the one charted.")
+          .c_str(),
+      "No problem came with an answer.");
   return table;
 }
 

@@ -100,9 +100,10 @@ std::vector<Table> all_tables(const Run& run) {
                                reference_table(run),    solver_table(run),      conditions_table(run),
                                stability_table(run)};
   if (run.is_of_speed())
-    for (Table& table :
-         std::vector{speed_table(run), speed_exponent_table(run), sequence_table(run), assembly_table(run)})
+    for (Table& table : std::vector{speed_table(run), speed_exponent_table(run), assembly_table(run)})
       tables.push_back(std::move(table));
+  if (!run.sequences.empty()) tables.push_back(sequence_table(run));
+  if (!run.recorded.empty()) tables.push_back(recorded_table(run));
   return tables;
 }
 

@@ -61,9 +61,11 @@ Table conditions_table(const Run& run);    // commit, compiler, CPU, libraries, 
 // Of the speed suite:
 Table speed_table(const Run& run);           // time, kernels, ratios, error and verdict per size and solver
 Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
-Table sequence_table(const Run& run);        // cold and warm over frames
 Table assembly_table(const Run& run);
-std::vector<Table> all_tables(const Run& run);  // those of the speed suite only where it ran
+// Where there are such lines:
+Table sequence_table(const Run& run);           // cold and warm over frames
+Table recorded_table(const Run& run);           // answers that came with the problems
+std::vector<Table> all_tables(const Run& run);  // some only where there is something to say
 
 std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 

@@ -65,10 +65,19 @@ async function browses_a_full_run() {
   for (const row of own) assert.ok(Math.abs(share(row) - (row.solver.match(/ipopt|nlopt|bullet/) ? 0.7 : 0.9)) < 0.05, `${row.solver} without its preparation`);
   await choose_time('whole');
   const labels = drawn.filter(row => row.part === 'label');
-  assert.deepEqual(labels.map(row => row.solver).sort(), [...new Set(drawn.map(row => row.solver))].sort());
+  assert.deepEqual(labels.map(row => row.solver).sort(), [...new Set(drawn.filter(row => row.drawn !== 'recorded').map(row => row.solver))].sort());
   assert.match(labels.find(row => row.solver === 'dual_active_set').text, /^dual_active_set, [\d.]+ [nµm]?s$/);
   for (const label of labels) assert.ok(label.x > 2e-20 && label.x < 60, `${label.solver} is named inside the plot`);
   assert.match(await page.evaluate(`document.querySelector('#claims tr.command code').textContent`), /^\.\/zwang solve \S+\.h5 --solver \S+ --tolerance 1e-\d+$/);
+
+  // What came with the problems is a line across, whoever is chosen, and no solver.
+  const recorded = drawn.filter(row => row.solver === 'recorded:mujoco');
+  assert.equal(recorded.length, 1);
+  assert.equal(recorded[0].x, 0.021);
+  assert.equal(await page.evaluate(`document.querySelectorAll('[data-table=recorded] tbody tr').length`), 1);
+  assert.ok(!(await page.evaluate(`[...document.querySelectorAll('.chip')].map(chip => chip.textContent)`)).includes('recorded:mujoco'));
+  assert.match(await page.evaluate(`document.getElementById('headline').textContent`), /2 recorded answers judged beside the runs, 0 right/);
+  assert.equal(await page.evaluate(`document.getElementById('sequences')`), null, 'no section without sequences');
 
   await page.evaluate(`zwang_page.choose(new Set(['nnls', 'pgs']))`);
   assert.equal(await page.evaluate('location.hash'), '#solvers=nnls,pgs');

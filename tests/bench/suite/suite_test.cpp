@@ -190,6 +190,84 @@ TEST(Resume, DropsATornLineAndMakesOnlyWhatIsMissing) {
   for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(after[i], before[i]) << "a finished line was touched";
 }
 
+// Three problems with an answer each: 0.2 off, exact, and exact.
+Plan with_recorded_answers() {
+  Plan p = plan("all_active,lies");
+  Solution exact;
+  for (Instance& instance : p.instances) {
+    tests::AllActive().solve(instance.problem, {}, exact);
+    instance.recorded = {{"somebody", &instance == &p.instances.front() ? instance.problem.z_u : exact.z}};
+  }
+  return p;
+}
+
+TEST(Recorded, AnswersAreJudgedAndCountInNoTally) {
+  const Folder folder("recorded");
+  const Outcome outcome = run_suite(with_recorded_answers(), in(folder.path), tests::never);
+  EXPECT_EQ(outcome.planned, 12u);
+  EXPECT_EQ(outcome.tally.runs, 12u);
+  EXPECT_EQ(outcome.tally.recorded, 3u);
+  std::vector<std::string> verdicts;
+  for (const Json& line : lines_of(folder.path / "results.jsonl"))
+    if (line["solver"] == "recorded:somebody") {
+      verdicts.push_back(line["verified"]);
+      EXPECT_EQ(line["claimed"], "unsolved");
+      EXPECT_EQ(line["tolerance"], 1e-10);
+      EXPECT_TRUE(line["solve_s"].is_null());
+      EXPECT_EQ(line["z_error"].get<double>() > 0.01, verdicts.size() == 1);
+    }
+  EXPECT_EQ(verdicts, (std::vector<std::string>{"wrong", "solved", "solved"}));
+}
+
+TEST(Recorded, AnswersStandOnceAfterAResumeWhereverTheRunWasKilled) {
+  const Folder folder("recorded-resume");
+  const Plan p = with_recorded_answers();
+  run_suite(p, in(folder.path), tests::never);
+  const auto file = folder.path / "results.jsonl";
+  const auto whole = lines_of(file);
+  ASSERT_EQ(whole.size(), 15u);
+  for (std::size_t kept = 0; kept < whole.size(); ++kept) {
+    {
+      std::ofstream out(file, std::ios::trunc);
+      for (std::size_t i = 0; i < kept; ++i) out << whole[i].dump() << '\n';
+      out << whole[kept].dump().substr(0, 90);
+    }
+    const Outcome outcome = run_suite(p, in(folder.path), tests::never);
+    EXPECT_EQ(outcome.tally.runs, 12u);
+    EXPECT_EQ(outcome.tally.recorded, 3u);
+    EXPECT_EQ(lines_of(file).size(), 15u) << "killed in line " << kept + 1;
+  }
+}
+
+TEST(Resume, GoesOnWithTheProblemsThatAProgramGave) {
+  const Folder folder("given");
+  Plan p = plan("all_active");
+  p.options.given = p.instances.size();
+  const std::atomic<bool> at_once = true;
+  run_suite(p, in(folder.path), at_once);
+  const SuiteOptions stored = options_to_resume(folder.path, {}, [](const std::string&) { return false; });
+  ASSERT_EQ(stored.instances.size(), 3u);
+  const Plan again = make_plan(stored, tests::all);
+  EXPECT_EQ(again.title(), "your problems");
+  EXPECT_EQ(run_suite(again, in(folder.path), tests::never).tally.runs, 6u);
+}
+
+TEST(Sequence, TimesEachFrameColdAndFromTheAnswerBefore) {
+  const Folder folder("sequence");
+  Plan p = plan("all_active");
+  p.options.sequence = true;
+  p.instances = {tests::chain(4), tests::chain(4), tests::chain(4)};
+  run_suite(p, in(folder.path), tests::never);
+  const auto lines = lines_of(folder.path / "speed.jsonl");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0]["kind"], "sequence");
+  EXPECT_EQ(lines[0]["sequence"], p.instances[0].family);
+  for (const char* start : {"cold", "warm"}) {
+    EXPECT_EQ(lines[0][start]["frames"], 3);
+    EXPECT_EQ(lines[0][start]["right"], 1);
+  }
+}
+
 TEST(Resume, RefusesAnotherProblemAndOtherOptions) {
   const Folder folder("refuse");
   run_suite(plan("all_active"), in(folder.path), tests::never);
