@@ -5,7 +5,9 @@
               after each are what it prints; none: not looked at.
 ```python     Run one after another, in one interpreter a page, with the module of PYTHONPATH; a ```text block right after it
               is what it prints. "-": left out.
-    ./zwang   Indented lines of README.md, as `readme` below has them.
+```cpp        Is a file below docs/examples, or a part of one; the first blocks of the guides are compiled (docs/CMakeLists.txt).
+    ./zwang   Indented lines, and the same in `backquotes`: every one is run, on first.h5 (a problem) and the runs DIR,
+              RUN_A and RUN_B, as `shorter` below has it.
 
 A comment `<!-- not run: why -->` on the line before a block leaves it out. Printed text is compared loosely: "..." stands
 for anything, a line "..." for any lines, a time for any time, "(8.2x)" for any ratio, rounding noise for any rounding noise.
@@ -18,21 +20,37 @@ import subprocess
 import sys
 import tempfile
 
-# How a line of README.md is run. None: it takes minutes, or is a test of its own.
-readme = [
+# How a line is run that would take long, or names what is not there. None: it takes minutes, or is a test of its own.
+shorter = [
     ("./zwang bench", None), ("./zwang test.*", None), ("./zwang docs", None), ("./zwang python", None),
     (r"./zwang bench --suite (quick|speed|atlas|collision)", None),
-    (r"./zwang simulate .*", None),
+    (r"(./zwang bench --suite atlas --families) .*", r"\1 PIVOT --solvers dual_active_set,cholesky --out atlas"),
+    (r"(./zwang bench --problems) FILE... --suite speed", r"\1 first.h5 --solvers nnls --out speed"),
+    (r"(./zwang bench) --resume DIR", r"\1 --resume DIR"),
+    (r"(./zwang simulate simple --motion grasp)(.*)", r"\1 --frames 20 --out $(mktemp -u)\2"),
+    (r"(./zwang simulate) engine --motion recording.json", r"\1 --help"),
+    (r"(./zwang simulate gear.stl@mm .*)", r"\1 --frames 5 --out gear"),
+    (r"./zwang experiment all .*", None),
+    (r"./zwang experiment fig8", "./zwang experiment fig8 --seconds 0.05 --out questions"),
+    (r"./zwang export --atlas DIR", "./zwang export --help"),
+    (r"(./zwang fuzz) --near", r"\1 --near --count 5 || test $? = 1"),  # 1: it found something
+    (r"(./zwang solve FILE --solver) NAME (.*)", r"./zwang solve first.h5 --solver nnls \2"),
+    (r"./zwang solve", "./zwang solve first.h5 --solver nnls"), (r"./zwang solve FILE", "./zwang solve first.h5 --solver nnls"),
+    (r"./zwang export", "./zwang export tower --out tower.h5"), (r"./zwang report", "./zwang report DIR"),
+    (r"./zwang simulate", "./zwang simulate --help"),
+    (r"./zwang bench --scenes my.json", "./zwang bench --scenes SOURCE/docs/examples/scenes/crane.json --solvers nnls --out mine"),
+    (r"(./zwang bench --solvers) projected_gradient,nnls", r"\1 nnls --scenes 'tower(boxes=2)' --out guide"),
     (r"(./zwang bench --scenes) \"tower.*", r'\1 "tower(boxes=10),hand(contacts=64,seed=1..2)" --solvers nnls,dual_active_set,ipopt '
-                                            r"--tolerances 1e-6 --out RUN_B"),
-    (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out DIR"),
+                                            r"--tolerances 1e-6 --out own"),
+    (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out problems"),
     (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),
-    (r"(./zwang report DIR) --figures svg,pdf", r"\1 --figures svg"),
-    (r"(./zwang report) RUN_A RUN_B", r"\1 DIR RUN_B"),
+    (r"(./zwang report DIR) --figures (svg,pdf|pdf)", r"\1 --figures svg"),
     (r"(./zwang capture) .*", None),
-    (r"(./zwang bench --scenes) (\S+\.json)", r"\1 SOURCE/\2 --solvers nnls --out scene"),
+    (r"(./zwang bench --scenes) (\S+\.json).*", r"\1 SOURCE/\2 --solvers nnls --out scene"),
 ]
+# Corners of its twelve triangles, seen from outside.
+cube = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
 time = r"\d[\d,.]*(?: min \d+)? (?:us|ms|s|min)\b"
 noise = r"(?:0|\d(?:\.\d+)?e-(?:1[1-9]|[2-9]\d))"
 token = re.compile(rf"(?P<dots> *\.\.\.)|(?P<time>{time})|\((?P<ratio>[\d.,]+)x\)|(?P<noise>\b\d(?:\.\d+)?e-(?:1[1-9]|[2-9]\d)\b)|(?P<space> +)")
@@ -108,21 +126,44 @@ class Page:
                 return json.loads(line[1:])
         return [False, "the interpreter died"]
 
+    def lines(self, text):
+        plain = re.sub(r"^( *)(```+).*?^ *\2 *$|<!--.*?-->", "", text, flags=re.S | re.M)
+        found = re.findall(r"^(?:    )?(\./zwang.*)", plain, re.M) + re.findall(r"`(\./zwang[^`]*)`", plain)
+        if not found:
+            return
+        a_run = "bench --problems first.h5 --solvers nnls --out "
+        made = ["export hand --contacts=4 --out first.h5", a_run + "RUN_A", a_run + "RUN_B",
+                "simulate simple --motion grasp --frames 20 --out DIR" if "frames.h5" in text else a_run + "DIR"]
+        for command in made:
+            self.command("./zwang " + command, "", True)
+        self.run -= len(made)
+        block = "".join(f"facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {30 * (c & 1)} {30 * (c >> 1 & 1)} {30 * (c >> 2)}\n" for c in corners)
+                        + "endloop\nendfacet\n" for corners in cube)
+        for name in ("part.stl", "gear.stl"):
+            pathlib.Path(self.folder, name).write_text(f"solid cube\n{block}endsolid cube\n")
+        for line in dict.fromkeys(re.sub(r"  *#.*", "", line).replace("\n", " ").strip() for line in found):
+            for shape, instead in shorter:
+                if re.fullmatch(shape, line):
+                    line = instead and re.sub(shape, instead, line).replace("SOURCE", str(root))
+                    break
+            if line:
+                self.command(line, "", True)
+            else:
+                self.left_out += 1
+
+    def source(self, body):
+        """A guide's first block is compiled into the tests; another one is part of a file of docs/examples."""
+        self.run += 1
+        files = [p.read_text() for p in (root / "docs" / "examples").rglob("*") if p.suffix in (".cpp", ".h")]
+        if self.page.name not in ("add-a-constraint.md", "add-a-solver.md") and not any(body.strip() in t for t in files):
+            self.faults.append(f"{self.page.name}: this is in no file of docs/examples:\n{body}")
+
     def walk(self, text):
-        if self.page.name == "README.md":
-            self.command("./zwang export hand --contacts=4 --out first.h5", "", True)
-            for line in re.findall(r"^    (\./zwang.*)", text, re.M):
-                line = re.sub(r"  +#.*", "", line).strip()
-                for shape, instead in readme:
-                    if re.fullmatch(shape, line):
-                        line = instead and re.sub(shape, instead, line).replace("SOURCE", str(self.page.parent))
-                        break
-                if line:
-                    self.command(line, "", True)
-                else:
-                    self.left_out += 1
         items = list(blocks(text))
+        self.lines(text)
         for (kind, body, not_run), (next_kind, following, _) in zip(items, items[1:] + [("", "", False)]):
+            if kind == "cpp":
+                self.source(body)
             if kind not in ("console", "python"):
                 continue
             if not_run or (kind == "python" and self.module == "-"):
@@ -143,9 +184,10 @@ class Page:
             self.interpreter.wait()
 
 
+root = pathlib.Path(__file__).resolve().parents[2]
 program, module, *pages = sys.argv[1:]
 pages = [pathlib.Path(name).resolve() for name in pages]
-program = os.path.abspath(program)
+program, module = os.path.abspath(program), module if module == "-" else os.path.abspath(module)
 faults = 0
 for name in pages:
     page = Page(program, module, name)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks every relative link and #anchor of README.md and docs/**/*.md: links.py ROOT."""
+"""Checks every relative link and #anchor of README.md and docs/**/*.md, and that no z* is taken for emphasis: links.py ROOT."""
 import pathlib
 import re
 import sys
@@ -34,6 +34,8 @@ def anchors(page):
 broken, links = [], 0
 for page in pages:
     text = without_code(page.read_text())
+    for star in re.findall(r"[^\n]*\b[xz]\*[^\n]*", text):
+        broken.append(f"{page.relative_to(root)}: write z\\* where a star is meant, or it sets what follows in italics: {star}")
     targets = re.findall(r"!?\[[^]]*\]\(([^)\s]+)[^)]*\)", text) + re.findall(r"^\[[^]]+\]: (\S+)", text, re.M)
     for target in targets:
         if re.match(r"[a-z]+:", target):
