@@ -58,10 +58,13 @@ int export_command(std::vector<std::string> words) {
       .add_option("--atlas", atlas, "instead: every point of the stability atlas with its certified truth, a file each")
       ->type_name("DIR");
   options.add_option("--families", families, "MR,NPE,...: of the atlas, only these");
+  std::optional<Law> law;
+  add_law(options, law);
   options.allow_extras();
   if (!read(options, std::move(words))) return done;
   if (!atlas.empty()) {
     if (!scene.empty() || !out.empty()) throw std::invalid_argument("--atlas takes neither a scene nor --out");
+    if (law) throw std::invalid_argument("--atlas writes its problems as they are: no --law");
     return export_atlas(atlas, families);
   }
   if (scene.empty()) throw std::invalid_argument("SCENE is required (./zwang scenes lists them)");
@@ -72,8 +75,9 @@ int export_command(std::vector<std::string> words) {
   if (instances.size() != 1)
     throw std::invalid_argument("'" + text + "' names " + std::to_string(instances.size()) +
                                 " problems, a file holds one");
-  write_problem(out, instances[0]);
-  const Problem& p = instances[0].problem;
+  const Instance instance = law ? under(*law, instances[0]) : instances[0];
+  write_problem(out, instance);
+  const Problem& p = instance.problem;
   std::printf("%s: %ld unknowns, %ld rows -> %s\n", p.name.c_str(), static_cast<long>(p.size()),
               static_cast<long>(p.rows()), out.c_str());
   return done;

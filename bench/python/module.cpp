@@ -89,7 +89,8 @@ void require_good(const Problem& p) {
 }
 
 Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed& J, const Numbers& c,
-                      const py::array_t<bool>& equality, std::string name) {
+                      const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Numbers& mu,
+                      const std::string& law, std::string name) {
   Instance out;
   Problem& p = out.problem;
   p.name = std::move(name);
@@ -98,10 +99,13 @@ Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed&
   p.J = to_matrix<Eigen::RowMajor>(J, "J");
   p.c = to_vector(c, "c");
   const auto is_equality = equality.unchecked<1>();
+  const auto is_tangent = tangent.unchecked<1>();
   for (Index i = 0; i < is_equality.shape(0); ++i) {
-    p.kind.push_back(is_equality(i) ? RowKind::equality : RowKind::inequality);
+    p.kind.push_back(is_equality(i) ? RowKind::equality : is_tangent(i) ? RowKind::tangent : RowKind::inequality);
     p.key.push_back({0, static_cast<std::uint32_t>(i)});
   }
+  p.mu = to_vector(mu, "mu");
+  p.law = parse_law(law);
   require_good(p);
   return out;
 }
@@ -161,6 +165,13 @@ void add_python_solver(const std::string& name, py::function call, const std::st
               .foreign = true,
               .sees_infeasibility = false,
               .make = [kept](std::string_view) -> AnySolver { return PythonSolver{*kept}; }});
+}
+
+// Under which it reads tangent rows.
+std::vector<std::string> laws_of(const SolverEntry& entry) {
+  std::vector<std::string> words;
+  for (const Law law : entry.laws) words.emplace_back(to_string(law));
+  return words;
 }
 
 struct Solved {
@@ -225,6 +236,19 @@ PYBIND11_MODULE(_zwang, m) {
                                  out.mutable_at(r) = i.problem.is_equality(r);
                                return out;
                              })
+      .def_property_readonly("tangent",
+                             [](const Instance& i) {
+                               py::array_t<bool> out(i.problem.rows());
+                               for (Index r = 0; r < i.problem.rows(); ++r) out.mutable_at(r) = i.problem.is_tangent(r);
+                               return out;
+                             })
+      .def_property_readonly(
+          "mu",
+          [](const Instance& i) {
+            return to_numpy(i.problem.has_tangents() ? i.problem.mu : Vector::Zero(i.problem.rows()));
+          })
+      .def_property_readonly("law", [](const Instance& i) { return std::string(to_string(i.problem.law)); })
+      .def("_under", [](const Instance& i, const std::string& law) { return under(parse_law(law), i); })
       .def_property_readonly("size", [](const Instance& i) { return i.problem.size(); })
       .def_property_readonly("rows", [](const Instance& i) { return i.problem.rows(); })
       .def_property_readonly("name", [](const Instance& i) { return i.problem.name; })
@@ -279,7 +303,7 @@ PYBIND11_MODULE(_zwang, m) {
     std::vector<py::dict> all;
     for (const SolverEntry& e : solvers())
       all.push_back(py::dict("name"_a = e.name, "method"_a = e.method, "limits"_a = e.limits, "foreign"_a = e.foreign,
-                             "exact"_a = e.exact));
+                             "exact"_a = e.exact, "laws"_a = laws_of(e)));
     return all;
   });
   m.def("scenes", [] {
@@ -294,7 +318,7 @@ PYBIND11_MODULE(_zwang, m) {
     return all;
   });
   const auto free = py::call_guard<py::gil_scoped_release>();
-  m.def("make_scenes", &make_scenes, free);
+  m.def("make_scenes", &make_scenes, "text"_a, "seed"_a, "mu"_a = py::none(), free);
   m.def("load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
   m.def(
       "save",
@@ -326,12 +350,13 @@ PYBIND11_MODULE(_zwang, m) {
   m.def("add_solver", &add_python_solver);
   m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
                     const std::vector<std::filesystem::path>& files, const std::string& chosen,
-                    const std::vector<double>& tolerances, int repetitions, std::uint64_t seed, bool keep_python,
-                    const std::filesystem::path& directory) {
+                    const std::vector<double>& tolerances, int repetitions, std::uint64_t seed,
+                    const std::optional<std::string>& law, bool keep_python, const std::filesystem::path& directory) {
     SuiteOptions options{.suite = suite,
                          .scenes = scenes,
                          .problems = files,
                          .instances = problems,
+                         .law = law ? std::optional(parse_law(*law)) : std::nullopt,
                          .solvers = chosen,
                          .tolerances = tolerances,
                          .repetitions = repetitions,

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
+#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/core/model/motion.h>
@@ -11,10 +13,9 @@ namespace {
 
 // Four corner contacts of A, standing on B, over the rectangle between two corners at height z.
 void add_patch(Scene& scene, BodyId a, BodyId b, const Vec3& low, const Vec3& high, const std::string& label) {
-  for (int corner = 0; corner < 4; ++corner) {
-    const Vec3 point(corner & 1 ? high.x() : low.x(), corner & 2 ? high.y() : low.y(), low.z());
-    scene.add(contact_at(scene.bodies, a, b, point, Vec3::UnitZ()), label + ", corner " + std::to_string(corner + 1));
-  }
+  std::array<Vec3, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = {k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), low.z()};
+  add_corners(scene, a, b, corners, Vec3::UnitZ(), label);
 }
 
 // Gravity, and on every box a random push of up to `push` times its weight, at random levers within 1/8 m.
@@ -29,11 +30,13 @@ Vector pushed(const Scene& scene, double push, Draw& draw) {
   return z_u;
 }
 
-// z* = 0 and the multipliers that a statics book gives.
+// z* = 0 and the multipliers that a statics book gives to the contacts; friction has nothing to do.
 Reference at_rest(const Problem& problem, const std::vector<double>& lambda) {
-  return {.z = Vector::Zero(problem.size()),
-          .lambda = Eigen::Map<const Vector>(lambda.data(), static_cast<Index>(lambda.size())),
-          .method = "closed form"};
+  Reference rest{.z = Vector::Zero(problem.size()), .lambda = Vector::Zero(problem.rows()), .method = "closed form"};
+  std::size_t contact = 0;
+  for (Index i = 0; i < problem.rows(); ++i)
+    if (!problem.is_tangent(i)) rest.lambda[i] = lambda[contact++];
+  return rest;
 }
 
 // Boxes of 1 kg one on another, box i as wide as width(i), four corner contacts each. At rest a quarter of the weight
@@ -55,6 +58,7 @@ Scene pile_up(int boxes, double height, const std::function<double(int)>& width,
 Instance released(Scene& scene, const Knobs& knobs, const std::vector<double>& lambda) {
   const double push = knobs.contains("push") ? knobs.at("push") : 0;
   Draw draw(push > 0 ? knobs.at("seed") : 0);
+  rub(scene, friction_of(knobs));
   Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
   if (push == 0) instance.reference = at_rest(instance.problem, lambda);
   return instance;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 
 namespace zwang {
@@ -18,14 +19,38 @@ Knob real(const char* name, double value, double low, double high, const char* h
 Knob seed(const char* help) { return integer("seed", 1, 0, 1e9, help); }
 
 const Knob push_knob = real("push", 0.25, 0, 4, "largest random push on a box, in weights; 0 leaves it at rest");
+Knob mu_knob(double value) { return real("mu", value, 0, 1024, "Coulomb's coefficient of friction; 0: none"); }
 const Knob limits_knob = integer("limits", 5, 0, 20, "violated joint limits");
 const Knob drift_knob = real("drift", 0x1p-13, 0, 0x1p-7, "opening of the joints (m)");
 
 // Its family is its name, and charts sweep its first knob, where that counts something.
 template <class... Knobs>
-SceneEntry scene(const char* name, Instance (*make)(const zwang::Knobs&), const char* line, const Knobs&... knobs) {
+SceneEntry without_contacts(const char* name, Instance (*make)(const zwang::Knobs&), const char* line,
+                            const Knobs&... knobs) {
   SceneEntry entry{.name = name, .family = name, .line = line, .knobs = {knobs...}, .make = make};
   if (entry.knobs[0].integer) entry.sweep = entry.knobs[0].name;
+  return entry;
+}
+
+// A scene that leaves its contacts as they are gets friction as a matrix does (friction/friction.h).
+template <class... Knobs>
+SceneEntry scene(const char* name, Instance (*make)(const zwang::Knobs&), const char* line, const Knobs&... knobs) {
+  SceneEntry entry = without_contacts(name, make, line, knobs...);
+  entry.knobs.push_back(mu_knob(0));
+  entry.make = [make](const zwang::Knobs& all) {
+    Instance made = make(all);
+    const double mu = friction_of(all);
+    return mu > 0 && !made.problem.has_tangents() ? with_friction(made, mu) : made;
+  };
+  return entry;
+}
+
+// A scene in which friction decides, and so is there unless it is asked away.
+template <class... Knobs>
+SceneEntry rough(const char* name, Instance (*make)(const zwang::Knobs&), const char* line, double mu,
+                 const Knobs&... knobs) {
+  SceneEntry entry = without_contacts(name, make, line, knobs...);
+  entry.knobs.push_back(mu_knob(mu));
   return entry;
 }
 
@@ -49,13 +74,13 @@ std::vector<SceneEntry>& catalog() {
             seed("of the random draws")),
       scene("arch", arch, "wedge-shaped stones in half a circle, four contacts a joint, no friction",
             integer("stones", 9, 3, 500, "number of stones")),
-      scene("chain", chain, "links on ball joints, hanging from one end, tumbling",
-            integer("links", 16, 1, 4000, "number of links"), real("drift", 0, 0, 0.125, "opening of the joints (m)"),
-            seed("of the random draws")),
-      scene("four_bar", four_bar, "a linkage of three bars and four hinges: 20 rows of rank 17",
-            real("lean", 0.5, -2, 2, "horizontal offset of the coupler (m)")),
-      scene("leash", leash, "the constraint of docs/add-a-constraint.md: dogs pulling at their leashes",
-            integer("dogs", 4, 1, 1000, "number of dogs"), seed("of the random draws")),
+      without_contacts("chain", chain, "links on ball joints, hanging from one end, tumbling",
+                       integer("links", 16, 1, 4000, "number of links"),
+                       real("drift", 0, 0, 0.125, "opening of the joints (m)"), seed("of the random draws")),
+      without_contacts("four_bar", four_bar, "a linkage of three bars and four hinges: 20 rows of rank 17",
+                       real("lean", 0.5, -2, 2, "horizontal offset of the coupler (m)")),
+      without_contacts("leash", leash, "the constraint of docs/add-a-constraint.md: dogs pulling at their leashes",
+                       integer("dogs", 4, 1, 1000, "number of dogs"), seed("of the random draws")),
       scene(
           "hand", hands, "the 16-body hand pressed into a wall: joints, violated limits, redundant contacts",
           integer("contacts", 16, 0, 400, "number of contacts"), limits_knob, drift_knob,
@@ -65,6 +90,27 @@ std::vector<SceneEntry>& catalog() {
       scene("hands", hands, "independent hands in one problem", integer("hands", 2, 1, 64, "number of hands"),
             integer("contacts", 16, 0, 400, "contacts of each hand"), limits_knob, drift_knob,
             seed("of the random draws")),
+      rough("incline", incline, "a box on a slope: rests where mu >= slope", 0.75,
+            real("slope", 0.75, 0, 16, "tangent of the slope"), real("speed", 0, -16, 16, "downhill (m/s)")),
+      rough("crate", crate, "a crate pushed at its middle: slides where push > mu, tips where push > 1/tall", 0.5,
+            real("tall", 1, 0x1p-6, 64, "height over width"), real("push", 0.25, 0, 16, "in weights")),
+      rough("pinch", pinch, "a block between two fingers: held where 2 mu squeeze >= 1", 0.5,
+            real("squeeze", 2, 0, 1024, "force of each finger, in weights")),
+      rough("ladder", ladder, "a ladder against a wall: rests where slope >= (1 - mu^2) / (2 mu)", 0.5,
+            real("slope", 1, 0x1p-6, 64, "tangent of its angle with the ground")),
+      rough("ball", ball, "a ball thrown along the ground: slides, then rolls", 0.5, real("speed", 7, -64, 64, "m/s"),
+            real("spin", 0, -256, 256, "rad/s; 2 speed rolls")),
+      rough("belt", belt, "a box on a running belt", 0.5, real("speed", 1, -16, 16, "of the belt (m/s)"),
+            real("carried", 0, -16, 16, "speed of the box (m/s)")),
+      rough("peg", peg, "a peg in a slot, loaded beside its axis: jams where 2 mu load offset/apart >= 1 + load", 0.75,
+            real("load", 8, 0, 1024, "in weights"), real("offset", 0.5, 0, 16, "of the load from the axis (m)"),
+            real("apart", 0.5, 0x1p-6, 1, "height between the contacts (m)")),
+      rough("dome", dome, "rings of stones up to an eye, four contacts a joint: friction holds it", 0.75,
+            integer("rings", 4, 1, 100, "rings of stones"), integer("sectors", 12, 3, 400, "stones of a ring")),
+      rough("cards", cards, "a house of cards: friction holds it", 0.5, integer("storeys", 3, 1, 60, "storeys"),
+            real("lean", 0.25, 0x1p-6, 0.5, "tangent of the cards' lean")),
+      rough("heap", heap, "balls poured on one spot, at rest: friction holds it", 1,
+            integer("balls", 40, 1, 300, "number of balls"), seed("of their sizes")),
       scene("MR", mass_ratio, "ten boxes on four corners each, the top one heavier: mass ratio 2^k",
             integer("k", 4, 0, 48, "log2 of the mass ratio")),
       scene("MR1", mass_ratio_one_contact,
@@ -76,8 +122,8 @@ std::vector<SceneEntry>& catalog() {
       scene("NPE", near_parallel_equalities,
             "three pairs of equality rows a and a + 2^-k d, six contacts: near-parallel equalities",
             integer("k", 3, 1, 45, "-log2 of the angle between the rows of a pair"), seed("of the rows")),
-      scene("LOOP", four_bar_loop, "four-bar linkage, 20 rows of rank 17, one hinge tilted by 2^-k",
-            integer("k", 3, 0, zero_knob, "-log2 of the tilt; 60: no tilt")),
+      without_contacts("LOOP", four_bar_loop, "four-bar linkage, 20 rows of rank 17, one hinge tilted by 2^-k",
+                       integer("k", 3, 0, zero_knob, "-log2 of the tilt; 60: no tilt")),
       scene("GAP", contact_gap, "three contact rows whose sum is 0, infeasible (or feasible) by 2^-k",
             integer("k", 3, 1, zero_knob, "-log2 of the gap; 60: none, feasible"),
             integer("feasible", 0, 0, 1, "1: the gap leaves room")),
@@ -103,8 +149,8 @@ std::vector<SceneEntry>& catalog() {
             seed("of the rows")),
       scene("ANI", thin_bodies, "the same chain, one inertia of each body divided by 2^k",
             integer("k", 0, 0, 44, "log2 of the ratio"), seed("of the rows")),
-      scene("CHAIN", long_chain, "rods on ball joints end to end, dyadic, with a known answer",
-            integer("links", 8, 1, 4096, "number of links"), seed("of the answer")),
+      without_contacts("CHAIN", long_chain, "rods on ball joints end to end, dyadic, with a known answer",
+                       integer("links", 8, 1, 4096, "number of links"), seed("of the answer")),
       scene("STK", stack_of_masses, "equal masses one on another, one contact each; at rest",
             integer("boxes", 16, 1, 4096, "number of masses")),
       scene("PIVOT", exponential_pivots, "Murty's rows, on which exchanging one row at a time takes 2^n - 1 steps",

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -41,8 +42,9 @@ void add_scene(SceneEntry entry);
 const SceneEntry* find_scene(std::string_view name);
 
 // "tower(boxes=10,100),hand(contacts=64,seed=1..5)" -> every combination, named "tower(boxes=10)" and so on.
-// "crane.json" is a scene file (scene_file.h). `seed` is the default of every knob of that name. Throws
-// std::invalid_argument with the nearest name, or the knob's range.
-std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed = 1);
+// "crane.json" is a scene file (scene_file.h). `seed` is the default of every knob of that name; `mu`, where given,
+// that of the scenes whose text does not say one, as if it did. Throws std::invalid_argument with the nearest name, or
+// the knob's range.
+std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed = 1, std::optional<double> mu = {});
 
 }  // namespace zwang

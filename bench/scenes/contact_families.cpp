@@ -71,12 +71,14 @@ Instance many_on_a_face(const Knobs& knobs) {
   SmallNumbers draw(knobs.at("seed"));
   Vector z = thrown, lambda = Vector::Zero(contacts);
   z.segment<3>(2).setZero();
-  RowByRow rows(brick_mass, thrown);
+  RowByRow rows(brick_mass, thrown, friction_of(knobs));
   for (Index i = 0; i < contacts; ++i) {
     const bool corner = i < 4;
     const double x = corner ? (i % 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
     const double y = corner ? (i / 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
-    rows.add_contact(point_row(6, 0, Vec3(x, y, 0), {}, Vec3::UnitZ()), 0, std::to_string(i + 1));
+    const auto row_of = [&](const Vec3& way) { return point_row(6, 0, Vec3(x, y, 0), {}, way); };
+    rows.add_contact(row_of(Vec3::UnitZ()), 0, std::to_string(i + 1));
+    rows.add_slip(Vec3::UnitZ(), row_of);
     if (corner) lambda[i] = (g_dyadic - .09375 * x - .1875 * y) / 4;
   }
   return rows.finish({.z = z, .lambda = lambda, .method = "closed form"});
@@ -86,11 +88,13 @@ Instance many_on_a_face(const Knobs& knobs) {
 Instance many_tilted(const Knobs& knobs) {
   const auto contacts = static_cast<Index>(knobs.at("contacts"));
   SmallNumbers draw(knobs.at("seed"));
-  RowByRow rows(brick_mass, thrown);
+  RowByRow rows(brick_mass, thrown, friction_of(knobs));
   for (Index i = 0; i < contacts; ++i) {
     const Vec3 point = draw.integers(3, 256) / 256, tilt = draw.integers(3, 32) / 64;
-    rows.add_contact(point_row(6, 0, point, {}, Vec3(tilt.x(), tilt.y(), 1)), -draw.integer(0, 128) / 1024.,
-                     std::to_string(i + 1));
+    const Vec3 normal(tilt.x(), tilt.y(), 1);
+    const auto row_of = [&](const Vec3& way) { return point_row(6, 0, point, {}, way); };
+    rows.add_contact(row_of(normal), -draw.integer(0, 128) / 1024., std::to_string(i + 1));
+    rows.add_slip(normal, row_of);
   }
   return rows.finish();
 }
@@ -112,13 +116,15 @@ Instance flipping_stack(const Knobs& knobs) {
     mass.segment<3>(6 * b + 3) /= 8;
     z_u[6 * b + 2] = -g_dyadic;
   }
-  RowByRow rows(mass, z_u);
+  RowByRow rows(mass, z_u, friction_of(knobs));
   for (Index i = 0; i < 4 * boxes; ++i) {
     if (!touches[static_cast<std::size_t>(i)]) continue;
     const Index box = i / 4, corner = i % 4;
     const Vec3 p = box_corner(corner);
-    rows.add_contact(point_row(n, box, p, p + Vec3::UnitZ(), Vec3::UnitZ()), height,
-                     numbered("box ", box) + ", corner " + std::to_string(corner), static_cast<std::uint64_t>(i) + 1);
+    const auto row_of = [&](const Vec3& way) { return point_row(n, box, p, p + Vec3::UnitZ(), way); };
+    rows.add_contact(row_of(Vec3::UnitZ()), height, numbered("box ", box) + ", corner " + std::to_string(corner),
+                     static_cast<std::uint64_t>(i) + 1);
+    rows.add_slip(Vec3::UnitZ(), row_of);
   }
   return rows.finish();
 }

@@ -30,14 +30,15 @@ Instance mass_ratio(const Knobs& knobs) {
     mass.segment<3>(6 * i + 3) /= 8;
     z_u[6 * i + 2] = -g;
   }
-  RowByRow rows(mass, z_u);
+  RowByRow rows(mass, z_u, friction_of(knobs));
   for (Index i = 0; i < boxes; ++i) {
     const std::string label = numbered("box ", i) + " on " + (i ? numbered("box ", i - 1) : "floor");
     for (int corner = 0; corner < 4; ++corner) {
       const Vec3 p = box_corner(corner);
       lambda[4 * i + corner] = g * (top + static_cast<double>(boxes - 1 - i)) / 4;
-      rows.add_contact(point_row(6 * boxes, i, p, p + Vec3::UnitZ(), Vec3::UnitZ()), 0,
-                       label + ", corner " + std::to_string(corner));
+      const auto row_of = [&](const Vec3& way) { return point_row(6 * boxes, i, p, p + Vec3::UnitZ(), way); };
+      rows.add_contact(row_of(Vec3::UnitZ()), 0, label + ", corner " + std::to_string(corner));
+      rows.add_slip(Vec3::UnitZ(), row_of);
     }
   }
   return rows.finish(at_rest(knobs, 6 * boxes, lambda));

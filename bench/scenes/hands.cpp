@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/hand.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
@@ -146,6 +147,7 @@ Posed pose_hands(const Knobs& knobs) {
                 prefix + hand::body_name(t.body) + " " + std::to_string(++number[static_cast<std::size_t>(t.body)]) +
                     " on wall");
   }
+  rub(scene, friction_of(knobs));
   couple_to_targets(scene, target, reaching_stiffness(frame_dt), posed.z_u);
   return posed;
 }
@@ -163,6 +165,7 @@ Instance crowded_hands(const Knobs& knobs) {
                              {"contacts", 30},
                              {"limits", hand::angles},
                              {"drift", 0x1p-13},
+                             {"mu", friction_of(knobs)},
                              {"seed", knobs.at("seed")}});
   const auto round_to = [](double grid, auto&& numbers) { numbers = (numbers / grid).round() * grid; };
   Problem& p = instance.problem;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -85,7 +86,7 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 
 }  // namespace
 
-std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
+std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std::optional<double> mu) {
   std::vector<Instance> all;
   for (const std::string& part : split(text)) {
     if (part.ends_with(".json")) {
@@ -103,8 +104,14 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed) {
     }
     if (open != std::string::npos && part.back() != ')')
       throw std::invalid_argument("scene '" + part + "': a closing parenthesis should follow the knobs");
-    const auto chosen = open == std::string::npos ? std::vector<KnobValues>()
-                                                  : parse_knobs(*scene, part.substr(open + 1, part.size() - open - 2));
+    auto chosen = open == std::string::npos ? std::vector<KnobValues>()
+                                            : parse_knobs(*scene, part.substr(open + 1, part.size() - open - 2));
+    const auto asked = std::ranges::find(scene->knobs, "mu", &Knob::name);
+    const auto says_mu = [](const KnobValues& k) { return k.knob->name == "mu"; };
+    if (mu && asked != scene->knobs.end() && std::ranges::none_of(chosen, says_mu)) {
+      chosen.push_back({&*asked, {}});
+      append_values(*scene, format(*mu), chosen.back());
+    }
     std::vector<std::pair<Knobs, std::string>> combinations(1);  // with their labels
     for (const Knob& k : scene->knobs)
       combinations[0].first[k.name] = k.name == "seed" ? static_cast<double>(seed) : k.value;

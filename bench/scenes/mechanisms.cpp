@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
@@ -16,7 +17,8 @@ Vec<double, 6> random_velocity(double linear, double angular, Draw& draw) {
   return y;
 }
 
-Instance fall(Scene& scene) {
+Instance fall(Scene& scene, double mu = 0) {
+  rub(scene, mu);
   Vector z_u;
   move_freely(scene, gravity, {}, z_u);
   return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
@@ -66,7 +68,7 @@ Instance pile(const Knobs& knobs) {
                 name + "ball " + std::to_string(j + 1));
     }
   }
-  return fall(scene);
+  return fall(scene, friction_of(knobs));
 }
 
 // Half a circle of stones, radius 4 m to 5 m, each joint with four contacts; the feet stand on the ground. Without
@@ -99,7 +101,7 @@ Instance arch(const Knobs& knobs) {
         scene.add(contact_at(scene.bodies, ahead, behind, point, forth), name);
     }
   }
-  return fall(scene);
+  return fall(scene, friction_of(knobs));
 }
 
 // Rods of 1/4 m, each joined to the last, the first to the ceiling; bent and tumbling at random, joints open by

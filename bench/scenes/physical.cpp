@@ -1,5 +1,7 @@
 #include <zwang/bench/scenes/physical.h>
 
+#include <zwang/constraints/contact.h>
+
 namespace zwang {
 
 Body box_body(const Vec3& widths, double mass, const Vec3& position) {
@@ -16,6 +18,12 @@ BodyId add_fixed(Scene& scene, const Vec3& position) {
   body.pose.position = position;
   body.motion = Motion::fixed;
   return scene.add(body);
+}
+
+void add_corners(Scene& scene, BodyId a, BodyId b, std::span<const Vec3> corners, const Vec3& normal,
+                 const std::string& label) {
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    scene.add(contact_at(scene.bodies, a, b, corners[k], normal), label + ", corner " + std::to_string(k + 1));
 }
 
 Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& options) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <span>
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/model/assemble.h>
@@ -47,6 +48,10 @@ inline Mat3 rotation(const Vec3& w) {
 Body box_body(const Vec3& widths, double mass, const Vec3& position);
 BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
 
+// Contacts of A with the face of B at these points, touching: "LABEL, corner 1" and so on.
+void add_corners(Scene& scene, BodyId a, BodyId b, std::span<const Vec3> corners, const Vec3& normal,
+                 const std::string& label);
+
 // What assembly takes, and where the bodies would like to be.
 struct Posed {
   Scene scene = {};
@@ -68,6 +73,18 @@ Instance arch(const Knobs& knobs);
 Instance chain(const Knobs& knobs);
 Instance four_bar(const Knobs& knobs);
 Instance leash(const Knobs& knobs);
+// friction/limits.cpp:
+Instance incline(const Knobs& knobs);
+Instance crate(const Knobs& knobs);
+Instance pinch(const Knobs& knobs);
+Instance ladder(const Knobs& knobs);
+Instance ball(const Knobs& knobs);
+Instance belt(const Knobs& knobs);
+Instance peg(const Knobs& knobs);
+// friction/standing.cpp:
+Instance dome(const Knobs& knobs);
+Instance cards(const Knobs& knobs);
+Instance heap(const Knobs& knobs);
 // hands.cpp: `hands` of them (default 1), independent of each other.
 Posed pose_hands(const Knobs& knobs);
 Instance hands(const Knobs& knobs);

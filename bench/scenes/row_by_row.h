@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <zwang/core/problem/instance.h>
+#include <zwang/bench/scenes/friction/friction.h>
+#include <zwang/constraints/contact.h>
 
 namespace zwang {
 
@@ -31,7 +32,7 @@ inline Vec3 box_corner(Index corner) { return {corner % 2 ? .5 : -.5, corner / 2
 // A problem written down row by row, as a paper prints it, with a diagonal M.
 class RowByRow {
  public:
-  RowByRow(const Vector& mass, const Vector& z_u) {
+  RowByRow(const Vector& mass, const Vector& z_u, double mu = 0) : mu_(mu) {
     const Index n = mass.size();
     instance_.problem.M.resize(n, n);
     for (Index j = 0; j < n; ++j) instance_.problem.M.insert(j, j) = mass[j];
@@ -53,6 +54,20 @@ class RowByRow {
   void add_contact(const Vector& row, double c, const std::string& label, std::uint64_t key = 0) {
     add(RowKind::inequality, row, c, "contact/" + label, key);
   }
+  // With friction, the last contact slips along two tangents of its normal, as long as that: row_of(t) is the row of a
+  // tangent.
+  template <class RowOf>
+  void add_slip(const Vec3& normal, const RowOf& row_of) {
+    if (mu_ == 0) return;
+    const double length = normal.norm();
+    const Mat3 frame = contact_frame(normal / length);
+    for (int k = 1; k <= 2; ++k) {
+      const Vector row = row_of(Vec3(length * frame.col(k)));
+      SlipRow& slip = slips_.emplace_back(SlipRow{.contact = static_cast<Index>(c_.size()) - 1});
+      for (Index j = 0; j < row.size(); ++j)
+        if (row[j] != 0) slip.entries.emplace_back(static_cast<int>(j), row[j]);
+    }
+  }
   void add_equality(const Vector& row, double c, const std::string& origin) { add(RowKind::equality, row, c, origin); }
   // Ties the body to the one before it, body 0 to the ground.
   void add_ball_joint(Index body, const Vec3& point, const Vec3& point_before) {
@@ -67,7 +82,7 @@ class RowByRow {
     p.J.resize(p.c.size(), p.z_u.size());
     p.J.setFromTriplets(entries_.begin(), entries_.end());
     p.M.makeCompressed();
-    return std::move(instance_);
+    return slips_.empty() ? std::move(instance_) : with_friction(instance_, mu_, slips_);
   }
   Instance finish(Reference reference) {
     instance_.reference = std::move(reference);
@@ -78,6 +93,8 @@ class RowByRow {
   Instance instance_ = {};
   std::vector<Eigen::Triplet<double>> entries_ = {};
   std::vector<double> c_ = {};
+  double mu_;
+  std::vector<SlipRow> slips_ = {};
 };
 
 }  // namespace zwang

@@ -248,14 +248,15 @@ void Reader::limit(const JsonValue& v) {
 }
 
 void Reader::contact(const JsonValue& v) {
-  v.only({"name", "a", "b", "point", "normal", "gap", "friction"});
+  v.only({"name", "a", "b", "point", "normal", "gap", "friction", "surface"});
   const BodyId a = body_named(v["a"]), b = body_named(v["b"]);
   if (a == b) v["b"].fail("another body than a");
   const double friction = v.has("friction") ? v["friction"].number() : 0;
   if (friction < 0) v["friction"].fail("a number that is not negative");
-  scene_.add(contact_at(scene_.bodies, a, b, vector3(v["point"]), direction(v["normal"]),
-                        v.has("gap") ? v["gap"].number() : 0, friction),
-             label(v, a, b));
+  Contact contact = contact_at(scene_.bodies, a, b, vector3(v["point"]), direction(v["normal"]),
+                               v.has("gap") ? v["gap"].number() : 0, friction);
+  if (v.has("surface")) contact.surface = local_turn(b, vector3(v["surface"]));
+  scene_.add(contact, label(v, a, b));
 }
 
 // Contacts of all pairs of shapes that are nearer than `within`, and of shapes with meshes; not of bodies that a joint

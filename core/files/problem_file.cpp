@@ -46,8 +46,10 @@ void read_knob(const std::string& name, Instance& instance) {
 
 // What every layout shares: the problem must be one that a solver may see.
 void require_good(const hdf5::Group& group, const Instance& instance) {
-  if (const std::string reason = bad_input(instance.problem); !reason.empty())
+  if (const std::string reason = bad_input(instance.problem); reason.ends_with("finite number"))
     group.fail("", reason + "; expected finite numbers (c = -Inf on an inequality row is allowed)");
+  else if (!reason.empty())
+    group.fail("", reason);
   if (!is_positive_definite(instance.problem.M)) group.fail("M", "not positive definite; expected a mass matrix");
 }
 

@@ -96,9 +96,12 @@ class Problem(_zwang.Problem):
     M: n x n, symmetric positive definite (dense or any scipy.sparse format). z_u: n. J: m x n. c: m; -inf on an
     inequality row bounds nothing. equality: how many of the first rows are equalities, or m booleans. Raises
     ValueError, with the place, for sizes that do not fit, NaN, an M that is not symmetric or not positive definite.
+
+    Friction: tangent says of each row whether J z - c is a slip of the contact whose inequality row stands before it
+    (one or two a contact); mu, m numbers, is read at inequality rows; law is "coulomb" or "convex" (docs/formulation.md).
     """
 
-    def __init__(self, M, z_u, J=None, c=None, *, equality=0, name="problem"):
+    def __init__(self, M, z_u, J=None, c=None, *, equality=0, tangent=None, mu=None, law=None, name="problem"):
         z_u = _numbers(z_u, "z_u")
         c = _numbers(c, "c")
         mask = numpy.asarray(equality)
@@ -108,13 +111,27 @@ class Problem(_zwang.Problem):
             mask = numpy.arange(len(c)) < int(mask)
         if mask.dtype != bool or mask.shape != c.shape:
             raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
-        super().__init__(_compressed(M, "M", len(z_u), False), z_u, _compressed(J, "J", len(z_u), True), c, mask,
-                         str(name))
+        slips = numpy.zeros(len(c), dtype=bool) if tangent is None else numpy.asarray(tangent)
+        if slips.dtype != bool or slips.shape != c.shape or (slips & mask).any():
+            raise ValueError(f"tangent should be {len(c)} booleans, none of them of an equality row")
+        mu = _numbers(mu, "mu", len(c)) if slips.any() else numpy.empty(0)
+        if law is None:
+            law = "coulomb" if slips.any() else "frictionless"
+        super().__init__(_compressed(M, "M", len(z_u), False), z_u, _compressed(J, "J", len(z_u), True), c, mask, slips,
+                         mu, str(law), str(name))
+
 
 
 _zwang.Problem.M = property(lambda p: _sparse(scipy.sparse.csc_matrix, p._M), doc="n x n, scipy.sparse.csc_matrix")
 _zwang.Problem.J = property(lambda p: _sparse(scipy.sparse.csr_matrix, p._J), doc="m x n, scipy.sparse.csr_matrix")
 _zwang.Problem.reference = property(lambda p: p._reference, doc="what the file or the scene knows to be true, or None")
+def _under(problem, law):
+    """The problem under another law: "frictionless" (tangent rows left out), "pyramid" (four facets a contact, a QP),
+    "convex" or "coulomb". From the first two there is no way back."""
+    return problem._under(law)
+
+
+_zwang.Problem.under = _under
 _zwang.Problem.__repr__ = lambda p: f"<zwang.Problem {p.name}: {p.size} unknowns, {p.rows} rows>"
 
 
@@ -123,9 +140,10 @@ def scenes():
     return _zwang.scenes()
 
 
-def scene(text, seed=1):
-    """The problem of a scene: "hand(contacts=16)". A list where the text names several: "hand(contacts=16,64)"."""
-    problems = _zwang.make_scenes(text, seed)
+def scene(text, seed=1, mu=None):
+    """The problem of a scene: "hand(contacts=16)". A list where the text names several: "hand(contacts=16,64)". mu: the
+    coefficient of friction of the scenes whose text does not say one."""
+    problems = _zwang.make_scenes(text, seed, mu)
     return problems[0] if len(problems) == 1 else problems
 
 
@@ -151,13 +169,14 @@ def _setting(value):
 
 
 def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=1000000, time_limit=60.0,
-          warm_start=None, **settings):
-    """Solves a problem; settings are the solver's own (`zwang solvers` lists them).
+          warm_start=None, law=None, **settings):
+    """Solves a problem; settings are the solver's own (`zwang solvers` lists them). law: solves problem.under(law).
 
     time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. Returns a Solution: status (what the
     solver claims), z (n), lambda_ (m), iterations, message, seconds.
     """
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
+    problem = problem if law is None else problem.under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
     return _zwang.solve(problem, text, float(tolerance), int(max_iterations), float(time_limit), warm,
                         solver.split(":")[0] in _python_solvers)
@@ -214,11 +233,12 @@ def add_solver(name, function, method="a Python function"):
 _python_solvers = set()
 
 
-def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, out=None):
+def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, law=None, out=None):
     """Runs solvers on scenes ("hand(contacts=16,64)"), files, problems (a Problem, or a list), or a suite; returns one
     dict a run, with the keys of results.jsonl (docs/formats.md): pandas.DataFrame(zwang.bench(...)).
 
     solvers: names, or Python functions (see add_solver), or "qpsolvers:NAME" for a solver that qpsolvers finds.
+    law: of every problem ("frictionless", "pyramid", "convex", "coulomb"); None: its own.
     out: a folder that keeps the run, for `zwang report`.
     """
     from . import qpsolvers as outside
@@ -244,7 +264,7 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
     python = any(name.split(":")[0] in _python_solvers for name in names) or (not names and bool(_python_solvers))
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(out) if out is not None else pathlib.Path(scratch) / "run"
-        _zwang.bench(suite, text, problems, files, ",".join(names), list(tolerances or []), repetitions, seed, python,
+        _zwang.bench(suite, text, problems, files, ",".join(names), list(tolerances or []), repetitions, seed, law, python,
                      folder)
         with open(folder / "results.jsonl", encoding="utf-8") as lines:
             return [json.loads(line) for line in lines]

@@ -17,6 +17,7 @@ import tempfile
 import numpy
 import scipy.io
 import scipy.sparse
+import scipy.sparse.linalg
 
 import zwang
 from . import _zwang
@@ -318,25 +319,48 @@ def save_matrix_market(folder, problem):
         scipy.io.mmwrite(folder / f"{name}.mtx", value, precision=17, symmetry="general")
 
 
-def save_fclib(file, problem, mu=0.0):
-    """FCLIB's global layout: M v = H r + G lambda + f, contacts [N, T1, T2]. Inequality rows become normals; the tangents
-    of a problem without friction are rows of zeros and mu = 0. Equality rows become G. f = M z_u is rounded: the file's
-    z_u differs in the last bits; row names and keys cannot be kept."""
+def save_fclib(file, problem, mu=None, form="global"):
+    """FCLIB's layouts, contacts [N, T1, T2] (or [N, T1] where every contact slips along one tangent): "global",
+    M v = H r + G lambda + f, or "local", u = W r + V lambda + q with W = J M^-1 J'. Inequality rows become normals, tangent
+    rows their tangents; those of a contact without friction are zeros and its mu is 0. mu: another coefficient for all
+    contacts. Equality rows become G. f = M z_u and the local form are rounded; row names and keys cannot be kept."""
     import h5py
-    J, c, equal = problem.J, problem.c, problem.equality
-    bounds = numpy.flatnonzero(~equal & numpy.isfinite(c))
-    H = scipy.sparse.coo_matrix(J[bounds].T)
-    H = scipy.sparse.coo_matrix((H.data, (H.row, 3 * H.col)), shape=(problem.size, 3 * len(bounds)))
-    w = numpy.zeros(3 * len(bounds))
-    w[::3] = -c[bounds]
+    if form not in ("global", "local"):
+        raise ValueError(f"form should be global or local, and is {form}")
+    if problem.law == "pyramid":
+        raise ValueError(f"{file}: the edges of a pyramid are no contacts; save the problem under another law")
+    J, c, equal, slips = problem.J, problem.c, problem.equality, problem.tangent
+    rows = numpy.flatnonzero(~equal & numpy.isfinite(c))
+    normal = rows[~slips[rows]]
+    contact = numpy.cumsum(~slips[rows]) - 1  # of each row
+    slip = rows - normal[contact]
+    one = slips.any() and slip.max() == 1
+    dim = 2 if one else 3
+    place = dim * contact + slip
+    H = scipy.sparse.coo_matrix(J[rows].T)
+    H = scipy.sparse.csc_matrix((H.data, (H.row, place[H.col])), shape=(problem.size, dim * len(normal)))
+    w = numpy.zeros(dim * len(normal))
+    w[place] = -c[rows]
+    G, b = scipy.sparse.csc_matrix(J[equal].T), -c[equal]
     with h5py.File(file, "w") as out:
-        out_global = out.create_group("fclib_global")
-        out_global["spacedim"] = numpy.array([3], dtype=numpy.int32)
-        _write_triplets(out_global.create_group("M"), problem.M)
-        _write_triplets(out_global.create_group("H"), H)
-        vectors = out_global.create_group("vectors")
-        vectors["f"], vectors["w"] = problem.M @ problem.z_u, w
-        vectors["mu"] = numpy.full(len(bounds), float(mu))
-        if equal.any():
-            _write_triplets(out_global.create_group("G"), J[equal].T)
-            vectors["b"] = -c[equal]
+        group = out.create_group(f"fclib_{form}")
+        group["spacedim"] = numpy.array([dim], dtype=numpy.int32)
+        vectors = group.create_group("vectors")
+        vectors["mu"] = problem.mu[normal] if mu is None else numpy.full(len(normal), float(mu))
+        if form == "global":
+            _write_triplets(group.create_group("M"), problem.M)
+            _write_triplets(group.create_group("H"), H)
+            vectors["f"], vectors["w"] = problem.M @ problem.z_u, w
+            if equal.any():
+                _write_triplets(group.create_group("G"), G)
+                vectors["b"] = b
+            return
+        both = scipy.sparse.hstack([G, H], format="csc")
+        S = both.T @ scipy.sparse.linalg.splu(scipy.sparse.csc_matrix(problem.M)).solve(both.toarray())
+        S, e = (S + S.T) / 2, int(equal.sum())
+        _write_triplets(group.create_group("W"), S[e:, e:])
+        vectors["q"] = H.T @ problem.z_u + w
+        if e:
+            _write_triplets(group.create_group("V"), S[e:, :e])
+            _write_triplets(group.create_group("R"), S[:e, :e])
+            vectors["s"] = G.T @ problem.z_u + b

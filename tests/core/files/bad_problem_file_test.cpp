@@ -15,6 +15,8 @@ struct Parts {
   std::vector<double> z_u = {0, -9}, c = {0}, M = {1, 2}, J = {1};
   std::vector<std::int32_t> M_p = {0, 1, 2}, M_i = {0, 1}, J_p = {0, 1}, J_i = {1};
   std::vector<std::uint8_t> kind = {1};
+  std::vector<double> mu = {};
+  std::string law = {};
   bool write_c = true;
   std::string group = "zwang";
 
@@ -32,6 +34,8 @@ struct Parts {
     g.write("z_u", std::span<const double>(z_u));
     if (write_c) g.write("c", std::span<const double>(c));
     g.write("kind", std::span<const std::uint8_t>(kind));
+    if (!mu.empty()) g.write("mu", std::span<const double>(mu));
+    if (!law.empty()) g.write_strings("law", {&law, 1});
   }
 };
 
@@ -62,7 +66,17 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadCase{"missing_dataset", [](Parts& p) { p.write_c = false; }, "/zwang/c: missing; expected a dataset"},
         BadCase{"short_kind", [](Parts& p) { p.kind.clear(); }, "/zwang/kind: holds 0 numbers; expected 1"},
-        BadCase{"unknown_kind", [](Parts& p) { p.kind = {2}; }, "/zwang/kind: holds 2; expected 0 (=) or 1 (>=)"},
+        BadCase{"unknown_kind", [](Parts& p) { p.kind = {3}; },
+                "/zwang/kind: holds 3; expected 0 (=), 1 (>=) or 2 (tangent)"},
+        BadCase{"tangent_without_mu", [](Parts& p) { p.kind = {2}; },
+                "/zwang: row 0 is a tangent row, but there are no mu"},
+        BadCase{"orphaned_tangent", [](Parts& p) { p.kind = {2}, p.mu = {0.5}; },
+                "/zwang: row 0 is a tangent row without an inequality row before it"},
+        BadCase{"mu_without_tangents", [](Parts& p) { p.mu = {0.5}; }, "/zwang: row 0 has mu > 0 and no tangent rows"},
+        BadCase{"negative_mu", [](Parts& p) { p.mu = {-0.5}; }, "/zwang: mu(0) is -0.500000; expected a number >= 0"},
+        BadCase{"short_mu", [](Parts& p) { p.mu = {0, 0}; }, "/zwang/mu: holds 2 numbers; expected 1"},
+        BadCase{"unknown_law", [](Parts& p) { p.law = "dry"; },
+                "/zwang/law: no law 'dry'; expected frictionless, pyramid, convex or coulomb"},
         BadCase{"long_z_u", [](Parts& p) { p.z_u.push_back(0); }, "/zwang/M/p: holds 3 numbers; expected 4"},
         BadCase{"column_out_of_range", [](Parts& p) { p.J_i = {2}; }, "/zwang/J/i[0]: is 2; expected an index below 2"},
         BadCase{"negative_row", [](Parts& p) { p.M_i[1] = -1; }, "/zwang/M/i[1]: is -1; expected an index below 2"},

@@ -1,0 +1,97 @@
+#include <zwang/bench/scenes/friction/friction.h>
+
+#include <zwang/constraints/contact.h>
+
+namespace zwang {
+namespace {
+
+// Where the rows of the problem without tangent rows stand in the one with them.
+Vector spread(const Vector& v, const std::vector<Index>& place, Index rows) {
+  if (v.size() == 0) return {};
+  Vector out = Vector::Zero(rows);
+  for (std::size_t i = 0; i < place.size(); ++i) out[place[i]] = v[static_cast<Index>(i)];
+  return out;
+}
+
+// A reference stays where it is a solution still: frictionless forces, and nothing slips.
+void keep_reference(const Instance& from, const std::vector<Index>& place, Instance& to) {
+  if (!from.reference) return;
+  Reference known = *from.reference;
+  if (known.feasible) {
+    const Vector motion = to.problem.J * known.z;
+    for (Index i = 0; i < to.problem.rows(); ++i)
+      if (to.problem.is_tangent(i) && motion[i] != 0) return;
+  }
+  known.lambda = spread(known.lambda, place, to.problem.rows());
+  known.certificate = spread(known.certificate, place, to.problem.rows());
+  to.reference = std::move(known);
+}
+
+}  // namespace
+
+void rub(Scene& scene, double mu) {
+  if (mu == 0) return;
+  for (Contact& contact : scene.list_of<Contact>().all) contact.friction = mu;
+}
+
+Instance with_friction(const Instance& frictionless, double mu, const std::vector<SlipRow>& slips) {
+  Instance out = frictionless;
+  if (slips.empty()) return out;
+  const Problem& old = frictionless.problem;
+  Problem& p = out.problem;
+  p.kind.clear();
+  p.key.clear();
+  out.origin.clear();
+  out.reference.reset();
+  const Index rows = old.rows() + static_cast<Index>(slips.size());
+  p.c.resize(rows);
+  p.mu.setZero(rows);
+  p.law = Law::coulomb;
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Index> place;
+  auto slip = slips.begin();
+  for (Index i = 0; i < old.rows(); ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    auto row = static_cast<int>(p.kind.size());
+    place.push_back(row);
+    for (decltype(old.J)::InnerIterator e(old.J, i); e; ++e)
+      entries.emplace_back(row, static_cast<int>(e.col()), e.value());
+    p.c[row] = old.c[i];
+    p.kind.push_back(old.kind[s]);
+    p.key.push_back(old.key[s]);
+    out.origin.push_back(frictionless.origin[s]);
+    for (std::uint32_t number = 1; slip != slips.end() && slip->contact == i; ++slip, ++number) {
+      p.mu[place.back()] = mu;
+      for (const auto& [column, value] : slip->entries) entries.emplace_back(row + 1, column, value);
+      p.c[++row] = 0;
+      p.kind.push_back(RowKind::tangent);
+      p.key.push_back({old.key[s].constraint, old.key[s].row + number});
+      out.origin.push_back(frictionless.origin[s]);
+      out.origin.back().row = static_cast<int>(number);
+    }
+  }
+  p.J.resize(rows, p.size());
+  p.J.setFromTriplets(entries.begin(), entries.end());
+  keep_reference(frictionless, place, out);
+  return out;
+}
+
+Instance with_friction(const Instance& frictionless, double mu) {
+  const Problem& p = frictionless.problem;
+  const Index pairs = p.size() / 2;
+  std::vector<SlipRow> slips;
+  for (Index i = 0; i < p.rows() && pairs > 0; ++i) {
+    if (p.is_equality(i) || frictionless.origin[static_cast<std::size_t>(i)].type != "contact") continue;
+    SlipRow first{.contact = i}, second{.contact = i};
+    for (decltype(p.J)::InnerIterator e(p.J, i); e; ++e) {
+      const int j = static_cast<int>(e.col()), of_four = j % 4;
+      if (j / 2 < pairs) first.entries.emplace_back(j ^ 1, j % 2 == 0 ? e.value() : -e.value());
+      second.entries.emplace_back(j ^ 2, of_four == 0 || of_four == 3 ? e.value() : -e.value());
+    }
+    slips.push_back(std::move(first));
+    if (p.size() % 4 == 0) slips.push_back(std::move(second));
+  }
+  return with_friction(frictionless, mu, slips);
+}
+
+}  // namespace zwang
