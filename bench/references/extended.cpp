@@ -30,6 +30,17 @@ std::optional<Reference> extended_reference(const Problem& problem) {
 Standing check_stored(const Problem& problem, const Reference& reference) {
   constexpr double rounded = 1e-14;
   if (!bad_input(problem).empty()) return Standing::refuted;
+  if (problem.has_tangents()) {
+    Solution stored;
+    stored.status = reference.feasible ? Status::solved : Status::infeasible;
+    stored.z = reference.z;
+    stored.lambda = reference.lambda;
+    stored.certificate = reference.certificate;
+    const Verdict verdict = measure(problem, stored, nullptr, std::max(reference.bound, rounded)).verdict;
+    if (verdict == Verdict::wrong) return Standing::refuted;
+    const bool certified = verdict == Verdict::solved || verdict == Verdict::infeasible_proven;
+    return certified ? Standing::certified : Standing::open;
+  }
   const ScaledProblem scaled(problem);
   if (!scaled.definite) return Standing::refuted;
   const double free = std::max(scaled.norm_of_free_motion(), scaled.least_scale());

@@ -1,6 +1,7 @@
 #include <zwang/bench/references/reference.h>
 
 #include <zwang/bench/references/cache.h>
+#include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/islands.h>
@@ -42,6 +43,12 @@ FoundReference compute_by_islands(const Problem& problem, std::span<const Island
 }
 
 FoundReference compute(const Problem& problem, bool second_witness) {
+  if (problem.has_tangents()) {
+    FoundReference found;
+    found.reference =
+        problem.law == Law::coulomb ? coulomb_reference(problem, &found.note) : convex_reference(problem, &found.note);
+    return found;
+  }
   if (problem.size() > multiprecision_limit) {
     Islands islands;
     islands.split(problem);
@@ -95,7 +102,8 @@ bool fits(const Reference& r, const Problem& p) {
 FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
                              const ReferenceOptions& options) {
   const Problem& problem = instance.problem;
-  const bool second_witness = has_rational_reference && options.second_witness && problem.size() <= rational_limit;
+  const bool second_witness = has_rational_reference && options.second_witness && problem.size() <= rational_limit &&
+                              !problem.has_tangents();
   if (instance.reference) return confirm(problem, *instance.reference, second_witness);
   if (cache_dir.empty()) return compute(problem, second_witness);
 

@@ -2,7 +2,8 @@
 # the files of bench/references, what they include of the project, directly or not, and the .cpp files of the same names.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/included_sources.cmake)
-file(GLOB own RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/bench/references/*.h ${SOURCE_DIR}/bench/references/*.cpp)
+file(GLOB own RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/bench/references/*.h ${SOURCE_DIR}/bench/references/*.cpp
+  ${SOURCE_DIR}/bench/references/friction/*.h ${SOURCE_DIR}/bench/references/friction/*.cpp)
 included_sources(found ${own})
 list(SORT found)
 set(hashes)

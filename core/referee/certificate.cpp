@@ -21,12 +21,23 @@ Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
   Weighted w{.residual = scaled.force_residual(ExtendedVector(static_cast<std::size_t>(scaled.size())), u)};
   for (DoubleDouble& r : w.residual) r = -r;
   DoubleDouble gain;
+  double sizes = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
     const DoubleDouble part = u[static_cast<std::size_t>(i)];
-    if (!(part == DoubleDouble(0))) gain += scaled.violation(i) * part;
+    if (part == DoubleDouble(0)) continue;
+    gain += scaled.violation(i) * part;
+    double terms = std::abs(scaled.c[i]);
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, i); it; ++it)
+      terms += std::abs(it.value() * scaled.z_u[it.col()]);
+    sizes += std::abs(part.hi) * terms;
   }
   const double norm = scaled.dual_norm(w.residual);
-  w.distance = !(gain.hi > 0) ? 0 : norm > 0 ? gain.hi / norm : infinity;
+  // A gain that may be rounding proves nothing, nor does a residual count below its rounding.
+  const ExtendedVector still(static_cast<std::size_t>(scaled.size()));
+  if (!(gain.hi > (norm > 0 ? referee::rounding : referee::no_gain) * sizes))
+    w.distance = 0;
+  else
+    w.distance = norm > 0 ? gain.hi / std::max(norm, scaled.force_rounding(still, u)) : infinity;
   return w;
 }
 

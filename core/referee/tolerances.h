@@ -15,6 +15,8 @@ inline constexpr double farkas_margin = 1e8;
 inline constexpr double no_part = 1e-10;
 // Of the largest |u_i|: the rows that leave a direction inward no room. Only a guess: they are then held.
 inline constexpr double locked = 1e-9;
+// Of the terms of h'u: what it has to be where J'u vanishes in double-double. Less may be its rounding.
+inline constexpr double no_gain = 1e-20;
 // Pivots of unit rows, in double: smaller ones are rounding.
 inline constexpr double projection_pivot = 1e-12;
 

@@ -15,7 +15,7 @@ constexpr double widened = 1 + 1e-9;
 // A bound that is this small is not worth another try.
 constexpr double sharp_enough = 1e-13;
 // Rows up to which the interior point works in double-double, and in FactorReal.
-constexpr Index double_double_rows = 160, extended_rows = 400;
+constexpr Index double_double_rows = 260, extended_rows = 400;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 

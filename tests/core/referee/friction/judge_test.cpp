@@ -115,6 +115,14 @@ TEST(FrictionJudge, ACertificateWithATangentialPartProvesNothingForCoulomb) {
   p.law = Law::convex;
   EXPECT_EQ(judge_claim(p, vector({1, 1, 1, -1})).verdict, Verdict::infeasible_proven);
   EXPECT_EQ(judge_claim(p, vector({1, 1.5, 1, -1.5})).verdict, Verdict::infeasible_proven) << "moved into the cone";
+  // A null vector of rows with c = 0 gains nothing but rounding: z = 0 meets them.
+  const auto cone = test::SmallFrictional{.z_u = vector({-2, -2}), .mass = vector({.5, .5})}
+                        .contact(1, {{vector({-1, -2}), 0}, {vector({0, 3}), 0}})
+                        .contact(1, {{vector({2, 0}), 0}, {vector({2, 2}), 0}})
+                        .contact(1, {{vector({-2, 1}), 0}, {vector({2, 0}), 0}})
+                        .contact(1, {{vector({1, -2}), 0}, {vector({-1, -3}), 0}})
+                        .problem();
+  EXPECT_NE(judge_claim(cone, vector({1, 0, 2, 0, 1, 0, 2, 2})).verdict, Verdict::infeasible_proven);
   // Where some z opens every contact there is a solution.
   EXPECT_EQ(judge_claim(block(4, 1, .5).problem(), vector({1, 0, 0})).verdict, Verdict::wrong);
   EXPECT_EQ(judge_claim(block(4, 1, .5).problem(Law::convex), vector({1, 0, 0})).verdict, Verdict::wrong);

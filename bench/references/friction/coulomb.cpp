@@ -1,0 +1,284 @@
+#include <zwang/bench/references/friction/coulomb.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include <zwang/core/referee/friction/interior_point.h>
+#include <zwang/core/referee/friction/interval_newton.h>
+#include <zwang/core/referee/friction/self_bound.h>
+
+namespace zwang {
+namespace {
+
+constexpr double good_delta = 1e-12;  // what a solution may be off and still count as proven
+constexpr double alike = 1e-9;        // of the motion: solutions that are one
+constexpr double still = 1e-8;
+constexpr double useful = 1e-9;       // of a bound
+constexpr Index extended_rows = 120;  // of the interior point in wider arithmetic
+constexpr double settled = 1e-15;     // change of a sweep, of the motion, at which Gauss-Seidel ends
+
+// The motion is as large as z_u, or as rows force it.
+double first_scale(const Problem& problem, const ScaledProblem& scaled) {
+  double scale = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  for (Index i = 0; i < problem.rows(); ++i)
+    if (scaled.counts(i) && (problem.is_equality(i) || scaled.violation(i).hi > 0))
+      scale = std::max(scale, std::abs(scaled.violation(i).hi) / scaled.row_norm[i]);
+  return scale;
+}
+
+// z = z_u + d and lambda in the problem's units, rounded once.
+Vector rounded_motion(const ScaledProblem& scaled, const ExtendedVector& d) {
+  Vector z(scaled.size());
+  for (Index j = 0; j < z.size(); ++j)
+    z[j] = std::ldexp((d[static_cast<std::size_t>(j)] + DoubleDouble(scaled.z_u[j])).hi, scaled.motion_exponent);
+  return z;
+}
+
+Vector rounded_multipliers(const ScaledProblem& scaled, const ExtendedVector& lambda) {
+  Vector out(scaled.rows());
+  for (Index i = 0; i < out.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    out[i] = std::ldexp(lambda[k].hi, scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[k]);
+  }
+  return out;
+}
+
+// Block Gauss-Seidel: each contact in turn is solved exactly with the others held (Jourdan, Alart & Jean 1998). In the
+// units of a ContactProblem.
+class GaussSeidel {
+ public:
+  explicit GaussSeidel(const ContactProblem& problem) : p_(problem) {
+    for (const Index i : p_.equalities) blocks_.push_back({i, 1, -1});
+    for (const Contact& contact : p_.contacts)
+      if (contact.unit > 0) blocks_.push_back({contact.row, contact.rows(), contact.mu});
+    columns_.resize(p_.size(), p_.rows());
+    for (const Block& block : blocks_)
+      for (Index t = 0; t < block.rows; ++t) {
+        ExtendedVector push(static_cast<std::size_t>(p_.rows()));
+        push[static_cast<std::size_t>(block.row + t)] = 1.0;
+        const ExtendedVector x = p_.motion_by(push);
+        for (Index j = 0; j < p_.size(); ++j) columns_(j, block.row + t) = x[static_cast<std::size_t>(j)].hi;
+      }
+  }
+
+  // lambda: where to begin, and where it ended.
+  void solve(Vector& lambda, int sweeps) const {
+    Vector x = columns_ * lambda;
+    double before = 0;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      double change = 0;
+      for (const Block& block : blocks_) {
+        Vector free(block.rows), now = lambda.segment(block.row, block.rows);
+        Matrix W(block.rows, block.rows);
+        for (Index t = 0; t < block.rows; ++t) {
+          const auto row = p_.J.row(block.row + t);
+          free[t] = row.dot(x) - p_.h[static_cast<std::size_t>(block.row + t)].hi;
+          for (Index u = 0; u < block.rows; ++u) W(t, u) = row.dot(columns_.col(block.row + u));
+        }
+        free -= W * now;
+        const Vector next = local(W, free, block.mu);
+        if (!next.allFinite()) continue;
+        change = std::max(change, (next - now).lpNorm<Eigen::Infinity>());
+        x += columns_.middleCols(block.row, block.rows) * (next - now);
+        lambda.segment(block.row, block.rows) = next;
+      }
+      if (change < settled) return;
+      if (sweep % 200 == 199) {
+        x = columns_ * lambda;
+        if (change > .999 * before && sweep > 1000) return;
+        before = change;
+      }
+    }
+  }
+
+ private:
+  struct Block {
+    Index row, rows;
+    double mu;  // -1: an equality row
+  };
+
+  // One contact: s = W lambda + q under Coulomb's law. Sliding: (W_tt + a I) l_t = -(q_t + W_tn l_n) with the a >= 0 at
+  // which |l_t| = mu l_n, by bisection; a is the ratio of slip and friction.
+  static Vector local(const Matrix& W, const Vector& q, double mu) {
+    const Index k = q.size();
+    Vector out = Vector::Zero(k);
+    if (mu < 0) return Vector::Constant(1, -q[0] / W(0, 0));
+    if (q[0] >= 0) return out;
+    if (k == 1) return Vector::Constant(1, -q[0] / W(0, 0));
+    const auto at = [&](double a) {
+      Matrix shifted = W;
+      for (Index t = 1; t < k; ++t) shifted(t, t) += a;
+      return Vector(shifted.partialPivLu().solve(-q));
+    };
+    const auto inside = [&](const Vector& l) { return l[0] >= 0 && l.tail(k - 1).norm() <= mu * l[0]; };
+    out = at(0);
+    if (out.allFinite() && inside(out)) return out;
+    double low = -80, high = 80;  // of log2 a
+    for (int step = 0; step < 70; ++step) {
+      const double middle = (low + high) / 2;
+      (inside(at(std::exp2(middle))) ? high : low) = middle;
+    }
+    return at(std::exp2(high));
+  }
+
+  const ContactProblem& p_;
+  std::vector<Block> blocks_;
+  Matrix columns_;  // M^-1 J'
+};
+
+class Search {
+ public:
+  Search(const Problem& problem, const ScaledProblem& scaled, double scale)
+      : scaled_(scaled), p_(problem, scaled, scale) {}
+
+  bool usable() {
+    bool contradictory = p_.fixed_contradiction;
+    if (!contradictory) equalities_ = independent_equalities(p_, scaled_, contradictory);
+    return p_.exact && !contradictory;
+  }
+
+  void interior_points(const SolutionSearch& search) {
+    const InteriorPoint method(p_, equalities_);
+    static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
+    for (int k = 0; k < search.starts && more(search); ++k) {
+      const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
+      const auto found = method.solve<double>(nullptr, {.start = start});
+      if (!found.empty() && take(found.back(), "interior point")) continue;
+      if (method.rows() > extended_rows || !more(search)) continue;
+      const auto finer = method.solve<DoubleDouble>(nullptr, {.start = start, .target = 1e-26, .max_iterations = 160});
+      if (!finer.empty()) take(finer.back(), "interior point, double-double");
+    }
+  }
+
+  void gauss_seidel(const SolutionSearch& search) {
+    if (!more(search)) return;
+    const GaussSeidel method(p_);
+    std::mt19937_64 random(search.seed);
+    const auto draw = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
+    for (int k = 0; k <= search.random_starts && more(search); ++k) {
+      Vector lambda = Vector::Zero(p_.rows());
+      for (const Contact& contact : p_.contacts)
+        if (k > 0 && contact.unit > 0) lambda[contact.row] = 4 * draw() / contact.unit;
+      method.solve(lambda, search.sweeps);
+      ModePoint point;
+      point.lambda = ExtendedVector(lambda.data(), lambda.data() + lambda.size());
+      point.x = p_.motion_by(point.lambda);
+      for (const double cut : {1e-9, 1e-6}) {
+        point.modes = modes_by_size(p_, point.x, point.lambda, cut);
+        if (keep(prove_near(p_, scaled_, point), "Gauss-Seidel")) break;
+      }
+    }
+  }
+
+  std::vector<CoulombSolution> found;
+  double nearest = std::numeric_limits<double>::infinity();  // delta of the best that was not good enough
+
+ private:
+  bool more(const SolutionSearch& search) const { return search.all || found.empty(); }
+
+  bool take(const InteriorAnswer& answer, const char* method) {
+    if (keep(prove_near(p_, scaled_, {answer.x, answer.lambda, answer.modes}), method)) return true;
+    // Modes by size instead, cut at the contact's own scale.
+    ModePoint point{answer.x, answer.lambda, modes_by_size(p_, answer.x, answer.lambda, 1e-9)};
+    return point.modes != answer.modes && keep(prove_near(p_, scaled_, point), method);
+  }
+
+  bool keep(const ModeProof& proof, const char* method) {
+    if (!proof.proven) return false;
+    const ExtendedVector d = p_.to_motion(proof.point.x);
+    const double s = std::max({p_.free_motion, p_.from_norm(scaled_.norm_with_free_motion(d)) - proof.radius,
+                               p_.from_norm(scaled_.least_scale())});
+    nearest = std::min(nearest, proof.delta / s);
+    if (!(proof.delta <= good_delta * s)) return false;
+    CoulombSolution solution{.radius = proof.radius / s,
+                             .delta = proof.delta / s,
+                             .strict = proof.strict,
+                             .isolated = proof.strict && proof.null_motion < still,
+                             .method = method};
+    solution.z = rounded_motion(scaled_, d);
+    solution.lambda = rounded_multipliers(scaled_, p_.to_multipliers(proof.point.lambda));
+    const ExtendedVector rounded = p_.motion(scaled_.motion(solution.z));
+    solution.bound = (distance(rounded, proof.point.x) + proof.radius) / s * (1 + 1e-9);
+    for (const ExtendedVector& other : points_)
+      if (distance(other, proof.point.x) <= alike * s) return true;
+    points_.push_back(proof.point.x);
+    found.push_back(std::move(solution));
+    return true;
+  }
+
+  double distance(const ExtendedVector& a, ExtendedVector b) const {
+    for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
+    return p_.norm(b);
+  }
+
+  const ScaledProblem& scaled_;
+  ContactProblem p_;
+  std::vector<Index> equalities_;
+  std::vector<ExtendedVector> points_;
+};
+
+}  // namespace
+
+std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const SolutionSearch& options,
+                                               std::string* why_not) {
+  const auto give_up = [&](const std::string& reason) {
+    if (why_not) *why_not = reason;
+    return std::vector<CoulombSolution>{};
+  };
+  if (const std::string bad = bad_input(problem); !bad.empty()) return give_up(bad);
+  const ScaledProblem scaled(problem);
+  if (!scaled.definite) return give_up("M is not positive definite");
+  Search search(problem, scaled, first_scale(problem, scaled));
+  if (!search.usable()) return give_up("rows contradict each other, or their scales are beyond doubles");
+  search.interior_points(options);
+  search.gauss_seidel(options);
+  if (search.found.empty()) {
+    std::ostringstream text;
+    text << "no solution was proven";
+    if (std::isfinite(search.nearest)) text << "; the nearest is exact for rows that are off by " << search.nearest;
+    return give_up(text.str());
+  }
+  return std::move(search.found);
+}
+
+std::optional<Reference> convex_reference(const Problem& problem, std::string* why_not) {
+  const auto give_up = [&](const std::string& reason) {
+    if (why_not) *why_not = reason;
+    return std::optional<Reference>{};
+  };
+  if (const std::string bad = bad_input(problem); !bad.empty()) return give_up(bad);
+  const ScaledProblem scaled(problem);
+  if (!scaled.definite) return give_up("M is not positive definite");
+  const ContactProblem p(problem, scaled, first_scale(problem, scaled));
+  const ExtendedVector sigma(p.contacts.size());
+  const ConvexBound found =
+      bound_convex(p, scaled, sigma, Vector::Zero(static_cast<Index>(p.contacts.size())), nullptr);
+  if (found.rows == ConvexBound::Rows::infeasible) return give_up("rows contradict each other");
+  if (!(found.upper < std::numeric_limits<double>::infinity())) return give_up("duality bounds no answer");
+  const ExtendedVector d = p.to_motion(found.x);
+  Reference out{.z = rounded_motion(scaled, d),
+                .lambda = rounded_multipliers(scaled, p.to_multipliers(found.lambda)),
+                .method = "interior point, conic duality"};
+  ExtendedVector off = p.motion(scaled.motion(out.z));
+  for (std::size_t j = 0; j < off.size(); ++j) off[j] -= found.x[j];
+  const double s = std::max(
+      {p.free_motion, p.from_norm(scaled.norm_with_free_motion(d)) - found.upper, p.from_norm(scaled.least_scale())});
+  out.bound = (p.norm(off) + found.upper) / s * (1 + 1e-9);
+  if (!(out.bound <= useful)) return give_up("duality proves the answer to no better than 1e-9");
+  return out;
+}
+
+std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not) {
+  const std::vector<CoulombSolution> found = coulomb_solutions(problem, {}, why_not);
+  if (found.empty()) return {};
+  return Reference{.z = found[0].z,
+                   .lambda = found[0].lambda,
+                   .bound = found[0].bound,
+                   .unique = false,
+                   .method = found[0].method + ", proven by interval Newton"};
+}
+
+}  // namespace zwang

@@ -1,0 +1,323 @@
+#include <zwang/bench/scenes/friction_families.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <zwang/bench/scenes/dyadic.h>
+#include <zwang/bench/scenes/row_by_row.h>
+#include <zwang/core/referee/double_double.h>
+
+namespace zwang {
+namespace {
+
+// A frictional problem written down contact by contact, with a diagonal M.
+class ContactByContact {
+ public:
+  explicit ContactByContact(Vector mass) : mass_(std::move(mass)) {}
+
+  // rows: the normal and its tangents; c beside them.
+  void contact(const std::vector<Vector>& rows, const std::vector<double>& c, double mu, const std::string& label) {
+    for (std::size_t t = 0; t < rows.size(); ++t) {
+      const auto i = static_cast<int>(c_.size());
+      for (Index j = 0; j < rows[t].size(); ++j)
+        if (rows[t][j] != 0) entries_.emplace_back(i, static_cast<int>(j), rows[t][j]);
+      c_.push_back(c[t]);
+      mu_.push_back(t == 0 ? mu : 0);
+      kind_.push_back(t == 0 ? RowKind::inequality : RowKind::tangent);
+      origin_.push_back({"contact", label, rows.size() > 1 ? static_cast<int>(t) : -1, "m/s^2"});
+    }
+  }
+
+  Instance instance(std::string family, const Vector& z_u) const {
+    Instance out{.family = std::move(family), .origin = origin_};
+    Problem& p = out.problem;
+    const auto m = static_cast<Index>(c_.size());
+    p.name = out.family;
+    p.M.resize(mass_.size(), mass_.size());
+    for (Index j = 0; j < mass_.size(); ++j) p.M.insert(j, j) = mass_[j];
+    p.M.makeCompressed();
+    p.z_u = z_u;
+    p.J.resize(m, mass_.size());
+    p.J.setFromTriplets(entries_.begin(), entries_.end());
+    p.c = Eigen::Map<const Vector>(c_.data(), m);
+    p.kind = kind_;
+    p.mu = Eigen::Map<const Vector>(mu_.data(), m);
+    p.law = Law::coulomb;
+    std::uint64_t contact = 0;
+    std::uint32_t row = 0;
+    for (const RowKind kind : kind_) {
+      row = kind == RowKind::inequality ? 0 : row + 1;
+      contact += kind == RowKind::inequality;
+      p.key.push_back({contact, row});
+    }
+    return out;
+  }
+
+  // z* is the answer that s* and lambda* make: c = J z* - s*, z_u = z* - M^-1 J'lambda*. No reference where doubles
+  // do not hold them.
+  Instance planted(std::string family, const Vector& z, const Vector& lambda, const Vector& slack) const {
+    Instance out = instance(std::move(family), Vector::Zero(z.size()));
+    Problem& p = out.problem;
+    ExtendedVector c(static_cast<std::size_t>(slack.size())), pushed(static_cast<std::size_t>(z.size()));
+    for (Index i = 0; i < p.rows(); ++i) {
+      c[static_cast<std::size_t>(i)] = -slack[i];
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it) {
+        c[static_cast<std::size_t>(i)] += DoubleDouble::exact_product(it.value(), z[it.col()]);
+        pushed[static_cast<std::size_t>(it.col())] += DoubleDouble::exact_product(it.value(), lambda[i]);
+      }
+      p.c[i] = c[static_cast<std::size_t>(i)].hi;
+    }
+    bool exact = true;
+    for (const DoubleDouble& value : c) exact &= value.lo == 0;
+    for (Index j = 0; j < z.size(); ++j) {
+      const DoubleDouble free = DoubleDouble(z[j]) - pushed[static_cast<std::size_t>(j)] / mass_[j];
+      p.z_u[j] = free.hi;
+      exact &= free.lo == 0;
+    }
+    if (exact) out.reference = Reference{.z = z, .lambda = lambda, .unique = false, .method = "known answer"};
+    return out;
+  }
+
+ private:
+  Vector mass_;
+  std::vector<Eigen::Triplet<double>> entries_;
+  std::vector<double> c_, mu_;
+  std::vector<RowKind> kind_;
+  std::vector<RowOrigin> origin_;
+};
+
+Vector of(std::initializer_list<double> values) {
+  Vector v(static_cast<Index>(values.size()));
+  std::ranges::copy(values, v.begin());
+  return v;
+}
+
+FrictionPoint known(Instance instance, int solutions, std::optional<Vector> z = {}) {
+  if (z) instance.reference = Reference{.z = *z, .unique = solutions == 1, .method = "closed form"};
+  if (solutions == 0) instance.reference = Reference{.feasible = false, .method = "closed form"};
+  return {std::move(instance), solutions};
+}
+
+// Two walls that meet at the origin, tan of half the angle 3/4.
+Instance wedge(const char* family, double mu, double wall_slip, double up) {
+  ContactByContact p(of({1, 1}));
+  p.contact({of({-4, 3}), of({3, 4})}, {0, wall_slip}, mu, "right wall");
+  p.contact({of({4, 3}), of({-3, 4})}, {0, wall_slip}, mu, "left wall");
+  return p.instance(family, of({0, up}));
+}
+
+// Rows of the difference of two bodies' velocities (of one, where other < 0) along each axis of a frame.
+std::vector<Vector> frame_rows(Index unknowns, Index body, const Vec3& arm, Index other, const Vec3& other_arm,
+                               const Mat3& axes, Index count) {
+  std::vector<Vector> rows;
+  for (Index k = 0; k < count; ++k) {
+    Vector row = Vector::Zero(unknowns);
+    add_point(row, body, 1, arm, axes.col(k));
+    if (other >= 0) add_point(row, other, -1, other_arm, axes.col(k));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// |q|^2 times the rotation matrix of an integer quaternion: orthogonal columns of equal length.
+Mat3 integer_frame(SmallNumbers& draw) {
+  int w = 0, x = 0, y = 0, z = 0;
+  while (w * w + x * x + y * y + z * z == 0) {
+    w = draw.integer(-2, 2);
+    x = draw.integer(-2, 2);
+    y = draw.integer(-2, 2);
+    z = draw.integer(-2, 2);
+  }
+  Mat3 R;
+  R << w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),  //
+      2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),   //
+      2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z;
+  return R;
+}
+
+// Equal unit boxes one on another, corner contacts repeated `copies` times, pushed sideways by `push` weights.
+Instance box_tower(const char* family, const std::vector<double>& masses, int copies, double mu, double push) {
+  const auto n = static_cast<Index>(6 * masses.size());
+  Vector mass(n), z_u = Vector::Zero(n);
+  for (std::size_t b = 0; b < masses.size(); ++b) {
+    const auto at = static_cast<Index>(6 * b);
+    mass.segment<3>(at).setConstant(masses[b]);
+    mass.segment<3>(at + 3).setConstant(masses[b] / 8);
+    z_u[at + 2] = -g_dyadic;
+    z_u[at] = push * g_dyadic;
+  }
+  ContactByContact p(mass);
+  Mat3 axes;  // normal first
+  axes << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  for (Index b = 0; b < static_cast<Index>(masses.size()); ++b)
+    for (Index corner = 0; corner < 4; ++corner)
+      for (int copy = 0; copy < copies; ++copy)
+        p.contact(frame_rows(n, b, box_corner(corner), b - 1, box_corner(corner) + Vec3(0, 0, 1), axes, 3), {0, 0, 0},
+                  mu, numbered("box ", b) + " corner " + std::to_string(corner));
+  return p.instance(family, z_u);
+}
+
+Knob integer_knob(const char* name, double value, double low, double high, const char* help) {
+  return {name, value, low, high, true, help};
+}
+
+SceneEntry family(const char* name, const char* line, std::vector<Knob> knobs,
+                  std::function<Instance(const Knobs&)> make) {
+  SceneEntry entry;
+  entry.name = entry.family = name;
+  entry.line = line;
+  entry.sweep = knobs[0].name;
+  entry.knobs = std::move(knobs);
+  entry.make = std::move(make);
+  return entry;
+}
+
+PlantedFriction planted_options(const Knobs& k) {
+  return {.bodies = static_cast<Index>(k.at("bodies")),
+          .contacts = static_cast<Index>(k.at("contacts")),
+          .seed = static_cast<std::uint64_t>(k.at("seed"))};
+}
+
+}  // namespace
+
+FrictionPoint rod_point(double mu) {
+  ContactByContact p(of({1, 1, 1}));
+  p.contact({of({0, 1, 1}), of({1, 0, 2})}, {0, 0}, mu, "tip");
+  return known(p.instance("ROD", of({2, .25, 0})), mu > 14. / 11 ? 3 : 1, of({2, .25, 0}));
+}
+
+FrictionPoint jam_point(double mu, double wall_slip) {
+  const bool jams = wall_slip < 0 && mu >= .75;
+  return jams ? known(wedge("JAM", mu, wall_slip, -1), 0)
+              : known(wedge("JAM", mu, wall_slip, -1), 1,
+                      wall_slip < 0 ? std::optional<Vector>(of({0, 0})) : std::nullopt);
+}
+
+FrictionPoint held_point(double mu) { return known(wedge("HELD", mu, 0, 1), mu < .75 ? 1 : 2, of({0, 1})); }
+
+FrictionPoint pinch_point() {
+  ContactByContact p(of({1, 1}));
+  p.contact({of({1, 0}), of({0, 1})}, {0, 1}, 1, "left plate");
+  p.contact({of({-1, 0}), of({0, 1})}, {0, -1}, 1, "right plate");
+  return known(p.instance("PINCH", of({0, 3})), -1, of({0, 2}));
+}
+
+FrictionPoint puck_point() {
+  // [v_x, v_y, v_z, w_x, w_y, w_z], flat: contacts at height 0 of the centre of mass.
+  ContactByContact p(of({1, 1, 1, 4096, 4096, 4096}));
+  const double mu = .5, load = 85. / 64;
+  Vector lambda(12), slack = Vector::Zero(12);
+  const std::array<std::pair<double, double>, 4> place{{{9, 8}, {9, -8}, {-9, -8}, {-9, 8}}};
+  const std::array<std::array<double, 3>, 4> slip{{{0, 15, 15}, {8, 15, 17}, {8, 6, 10}, {0, 6, 6}}};
+  Mat3 axes;
+  axes << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto i = static_cast<Index>(3 * k);
+    p.contact(frame_rows(6, 0, {place[k].first, place[k].second, 0}, -1, Vec3::Zero(), axes, 3), {0, 0, 0}, mu,
+              numbered("corner ", static_cast<Index>(k)));
+    lambda[i] = load;
+    for (std::size_t t = 0; t < 2; ++t) {
+      slack[i + 1 + static_cast<Index>(t)] = slip[k][t];
+      lambda[i + 1 + static_cast<Index>(t)] = -mu * (85 / slip[k][2]) * slip[k][t] / 64;
+    }
+  }
+  const Instance exact = p.planted("PUCK", of({4, 10.5, 0, 0, 0, .5}), lambda, slack);
+  FrictionPoint out{exact, -1};
+  return out;
+}
+
+Instance planted_friction(const PlantedFriction& o) {
+  SmallNumbers draw(static_cast<double>(o.seed));
+  const Index n = 6 * o.bodies;
+  Vector mass(n), z = Vector::Zero(n);
+  for (Index b = 0; b < o.bodies; ++b) {
+    mass.segment<3>(6 * b).setConstant(std::exp2(draw.integer(-1, 2)));
+    for (Index k = 3; k < 6; ++k) mass[6 * b + k] = std::exp2(draw.integer(-3, 0));
+    for (Index k = 0; k < 6; ++k) z[6 * b + k] = draw.integer(-32, 32) / 16.0;
+  }
+  ContactByContact p(mass);
+  const Index rows = 1 + o.tangents;
+  Vector lambda = Vector::Zero(rows * o.contacts), slack = Vector::Zero(rows * o.contacts);
+  for (Index k = 0; k < o.contacts; ++k) {
+    const Index body = k < o.bodies ? k : draw.index(o.bodies);
+    const Index other = draw.index(o.bodies + 1) - 1;
+    const auto arm = [&]() -> Vec3 { return draw.eighths(3, 8); };
+    const Vec3 here = arm(), there = arm();
+    p.contact(frame_rows(n, body, here, other == body ? -1 : other, there, integer_frame(draw), rows),
+              std::vector<double>(static_cast<std::size_t>(rows), 0), o.mu, numbered("planted ", k));
+    const Index i = rows * k;
+    const double push = std::exp2(draw.integer(-3, 3)), size = std::exp2(draw.integer(-3, 3));
+    const std::array<double, 2> direction{(draw.integer(0, 1) ? 1. : -1.) * (o.tangents == 1 ? 5 : 3),
+                                          draw.integer(0, 1) ? 4. : -4.};
+    const int mode = draw.integer(0, 2);
+    if (mode == 0) slack[i] = size;
+    if (mode > 0) lambda[i] = 5 * push * (mode == 1 ? std::exp2(o.load_exponent) : 1);
+    for (Index t = 0; t < o.tangents; ++t) {
+      const double d = direction[static_cast<std::size_t>(t)];
+      if (mode == 0) slack[i + 1 + t] = draw.integer(-16, 16) / 8.0;
+      if (mode == 1) {
+        slack[i + 1 + t] = size * d * std::exp2(o.slip_exponent);
+        lambda[i + 1 + t] = -o.mu * d * push * std::exp2(o.load_exponent);
+      }
+      if (mode == 2) lambda[i + 1 + t] = o.mu * .75 * d * push;
+    }
+  }
+  Instance out = p.planted("planted", z, lambda, slack);
+  out.seed = o.seed;
+  return out;
+}
+
+std::vector<SceneEntry> friction_families() {
+  const Knob bodies = integer_knob("bodies", 5, 1, 1000, "free bodies"),
+             contacts = integer_knob("contacts", 8, 1, 10000, "contacts"),
+             seed = integer_knob("seed", 1, 0, 1e9, "of geometry, modes and answer");
+  const auto planted = [&](const char* name, const char* line, const char* help, double low, double high,
+                           void (*set)(PlantedFriction&, int)) {
+    return family(name, line, {integer_knob("k", 2, low, high, help), bodies, contacts, seed},
+                  [set, name](const Knobs& k) {
+                    PlantedFriction o = planted_options(k);
+                    set(o, static_cast<int>(k.at("k")));
+                    Instance out = planted_friction(o);
+                    out.family = out.problem.name = name;
+                    return out;
+                  });
+  };
+  std::vector<SceneEntry> all;
+  all.push_back(planted("planted", "planted answer under Coulomb's law, mu = 2^-k", "-log2 of mu", -4, 40,
+                        [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }));
+  all.push_back(planted("MU0", "planted answer, mu = 2^-k: friction fades", "-log2 of mu", 0, 40,
+                        [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }));
+  all.push_back(planted("MUL", "planted answer, mu = 2^k: several solutions are common", "log2 of mu", 0, 20,
+                        [](PlantedFriction& o, int k) { o.mu = std::exp2(k); }));
+  all.push_back(planted("APEX", "planted answer, sliding contacts pushed with 2^-k", "-log2 of their load", 0, 40,
+                        [](PlantedFriction& o, int k) { o.load_exponent = -k; }));
+  all.push_back(planted("SLIP", "planted answer, sliding contacts slip at 2^-k", "-log2 of their slip", 0, 40,
+                        [](PlantedFriction& o, int k) { o.slip_exponent = -k; }));
+  all.push_back(family("MRF", "two boxes on four corners each with friction, the upper one of mass 2^k",
+                       {integer_knob("k", 4, -40, 40, "log2 of the mass ratio")},
+                       [](const Knobs& k) { return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25); }));
+  all.push_back(family("STKF", "equal boxes on four corners each with friction, pushed sideways",
+                       {integer_knob("boxes", 2, 1, 200, "number of boxes")}, [](const Knobs& k) {
+                         return box_tower("STKF", std::vector<double>(static_cast<std::size_t>(k.at("boxes")), 1), 1,
+                                          .5, .375);
+                       }));
+  all.push_back(family("RANK", "a box at rest on four corners, each corner k times",
+                       {integer_knob("k", 1, 1, 64, "contacts at each corner")},
+                       [](const Knobs& k) { return box_tower("RANK", {1}, static_cast<int>(k.at("k")), .5, .25); }));
+  all.push_back(family("JAM", "a wedge dragged into its walls, mu = 3/4 - 2^-k; forces grow like 2^k",
+                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4, where no answer exists")},
+                       [](const Knobs& k) { return jam_point(.75 - std::exp2(-k.at("k")), -1).instance; }));
+  all.push_back(family("ROD", "Painleve's rod: one solution below mu = 14/11, three above",
+                       {integer_knob("k", 3, 1, 45, "-log2 of the distance"),
+                        integer_knob("above", 1, 0, 1, "1: above 14/11; 0: below")},
+                       [](const Knobs& k) {
+                         const double off = std::exp2(-k.at("k"));
+                         return rod_point(14. / 11 + (k.at("above") == 1 ? off : -off)).instance;
+                       }));
+  all.push_back(family("PUCK", "a flat box sliding and spinning on four corners: a continuum of answers",
+                       {integer_knob("k", 0, 0, 0, "no knob")}, [](const Knobs&) { return puck_point().instance; }));
+  return all;
+}
+
+}  // namespace zwang

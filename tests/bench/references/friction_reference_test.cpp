@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include <zwang/bench/references/friction/coulomb.h>
+#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/witnesses.h>
+#include <zwang/bench/scenes/friction_families.h>
+#include <zwang/core/referee/measure.h>
+
+namespace zwang {
+namespace {
+
+bool among(const Problem& p, const Vector& z, const std::vector<Vector>& all, double within) {
+  return std::ranges::any_of(all, [&](const Vector& other) { return relative_distance(p, other, z) <= within; });
+}
+
+Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}) {
+  Solution s;
+  s.status = Status::solved;
+  s.z = z;
+  s.lambda = lambda;
+  return measure(p, s, nullptr, 1e-13);
+}
+
+TEST(FrictionReference, FindsAndProvesAllThreeSolutionsOfTheRod) {
+  const Problem p = rod_point(2).instance.problem;
+  const std::vector<CoulombSolution> found = coulomb_solutions(p, {.random_starts = 40, .all = true});
+  const std::optional<PlanarSolutions> exact = enumerate_planar(p);
+  ASSERT_TRUE(exact);
+  EXPECT_EQ(exact->z.size(), 3u);
+  EXPECT_GE(found.size(), 2u);
+  EXPECT_LE(found.size(), 3u);
+  for (const CoulombSolution& s : found) {
+    EXPECT_TRUE(among(p, s.z, exact->z, 1e-15));
+    EXPECT_TRUE(s.isolated);
+    EXPECT_LE(s.radius, 1e-20);
+    EXPECT_EQ(s.delta, 0);
+  }
+}
+
+TEST(FrictionReference, ProvesNothingWhereThereIsNoSolution) {
+  std::string why;
+  EXPECT_TRUE(coulomb_solutions(jam_point(1, -1).instance.problem, {}, &why).empty());
+  EXPECT_FALSE(why.empty());
+}
+
+// Planar scenes of small integers: what is proven is a solution in rationals, the referee knows each of them, and what
+// is none is never called solved.
+TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
+  std::mt19937_64 random(7);
+  const auto draw = [&](int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+  };
+  int several = 0, proven = 0, all = 0, decided = 0, solutions = 0;
+  for (int scene = 0; scene < 300; ++scene) {
+    const Index contacts = draw(1, 3), n = draw(2, 4);
+    Problem p{.name = "planar", .z_u = Vector(n), .law = Law::coulomb};
+    p.M = Matrix(Matrix::Identity(n, n)).sparseView();
+    for (double& x : p.z_u) x = draw(-4, 4);
+    Matrix J(2 * contacts, n);
+    p.c = Vector::Zero(2 * contacts);
+    p.mu = Vector::Zero(2 * contacts);
+    for (Index i = 0; i < J.rows(); ++i) {
+      for (Index j = 0; j < n; ++j) J(i, j) = draw(-2, 2);
+      p.kind.push_back(i % 2 == 0 ? RowKind::inequality : RowKind::tangent);
+      p.key.push_back({static_cast<std::uint64_t>(i / 2) + 1, static_cast<std::uint32_t>(i % 2)});
+      p.c[i] = i % 2 == 0 ? draw(-2, 1) : draw(-1, 1);
+      if (i % 2 == 0) p.mu[i] = draw(0, 8) / 4.0;
+    }
+    p.J = J.sparseView();
+    const std::optional<PlanarSolutions> exact = enumerate_planar(p);
+    if (!exact || exact->continuum) continue;
+    ++all;
+    several += exact->z.size() > 1;
+    for (const CoulombSolution& s : coulomb_solutions(p)) {
+      ++proven;
+      EXPECT_TRUE(among(p, s.z, exact->z, 1e-11)) << "scene " << scene;
+    }
+    for (const Vector& z : exact->z) {
+      const Verdict verdict = judge(p, z).verdict;
+      EXPECT_NE(verdict, Verdict::wrong) << "scene " << scene;
+      decided += verdict == Verdict::solved;
+      ++solutions;
+    }
+    Vector off = exact->z.empty() ? Vector(p.z_u) : exact->z[0];
+    off[0] += .125;
+    if (!among(p, off, exact->z, 1e-9)) {
+      EXPECT_NE(judge(p, off).verdict, Verdict::solved) << "scene " << scene;
+    }
+  }
+  EXPECT_GE(all, 200);
+  EXPECT_GE(several, 3);
+  EXPECT_GE(proven, all * 3 / 4);
+  RecordProperty("solutions", solutions);
+  EXPECT_GE(decided, solutions / 2);
+}
+
+TEST(FrictionReference, EqualityRowsStayNative) {
+  Instance planted = planted_friction({.bodies = 3, .contacts = 6, .mu = .5, .seed = 3});
+  Problem& p = planted.problem;
+  // One coordinate held at what it is in z*: z* stays a solution, with multiplier 0.
+  const Index m = p.rows();
+  Matrix J(m + 2, p.size());
+  J << Matrix(p.J), Matrix::Zero(2, p.size());
+  J(m, 0) = 1;
+  J(m + 1, 0) = 2;  // twice: dependent, consistent
+  p.J = J.sparseView();
+  p.c.conservativeResize(m + 2);
+  p.mu.conservativeResize(m + 2);
+  p.c[m] = planted.reference->z[0];
+  p.c[m + 1] = 2 * planted.reference->z[0];
+  for (Index i = m; i < m + 2; ++i) {
+    p.mu[i] = 0;
+    p.kind.push_back(RowKind::equality);
+    p.key.push_back({1000 + static_cast<std::uint64_t>(i), 0});
+  }
+  EXPECT_EQ(judge(p, planted.reference->z).verdict, Verdict::solved);
+  const std::optional<Reference> found = coulomb_reference(p);
+  ASSERT_TRUE(found);
+  EXPECT_LE(std::abs(found->z[0] - planted.reference->z[0]), 1e-14);
+  EXPECT_FALSE(found->unique);
+}
+
+}  // namespace
+}  // namespace zwang
