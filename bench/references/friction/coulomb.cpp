@@ -192,7 +192,7 @@ class Search {
     const double s = std::max({p_.free_motion, p_.from_norm(scaled_.norm_with_free_motion(d)) - proof.radius,
                                p_.from_norm(scaled_.least_scale())});
     nearest = std::min(nearest, proof.delta / s);
-    if (!(proof.delta <= good_delta * s)) return false;
+    if (!(proof.delta <= good_delta * s && proof.radius <= good_delta * s)) return false;
     CoulombSolution solution{.radius = proof.radius / s,
                              .delta = proof.delta / s,
                              .strict = proof.strict,

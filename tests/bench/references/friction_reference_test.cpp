@@ -7,6 +7,7 @@
 #include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/friction_families.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/referee/measure.h>
 
 namespace zwang {
@@ -95,6 +96,27 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
   EXPECT_GE(proven, all * 3 / 4);
   RecordProperty("solutions", solutions);
   EXPECT_GE(decided, solutions / 2);
+}
+
+// With one tangent K* is the pyramid: the frictionless referee judges the same z by its own proofs.
+TEST(FrictionReference, ConvexLawWithOneTangentIsThePyramid) {
+  int judged = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Problem p = planted_friction({.bodies = 3, .contacts = 6, .tangents = 1, .mu = .5, .seed = seed}).problem;
+    const Problem pyramid = under(Law::pyramid, p);
+    p.law = Law::convex;
+    const std::optional<Reference> found = convex_reference(p);
+    if (!found) continue;
+    EXPECT_LE(found->bound, 1e-9);
+    const Metrics m = judge(pyramid, found->z);
+    EXPECT_NE(m.verdict, Verdict::wrong) << seed;
+    judged += m.verdict == Verdict::solved && m.z_bound <= 1e-12;
+    EXPECT_EQ(judge(p, found->z).verdict, Verdict::solved) << seed;
+    Vector off = found->z;
+    off[0] += 1e-3;
+    EXPECT_EQ(judge(p, off).verdict, Verdict::wrong) << seed;
+  }
+  EXPECT_GE(judged, 45);
 }
 
 TEST(FrictionReference, EqualityRowsStayNative) {
