@@ -18,6 +18,7 @@ int export_command(std::vector<std::string> words);
 int capture_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
+int conformance_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
 
 // `bench --suite collision`.

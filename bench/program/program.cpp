@@ -27,6 +27,8 @@ const std::array own_commands = {
     Command{"report", "Compare solvers", "charts of stored results, as a page or for a paper; two runs side by side",
             report_command},
     Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true", fuzz_command},
+    Command{"conformance", "Compare solvers", "one solver on phenomena of friction with exact answers",
+            conformance_command},
     Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
             solve_command},
     Command{"capture", "Look at one problem", "step a MuJoCo model (MJCF, URDF) and write the problem of each step",

@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <zwang/bench/conformance/conformance.h>
+#include <zwang/bench/references/friction/coulomb.h>
+#include <zwang/bench/references/friction/planar_enumeration.h>
+
+namespace zwang {
+namespace {
+
+Solution by_reference(const Problem& p) {
+  Solution s;
+  const std::optional<Reference> found = coulomb_reference(p, &s.message);
+  s.status = found ? Status::solved : Status::numerical_failure;
+  if (found) s.z = found->z;
+  return s;
+}
+
+TEST(Conformance, TheReferenceMethodPassesEveryCheck) {
+  for (const ConformanceCheck& check : conformance_checks()) {
+    const ConformanceResult result = check.run(by_reference);
+    EXPECT_TRUE(result.passes(1e-12)) << check.name << ": off by " << result.off << " " << result.note;
+  }
+}
+
+// Every planar problem of the kit, in rationals: what the check expects is among the solutions.
+TEST(Conformance, EnumerationInRationalsConfirmsThePlanarAnswers) {
+  int confirmed = 0;
+  for (const ConformanceCheck& check : conformance_checks()) {
+    double off = 0;
+    bool planar = true;
+    const ConformanceResult nearest = check.run([&](const Problem& p) {
+      Solution s;
+      const std::optional<PlanarSolutions> all = enumerate_planar(p);
+      planar &= all.has_value();
+      if (!all || all->z.empty()) return s;
+      s.status = Status::solved;
+      s.z = all->z[0];
+      return s;
+    });
+    if (!planar || std::isnan(nearest.off) || check.name == "PINCH") continue;
+    off = nearest.off;
+    EXPECT_LE(off, 1e-14) << check.name;
+    ++confirmed;
+  }
+  EXPECT_GE(confirmed, 9);
+}
+
+TEST(Conformance, SaysByHowMuchAnAnswerIsOffAndWhatASolverSaid) {
+  const auto still = [](const Problem& p) {
+    Solution s;
+    s.status = Status::solved;
+    s.z = Vector::Zero(p.size());
+    return s;
+  };
+  const auto mute = [](const Problem&) {
+    Solution s;
+    s.message = "gave up";
+    return s;
+  };
+  for (const ConformanceCheck& check : conformance_checks()) {
+    if (check.name == "box slides") {
+      EXPECT_EQ(check.run(still).off, 3);
+      EXPECT_FALSE(check.run(still).passes(1e-6));
+      EXPECT_TRUE(std::isnan(check.run(mute).off));
+      EXPECT_NE(check.run(mute).note.find("gave up"), std::string::npos);
+      EXPECT_FALSE(check.run(mute).passes(1e9));
+    }
+    if (check.name == "box rests") {
+      EXPECT_TRUE(check.run(still).passes(0));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace zwang
