@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include <zwang/core/problem/did_you_mean.h>
@@ -12,7 +13,10 @@
 #include <zwang/solvers/first_order/apgd.h>
 #include <zwang/solvers/first_order/pgs.h>
 #include <zwang/solvers/first_order/projected_gradient.h>
+#include <zwang/solvers/friction/admm.h>
+#include <zwang/solvers/friction/alart_curnier.h>
 #include <zwang/solvers/friction/cone.h>
+#include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
 #include <zwang/solvers/rivals/daqp.h>
@@ -23,6 +27,7 @@
 #include <zwang/solvers/rivals/piqp.h>
 #include <zwang/solvers/rivals/proxqp.h>
 #include <zwang/solvers/rivals/qpoases.h>
+#include <zwang/solvers/rivals/siconos.h>
 
 namespace zwang {
 namespace {
@@ -65,6 +70,20 @@ std::vector<SolverEntry> always() {
       entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
                    .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
                    .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      entry<Nsgs>(
+          {.method = "nonsmooth Gauss-Seidel, each contact solved exactly (Coulomb's law)",
+           .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
+           .sees_infeasibility = false,
+           .accuracy = iterative}),
+      entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
+                           .limits = "contacts with friction only; does not converge from everywhere, and says so",
+                           .sees_infeasibility = false,
+                           .accuracy = iterative}),
+      entry<Admm>(
+          {.method = "alternating directions, one factorization for as long as the penalty stays",
+           .limits = "contacts with friction only; slow beyond a few digits; may not converge under Coulomb's law",
+           .sees_infeasibility = false,
+           .accuracy = iterative}),
       // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the method fails.
       entry<NnlsPaper>(
           {.method = "the paper's Eq. 6-11: k with J k = c, then NNLS",
@@ -170,6 +189,24 @@ struct Registry {
                                      .proves_infeasibility = false,
                                      .largest_island = 700,
                                      .accuracy = iterative});
+    const auto siconos = [this]<class S>(std::type_identity<S>, std::string method, std::string limits) {
+      add<S, ZWANG_HAS_SICONOS>("Siconos' numerics, Debian's libsiconos-numerics-dev",
+                                {.method = "Siconos 4.4: " + method,
+                                 .limits = "contacts with friction only; " + limits,
+                                 .foreign = true,
+                                 .sees_infeasibility = false,
+                                 .accuracy = {.tolerance = 1e-6, .z_error = 1e-3, .solved_share = 0}});
+    };
+    siconos(std::type_identity<SiconosNsgs>(), "500 NSGS", "slow on hyperstatic contacts");
+    siconos(std::type_identity<SiconosNsnAc>(), "504 nonsmooth Newton on Alart-Curnier",
+            "scaling; answers differ with BLAS threads");
+    siconos(std::type_identity<SiconosNsnFb>(), "513 nonsmooth Newton on Fischer-Burmeister", "aborts on some input");
+    siconos(std::type_identity<SiconosSoclcp>(), "517 second-order cone LCP, convex law", "few hyperstatic contacts");
+    siconos(std::type_identity<SiconosAdmm>(), "523 ADMM", "claims by its own measure");
+    siconos(std::type_identity<SiconosGlobalNsgs>(), "605 global NSGS", "seconds on a hand");
+    siconos(std::type_identity<SiconosGlobalAdmm>(), "613 global ADMM, sparse", "no further than 1e-5 on large walls");
+    siconos(std::type_identity<SiconosGlobalIpm>(), "615 global interior point, convex law",
+            "asserts on some input; claims what it did not reach");
   }
 };
 

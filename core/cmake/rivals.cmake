@@ -1,13 +1,14 @@
 # The libraries of optional solvers, one line each:
 #   zwang_rival_NAME  package TARGET...   the first target that the package gives is linked
 # NAME is that of solvers/rivals/NAME.cpp. -DZWANG_NAME_DIR names the library's prefix, of an install or a build.
-set(zwang_rivals mujoco daqp piqp osqp proxqp qpoases)
+set(zwang_rivals mujoco daqp piqp osqp proxqp qpoases siconos)
 set(zwang_rival_mujoco MuJoCo MuJoCo::MuJoCo)
 set(zwang_rival_daqp DAQP DAQP::DAQP)
 set(zwang_rival_piqp piqp piqp::piqp_header_only)
 set(zwang_rival_osqp OSQP OSQP::OSQP)
 set(zwang_rival_proxqp proxsuite proxsuite::proxsuite-vectorized proxsuite::proxsuite)
 set(zwang_rival_qpoases qpOASES qpOASES::qpOASES)
+set(zwang_rival_siconos SiconosNumerics SiconosNumerics::SiconosNumerics)
 
 # zwang_find_rival(NAME): sets zwang_rival_target, empty where the library is absent. A prefix that was named must hold it.
 macro(zwang_find_rival NAME)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <cstdio>
 
 namespace zwang {
 namespace {
@@ -16,7 +16,7 @@ void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& 
   constexpr Index body = 6;
   works_.begin();
   islands_.solve_apart([this](const Problem& p, const SolveOptions& o,
-                              Solution& part) { works_.of(p.size(), p.rows()).solve(*this, p, o, part); },
+                              Solution& part) { works_.own(p.size(), p.rows()).solve(*this, p, o, part); },
                        body, problem, options, solution);
 }
 
@@ -137,9 +137,10 @@ bool Cone::Work::solve_under(Law law, const Cone& settings, const Problem& p, co
     solution.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
   } else {
     solution.status = Status::numerical_failure;
-    std::ostringstream text;
-    text << "the natural residual stays at " << natural_ / program_.scale(v_) << " of the motion";
-    solution.message = text.str();
+    std::array<char, 80> text;
+    std::snprintf(text.data(), text.size(), "the natural residual stays at %.1e of the motion",
+                  natural_ / program_.scale(v_));
+    solution.message = text.data();
   }
   return accepted;
 }

@@ -39,8 +39,9 @@ class ConeProgram {
   const Vector& h() const { return h_; }
   ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
   bool is_dense() const { return dense_; }
-  double scale(const Vector& v);           // max(|z_u|_M, |v|_M)
-  double start() const { return start_; }  // the worst violation at v = 0, or a small number
+  DenseFace& dense_face() { return dense_face_; }  // where it is
+  double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
+  double start() const { return start_; }          // the worst violation at v = 0, or a small number
 
   // s = G v - h.
   void slack(const Vector& v, Vector& s) {

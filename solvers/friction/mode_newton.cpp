@@ -125,28 +125,32 @@ bool ModeNewton::solve(ConeProgram& program) {
   return v.allFinite() && y.allFinite();
 }
 
+bool ModeNewton::step(ConeProgram& program) {
+  softness_ = std::clamp(tolerances::cone_soften * last_ / program.start(), tolerances::cone_softness,
+                         tolerances::cone_softest);
+  if (!chosen_) choose(program);
+  chosen_ = false;
+  linearize(program);
+  if (!solve(program)) return false;
+  if (program.is_dense()) program.face().force(y, v);
+  program.slack(v, s);
+  residual = program.residual(y, s);
+  last_ = residual.natural;
+  return std::isfinite(last_);
+}
+
 void ModeNewton::run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations) {
   ConeProgram::Residual best = residual;
   if (chosen_) best.natural = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < most && !(best.natural <= goal) && !deadline.passed(); ++step) {
-    softness_ = std::clamp(tolerances::cone_soften * last_ / program.start(), tolerances::cone_softness,
-                           tolerances::cone_softest);
-    if (!chosen_) choose(program);
-    chosen_ = false;
-    linearize(program);
-    if (!solve(program)) break;
+  for (int taken = 0; taken < most && !(best.natural <= goal) && !deadline.passed(); ++taken) {
+    if (!step(program)) break;
     ++iterations;
-    if (program.is_dense()) program.face().force(y, v);
-    program.slack(v, s);
-    residual = program.residual(y, s);
-    last_ = residual.natural;
-    if (!std::isfinite(last_)) break;
     if (last_ < best.natural) {
       best = residual;
       best_v_ = v;
       best_y_ = y;
       best_s_ = s;
-    } else if (step >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
+    } else if (taken >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
       break;
     }
   }

@@ -26,6 +26,8 @@ class ModeNewton {
   void begin(ConeProgram& program);
   // Until the natural residual is at `goal` or does not fall any more; keeps the best iterate. Counts its steps.
   void run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations);
+  // One of its steps; false on a breakdown.
+  bool step(ConeProgram& program);
   bool slides() const;  // does a contact that pushes?
 
  private:

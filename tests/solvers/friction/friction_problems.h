@@ -46,8 +46,8 @@ inline Problem friction_problem(const Vector& mass, const Vector& z_u, const std
   return p;
 }
 
-// The largest of |M (z - z_u) - J'lambda| over |J'lambda|, and of what the law leaves over the size of s and lambda of
-// its contact: 0 at an answer. Diagonal M.
+// The largest of |M (z - z_u) - J'lambda| over |J'lambda| and |M z_u|, and of what the law leaves over the size of s
+// and lambda of its contact: 0 at an answer. Diagonal M.
 inline double law_error(const Problem& p, const Solution& answer) {
   using Real = long double;
   const auto n = p.size();
@@ -61,12 +61,14 @@ inline double law_error(const Problem& p, const Solution& answer) {
     s[static_cast<std::size_t>(i)] = sum;
   }
   Real worst = 0, size = 1e-300L;
-  for (Index j = 0; j < n; ++j) size = std::max(size, std::abs(force[static_cast<std::size_t>(j)]));
+  for (Index j = 0; j < n; ++j)
+    size = std::max({size, std::abs(force[static_cast<std::size_t>(j)]), std::abs(p.M.coeff(j, j) * Real(p.z_u[j]))});
   for (Index j = 0; j < n; ++j)
     worst = std::max(
         worst, std::abs(p.M.coeff(j, j) * (Real(answer.z[j]) - p.z_u[j]) - force[static_cast<std::size_t>(j)]) / size);
   Real z_size = std::max<Real>(answer.z.lpNorm<Eigen::Infinity>(), p.z_u.lpNorm<Eigen::Infinity>());
-  Real l_size = std::max<Real>(answer.lambda.lpNorm<Eigen::Infinity>(), 1e-300);
+  // Forces against rows of length near 1; no forces at all are judged by what moves the bodies.
+  const Real l_size = std::max<Real>(answer.lambda.lpNorm<Eigen::Infinity>(), size);
   z_size = std::max<Real>(z_size, 1e-300L);
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i)) continue;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include <zwang/solvers/common/setting.h>
+#include <zwang/solvers/friction/cone_iteration.h>
+#include <zwang/solvers/friction/mode_newton.h>
+
+namespace zwang {
+
+// Semismooth Newton on Alart and Curnier's equations from the start (1991, Comput. Methods Appl. Mech. Eng. 92),
+// without the interior point that `cone` puts before it: whole steps, the modes chosen anew at each. One iteration is
+// one factorization.
+struct AlartCurnier {
+  static constexpr std::string_view name = "alart_curnier";
+  static constexpr std::array laws{Law::convex, Law::coulomb};
+
+  int max_steps = 200;
+
+  static std::vector<Setting<AlartCurnier>> settings() {
+    return {{"max_steps", &AlartCurnier::max_steps, "Newton steps before giving up"}};
+  }
+  std::string supports(const Problem& problem) const {
+    return problem.has_tangents() ? "" : "no contact with friction";
+  }
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+  struct Workspace {
+    ConeIteration::Workspace iteration;
+    ModeNewton modes;
+  };
+  Workspace work = {};
+};
+static_assert(Solver<AlartCurnier>);
+
+}  // namespace zwang

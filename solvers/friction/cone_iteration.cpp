@@ -1,0 +1,69 @@
+#include <zwang/solvers/friction/cone_iteration.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+
+ConeIteration::ConeIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution)
+    : work_(work), problem_(problem), options_(options), solution_(solution), deadline_(options.time_limit) {}
+
+bool ConeIteration::begin() {
+  const Law law = problem_.has_tangents() ? problem_.law : Law::convex;
+  if (!work_.program.build(problem_, law, options_, deadline_, solution_)) return false;
+  work_.v.setZero(work_.program.face().unknowns());
+  work_.s.setZero(work_.program.rows());
+  work_.force.setZero(work_.v.size());
+  work_.mass.setZero(work_.v.size());
+  if (work_.program.warm(problem_, options_.warm_start, work_.y) && work_.program.is_dense())
+    work_.program.face().force(work_.y, work_.v);
+  else
+    work_.y.setZero();
+  work_.program.slack(work_.v, work_.s);
+  residual_ = work_.program.residual(work_.y, work_.s).natural;
+  solution_.status = residual_ == 0 ? Status::solved : Status::iteration_limit;
+  if (residual_ == 0) end();
+  return residual_ != 0;
+}
+
+bool ConeIteration::goes_on(int limit) {
+  if (deadline_.passed()) solution_.status = Status::time_limit;
+  return solution_.status == Status::iteration_limit && solution_.iterations < std::min(limit, options_.max_iterations);
+}
+
+bool ConeIteration::step_done() {
+  ++solution_.iterations;
+  ConeProgram& program = work_.program;
+  double unbalanced = 0;
+  if (program.is_dense()) {
+    program.face().force(work_.y, work_.v);
+  } else {
+    program.face().force(work_.y, work_.force);
+    program.face().mass(work_.v, work_.mass);
+    const double size = work_.mass.lpNorm<Eigen::Infinity>();
+    unbalanced = size > 0 ? (work_.force - work_.mass).lpNorm<Eigen::Infinity>() / size : 1;
+  }
+  program.slack(work_.v, work_.s);
+  const double scale = program.scale(work_.v);
+  residual_ = std::max(program.residual(work_.y, work_.s).natural, unbalanced * scale);
+  if (options_.observe) {
+    program.write(problem_, work_.v, work_.y, solution_);
+    options_.observe(solution_.iterations, solution_.z, solution_.lambda);
+  }
+  if (!std::isfinite(residual_)) {
+    solution_.status = Status::numerical_failure;
+    solution_.message = "the iterates run off";
+    return true;
+  }
+  if (residual_ > options_.tolerance * scale) return false;
+  solution_.status = Status::solved;
+  return true;
+}
+
+void ConeIteration::end() {
+  if (std::isfinite(residual_)) return work_.program.write(problem_, work_.v, work_.y, solution_);
+  solution_.empty_z();
+  solution_.empty_lambda();
+}
+
+}  // namespace zwang
