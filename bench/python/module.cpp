@@ -200,15 +200,17 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
   std::optional<py::gil_scoped_release> free;
   if (!keep_python) free.emplace();
   Dispatcher dispatcher(make);
+  if (run.foreign) dispatcher.child.load(instance.problem);
   SolveReply reply = dispatcher.run(instance.problem, run, request, nullptr);
   return {std::move(reply.solution), reply.seconds};
 }
 
 // Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
-void bench(SuiteOptions options, const std::filesystem::path& directory) {
+void bench(SuiteOptions options, const std::filesystem::path& directory, bool progress) {
   const Plan plan = make_plan(std::move(options));
   std::atomic<bool> interrupted = false;
-  run_suite(plan, {.directory = directory, .cache = reference_cache(), .command = "zwang.bench"}, interrupted);
+  run_suite(plan, {.directory = directory, .cache = reference_cache(), .command = "zwang.bench", .quiet = !progress},
+            interrupted);
 }
 
 }  // namespace
@@ -290,6 +292,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("at_most", &Judgement::at_most)
       .def_readonly("proof", &Judgement::proof)
       .def_readonly("worst_row", &Judgement::worst_row)
+      .def_readonly("scale_over_answer", &Judgement::scale_over_answer)
       .def_property_readonly("primal", [](const Judgement& j) { return j.metrics.primal; })
       .def_property_readonly("dual", [](const Judgement& j) { return j.metrics.dual; })
       .def_property_readonly("stationarity", [](const Judgement& j) { return j.metrics.stationarity; })
@@ -351,7 +354,8 @@ PYBIND11_MODULE(_zwang, m) {
   m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
                     const std::vector<std::filesystem::path>& files, const std::string& chosen,
                     const std::vector<double>& tolerances, int repetitions, std::uint64_t seed,
-                    const std::optional<std::string>& law, bool keep_python, const std::filesystem::path& directory) {
+                    const std::optional<std::string>& law, bool keep_python, const std::filesystem::path& directory,
+                    bool progress) {
     SuiteOptions options{.suite = suite,
                          .scenes = scenes,
                          .problems = files,
@@ -363,7 +367,7 @@ PYBIND11_MODULE(_zwang, m) {
                          .seed = seed};
     std::optional<py::gil_scoped_release> working;
     if (!keep_python) working.emplace();
-    bench(std::move(options), directory);
+    bench(std::move(options), directory, progress);
   });
 }
 

@@ -19,11 +19,16 @@ std::string number(double x) {
 std::string in_words(const Judgement& j, const char* variable) {
   std::string text(to_string(j.verdict));
   const std::string distance = std::string("|") + variable + " - " + variable + "*|";
+  const std::string name(variable);
+  const std::string relative = " (relative to max(|" + (name == "x" ? "P^-1 q" : name + "_u") + "|, |" + name + "*|))";
   if (std::isfinite(j.at_most))
-    text +=
-        ": " + distance + " is at least " + number(j.at_least) + " and at most " + number(j.at_most) + " (relative)";
+    text += ": " + distance + " is at least " + number(j.at_least) + " and at most " + number(j.at_most) + relative;
   else if (j.at_least > 0)
-    text += ": " + distance + " is at least " + number(j.at_least) + " (relative)";
+    text += ": " + distance + " is at least " + number(j.at_least) + relative;
+  // The motion without any row may be far larger than the answer, and an error that is small beside it may not be so
+  // beside the answer.
+  if (j.scale_over_answer > 2 && std::isfinite(j.scale_over_answer) && (std::isfinite(j.at_most) || j.at_least > 0))
+    text += ", " + number(j.scale_over_answer) + " times that relative to |" + name + "*|";
   if (!j.worst_row.empty()) text += "; worst row: " + j.worst_row + ", violated by " + number(j.metrics.primal);
   return text + (j.proof.empty() ? "" : "; proof: " + j.proof);
 }
@@ -65,6 +70,11 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
     }
   }
   if (z.allFinite()) out.verdict = by_error(out.at_most, out.at_least, tolerance);
+  const Vector& answer = truth.reference ? truth.reference->z : z;
+  if (answer.allFinite()) {
+    const double size = std::sqrt(std::max(answer.dot(p.M * answer), 0.0));
+    out.scale_over_answer = std::max(1.0, std::sqrt(std::max(p.z_u.dot(p.M * p.z_u), 0.0)) / size);
+  }
   out.text = in_words(out, variable);
   return out;
 }

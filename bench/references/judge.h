@@ -14,9 +14,10 @@ struct Judgement {
   Verdict verdict = Verdict::undecided;
   Metrics metrics = {};  // the referee's residuals, from the problem and z (and lambda) alone
   double at_least = 0, at_most = Metrics::unknown;
-  std::string proof = {};      // how z* is known: a reference's method, or the referee's bound
-  std::string worst_row = {};  // the most violated one; "" where none is
-  std::string text = {};       // all of it in one line
+  std::string proof = {};                       // how z* is known: a reference's method, or the referee's bound
+  std::string worst_row = {};                   // the most violated one; "" where none is
+  double scale_over_answer = Metrics::unknown;  // s / |z*|_M: times it, the distance is relative to the answer alone
+  std::string text = {};                        // all of it in one line
 };
 
 // Judges z, whoever found it. lambda may be empty. The truth is the instance's reference, or one that is found and

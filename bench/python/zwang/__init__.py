@@ -184,7 +184,8 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=
 
 def judge(problem, z, lambda_=None, *, tolerance=1e-9):
     """Whether z solves the problem, whoever found it: a Judgement with verdict, at_least and at_most (proven bounds on
-    |z - z*|_M / s), residuals and the worst row. The truth is found and certified independently of any solver."""
+    |z - z*|_M / s, s = max(|z_u|_M, |z*|_M)), residuals and the worst row. scale_over_answer = s / |z*|_M: times it, the
+    bounds are relative to the answer alone. The truth is found and certified independently of any solver."""
     return _zwang.judge(problem, _numbers(z, "z"), _numbers(lambda_, "lambda_"), float(tolerance))
 
 
@@ -196,7 +197,7 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
 
     P: n x n, symmetric positive definite; a triangular P is refused. Multipliers (y of A, z of G, z_box of the bounds)
     may be given: P x + q + A'y + G'z + z_box = 0. Returns a Judgement; its bounds are on |x - x*|_P, relative to
-    max(|P^-1 q|_P, |x*|_P).
+    s = max(|P^-1 q|_P, |x*|_P); times its scale_over_answer = s / |x*|_P they are relative to the answer alone.
     """
     q = _numbers(q, "q")
     n = len(q)
@@ -233,13 +234,14 @@ def add_solver(name, function, method="a Python function"):
 _python_solvers = set()
 
 
-def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, law=None, out=None):
+def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, law=None, out=None,
+          progress=False):
     """Runs solvers on scenes ("hand(contacts=16,64)"), files, problems (a Problem, or a list), or a suite; returns one
     dict a run, with the keys of results.jsonl (docs/formats.md): pandas.DataFrame(zwang.bench(...)).
 
     solvers: names, or Python functions (see add_solver), or "qpsolvers:NAME" for a solver that qpsolvers finds.
     law: of every problem ("frictionless", "pyramid", "convex", "coulomb"); None: its own.
-    out: a folder that keeps the run, for `zwang report`.
+    out: a folder that keeps the run, for `zwang report`. progress: lines on stderr on how far it is.
     """
     from . import qpsolvers as outside
     names = []
@@ -265,6 +267,6 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(out) if out is not None else pathlib.Path(scratch) / "run"
         _zwang.bench(suite, text, problems, files, ",".join(names), list(tolerances or []), repetitions, seed, law, python,
-                     folder)
+                     folder, progress)
         with open(folder / "results.jsonl", encoding="utf-8") as lines:
             return [json.loads(line) for line in lines]

@@ -68,6 +68,7 @@ class Judgement:
     at_most: float
     proof: str
     worst_row: str
+    scale_over_answer: float
     primal: float
     dual: float
     stationarity: float
@@ -91,4 +92,4 @@ def add_solver(name: str, function: Callable[[Problem, float], Answer], method: 
 def bench(scenes: str | Path | Problem | Iterable[Problem] | None = None, *, suite: str = "quick",
           solvers: str | Callable[[Problem, float], Answer] | Iterable[str | Callable[[Problem, float], Answer]] | None = None,
           tolerances: Iterable[float] | None = None, repetitions: int = 0, seed: int = 1,
-          law: str | None = None, out: str | Path | None = None) -> list[dict[str, Any]]: ...
+          law: str | None = None, out: str | Path | None = None, progress: bool = False) -> list[dict[str, Any]]: ...

@@ -3,7 +3,7 @@
     .h5 .hdf5         zwang's own layout and FCLIB (docs/formats.md)
     .dat              Siconos' text files of local frictional problems (dense, sparse-block, triplets)
     .mat              Maros-Meszaros: P, q, r, l, u, A with l <= A x <= u
-    .npz              qpbenchmark: P, q, G, h, A, b, lb, ub
+    .npz              qpbenchmark: P, q, G, h, A, b, lb, ub; and what save_qpbenchmark() writes
     .qps .qps.gz      quadratic programs (QUADOBJ, QMATRIX)
     a folder          Matrix Market: M.mtx, z_u.mtx, J.mtx, c.mtx, equality.mtx
 
@@ -12,6 +12,7 @@ expected.
 """
 import gzip
 import pathlib
+import shutil
 import tempfile
 
 import numpy
@@ -84,6 +85,8 @@ def _mat(path):
 
 def _npz(path):
     with numpy.load(path, allow_pickle=False) as parts:
+        if "P_indptr" in parts.files:
+            return _of_test_set(path, parts)
         given = {}
         for name in ("P", "q", "G", "h", "A", "b", "lb", "ub"):
             if name not in parts.files:
@@ -97,6 +100,23 @@ def _npz(path):
         if given.get(name) is None:
             raise ValueError(f"has no array {name}; expected P and q")
     return _program(path, "qpbenchmark", **given)
+
+
+def _of_test_set(path, parts):
+    """A problem that save_qpbenchmark() wrote, every bit of it."""
+    n, equality = len(parts["q"]), parts["equality"]
+
+    def matrix(name, rows):
+        return scipy.sparse.csr_matrix(tuple(parts[f"{name}_{part}"] for part in ("data", "indices", "indptr")),
+                                       shape=(rows, n))
+    J = scipy.sparse.vstack([matrix("A", len(parts["b"])), -matrix("G", len(parts["h"]))], format="csr")
+    order = numpy.argsort(numpy.r_[numpy.flatnonzero(equality), numpy.flatnonzero(~equality)])
+    if J.shape[0] != len(equality):
+        raise ValueError(f"has {J.shape[0]} rows in A and G; expected {len(equality)}")
+    problem = zwang.Problem(matrix("P", n), parts["z_u"], J[order], numpy.r_[parts["b"], -parts["h"]][order],
+                            equality=equality)
+    problem._name_it(str(parts["name"]), "qpbenchmark")
+    return [problem]
 
 
 class _Words:
@@ -307,10 +327,16 @@ def _matrix_market(folder):
 _readers = {".dat": _siconos, ".mat": _mat, ".npz": _npz, ".qps": _qps, ".qps.gz": _qps}
 
 
+def _refuse_tangents(file, problem):
+    if problem.tangent.any():
+        raise ValueError(f"{file}: this format has no friction; save problem.under('pyramid') or under('frictionless')")
+
+
 def save_matrix_market(folder, problem):
     """M.mtx, z_u.mtx, J.mtx, c.mtx, equality.mtx in a new folder, 17 digits: every double comes back. Row names and keys
     cannot be kept; c = -inf is refused, since the format has no infinity."""
     folder = pathlib.Path(folder)
+    _refuse_tangents(folder, problem)
     if not numpy.isfinite(problem.c).all():
         raise ValueError(f"{folder}: c holds -inf, which Matrix Market cannot")
     folder.mkdir(parents=True)
@@ -321,9 +347,14 @@ def save_matrix_market(folder, problem):
 
 def save_fclib(file, problem, mu=None, form="global"):
     """FCLIB's layouts, contacts [N, T1, T2] (or [N, T1] where every contact slips along one tangent): "global",
-    M v = H r + G lambda + f, or "local", u = W r + V lambda + q with W = J M^-1 J'. Inequality rows become normals, tangent
-    rows their tangents; those of a contact without friction are zeros and its mu is 0. mu: another coefficient for all
-    contacts. Equality rows become G. f = M z_u and the local form are rounded; row names and keys cannot be kept."""
+    M v = H r + G lambda + f, or "local", u = W r + V lambda + q with W = J M^-1 J'.
+
+    Inequality rows become normals, tangent rows their tangents; those of a contact without friction are zeros and its mu
+    is 0. mu: other coefficients, one number or one a contact. Equality rows become G. What cannot be kept: names and keys
+    of rows, the order of equality among inequality rows, and rows with c = -inf, which bind nothing. The global file
+    carries z_u beside f = M z_u, which is rounded, so that zwang reads every other bit back; the local one keeps neither M
+    nor z_u, and its W is rounded.
+    """
     import h5py
     if form not in ("global", "local"):
         raise ValueError(f"form should be global or local, and is {form}")
@@ -334,6 +365,10 @@ def save_fclib(file, problem, mu=None, form="global"):
     normal = rows[~slips[rows]]
     contact = numpy.cumsum(~slips[rows]) - 1  # of each row
     slip = rows - normal[contact]
+    if mu is not None:
+        mu = numpy.broadcast_to(numpy.asarray(mu, dtype=float), len(normal))
+        if not (mu >= 0).all():
+            raise ValueError(f"{file}: mu is negative; expected friction coefficients >= 0")
     one = slips.any() and slip.max() == 1
     dim = 2 if one else 3
     place = dim * contact + slip
@@ -346,11 +381,11 @@ def save_fclib(file, problem, mu=None, form="global"):
         group = out.create_group(f"fclib_{form}")
         group["spacedim"] = numpy.array([dim], dtype=numpy.int32)
         vectors = group.create_group("vectors")
-        vectors["mu"] = problem.mu[normal] if mu is None else numpy.full(len(normal), float(mu))
+        vectors["mu"] = problem.mu[normal] if mu is None else mu
         if form == "global":
             _write_triplets(group.create_group("M"), problem.M)
             _write_triplets(group.create_group("H"), H)
-            vectors["f"], vectors["w"] = problem.M @ problem.z_u, w
+            vectors["f"], vectors["w"], vectors["z_u"] = problem.M @ problem.z_u, w, problem.z_u
             if equal.any():
                 _write_triplets(group.create_group("G"), G)
                 vectors["b"] = b
@@ -364,3 +399,29 @@ def save_fclib(file, problem, mu=None, form="global"):
             _write_triplets(group.create_group("V"), S[e:, :e])
             _write_triplets(group.create_group("R"), S[:e, :e])
             vectors["s"] = G.T @ problem.z_u + b
+
+
+def save_qpbenchmark(folder, problems):
+    """A test set of qpbenchmark in a new folder: contact_qpbenchmark.py, data/*.npz and results/.
+
+        qpbenchmark contact_qpbenchmark.py --results-path results/contact_qpbenchmark.csv run
+
+    Sparse P, q = -M z_u (rounded), G = -J and h = -c of the inequality rows, A = J and b = c of the equality rows. The
+    files carry z_u and the order of rows too, so that zwang.load() gives every bit back but the names and keys of rows.
+    """
+    problems = [problems] if isinstance(problems, zwang.Problem) else list(problems)
+    folder = pathlib.Path(folder)
+    for problem in problems:
+        _refuse_tangents(folder, problem)
+    folder.mkdir(parents=True)
+    (folder / "data").mkdir()
+    (folder / "results").mkdir()
+    shutil.copyfile(pathlib.Path(__file__).with_name("contact_qpbenchmark.py"), folder / "contact_qpbenchmark.py")
+    for number, problem in enumerate(problems):
+        equal = problem.equality
+        parts = {"name": numpy.array(problem.name), "q": -(problem.M @ problem.z_u), "h": -problem.c[~equal],
+                 "b": problem.c[equal], "z_u": problem.z_u, "equality": equal}
+        for name, matrix in (("P", problem.M), ("G", -problem.J[~equal]), ("A", problem.J[equal])):
+            matrix = scipy.sparse.csr_matrix(matrix)
+            parts |= {f"{name}_{part}": getattr(matrix, part) for part in ("data", "indices", "indptr")}
+        numpy.savez_compressed(folder / "data" / f"{number:04}.npz", **parts)

@@ -71,7 +71,8 @@ def solve_problem(problem, initvals=None, verbose=False, *, algorithm="dual_acti
 def register():
     """Makes qpsolvers.solve_qp(..., solver="zwang") work; returns the names that qpsolvers now finds."""
     import qpsolvers
-    qpsolvers.solve_function["zwang"] = solve_problem
+    import qpsolvers.solvers
+    qpsolvers.solvers.solve_function["zwang"] = solve_problem
     for known in (qpsolvers.available_solvers, qpsolvers.dense_solvers, qpsolvers.sparse_solvers):
         if "zwang" not in known:
             known.append("zwang")

@@ -4,6 +4,8 @@ import gc
 import math
 import os
 import random
+import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -89,6 +91,22 @@ class Solving(unittest.TestCase):
                 answer = zwang.solve(problem, solver["name"])
                 self.assertEqual(answer.status, "solved")
                 self.assertEqual(zwang.judge(problem, answer.z).verdict, "solved", solver["name"])
+
+    def test_a_solver_in_a_child_gets_the_problem(self):
+        problem = zwang.scene("tower(boxes=2)")
+        foreign = [s["name"] for s in zwang.solvers() if s["foreign"] and s["exact"]] or ["nlopt_slsqp"]
+        for name in {*foreign, "ipopt", "nlopt_slsqp"} & {s["name"] for s in zwang.solvers()}:
+            answer = zwang.solve(problem, name, tolerance=1e-8)
+            self.assertEqual(len(answer.z), problem.size, name)
+            self.assertIn(zwang.judge(problem, answer.z, tolerance=1e-6).verdict, ("solved", "near"), name)
+
+    def test_a_bench_is_quiet_unless_asked(self):
+        program = ("import zwang\n"
+                   "zwang.bench('tower(boxes=2)', solvers='nnls', tolerances=[1e-6], repetitions=1, progress={})")
+        for progress in (False, True):
+            done = subprocess.run([sys.executable, "-c", program.format(progress)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("%" in done.stderr, progress, done.stderr)
 
     def test_a_wrong_name_or_setting_is_one_line(self):
         problem = zwang.scene("tower(boxes=2)")
@@ -195,4 +213,4 @@ def load_tests(loader, tests, ignore):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,1 @@
+solve_function, available_solvers, dense_solvers, sparse_solvers = {}, [], [], []
