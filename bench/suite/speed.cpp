@@ -125,11 +125,11 @@ std::vector<std::string> profile_stages() {
 
 // False when interrupted.
 bool write_sequence(Sequence& sequence, const std::filesystem::path& cache, std::span<const Run> runs, double budget,
-                    Dispatcher& desk, const std::atomic<bool>& interrupted, ResultFile& out) {
+                    double time_limit, Dispatcher& desk, const std::atomic<bool>& interrupted, ResultFile& out) {
   for (std::size_t f = 0; f < sequence.frames.size() && !interrupted; f += Sequence::check_every)
     sequence.frames[f].reference = reference_for(sequence.frames[f], cache, {}).reference;
   std::vector<std::string> lines;
-  for (const SequenceTimes& t : time_sequence(sequence, runs, budget, desk, interrupted))
+  for (const SequenceTimes& t : time_sequence(sequence, runs, budget, time_limit, desk, interrupted))
     lines.push_back(Json({{"kind", "sequence"},
                           {"sequence", sequence.name},
                           {"solver", t.solver},
@@ -157,7 +157,8 @@ bool write_speed(const std::filesystem::path& directory, const std::filesystem::
   }
   std::erase_if(sequences, [](const Sequence& s) { return s.frames.empty(); });
   for (Sequence& sequence : sequences)
-    if (!write_sequence(sequence, cache, runs, budget / static_cast<double>(sequences.size()), desk, interrupted, out))
+    if (!write_sequence(sequence, cache, runs, budget / static_cast<double>(sequences.size()), 1, desk, interrupted,
+                        out))
       return false;
   return true;
 }
@@ -176,7 +177,8 @@ void write_sequences(const Plan& plan, const std::filesystem::path& directory, c
     sequences.back().frames.push_back(frame);
   }
   for (Sequence& sequence : sequences)
-    if (!write_sequence(sequence, cache, tightest, std::numeric_limits<double>::infinity(), desk, interrupted, out))
+    if (!write_sequence(sequence, cache, tightest, std::numeric_limits<double>::infinity(), plan.time_limit, desk,
+                        interrupted, out))
       return;
 }
 

@@ -36,7 +36,8 @@ Vec<double, 6> wander(int frame) {
 
 class Runner {
  public:
-  Runner(const Run& run, double share, Dispatcher& desk) : run_(run), desk_(desk), left_(share) {
+  Runner(const Run& run, double share, double time_limit, Dispatcher& desk)
+      : run_(run), desk_(desk), left_(share), time_limit_(time_limit) {
     times_.solver = run.solver;
   }
 
@@ -56,7 +57,7 @@ class Runner {
   SolveReply solve(const Instance& instance, SolveRequest& call, bool check, const std::atomic<bool>& interrupted,
                    SequenceTimes::Start& into) {
     const Problem& problem = instance.problem;
-    call.time_limit = 1;
+    call.time_limit = time_limit_;
     call.solves = solves_;
     // Without it the cold solve, which comes first, fills the caches for the warm one: 0.34 where 0.58 is true.
     call.warm_up = last_s_ < 1e-3;
@@ -80,7 +81,7 @@ class Runner {
 
   const Run& run_;
   Dispatcher& desk_;
-  double left_;
+  double left_, time_limit_;
   int solves_ = 1;
   double last_s_ = 0;
   WarmStart last_ = {};
@@ -112,9 +113,9 @@ Sequence hand_sequence(int contacts, int frames) {
 }
 
 std::vector<SequenceTimes> time_sequence(const Sequence& sequence, std::span<const Run> runs, double budget,
-                                         Dispatcher& desk, const std::atomic<bool>& interrupted) {
+                                         double time_limit, Dispatcher& desk, const std::atomic<bool>& interrupted) {
   std::vector<Runner> runners;
-  for (const Run& run : runs) runners.emplace_back(run, budget / static_cast<double>(runs.size()), desk);
+  for (const Run& run : runs) runners.emplace_back(run, budget / static_cast<double>(runs.size()), time_limit, desk);
   for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
     desk.child.load(sequence.frames[f].problem);
     for (Runner& runner : runners) {

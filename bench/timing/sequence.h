@@ -32,8 +32,9 @@ struct SequenceTimes {
 
 // Every frame is solved by every solver, cold and from that solver's own solution of the frame before, one after the
 // other, so that a slow second of the machine hits all alike. Every 20th frame is checked. A solver that has used up
-// its share of `budget` [s] stops early. `runs`: one tolerance each. Empty when interrupted.
+// its share of `budget` [s] stops early. `runs`: one tolerance each. `time_limit` [s]: of a solve. Empty when
+// interrupted.
 std::vector<SequenceTimes> time_sequence(const Sequence& sequence, std::span<const Run> runs, double budget,
-                                         Dispatcher& desk, const std::atomic<bool>& interrupted);
+                                         double time_limit, Dispatcher& desk, const std::atomic<bool>& interrupted);
 
 }  // namespace zwang
