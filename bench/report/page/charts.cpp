@@ -45,13 +45,13 @@ void add_recorded(const Run& run, json& rows) {
                     json(), json(), json(), r.claimed, verified, of, ""});
   };
   for (const Result& r : run.recorded)
-    if (std::isfinite(r.error())) {
-      add("run", r, r.error(), r.verified, "a recorded answer");
+    if (std::isfinite(r.z_error)) {
+      add("run", r, r.z_error, r.verified, "a recorded answer");
       families[{r.family, r.solver}].push_back(&r);
     }
   for (const auto& [key, answers] : families.items) {
     std::vector<double> errors;
-    for (const Result* r : answers) errors.push_back(r->error());
+    for (const Result* r : answers) errors.push_back(r->z_error);
     const Result& any = *answers.front();
     add("median", any, median(errors), answers.size() == 1 ? any.verified : "",
         "median of " + std::to_string(answers.size()) + " recorded answers");

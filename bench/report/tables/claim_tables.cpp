@@ -123,25 +123,27 @@ Table claims_table(const Run& run) {
 }
 
 Table recorded_table(const Run& run) {
-  Table table("recorded",
-              "family; answer; #problems; #right; #near; #wrong; #smallest error; #median error; #largest error");
+  Table table(
+      "recorded",
+      "family; answer; #problems; #right; #near; #wrong; #undecided; #smallest error; #median error; #largest error");
   InOrder<std::pair<std::string, std::string>, std::vector<const Result*>> groups;
   for (const Result& r : run.recorded) groups[{r.family, r.solver}].push_back(&r);
   for (const auto& [key, answers] : groups.items) {
     std::vector<double> errors;
     long right = 0, near = 0, wrong = 0;
     for (const Result* r : answers) {
-      if (std::isfinite(r->error())) errors.push_back(r->error());
+      if (std::isfinite(r->z_error)) errors.push_back(r->z_error);
       right += r->is_right();
       near += r->verified == "near";
       wrong += r->verified == "wrong";
     }
     std::ranges::sort(errors);
     const double none = unknown;
-    table.add("", key.first,
-              {key.first, key.second, whole_cell(std::ssize(answers)), whole_cell(right), whole_cell(near),
-               whole_cell(wrong), number_cell(errors.empty() ? none : errors.front()), number_cell(median(errors)),
-               number_cell(errors.empty() ? none : errors.back())});
+    table.add(
+        "", key.first,
+        {key.first, key.second, whole_cell(std::ssize(answers)), whole_cell(right), whole_cell(near), whole_cell(wrong),
+         whole_cell(std::ssize(answers) - right - near - wrong), number_cell(errors.empty() ? none : errors.front()),
+         number_cell(median(errors)), number_cell(errors.empty() ? none : errors.back())});
   }
   const double asked = run.recorded.empty() ? unknown : run.recorded.front().tolerance;
   table.explain(

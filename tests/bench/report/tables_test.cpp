@@ -99,5 +99,19 @@ TEST(Charts, HowARunIsDrawn) {
   EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "infeasible", "infeasible, proven")), "");
 }
 
+TEST(Tables, RecordedAnswersCountByVerdictAndTheirErrorsAreThoseThatWereMeasured) {
+  report::Run all;
+  all.recorded = {run("a", "recorded:somebody", 1e-10, 1e-3, unknown, "unsolved", "wrong"),
+                  run("b", "recorded:somebody", 1e-10, 1e-16, unknown, "unsolved", "solved"),
+                  run("c", "recorded:somebody", 1e-10, unknown, unknown, "unsolved", "undecided")};
+  all.recorded[2].z_bound = 1e308;
+  const Table table = recorded_table(all);
+  ASSERT_EQ(table.rows.size(), 1u);
+  std::vector<double> values;
+  for (std::size_t k = 2; k < table.columns.size(); ++k) values.push_back(table.rows[0].cells[k].value);
+  EXPECT_EQ(values, (std::vector<double>{3, 1, 0, 1, 1, 1e-16, (1e-16 + 1e-3) / 2, 1e-3}));
+  EXPECT_EQ(recorded_table(report::Run()).rows.size(), 0u);
+}
+
 }  // namespace
 }  // namespace zwang::report
