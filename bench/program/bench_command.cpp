@@ -1,8 +1,10 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
+#include <zwang/bench/campaign/cell_list.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
@@ -38,14 +40,16 @@ std::string earlier(const Outcome& o) {
 struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
+  std::vector<std::filesystem::path> missing = {};
 };
 
-void add_options(CLI::App& options, Asked& asked) {
+void add_what_is_run(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
   options.option_defaults()->group("What is run");
-  options.add_option("--suite", s.suite,
-                     "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 "
-                     "minutes), speed (ten minutes) or collision (six minutes)");
+  options.add_option(
+      "--suite", s.suite,
+      "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 "
+      "minutes), speed (ten minutes), big (a million runs: docs/campaigns.md) or collision (six minutes)");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)");
   options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems");
   options.add_option("--problems", s.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
@@ -57,15 +61,55 @@ void add_options(CLI::App& options, Asked& asked) {
   options.option_defaults()->group("How it is run");
   options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
       ->check(above(0));
+  options.add_flag("--accuracy", s.accuracy, "no repetitions: accuracy alone, times are of first solves");
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
   options.add_flag("--sequence", s.sequence,
                    "the problems of a family are successive frames: time each also from the answer of the one before");
+}
+
+void add_options(CLI::App& options, Asked& asked) {
+  add_what_is_run(options, asked);
+  options.add_option("--shard", asked.suite.shard, "only part K of N, K from 0; joined by ./zwang merge")
+      ->type_name("K/N");
   options.option_defaults()->group("Where it goes");
   options.add_option("--out", asked.out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
   options.add_option("--resume", asked.resume, "go on with a run that was stopped")->type_name("DIR");
+  options
+      .add_option("--missing", asked.missing, "list the runs of a folder, or of a suite's parts, that are not there")
+      ->type_name("DIR");
+}
+
+int print_missing(const std::vector<std::filesystem::path>& directories) {
+  const CellList cells(directories.front());
+  std::vector<CellList> parts(directories.begin(), directories.end());
+  const std::vector<bool> there = cells_there(cells, directories);
+  std::size_t missing = 0, wanted = 0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    if (std::ranges::none_of(parts, [i](const CellList& part) { return part.holds(i); })) continue;
+    ++wanted;
+    if (there[i]) continue;
+    ++missing;
+    std::puts(cells.describe(i).c_str());
+  }
+  std::printf("%s of %s runs are missing\n", grouped(missing).c_str(), grouped(wanted).c_str());
+  return missing > 0 ? found : done;
 }
 
 }  // namespace
+
+void require_suite(std::vector<std::string> words) {
+  CLI::App options;
+  introduce(options, "bench", "");
+  Asked asked;
+  add_what_is_run(options, asked);
+  if (!read(options, std::move(words))) return;
+  if (asked.suite.suite == "collision")
+    throw std::invalid_argument("the collision suite takes minutes and has no parts");
+  if (!asked.tolerances.empty()) numbers("--tolerances", asked.tolerances);
+  if (find_suite(asked.suite.suite).speed)
+    throw std::invalid_argument("the suite " + asked.suite.suite + " times sequences on one machine and has no parts");
+  for (const std::string& text : split_solvers(asked.suite.solvers)) make_solver(text);
+}
 
 int bench_command(std::vector<std::string> words, std::vector<HandScene> (*collision_hands)()) {
   CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
@@ -76,12 +120,16 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
             "                --solvers nnls,dual_active_set,ipopt --tolerances 1e-6,1e-10\n"
             "  ./zwang bench --problems rover/*.hdf5 --law pyramid --trace --out rover\n"
             "  ./zwang bench --suite atlas --families NPE,LOOP --solvers dual_active_set,cholesky\n"
-            "  ./zwang bench --resume rover");
+            "  ./zwang bench --resume rover\n"
+            "  ./zwang bench --suite quick --shard 0/4 --out part0      docs/campaigns.md\n"
+            "  ./zwang bench --missing part0 part1 part2 part3");
   Asked asked;
   add_options(options, asked);
   const std::string command = command_line("bench", words);
   if (!read(options, std::move(words))) return done;
+  if (!asked.missing.empty()) return print_missing(asked.missing);
   if (asked.suite.suite == "collision") {
+    if (!asked.suite.shard.empty()) throw std::invalid_argument("the collision suite takes minutes and has no parts");
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
     return bench_collision(new_directory(asked.out, ""), command,
                            collision_hands ? collision_hands() : std::vector<HandScene>(), stop_on_interrupt());
@@ -109,9 +157,10 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
                         ? make_plan(std::move(asked.suite))
                         : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
-  std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core\n", c.version.c_str(),
-              plan.title().c_str(), plan.solvers(), plan.instances.size(), plan.options.tolerances.size(),
-              static_cast<unsigned long long>(plan.options.seed));
+  std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core%s\n", c.version.c_str(),
+              plan.title().c_str(), plan.solvers(), plan.problems(), plan.options.tolerances.size(),
+              static_cast<unsigned long long>(plan.options.seed),
+              plan.shard.of > 1 ? (", part " + plan.options.shard).c_str() : "");
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
   std::fflush(stdout);
 
@@ -135,6 +184,8 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
   std::printf("%s runs in %s%s: %s\n", grouped(outcome.tally.runs).c_str(), duration(outcome.seconds).c_str(),
               earlier(outcome).c_str(), counts(outcome.tally).c_str());
   for (const std::string& note : outcome.notes) std::printf("%s\n", note.c_str());
+
+  if (!plan.options.shard.empty()) return done;  // merge writes the report of all parts
 
   // results -> report
   try {

@@ -17,6 +17,7 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/bench/timing/instruction_set.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/solvers/linalg/library_memory.h>
 
@@ -26,6 +27,9 @@ namespace {
 const std::array own_commands = {
     Command{"report", "Compare solvers", "charts of stored results, as a page or for a paper; two runs side by side",
             report_command},
+    Command{"campaign", "Compare solvers", "a suite in many tasks: Slurm, GNU parallel, or this machine",
+            campaign_command},
+    Command{"merge", "Compare solvers", "join the parts of a suite (bench --shard) into one run", merge_command},
     Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true", fuzz_command},
     Command{"conformance", "Compare solvers", "one solver on phenomena of friction with exact answers",
             conformance_command},
@@ -73,7 +77,8 @@ void print_help(std::span<const Command> commands) {
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang simulate simple --motion grasp\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
-      "Exit codes: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped with "
+      "Exit codes: 0 done, 1 fuzzing found a fault or runs are missing, 2 wrong use, 3 a file that cannot be used, 130 "
+      "stopped with "
       "Ctrl-C.");
 }
 
@@ -89,6 +94,7 @@ int run(std::span<const Command> commands, const std::string& word, std::vector<
 }  // namespace
 
 int program(int count, char** arguments, const Extensions& extensions) {
+  check_instruction_set();
   const std::vector<Command> commands = all_commands(extensions);
   // Before any library looks: one BLAS thread, since solvers are compared on one core.
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) setenv(name, "1", 1);

@@ -10,8 +10,8 @@
 
 namespace zwang {
 
-// Exit codes of the program: 0 done, 1 fuzzing found a fault, 2 wrong use, 3 a file that cannot be used, 130 stopped
-// with Ctrl-C.
+// Exit codes of the program: 0 done, 1 fuzzing found a fault or runs are missing, 2 wrong use, 3 a file that cannot be
+// used, 130 stopped with Ctrl-C.
 enum Exit : int { done = 0, found = 1, wrong_use = 2, bad_file = 3, stopped = 130 };
 
 // One word of the command line. `words`: what follows it. Throws std::invalid_argument (wrong use) or BadFile, whose

@@ -8,6 +8,7 @@
 #include <zwang/bench/report/compare.h>
 #include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/report/page/page.h>
+#include <zwang/bench/report/page/single_runs.h>
 #include <zwang/bench/report/tables/tables.h>
 
 namespace zwang::report {
@@ -45,7 +46,15 @@ fs::path write_report(const fs::path& dir) {
     return page_file;
   }
   const Run run = read_run(dir);
-  write(page_file, page(page_data(run, {title(run), headline(run)}, all_tables(run))));
+  fs::remove_all(dir / "runs");
+  if (!run.is_large()) {
+    write(page_file, page(page_data(run, {title(run), headline(run)}, all_tables(run))));
+    return page_file;
+  }
+  const SingleRuns single = single_run_scripts(run);
+  for (std::size_t i = 0; i < single.scripts.size(); ++i)
+    write(dir / "runs" / (std::to_string(i) + ".js"), single.scripts[i]);
+  write(page_file, page_with_scripts(page_data(run, {title(run), headline(run)}, all_tables(run), single.index)));
   return page_file;
 }
 

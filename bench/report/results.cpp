@@ -8,6 +8,7 @@
 
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/results/recorded.h>
+#include <zwang/bench/results/seal.h>
 
 namespace zwang::report {
 namespace {
@@ -94,14 +95,22 @@ void parse_speed(const json& line, Run& run) {
   }
 }
 
-// Only a last line without its newline may be bad: the suite writes whole lines.
+// A last line without its newline may be bad (a killed run), and lines whose check fails are left out. Lines of
+// programs before there were checks have none.
 template <class Parse>
 void read_lines(const fs::path& file, std::string& torn, Parse parse) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error("cannot read " + file.string());
   std::string line;
+  bool checked = false;
+  std::size_t damaged = 0;
   for (int row = 1; std::getline(in, line); ++row) {
     if (line.empty()) continue;
+    checked |= has_seal(line);
+    if (checked && !is_intact(line) && !in.eof()) {
+      ++damaged;
+      continue;
+    }
     try {
       parse(json::parse(line));
     } catch (const std::exception& error) {
@@ -113,6 +122,19 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
       torn = "The last line of " + file.filename().string() + " is torn (the run was killed) and left out.";
     }
   }
+  if (damaged > 0)
+    torn = std::to_string(damaged) + (damaged == 1 ? " damaged line of " : " damaged lines of ") +
+           file.filename().string() + (damaged == 1 ? " is" : " are") +
+           " left out; ./zwang bench --resume makes such runs again.";
+}
+
+std::size_t count_lines(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::size_t lines = 0;
+  std::vector<char> part(1 << 20);
+  while (in.read(part.data(), static_cast<std::streamsize>(part.size())) || in.gcount() > 0)
+    lines += static_cast<std::size_t>(std::count(part.data(), part.data() + in.gcount(), '\n'));
+  return lines;
 }
 
 void read_conditions(const json& about, Run& run) {
@@ -147,6 +169,23 @@ void read_conditions(const json& about, Run& run) {
   }
 }
 
+// Times of several kinds of machine do not compare: those of the one with most runs stay, the others' become unknown.
+void keep_times_of_one_machine(const std::vector<std::size_t>& machine_of, const std::vector<std::string>& machines,
+                               Run& run) {
+  if (machines.size() < 2) return;
+  std::vector<std::size_t> runs(machines.size(), 0);
+  for (const std::size_t m : machine_of) ++runs[m];
+  const auto most = static_cast<std::size_t>(std::ranges::max_element(runs) - runs.begin());
+  for (std::size_t i = 0; i < run.results.size(); ++i) {
+    if (machine_of[i] == most) continue;
+    Result& r = run.results[i];
+    r.setup_s = r.solve_s = r.solve_s_q1 = r.solve_s_q3 = r.prepare_s = r.kernel_s = unknown;
+  }
+  run.notes.push_back("Times are those of " + machines[most] +
+                      " alone: " + std::to_string(run.results.size() - runs[most]) +
+                      " runs were made on other machines, and their times do not compare.");
+}
+
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::* field) {
   std::vector<std::string> names;
   for (const Result& r : results)
@@ -160,14 +199,31 @@ Run read_run(const fs::path& dir) {
   Run run;
   run.dir = dir;
   run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
-  read_lines(dir / "results.jsonl", run.torn, [&run](const json& line) {
+  std::vector<std::string> machines;
+  std::vector<std::size_t> machine_of;
+  const std::size_t lines = count_lines(dir / "results.jsonl");
+  run.results.reserve(lines);
+  read_lines(dir / "results.jsonl", run.torn, [&](const json& line) {
     Result result = parse_result(line);
     if (is_recorded(result.solver)) {
       run.recorded.push_back(std::move(result));
       return;
     }
-    result.replay = replay_command(run.dir, result);
+    const std::string machine = get<std::string>(line, "machine");
+    const auto known = std::ranges::find(machines, machine);
+    machine_of.push_back(static_cast<std::size_t>(known - machines.begin()));
+    if (known == machines.end()) machines.push_back(machine);
     run.results.push_back(std::move(result));
+    Result& r = run.results.back();
+    if (lines <= Run::large) {
+      r.replay = replay_command(run.dir, r);
+      return;
+    }
+    r.problem_sha256 = {};
+    if (!r.is_right()) return;
+    r.message = r.worst_row = {};
+    r.worst_by_type = {};
+    r.conflicting = {};
   });
   if (fs::exists(dir / "traces.jsonl"))
     read_lines(dir / "traces.jsonl", run.torn, [&run](const json& line) { run.traces.push_back(parse_trace(line)); });
@@ -181,6 +237,7 @@ Run read_run(const fs::path& dir) {
       throw std::runtime_error((dir / "run.json").string() + ": not what zwang writes");
     }
   }
+  keep_times_of_one_machine(machine_of, machines, run);
   const std::vector<std::string> present = solvers_of(run.results);
   std::erase_if(run.solvers, [&](const SolverInfo& s) { return std::ranges::find(present, s.name) == present.end(); });
   for (const std::string& name : present)
@@ -196,6 +253,10 @@ std::string replay_command(const fs::path& dir, const Result& result) {
   const fs::path file = result.problem_file.empty() ? fs::path(result.problem) : dir / result.problem_file;
   return "./zwang solve " + shell_word(file.generic_string()) + " --solver " + shell_word(result.solver) +
          " --tolerance " + scientific(result.tolerance, 0);
+}
+
+std::string replay_of(const Run& run, const Result& result) {
+  return result.replay.empty() ? replay_command(run.dir, result) : result.replay;
 }
 
 }  // namespace zwang::report

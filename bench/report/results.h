@@ -25,7 +25,7 @@ struct Result {
   std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
   std::string claimed = {}, verified = {};
   std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
-  std::string replay = {};  // the command that repeats this run
+  std::string replay = {};  // the command that repeats this run; of large runs see replay_of()
   double knob_value = unknown, tolerance = unknown;
   long n = 0, m = 0, equalities = 0;
   double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
@@ -102,6 +102,10 @@ struct Run {
   std::vector<StageTimes> stages;        // likewise
   std::string torn;                      // "" or what was left out: a line cut off by a killed run
 
+  // So large that its page holds no single runs, and that of right ones only what charts need is kept.
+  static constexpr std::size_t large = 20000;  // results
+  bool is_large() const { return results.size() > large; }
+
   bool is_of_speed() const { return suite == "speed" || !assembly.empty(); }
 };
 
@@ -116,5 +120,6 @@ std::vector<std::string> solvers_of(const std::vector<Result>& results);
 
 // `./zwang solve DIR/problems/0007.h5 --solver nnls --tolerance 1e-8`; read_run puts it into Result::replay.
 std::string replay_command(const std::filesystem::path& dir, const Result& result);
+std::string replay_of(const Run& run, const Result& result);
 
 }  // namespace zwang::report

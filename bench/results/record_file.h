@@ -34,9 +34,9 @@ auto from_record(const std::filesystem::path& directory, Read read) {
 void replace_record(const std::filesystem::path& directory, const std::string& record);
 
 // Throws BadFile when the run of this record was begun under other conditions; `therefore`: "its times would not
-// compare".
+// compare". `any_cpu`: on whichever machine.
 void require_same_conditions(const std::filesystem::path& directory, const std::string& record,
-                             const std::string& therefore);
+                             const std::string& therefore, bool any_cpu = false);
 
 // There is a record or results of any command in this folder.
 bool holds_run(const std::filesystem::path& directory);

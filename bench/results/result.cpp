@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include <zwang/bench/results/recorded.h>
+#include <zwang/bench/results/seal.h>
 #include <zwang/core/files/problem_file.h>
 
 namespace zwang {
@@ -135,6 +136,12 @@ std::string to_json(const Result& r, const Solution* with) {
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string to_record(const Result& result, const std::string& cell) {
+  std::string line = to_json(result);
+  line.pop_back();
+  return sealed(line + ",\"machine\":" + Json(result.machine).dump() + ",\"cell\":\"" + cell + "\"}");
+}
+
 void Tally::count(std::string_view solver, Status claimed, Verdict verdict) {
   if (is_recorded(solver)) {
     ++recorded;
@@ -186,21 +193,24 @@ void ResultFile::append(const std::vector<std::string>& lines) {
 Stored load_results(const std::filesystem::path& file) {
   Stored stored;
   std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::size_t start = 0;
-  int line_number = 1;
-  for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1, ++line_number) {
+  std::uintmax_t whole = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (in.eof()) {
+      in.close();
+      std::filesystem::resize_file(file, whole);
+      break;
+    }
+    whole += line.size() + 1;
+    const Json record = is_intact(line) ? Json::parse(line, nullptr, false) : Json();
     try {
-      const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(start),
-                                    text.begin() + static_cast<std::ptrdiff_t>(end));
-      stored.finished.emplace(line.at("problem_file"), line.at("solver"), line.at("tolerance"));
-      stored.tally.count(line.at("solver").get_ref<const std::string&>(), named(line.at("claimed"), Status::crashed),
-                         named(line.at("verified"), Verdict::unsupported));
+      const Status claimed = named(record.at("claimed"), Status::crashed);
+      const Verdict verdict = named(record.at("verified"), Verdict::unsupported);
+      if (stored.finished.insert(record.at("cell")).second)
+        stored.tally.count(record.at("solver").get_ref<const std::string&>(), claimed, verdict);
     } catch (const std::exception&) {
-      throw BadFile(file.string() + ", line " + std::to_string(line_number) + ": not a line of results");
+      ++stored.damaged;
     }
   }
-  if (start < text.size()) std::filesystem::resize_file(file, start);
   return stored;
 }
 

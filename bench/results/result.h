@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <set>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <zwang/core/referee/measure.h>
@@ -51,6 +50,7 @@ struct Result {
   std::string handed_to = {};  // the solver that gave the answer in place of this one
   double range_gap = unknown;  // |J k - c| / |c| of nnls_paper
   std::string message = {};
+  std::string machine = {};  // the CPU it ran on
 };
 
 // Claims solved of a wrong z, or infeasible of a feasible problem (or the reverse).
@@ -67,8 +67,8 @@ Result judge_recorded(Result problem, const Instance& instance, const RecordedAn
 // One JSON object, without a line's end: NaN is null, +-Inf is +-1.797e308. With a solution: its z and lambda too.
 std::string to_json(const Result& result, const Solution* with = nullptr);
 
-// What names a line within its run.
-using RunName = std::tuple<std::string, std::string, double>;  // problem_file, solver, tolerance
+// A line of results.jsonl, without its end: to_json with the name of its cell (cell.h) and its check (seal.h).
+std::string to_record(const Result& result, const std::string& cell);
 
 struct Tally {
   std::size_t runs = 0, solved = 0, near = 0, wrong = 0, undecided = 0, failed = 0, unsupported = 0, lies = 0;
@@ -89,11 +89,12 @@ class ResultFile {
   int file_;
 };
 
-// The lines of a stored run. A last line that a killed run left torn is cut off the file. Throws BadFile where any
-// other line is no JSON object of this kind.
+// The cells of a stored run, read line by line. A last line that a killed run left torn is cut off the file. A damaged
+// line stays where it is and counts as missing.
 struct Stored {
-  std::set<RunName> finished = {};
+  std::set<std::string> finished = {};  // names of cells
   Tally tally = {};
+  std::size_t damaged = 0;  // lines
 };
 Stored load_results(const std::filesystem::path& file);
 

@@ -1,6 +1,7 @@
 #include <zwang/bench/suite/plan.h>
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
@@ -111,6 +112,24 @@ std::span<const Suite> suites() {
        true,
        "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,"
        "mujoco_newton,mujoco_newton:stiffness=1e12",
+       false,
+       true},
+      // docs/campaigns.md: a million runs of native solvers on at most 100 unknowns, for accuracy alone.
+      {"big",
+       "stack(boxes=2,5,10,16,seed=1..250),wall(boxes=4,8,12,seed=1..250),pile(spheres=5,14,seed=1..400),"
+       "chain(links=4,8,16,seed=1..250),hand(contacts=0,4,16,64,seed=1..250),HAND(seed=1..500),"
+       "MR(k=0..48),MR1(k=0..48),MRC(k=0..48,seed=1..20),NPE(k=1..45,seed=1..30),NPI(k=1..45,seed=1..30),"
+       "WED(k=1..48),LOOP(k=0..48),GAP(k=1..48),GAP(k=1..48,feasible=1),INC(k=0..48),WEAK(k=0..48,seed=1..30),"
+       "UNIT(k=-20,-18,-16,-14,-12,-10,-8,-6,-4,-2,0,2,4,6,8,10,12,14,16,18,20,seed=1..60),"
+       "ANI(k=0..44,seed=1..30),HUGE(k=0,100,200,300,400,500,600,700,800,900,1000,seed=1..40),"
+       "ROW(k=-500,-400,-300,-200,-100,0,100,200,300,400,500,seed=1..40),MANYF(contacts=6,12,30,60,seed=1..50),"
+       "MANYR(contacts=6,12,30,60,seed=1..50),FLIP(k=3..48,seed=1..10),CYCLE(n=5,6,7,8),PIVOT(n=1..16),"
+       "leash(dogs=1..10,seed=1..20),random(n=10,20,40,60,80,100,m=60,seed=1..520)",
+       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
+       0,
+       0.1,
+       false,
+       "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd",
        true},
   };
   return all;
@@ -124,7 +143,7 @@ const Suite& find_suite(const std::string& name) {
   }
   names.emplace_back("collision");  // a suite without solvers, run by bench_collision
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas, speed, collision)");
+                              " (quick, standard, full, atlas, speed, big, collision)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {
@@ -156,6 +175,18 @@ std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) 
          " is not read by: " + names + " (they solve --law pyramid and --law frictionless)";
 }
 
+Shard read_shard(const std::string& text) {
+  if (text.empty()) return {};
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, shard.part);
+  const bool slash = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, shard.of) : first;
+  if (!slash || second.ec != std::errc{} || second.ptr != end || shard.part >= shard.of)
+    throw std::invalid_argument("--shard " + text + " should be K/N with K from 0 to N-1, as in 0/64");
+  return shard;
+}
+
 std::string why_bad(const Problem& problem) {
   if (std::string reason = bad_input(problem); !reason.empty()) return reason;
   return is_positive_definite(problem.M) ? "" : "M is not positive definite";
@@ -164,12 +195,6 @@ std::string why_bad(const Problem& problem) {
 std::string Plan::title() const {
   const bool own = options.given > 0 || !options.problems.empty() || options.scenes != find_suite(options.suite).scenes;
   return own ? "your problems" : options.suite + " suite";
-}
-
-std::filesystem::path kept_problem(std::size_t batch) {
-  char name[48];
-  std::snprintf(name, sizeof name, "problems/%04zu.h5", batch);
-  return name;
 }
 
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
@@ -181,6 +206,14 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.whole_suite =
       suite.fills_time && options.scenes == suite.scenes && options.problems.empty() && options.families.empty();
   plan.limit_s = suite.limit_s;
+  options.accuracy |= suite.accuracy;
+  plan.shard = read_shard(options.shard);
+  if (!options.shard.empty()) {
+    if (suite.speed)
+      throw std::invalid_argument("the suite " + options.suite + " times sequences on one machine and has no parts");
+    plan.whole_suite = false;
+    plan.limit_s = 0;
+  }
   if (options.tolerances.empty()) options.tolerances = suite.tolerances;
   if (options.solvers.empty())
     for (const std::string& text : split_solvers(suite.solvers))

@@ -24,9 +24,18 @@ struct SuiteOptions {
   int repetitions = 0;
   std::uint64_t seed = 1;
   bool trace = false;
-  bool sequence = false;  // the problems of a family are successive frames
-  std::size_t given = 0;  // how many of the problems, the first ones, are `instances`
+  bool sequence = false;   // the problems of a family are successive frames
+  std::size_t given = 0;   // how many of the problems, the first ones, are `instances`
+  bool accuracy = false;   // no repetitions
+  std::string shard = {};  // "K/N": only the K-th of N parts, K from 0; "": all
 };
+
+// Every N-th problem of a suite, from the K-th on: problems of one family grow, so that parts take about as long.
+struct Shard {
+  std::size_t part = 0, of = 1;
+  bool holds(std::size_t problem) const { return problem % of == part; }
+};
+Shard read_shard(const std::string& text);  // "K/N" or "". Throws std::invalid_argument.
 
 // A named choice of scenes and tolerances that fits into a time.
 struct Suite {
@@ -37,6 +46,7 @@ struct Suite {
   double time_limit;         // s of CPU time a solve
   bool fills_time = true;    // repeats runs until limit_s is spent
   std::string solvers = {};  // those of them that there are; "": all
+  bool accuracy = false;     // no repetitions
   bool speed = false;        // with measured files, sequences and assembly (speed.h)
 };
 std::span<const Suite> suites();
@@ -48,10 +58,12 @@ struct Plan {
   double limit_s = 0, time_limit = 0;
   bool whole_suite = false;  // its own scenes: the whole of limit_s may be spent
   bool speed = false;
-  bool second_witness = false;  // references are checked by a second method
-  std::vector<Instance> instances = {};
-  std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
-  std::size_t size() const { return instances.size() * runs.size(); }
+  bool second_witness = false;           // references are checked by a second method
+  Shard shard = {};                      // whose problems are run; budgets that shorten time limits are off in a part
+  std::vector<Instance> instances = {};  // of all parts
+  std::vector<Run> runs = {};            // a solver's tolerances from loose to tight
+  std::size_t problems() const { return (instances.size() + shard.of - 1 - shard.part) / shard.of; }
+  std::size_t size() const { return problems() * runs.size(); }
   std::string title() const;  // "standard suite", or "your problems"
   std::size_t solvers() const { return runs.size() / options.tolerances.size(); }
 };
@@ -62,9 +74,6 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solver
 
 // "" or one line: which of the plan's solvers cannot read the law of how many of its problems.
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among);
-
-// Where a run keeps the problem of a batch: "problems/0007.h5" in its folder.
-std::filesystem::path kept_problem(std::size_t batch);
 
 // "a,b:key=1,key=2,c" -> a | b:key=1,key=2 | c.
 std::vector<std::string> split_solvers(const std::string& text);

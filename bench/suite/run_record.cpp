@@ -29,6 +29,8 @@ void visit_options(Options& o, Visit visit) {
   visit("trace", o.trace);
   visit("sequence", o.sequence);
   visit("given", o.given);
+  visit("accuracy", o.accuracy);
+  visit("shard", o.shard);
 }
 
 Json to_json(const SuiteOptions& options) {
@@ -68,13 +70,16 @@ Json load(const std::filesystem::path& directory) {
 void write_run_record(const std::filesystem::path& directory, const Plan& plan, std::span<const SolverEntry> among,
                       const RunRecord& record) {
   const Conditions c = conditions();
-  Json solvers = Json::array(), hashes = Json::array();
+  Json solvers = Json::array(), hashes = Json::array(), names = Json::array();
   for (const std::string& text : split_solvers(plan.options.solvers)) {
     const SolverEntry& e = *find_solver(text, among);
     solvers.push_back(
         {{"name", text}, {"method", e.method}, {"limits", e.limits}, {"foreign", e.foreign}, {"exact", e.exact}});
   }
-  for (const Instance& instance : plan.instances) hashes.push_back(problem_sha256(instance.problem));
+  for (const Instance& instance : plan.instances) {
+    hashes.push_back(problem_sha256(instance.problem));
+    names.push_back(instance.problem.name);
+  }
   Json j = {{"zwang", c.version},        {"suite", plan.options.suite},
             {"title", plan.title()},     {"command", record.command},
             {"started", record.started}, {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
@@ -84,10 +89,11 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["cores"] = c.cores;
   j["tolerances"] = plan.options.tolerances;
   j["solvers"] = solvers;
-  j["problems"] = plan.instances.size();
+  j["problems"] = plan.problems();
   j["runs"] = plan.size();
   j["options"] = to_json(plan.options);
   j["problem_sha256"] = hashes;
+  j["problem_names"] = names;
   j["notes"] = record.notes;
   replace_record(directory, j.dump(2));
 }
@@ -107,9 +113,10 @@ RunRecord read_run_record(const std::filesystem::path& directory) {
 SuiteOptions options_to_resume(const std::filesystem::path& directory, const SuiteOptions& typed,
                                const std::function<bool(const std::string&)>& is_given) {
   const Json j = load(directory);
-  require_same_conditions(directory, j.dump(), "its times would not compare");
   const Json options = j.at("options"), asked = to_json(typed);
   if (!options.is_object()) throw BadFile((directory / "run.json").string() + ": its options are no object");
+  const bool part = options.value("shard", Json("")) != "";  // each of its lines names its machine
+  require_same_conditions(directory, j.dump(), "its times would not compare", part);
   for (const auto& [name, value] : asked.items())
     if (const Json stored = options.value(name, Json()); is_given(name) && stored != value)
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +
@@ -117,7 +124,7 @@ SuiteOptions options_to_resume(const std::filesystem::path& directory, const Sui
   return from_record(directory, [&] {
     SuiteOptions stored = options_from(options);
     for (std::size_t b = 0; b < stored.given; ++b)
-      stored.instances.push_back(read_problems(directory / kept_problem(b)).at(0));
+      stored.instances.push_back(read_problems(directory / problem_file(b)).at(0));
     return stored;
   });
 }

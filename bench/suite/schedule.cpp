@@ -8,7 +8,8 @@ namespace zwang {
 static double work(const Instance& i) { return 20 + static_cast<double>(i.problem.size() + i.problem.rows()); }
 
 Schedule::Schedule(const Plan& plan) : plan_(plan), start_(wall_seconds()) {
-  for (const Instance& i : plan.instances) work_left_ += work(i);
+  for (std::size_t b = 0; b < plan.instances.size(); ++b)
+    if (plan.shard.holds(b)) work_left_ += work(plan.instances[b]);
   work_all_ = work_left_;
 }
 
@@ -16,6 +17,7 @@ BatchLimits Schedule::next(const Instance& instance, std::size_t batches_left) {
   BatchLimits limits;
   limits.repetitions = plan_.options.repetitions;
   limits.time_limit = plan_.time_limit;
+  limits.repeat = !plan_.options.accuracy;
   limits.budget = std::max(0.5, 0.02 * static_cast<double>(plan_.runs.size()));
   if (plan_.limit_s > 0) {
     const double left = std::max(0.0, 0.9 * plan_.limit_s - elapsed());

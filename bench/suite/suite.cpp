@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/progress.h>
@@ -60,13 +61,17 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   RunRecord record = open_record(plan, settings);
   // What a program gave is kept whole before anything runs: nobody else can give it again.
   for (std::size_t b = 0; b < plan.options.given; ++b)
-    if (!std::filesystem::exists(directory / kept_problem(b)))
-      write_problem(directory / kept_problem(b), plan.instances[b]);
+    if (!std::filesystem::exists(directory / problem_file(b)))
+      write_problem(directory / problem_file(b), plan.instances[b]);
   Stored stored = load_results(directory / "results.jsonl");
   Outcome outcome;
   outcome.planned = plan.size();
   outcome.tally = stored.tally;
   outcome.earlier = stored.tally.runs;
+  if (stored.damaged > 0)
+    outcome.notes.push_back(grouped(stored.damaged) + " damaged lines of results.jsonl are left out; their runs were " +
+                            "made again.");
+  const Conditions here = conditions();
   Dispatcher desk([&](std::string_view text) { return make_solver(text, settings.solvers); });
   ResultFile results(directory / "results.jsonl");
   Schedule schedule(plan);
@@ -74,9 +79,15 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   std::size_t timed_once = 0;
 
   for (std::size_t b = 0; b < plan.instances.size() && !interrupted; ++b) {
+    if (!plan.shard.holds(b)) continue;
+    CellKey key{.problem_file = problem_file(b), .problem_sha256 = problem_sha256(plan.instances[b].problem)};
+    const auto cell = [&](const std::string& solver, double tolerance) {
+      key.solver = solver, key.tolerance = tolerance;
+      return key.name(here.commit);
+    };
     std::vector<Run> runs;
     for (const Run& run : plan.runs)
-      if (!stored.finished.contains({kept_problem(b), run.solver, run.tolerance})) runs.push_back(run);
+      if (!stored.finished.contains(cell(run.solver, run.tolerance))) runs.push_back(run);
     Instance instance = plan.instances[b];
     if (runs.empty()) {
       schedule.skip(instance);
@@ -89,19 +100,21 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
       instance.reference = std::move(found.reference);
       if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
-      write_problem(directory / kept_problem(b), instance);
+      write_problem(directory / key.problem_file, instance);
       return instance;
     };
     const auto append = [&](const Instance&, std::vector<Cell>& cells) {
       std::vector<std::string> lines;
       for (auto& [result, timed] : cells) {
-        result.problem_file = kept_problem(b);
+        result.problem_file = key.problem_file;
         result.batch = static_cast<int>(b);
-        if (stored.finished.contains({result.problem_file, result.solver, result.tolerance})) continue;
+        result.machine = here.cpu;
+        const std::string name = cell(result.solver, result.tolerance);
+        if (stored.finished.contains(name)) continue;
         outcome.tally.count(result.solver, result.claimed, result.metrics.verdict);
         timed_once += timed.samples.empty() && timed.first_s > 0 && timed.solution.z.size() > 0;
         for (const double s : timed.samples) repeating += std::max(s, 50e-6);
-        lines.push_back(to_json(result));
+        lines.push_back(to_record(result, name));
       }
       results.append(lines);
     };
@@ -118,7 +131,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
 
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
   if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
-  if (!interrupted && !plan.speed) {
+  if (!interrupted && !plan.speed && (plan.shard.of == 1 || plan.options.trace)) {
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();

@@ -63,10 +63,11 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
   std::filesystem::remove(file);
   std::vector<std::string> families;
   std::vector<const Instance*> chosen;
-  for (const Instance& i : plan.instances) {
+  for (std::size_t b = 0; b < plan.instances.size(); ++b) {
+    const Instance& i = plan.instances[b];
     const bool first = std::ranges::find(families, i.family) == families.end();
     if (first) families.push_back(i.family);
-    if (first || plan.options.trace) chosen.push_back(&i);
+    if (plan.shard.holds(b) && (first || plan.options.trace)) chosen.push_back(&i);
   }
   const double tightest = plan.options.tolerances.back();
   const double start = wall_seconds();

@@ -131,7 +131,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     t.first_s = first.seconds;
     t.first_prepare_s = first.prepare_s;
     if (t.solution.status == Status::time_limit) gave_up[runs[i].solver] = runs[i].tolerance;
-    if (!has_answer(t) || (limits.repetitions == 0 && t.first_s > limits.budget)) continue;
+    if (!limits.repeat || !has_answer(t) || (limits.repetitions == 0 && t.first_s > limits.budget)) continue;
     const SolveReply warm = desk.run(problem, runs[i], call, &interrupted);
     const double again = warm.seconds;
     t.allocations = warm.allocations;
@@ -139,6 +139,8 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     call.warm_up = again < warmed_s;
     seconds[i] = again * (call.solves + call.warm_up);
   }
+
+  if (!limits.repeat) return timed;
 
   // Repetitions.
   std::vector<int> counts = share_budget(seconds, limits.budget, BatchLimits::most);

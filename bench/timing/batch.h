@@ -34,6 +34,7 @@ struct Dispatcher {
 struct BatchLimits {
   double time_limit = 1;  // s of CPU time a solve
   double budget = 1;      // s for all repetitions of the batch together
+  bool repeat = true;     // else first solves alone, without the neutral kernel
   int repetitions = 0;    // of every run; 0: as many as the budget allows, at most `most`
   static constexpr int most = 25;
 };

@@ -295,6 +295,7 @@ void Group::add_rows(const std::string& name, Stored type, const std::vector<std
       settings(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(settings, false);
   H5Pset_chunk(settings, rank, chunk.data());
+  H5Pset_fletcher32(settings);  // a damaged byte makes reading fail
   const Handle id(H5Dcreate2(*id_, name.c_str(), disk, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose);
   require_written(id >= 0, name);
 }

@@ -211,6 +211,8 @@ Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
   for (std::size_t i = 0; i < origin.size(); ++i)
     instance.origin.push_back(parse_row_origin(origin[i], unit.empty() ? "" : unit[i]));
   std::ranges::move(texts_or_none(group, "notes"), std::back_inserter(instance.notes));
+  if (const std::string stored = text_or(group, "sha256", ""); !stored.empty() && stored != problem_sha256(p))
+    group.fail("sha256", "not that of its contents; the file is damaged, or was changed by hand");
   if (group.has_group("reference")) instance.reference = read_reference(group.group("reference"), n, m);
   if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
   if (group.has_group("friction") && law != Law::frictionless) insert_friction(group.group("friction"), instance);
@@ -240,6 +242,7 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   key.write("row", std::span<const std::uint32_t>(row));
 
   write_text(group, "name", p.name);
+  write_text(group, "sha256", problem_sha256(p));
   write_text(group, "family", instance.family);
   write_text(group, "knob", instance.knob);
   group.write_one("knob_value", instance.knob_value);

@@ -24,6 +24,12 @@ using nlohmann::json;
 
 constexpr std::size_t curve_steps = 60;
 constexpr std::size_t trace_points = 60;
+constexpr std::size_t sweep_columns = 60, marks = 2000;  // of a chart of a large run
+
+// Whether the i-th of `of` is among the `most` evenly chosen ones.
+bool chosen(std::size_t i, std::size_t of, std::size_t most) {
+  return of <= most || i == 0 || i * most / of != (i - 1) * most / of;
+}
 
 json known(double value, int digits = 4) {
   // Four digits draw the same picture in a third of the bytes.
@@ -64,7 +70,7 @@ json work_precision(const Run& run) {
     const Result& r = *d.run;
     rows.push_back({d.level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(d.error),
                     known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.prepare_s), known(d.iterations, 6),
-                    r.claimed, r.verified, d.of, r.replay});
+                    r.claimed, r.verified, d.of, replay_of(run, r)});
   }
   add_recorded(run, rows);
   return chart(
@@ -118,15 +124,19 @@ json sweep_states(const Run& run) {
   json rows = json::array();
   const auto solvers = names(run);
   std::map<std::string, int> position;  // problems in file order, benign to hard
-  for (const ProblemRuns& group : group_by_problem(run.results, solvers)) {
+  const std::vector<ProblemRuns> groups = group_by_problem(run.results, solvers);
+  std::map<std::string, std::size_t> problems;
+  for (const ProblemRuns& group : groups) ++problems[group.family];
+  for (const ProblemRuns& group : groups) {
     if (!is_stability_family(group.family)) continue;
     const int at = position[group.family]++;
+    if (run.is_large() && !chosen(static_cast<std::size_t>(at), problems[group.family], sweep_columns)) continue;
     for (const auto& runs : group.by_solver) {
       if (runs.empty()) continue;
       const Result& r = *tightest(runs);
       const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
       rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
-                      r.verified, r.replay, sweep_mark(r), r.problem_file});
+                      r.verified, replay_of(run, r), sweep_mark(r), r.problem_file});
     }
   }
   return chart("family problem knob value position solver state error claimed verified replay mark file", rows);
@@ -141,9 +151,12 @@ json scaling_points(const Run& run, bool fits) {
           rows.push_back({family.family, fit.solver, known(size, 9),
                           known(fit.law.factor * std::pow(size, fit.law.exponent)), known(fit.law.exponent, 3)});
     else
-      for (const ScalingPoint& p : family.points)
+      for (std::size_t i = 0; i < family.points.size(); ++i) {
+        if (run.is_large() && !chosen(i, family.points.size(), marks)) continue;
+        const ScalingPoint& p = family.points[i];
         rows.push_back({family.family, family.axis, p.solver, p.result->problem, known(p.size, 9), known(p.time_s),
-                        p.result->n, p.result->m, p.result->replay});
+                        p.result->n, p.result->m, replay_of(run, *p.result)});
+      }
   }
   if (fits) return chart("family solver size time exponent", rows);
   return chart("family axis solver problem size time n m replay", rows);
@@ -175,10 +188,13 @@ json convergence(const Run& run) {
 
 json range_gaps(const Run& run) {
   json rows = json::array();
+  std::vector<const Result*> drawn;
   for (const Result& r : run.results)
-    if (std::isfinite(r.range_gap) && std::isfinite(r.z_error))
+    if (std::isfinite(r.range_gap) && std::isfinite(r.z_error)) drawn.push_back(&r);
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    if (const Result& r = *drawn[i]; !run.is_large() || chosen(i, drawn.size(), marks))
       rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap), known(r.z_error),
-                      r.claimed, r.verified, r.replay});
+                      r.claimed, r.verified, replay_of(run, r)});
   return chart("family problem solver m tolerance gap error claimed verified replay", rows);
 }
 

@@ -38,6 +38,10 @@ std::vector<std::string> notes(const Run& run) {
     return std::ranges::any_of(run.solvers, [part](const auto& s) { return s.name.find(part) != std::string::npos; });
   };
   std::vector<std::string> out = run.notes;
+  if (run.is_large())
+    out.push_back(
+        "A run of this size is drawn by its medians; of runs drawn alone at most 20 of a family, solver and "
+        "kind are shown. Counts, tables and profiles are of all runs; single ones are below.");
   if (any("slsqp") && any("nnls"))
     out.push_back(
         "NLopt's SLSQP contains the Lawson-Hanson NNLS kernel: nnls against SLSQP is in part one method against "
@@ -49,10 +53,13 @@ std::vector<std::string> notes(const Run& run) {
   return out;
 }
 
+constexpr std::size_t most_rows = 2000;  // of a table; files/tables hold all
+
 json to_json(const Table& table) {
   json columns = json::array(), rows = json::array();
   for (const Column& c : table.columns) columns.push_back({{"name", c.name}, {"numeric", c.numeric}});
   for (const Row& row : table.rows) {
+    if (rows.size() == most_rows) break;
     json cells = json::array();
     for (const Cell& cell : row.cells) {
       json c = {{"text", cell.text}};
@@ -64,7 +71,11 @@ json to_json(const Table& table) {
     if (!row.command.empty()) r["command"] = row.command;
     rows.push_back(r);
   }
-  return {{"note", table.note}, {"columns", columns}, {"rows", rows}};
+  std::string note = table.note;
+  if (table.rows.size() > most_rows)
+    note += " The first " + counted(most_rows, "row") + " of " + counted(table.rows.size(), "row") +
+            "; ./zwang report --figures svg writes all to tables/.";
+  return {{"note", note}, {"columns", columns}, {"rows", rows}};
 }
 
 constexpr std::size_t drawn_by_default = 14;  // as many as there are marker shapes and colours
@@ -137,7 +148,8 @@ std::vector<std::string> headline(const Run& run) {
   return lines;
 }
 
-std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables) {
+std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables,
+                      const std::string& single) {
   json solvers = json::array();
   const std::set<std::string> shown = styles_shown(run);
   for (const SolverInfo& s : run.solvers)
@@ -166,10 +178,18 @@ std::string page_data(const Run& run, const PageText& text, const std::vector<Ta
                       {"tables", all}};
   std::string data = about.dump(-1, ' ', false, json::error_handler_t::replace);
   data.back() = ',';  // the rows are appended to the object as they are
+  if (!single.empty()) data += "\"single\":" + single + ",";
   return data + "\"charts\":" + chart_rows(run) + "}";
 }
 
 std::string page(const std::string& data) { return filled(report_html(), data); }
+
+std::string page_with_scripts(const std::string& data) {
+  constexpr std::string_view inline_alone = "script-src 'unsafe-inline'";
+  std::string whole = page(data);
+  whole.replace(whole.find(inline_alone), inline_alone.size(), "script-src 'unsafe-inline' 'self' file:");
+  return whole;
+}
 
 std::string collision_page(const std::string& data) { return filled(collision_html(), data); }
 

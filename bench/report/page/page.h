@@ -16,11 +16,13 @@ struct PageText {
 
 std::vector<std::string> headline(const Run& run);
 
-// Everything the page and the figures draw, as one JSON object.
-std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables);
+// Everything the page and the figures draw, as one JSON object. `single`: the index of single_run_scripts(), or "".
+std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables,
+                      const std::string& single = "");
 
 // The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);
+std::string page_with_scripts(const std::string& data);  // that may load scripts beside it
 std::string collision_page(const std::string& data);
 // Any bundled page with its slot for data filled.
 std::string filled(std::string_view page, const std::string& data);

@@ -224,8 +224,39 @@
     for (const name of Object.keys(views)) await guarded(name, draw(name));
   }
 
+  // ---- single runs of a large run ----
+
+  function single_runs() {
+    const section = document.getElementById('single');
+    if (!data.single) return section.remove();
+    const [family, problem] = section.querySelectorAll('select');
+    const holder = section.querySelector('.table');
+    const loaded = {};
+    const show = () => {
+      const [name, script] = data.single[family.value][problem.value];
+      const runs = loaded[script]?.[name];
+      if (!runs) {
+        holder.replaceChildren(element('p', {className: 'reason', textContent: 'loading ...'}));
+        const missing = () => holder.replaceChildren(element('p', {className: 'reason', textContent: `runs/${script}.js is not beside this page.`}));
+        return document.body.append(element('script', {src: `runs/${script}.js`, onload: show, onerror: missing}));
+      }
+      const text = value => value === null ? '' : typeof value === 'number' ? scientific(value) : value;
+      const head = element('tr', {}, ...['solver', 'tolerance', 'claimed', 'verified', 'error', 'time [s]', 'iterations', 'command']
+        .map(label => element('th', {textContent: label})));
+      holder.replaceChildren(element('div', {className: 'scroll'}, element('table', {}, element('thead', {}, head), element('tbody', {},
+        ...runs.map(row => element('tr', {}, ...row.map((value, i) => element('td', {textContent: i === 6 ? value : text(value)}))))))));
+    };
+    globalThis.zwang_runs = (script, runs) => { loaded[script] = runs; };
+    const list = () => problem.replaceChildren(...data.single[family.value].map(([name], i) => element('option', {value: i, textContent: name})));
+    family.replaceChildren(...Object.keys(data.single).map(name => element('option', {value: name, textContent: name})));
+    family.onchange = () => { list(); show(); };
+    problem.onchange = show;
+    list();
+  }
+
   // ---- start ----
 
+  single_runs();
   document.title = data.title;
   document.querySelector('h1').textContent = data.title;
   document.getElementById('headline').append(...data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''})));

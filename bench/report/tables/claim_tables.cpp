@@ -111,7 +111,7 @@ Table claims_table(const Run& run) {
               {r.solver, r.problem, Cell(tolerance_range(group.tolerances), *group.tolerances.begin()),
                whole_cell(group.runs), Cell(r.claimed, unknown, tone), Cell(r.verified, unknown, tone), error_cell(r),
                reason(r)},
-              r.replay);
+              replay_of(run, r));
   }
   const bool lies = std::ranges::any_of(run.results, &Result::lies);
   table.explain(lies ? "Runs that claimed an answer and were wrong come first; below them claims flagged as "
@@ -214,7 +214,7 @@ Table worst_row_table(const Run& run) {
                Cell(scientific(row->violation) + (row->unit.empty() ? "" : " " + row->unit), row->violation),
                number_cell(row->relative), row->row, r.problem, number_cell(r.tolerance, 0),
                Cell(r.verified, unknown, tone_of(r.lies(), false))},
-              r.replay);
+              replay_of(run, r));
   }
   table.explain(
       "Among runs that claim success, the worst violated row of each constraint type, in the row's own unit of "
@@ -236,7 +236,7 @@ Table range_gap_table(const Run& run) {
     table.add(r.solver, r.family,
               {r.problem, whole_cell(r.m), knob_cell(r.knob_value), number_cell(r.range_gap), error_cell(r), r.claimed,
                Cell(r.verified, unknown, tone_of(r.lies(), r.verified == "solved"))},
-              r.replay);
+              replay_of(run, r));
   }
   table.explain(
       "nnls_paper needs a k with J k = c. Where c lies outside the range of J there is none: least squares replaces c "

@@ -12,6 +12,7 @@ namespace zwang::report {
 namespace {
 
 constexpr std::size_t single_runs = 6000;  // more, and runs that went well are shown by their medians alone
+constexpr int alone_of_kind = 20;          // of a large run, marks of one family, solver and kind
 
 }  // namespace
 
@@ -72,9 +73,11 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
   }
 
   const bool all = run.results.size() <= single_runs;
+  std::map<std::tuple<std::string, std::string, std::string>, int> alone;
   for (const Result& r : run.results) {
     const std::string drawn = drawn_as(r);
     if (undrawn(r) || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
+    if (run.is_large() && ++alone[{r.family, r.solver, drawn}] > alone_of_kind) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
     points.push_back({lone.contains(&r) ? "lone" : "run", &r, r.error(), time, r.solve_s_q1, r.solve_s_q3, r.prepare_s,
                       static_cast<double>(r.iterations), "one run"});

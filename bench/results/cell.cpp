@@ -1,0 +1,31 @@
+#include <zwang/bench/results/cell.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include <zwang/core/files/stored_file.h>
+
+namespace zwang {
+
+std::string CellKey::name(const std::string& commit) const {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.17g", tolerance);
+  return sha256(commit + '\n' + problem_file + '\n' + problem_sha256 + '\n' + solver + '\n' + digits).substr(0, 32);
+}
+
+std::string without_clock(const std::string& line) {
+  nlohmann::json record = nlohmann::json::parse(line);
+  if (record.value("claimed", "") == "time limit") return record.value("cell", "") + " time limit";
+  for (const char* column : {"setup_s", "solve_s", "solve_s_q1", "solve_s_q3", "prepare_s", "kernel_s", "allocations",
+                             "repetitions", "machine", "check"})
+    record.erase(column);
+  return record.dump();
+}
+
+std::string problem_file(std::size_t position) {
+  char name[48];
+  std::snprintf(name, sizeof name, "problems/%04zu.h5", position);
+  return name;
+}
+
+}  // namespace zwang

@@ -1,0 +1,64 @@
+"""A campaign of four tasks equals one uninterrupted run, in its columns that do not depend on the clock and in order.
+
+Usage: campaign_test.py PROGRAM ENGINE     exit code 77: the engine is not installed
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from campaign_support import assert_equal, run, suite
+
+program, engine = os.path.abspath(sys.argv[1]), sys.argv[2]
+if engine == "parallel" and not shutil.which("parallel"):
+    print("skipped: GNU parallel is not installed")
+    sys.exit(77)
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    os.environ["XDG_CACHE_HOME"] = folder
+    words = suite(8)
+    run([program, "bench", *words, "--out", "whole"])
+    campaign = [program, "campaign", "quick", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "it"]
+    out = run([*campaign, *words])
+    assert "72 of 72 runs" in out and os.path.exists("it/result/report.html"), out
+    assert_equal("whole", "it/result")
+
+    # Nothing is missing: coming back starts nothing and joins again.
+    before = os.path.getmtime("it/parts/0/results.jsonl")
+    run([program, "campaign", "--resume", "it"])
+    assert os.path.getmtime("it/parts/0/results.jsonl") == before
+    assert_equal("whole", "it/result")
+
+    # A lost part and a damaged line are made again, and only they.
+    shutil.rmtree("it/parts/1")
+    with open("it/parts/2/results.jsonl", "r+b") as file:
+        text = file.read()
+        file.seek(text.index(b'"z_error":', 300) + 11)
+        file.write(b"x")
+    kept = os.path.getmtime("it/parts/0/results.jsonl")
+    run([program, "campaign", "--resume", "it"])
+    assert os.path.getmtime("it/parts/0/results.jsonl") == kept, "a complete part ran again"
+    assert_equal("whole", "it/result")
+
+    # Ctrl-C leaves the tasks running and says how to come back.
+    again = [program, "campaign", "quick", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "left", *words]
+    process = subprocess.Popen(again, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    if process.returncode == 130:
+        assert "The tasks go on. Come back with: ./zwang campaign --resume" in said, said
+        run([program, "campaign", "--resume", "left"])
+    assert_equal("whole", "left/result")
+
+    # Wrong use costs one line.
+    for wrong in (["campaign", "quick", "--engine", "slrm", "--out", "x"], ["campaign", "quick"], ["campaign", "speed", "--out", "x"],
+                  ["campaign", "quick", "--out", "x", "--solver", "nnls"], ["campaign", "--resume", "whole"]):
+        done = subprocess.run([program, *wrong], capture_output=True, text=True, timeout=60)
+        assert done.returncode in (2, 3) and done.stderr.count("\n") == 1, (wrong, done)
+        assert not os.path.exists("x"), wrong
+    os.chdir("/")

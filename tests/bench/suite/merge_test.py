@@ -1,0 +1,111 @@
+"""merge: parts make the whole; what does not belong together is refused by name; damage and disagreement are told.
+
+Usage: merge_test.py PROGRAM
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zlib
+
+from campaign_support import assert_equal, run, suite
+
+program = os.path.abspath(sys.argv[1])
+
+
+def refused(change, expected):
+    """A part whose run.json was changed is refused in one line that names the reason."""
+    shutil.rmtree("other", ignore_errors=True)
+    shutil.copytree("part1", "other")
+    with open("other/run.json") as file:
+        record = json.load(file)
+    change(record)
+    with open("other/run.json", "w") as file:
+        json.dump(record, file)
+    done = subprocess.run([program, "merge", "part0", "other", "--out", "none"], capture_output=True, text=True)
+    assert done.returncode == 3 and done.stderr.count("\n") == 1 and expected in done.stderr, done
+    assert not os.path.exists("none/results.jsonl")
+
+
+def change_line(folder, key, value):
+    """The first line with another value and a check that fits it."""
+    with open(f"{folder}/results.jsonl") as file:
+        lines = file.read().split("\n")
+    line = json.loads(lines[0])
+    line[key] = value
+    del line["check"]
+    text = json.dumps(line, separators=(",", ":"), ensure_ascii=False)[:-1]
+    lines[0] = f'{text},"check":"{zlib.crc32(text.encode()):08x}"}}'
+    with open(f"{folder}/results.jsonl", "w") as file:
+        file.write("\n".join(lines))
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    os.environ["XDG_CACHE_HOME"] = folder
+    words = suite(8)
+    run([program, "bench", *words, "--out", "whole"])
+    for k in range(3):
+        run([program, "bench", *words, "--shard", f"{k}/3", "--out", f"part{k}"])
+    out = run([program, "merge", "part2", "part0", "part1", "--out", "joined"])
+    assert "72 of 72 runs" in out, out
+    assert_equal("whole", "joined")
+    assert "0 of 72 runs are missing" in run([program, "bench", "--missing", "joined"])
+
+    # Twice and alike; the whole run among its parts.
+    assert "24 of them twice and alike" in run([program, "merge", "whole", "part1", "--out", "twice"])
+    assert_equal("whole", "twice")
+
+    # A part that is not there.
+    out = run([program, "merge", "part0", "part1", "--out", "less"])
+    assert "48 of 72 runs" in out and "24 runs are missing: ./zwang bench --missing less" in out, out
+    listed = run([program, "bench", "--missing", "less"], 1)
+    assert listed.count("problems/") == 24 and "24 of 72 runs are missing" in listed, listed
+    run([program, "bench", "--resume", "less"])
+    assert "0 of 72 runs are missing" in run([program, "bench", "--missing", "less"])
+
+    # A torn end and a damaged middle.
+    shutil.copytree("part1", "hurt")
+    with open("hurt/results.jsonl", "r+b") as file:
+        text = file.read()
+        lines = text.split(b"\n")
+        lines[3] = lines[3].replace(b"solver", b"sOlver", 1)
+        file.seek(0)
+        file.write(b"\n".join(lines)[:-50])
+        file.truncate()
+    out = run([program, "merge", "part0", "hurt", "part2", "--out", "mended"])
+    assert "70 of 72 runs, 2 damaged lines left out" in out, out
+    run([program, "bench", "--resume", "hurt"])
+    run([program, "merge", "part0", "hurt", "part2", "--out", "whole_again"])
+    assert_equal("whole", "whole_again")
+
+    # A damaged problem file is not taken where another part has a good one, and is named where none has.
+    shutil.copytree("whole", "bad")
+    with open("bad/problems/0001.h5", "r+b") as file:
+        file.truncate(200)
+    run([program, "merge", "bad", "part1", "--out", "taken"])
+    run([program, "solve", "taken/problems/0001.h5", "--solver", "nnls"])
+    assert "problems/0001.h5 is missing or damaged in every part" in run([program, "merge", "bad", "--out", "named"])
+
+    # Disagreement.
+    shutil.copytree("part1", "differs")
+    change_line("differs", "iterations", 123456)
+    out = run([program, "merge", "part1", "differs", "--out", "told"], 1)
+    assert "part1 and differs disagree in iterations" in out, out
+
+    # Another machine is told, and its times are not mixed with the others'.
+    shutil.copytree("part1", "elsewhere")
+    change_line("elsewhere", "machine", "Another CPU")
+    out = run([program, "merge", "part0", "elsewhere", "part2", "--out", "machines"])
+    assert "1 runs on Another CPU" in out and "71 runs on " in out, out
+    with open("machines/run.json") as file:
+        assert any("2 kinds of machine" in note for note in json.load(file)["notes"])
+
+    refused(lambda r: r.update(commit="another"), 'does not mix with part0: commit "another", not ')
+    refused(lambda r: r["options"].update(tolerances=[1e-3]), "does not mix with part0: tolerances [0.001], not ")
+    refused(lambda r: r["problem_sha256"].__setitem__(1, "0" * 64), "its problems/0001.h5 is another problem of the name random")
+    refused(lambda r: r["options"].update(solvers="pgs"), "does not mix with part0: solvers ")
+    refused(lambda r: r.pop("problem_names"), "other/run.json: ")
+    os.chdir("/")
