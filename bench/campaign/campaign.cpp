@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // A script to be read, changed and run by hand.
 std::string job_script(const Campaign& c) {
   std::string suite;
-  for (const std::string& word : c.suite) suite += " " + quoted(word);
+  for (const std::string& word : c.suite) suite.append(" ").append(quoted(word));
   const std::string here = quoted(c.directory.string()), program = quoted(c.program);
   const long minutes = std::max(1L, static_cast<long>(c.hours * 60 + 0.5));
   std::string text =

@@ -75,7 +75,7 @@ Handle start_tasks(EngineKind engine, const std::filesystem::path& directory, co
                    std::size_t at_once) {
   const std::string job = quoted((directory / "job.sh").string());
   std::string words;
-  for (const std::size_t k : tasks) words += " " + std::to_string(k);
+  for (const std::size_t k : tasks) words.append(" ").append(std::to_string(k));
   if (engine == EngineKind::slurm) {
     const Answer answer =
         shell("sbatch --parsable --array=" + ranges(tasks) + "%" + std::to_string(at_once) + " " + job);

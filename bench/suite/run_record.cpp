@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 
+#include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>

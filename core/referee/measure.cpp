@@ -162,6 +162,7 @@ std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& 
   const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), scaled.least_scale()});
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
+    if (p.is_tangent(i)) continue;  // a slip violates nothing
     const auto k = static_cast<std::size_t>(i);
     const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
     double violation = 0, relative = 0;

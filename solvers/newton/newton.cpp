@@ -12,7 +12,7 @@ namespace {
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int most_steps = 300;
+constexpr int least_patience = 300;  // steps, or as many as there are rows: a heap of 3,000 may need a thousand
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 
 }  // namespace
@@ -172,6 +172,7 @@ bool Newton::line_search(double s) {
 // Until a step of l moves d by less than `close`, relative.
 Newton::End Newton::descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline,
                             Solution& s) {
+  const int most_steps = std::max(least_patience, static_cast<int>(rows_.rows()));
   double last_move = infinity;
   for (;;) {
     start_ = d_;

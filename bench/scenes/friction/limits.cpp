@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
@@ -10,8 +11,6 @@
 // Small scenes in which friction decides. Each has a limit that a statics book gives.
 namespace zwang {
 namespace {
-
-constexpr double g = 9.8125;  // m/s^2, of `gravity`
 
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {}) {
   rub(scene, friction_of(knobs));
@@ -60,7 +59,7 @@ Instance crate(const Knobs& knobs) {
   const BodyId ground = add_fixed(scene);
   const BodyId body = scene.add(box_body(widths, 1, {0, 0, widths.z() / 2}));
   add_corners(scene, body, ground, foot(scene.bodies[1], widths), Vec3::UnitZ(), "crate on ground");
-  return let_go(scene, knobs, push_first(scene, knobs.at("push") * g * Vec3::UnitX()));
+  return let_go(scene, knobs, push_first(scene, knobs.at("push") * g_dyadic * Vec3::UnitX()));
 }
 
 // Two fingers on rails squeeze a block; it is held where 2 mu squeeze >= 1.
@@ -78,7 +77,7 @@ Instance pinch(const Knobs& knobs) {
     std::array<Vec3, 4> pad;
     for (std::size_t k = 0; k < 4; ++k) pad[k] = Vec3(side * half, k & 1 ? .125 : -.125, k & 2 ? .125 : -.125);
     add_corners(scene, finger, block, pad, side * Vec3::UnitX(), name + " on block");
-    wrench.emplace_back(Vec<double, 6>::Zero())[0] = -side * knobs.at("squeeze") * g;
+    wrench.emplace_back(Vec<double, 6>::Zero())[0] = -side * knobs.at("squeeze") * g_dyadic;
   }
   return let_go(scene, knobs, wrench);
 }
@@ -138,7 +137,8 @@ Instance peg(const Knobs& knobs) {
     for (const double across : {-half, half})
       scene.add(contact_at(scene.bodies, body, slot, {side * half, across, side * apart / 2}, -side * Vec3::UnitX()),
                 std::string(side < 0 ? "peg on left wall" : "peg on right wall") + (across < 0 ? ", near" : ", far"));
-  return let_go(scene, knobs, push_first(scene, -load * g * Vec3::UnitZ(), load * offset * g * Vec3::UnitY()));
+  return let_go(scene, knobs,
+                push_first(scene, -load * g_dyadic * Vec3::UnitZ(), load * offset * g_dyadic * Vec3::UnitY()));
 }
 
 }  // namespace zwang

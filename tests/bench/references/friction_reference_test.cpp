@@ -6,7 +6,7 @@
 #include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
-#include <zwang/bench/scenes/friction_families.h>
+#include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/referee/measure.h>
 

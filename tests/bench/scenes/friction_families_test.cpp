@@ -3,7 +3,7 @@
 #include <boost/multiprecision/gmp.hpp>
 
 #include <zwang/bench/references/friction/planar_enumeration.h>
-#include <zwang/bench/scenes/friction_families.h>
+#include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/referee/measure.h>
 
 namespace zwang {

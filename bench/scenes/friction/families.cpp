@@ -1,4 +1,4 @@
-#include <zwang/bench/scenes/friction_families.h>
+#include <zwang/bench/scenes/friction/families.h>
 
 #include <array>
 #include <cmath>
