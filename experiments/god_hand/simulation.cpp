@@ -96,7 +96,7 @@ struct Simulation::State {
 };
 
 Simulation::State::State(Surroundings surroundings_, const Options& options_)
-    : surroundings(std::move(surroundings_)), options(options_) {
+    : surroundings(std::move(surroundings_)), options(chosen(options_)) {
   for (const Object& o : surroundings.objects) object.push_back(o.pose);
   object_before = object;
 }
@@ -115,7 +115,7 @@ void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<
     physics.emplace(surroundings);
     resolution.emplace(surroundings, shapes);
   }
-  coupling.emplace(surroundings, options, clusters.size());
+  coupling.emplace(surroundings, options, clusters);
   measures.emplace(surroundings, clusters, models);
 }
 
@@ -148,7 +148,7 @@ void Simulation::State::start(Cluster& cluster, std::span<const Pose<double>> at
 
 // Fig. 6 of the paper.
 void Simulation::State::step() {
-  measures->begin(clusters);
+  measures->begin(clusters, object);
   if (physics) step_physics();
   step_god_objects();
   coupling->push(clusters, physics ? &*physics : nullptr, frame);
@@ -163,8 +163,6 @@ void Simulation::State::step() {
 void Simulation::State::step_physics() {
   velocity_.assign(object.size(), Vec<double, 6>::Zero());
   const auto loose = [&](std::size_t o) { return surroundings.objects[o].loose(); };
-  god.clear();
-  for (const Cluster& c : clusters) god.insert(god.end(), c.poses().begin(), c.poses().end());
   for (std::size_t o = 0; o < object.size(); ++o)
     if (loose(o)) velocity_[o] = physics->velocity(o);
   object_before = object;
@@ -173,7 +171,19 @@ void Simulation::State::step_physics() {
     physics->step(options.dt, coupling->wrenches());
   }
   for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) frame.work += options.dt * coupling->wrenches()[o].dot(velocity_[o] + physics->velocity(o)) / 2;
+    if (loose(o)) {
+      const Vec<double, 6> velocity = physics->velocity(o);
+      frame.work += options.dt * coupling->wrenches()[o].dot(velocity_[o] + velocity) / 2;
+      coupling->observe(o, velocity_[o], velocity, physics->pose(o).rotation);
+    }
+  {
+    const Lap lap(frame.times.sweep);
+    for (std::size_t o = 0; o < object.size(); ++o)
+      if (loose(o)) object[o] = physics->pose(o);
+    coupling->carry(clusters, object);
+  }
+  god.clear();
+  for (const Cluster& c : clusters) god.insert(god.end(), c.poses().begin(), c.poses().end());
   {
     const Lap lap(frame.times.resolution);
     frame.returned = resolution->resolve(*physics, object_before, god).returned;
@@ -223,12 +233,14 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
   each(target, visit);
   for (Cluster& c : clusters) {
     Cluster::Memory m = c.memory();
-    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit);
+    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit), each(m.followed, visit);
     each(m.blocked, visit), each(m.retry_linear, visit), each(m.step_scale, visit);
     if (reading) c.restore(m);
   }
   each(coupling->memory().hand_speed, visit), each(coupling->memory().wrench, visit);
+  each(coupling->memory().part, visit);
   Measures::Memory& seen = measures->memory();
+  visit(seen.still);
   for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
   each(object, visit);
   for (std::size_t o = 0; physics && o < object.size(); ++o) {
@@ -241,6 +253,7 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     for (Cluster& c : clusters) c.place_object(o, object[o]);
   }
   if (reading && physics) physics->forget();
+  if (reading) coupling->forget();
 }
 
 std::vector<double> Simulation::checkpoint() {

@@ -15,9 +15,10 @@ Findings separation(const Asking& asking) {
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   using Commit = god::Options::Commit;
   const std::pair<std::string, god::Options> variants[] = {
-      {"the paper's: nnls_paper, linear step", {.solver = "nnls_paper", .commit = Commit::printed, .verify = 0}},
-      {asking.solver + ", linear step", {.solver = asking.solver, .commit = Commit::printed, .verify = 0}},
-      {asking.solver + ", commit cycle", {.solver = asking.solver, .verify = 0}}};
+      {"the paper's: nnls_paper, linear step",
+       {.solver = "nnls_paper", .mu = 0, .commit = Commit::printed, .verify = 0}},
+      {asking.solver + ", linear step", {.solver = asking.solver, .mu = 0, .commit = Commit::printed, .verify = 0}},
+      {asking.solver + ", commit cycle", {.solver = asking.solver, .mu = 0, .verify = 0}}};
   Findings found{.columns = {"joints of the hand", "widest gap of a joint", "limits left by", "frames held"}};
   Chart chart{"separation", "Joints of the hand: how far the phalanxes come apart", "time (s)",
               "widest gap of a joint (m)"};
@@ -78,7 +79,7 @@ Findings solver_swap(const Asking& asking) {
   std::vector<god::Frame> first;
   for (const char* solver : {"dual_active_set", "nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton",
                              "nnls_paper", "pgs", "apgd", "bullet_dantzig", "bullet_pgs", "nlopt_slsqp", "ipopt"}) {
-    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver}, asking, solver, 1);
+    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver, .mu = 0}, asking, solver, 1);
     if (first.empty()) first = frames;
     std::vector<double> times;
     double verified = 0, doubtful = 0;

@@ -87,7 +87,7 @@ TEST(SeveralBodies, MeetEachOther) {
 TEST(Simulation, VerifiedFramesDoNotDependOnTheSolver) {
   std::vector<Pose<double>> last[2];
   for (int k = 0; k < 2; ++k) {
-    Options o;
+    Options o = unverified();
     o.solver = k == 0 ? "dual_active_set" : "cholesky";
     o.verify = 1;
     Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.02)), o);

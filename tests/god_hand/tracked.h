@@ -21,6 +21,7 @@ inline Target hand_at(const Pose<double>& palm, double curl = 0) {
 
 inline Options unverified() {
   Options o;
+  o.mu = 0;
   o.verify = 0;
   return o;
 }

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include <zwang/experiments/god_hand/step/following.h>
+
 namespace zwang::god {
 namespace {
 
@@ -20,11 +22,13 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
   for (const hand::Model& model : models) balls_.push_back(balls(model));
   sight_.add(collision::Shape::sphere(speck));
   scenery_ = Scenery(sight_, surroundings, [](const Object&) { return Scenery::Role{}; });
+  for (const Object& o : surroundings.objects) loose_.push_back(o.loose());
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
   for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
 }
 
-void Measures::begin(std::span<const Cluster> clusters) {
+void Measures::begin(std::span<const Cluster> clusters, std::span<const Pose<double>> objects) {
+  start_object_.assign(objects.begin(), objects.end());
   start_.clear();
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
 }
@@ -53,6 +57,7 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
       options.force_stiffness * (R * palm.inertia * R.transpose() * back.tail<3>());
   frame.jitter = jitter(frame);
   measure_depth(objects, frame);
+  if (options.mu > 0) measure_grip(objects, options, frame);
   std::swap(memory_.god[0], memory_.god[1]);
   std::swap(memory_.target[0], memory_.target[1]);
   memory_.god[1] = frame.god;
@@ -102,6 +107,28 @@ double Measures::jitter(const Frame& frame) const {
     most = std::max(most, bend(memory_.god, frame.god) - bend(memory_.target, frame.target));
   }
   return most;
+}
+
+// What is held, and whether it moves along the fingers.
+void Measures::measure_grip(std::span<const Pose<double>> objects, const Options& options, Frame& frame) {
+  constexpr double settled = 0.5;   // s
+  constexpr double nothing = 1e-6;  // N
+  const auto same = [](const Pose<double>& a, const Pose<double>& b) {
+    return a.position == b.position && a.rotation == b.rotation;
+  };
+  const bool rests = std::equal(frame.target.begin(), frame.target.end(), memory_.target[1].begin(), same);
+  memory_.still = rests ? memory_.still + options.dt : 0;
+  pressed_.assign(objects.size(), 0);
+  for (const FrameContact& c : frame.contacts) {
+    if (c.object < 0 || !loose_[static_cast<std::size_t>(c.object)] || c.push <= nothing) continue;
+    const auto body = static_cast<std::size_t>(c.body), object = static_cast<std::size_t>(c.object);
+    const Vec3 apart = surface_way(start_[body], frame.god[body], c.point) -
+                       surface_way(start_object_[object], objects[object], c.point);
+    frame.slip = std::max(frame.slip, (apart - c.normal.dot(apart) * c.normal).norm() / options.dt);
+    frame.friction_used = std::max(frame.friction_used, c.friction.norm() / (options.mu * c.push));
+    frame.grip = std::max(frame.grip, (pressed_[object] += c.push) / 2);
+  }
+  if (memory_.still >= settled) frame.creep = frame.slip;
 }
 
 // How deep the targets are in the objects, and whether one that is clear of all of them is behind one: a very small

@@ -17,7 +17,7 @@ class Measures {
   Measures(const Surroundings& surroundings, std::span<const Cluster> clusters, std::span<const hand::Model> models);
 
   // Before the god objects move.
-  void begin(std::span<const Cluster> clusters);
+  void begin(std::span<const Cluster> clusters, std::span<const Pose<double>> objects);
   // After it. objects: the poses of all.
   void measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
                Frame& frame);
@@ -25,6 +25,7 @@ class Measures {
   // What is kept from frame to frame: god objects and targets of the last two frames.
   struct Memory {
     std::vector<Pose<double>> god[2], target[2];
+    double still = 0;  // s, since when no target has moved
   };
   Memory& memory() { return memory_; }
 
@@ -32,13 +33,17 @@ class Measures {
   double lost_slide(const Cluster& cluster) const;
   bool stuck(Cluster& cluster, std::size_t first) const;
   double jitter(const Frame& frame) const;
+  void measure_grip(std::span<const Pose<double>> objects, const Options& options, Frame& frame);
   void measure_depth(std::span<const Pose<double>> objects, Frame& frame);
 
   std::vector<std::vector<Ball>> balls_;  // by hand
   Depth depth_;
   collision::World sight_;  // a speck, and the objects
   Scenery scenery_;
-  std::vector<Pose<double>> start_;  // of the god objects, before they moved
+  std::vector<Pose<double>> start_;         // of the god objects, before they moved
+  std::vector<Pose<double>> start_object_;  // of the objects
+  std::vector<bool> loose_;                 // by object
+  std::vector<double> pressed_;             // N, by object
   Memory memory_;
 };
 

@@ -119,6 +119,27 @@ std::vector<const RecordedHand*> sample(const RecordedTrack& track, std::size_t 
   return some;
 }
 
+// What a radian counts as [m]: of a bone that is not along the face, of one that is on its side, away from `near`.
+constexpr double along_face = 0.1, on_side = 3e-3, from_near = 1e-3;
+constexpr double far_off = 2e-3;  // m
+
+Vector residual(const hand::Model& model, const Target& at, const Target& near, std::span<const Pad> pads) {
+  const hand::Poses poses = hand::forward_kinematics(at.palm, at.angles, model);
+  Vector r(7 * static_cast<Index>(pads.size()) + unknowns);
+  Index k = 0;
+  for (const Pad& pad : pads) {
+    const Pose<double>& pose = poses[static_cast<std::size_t>(pad.body)];
+    r.segment<3>(k) = pose.position + model.phalanx(pad.body).radius * pad.into - pad.point;
+    r.segment<3>(k + 3) = on_side * (-pose.rotation.col(2) - pad.into);
+    r[k + 6] = along_face * pose.rotation.col(1).dot(pad.into);
+    k += 7;
+  }
+  r.segment<6>(k) = from_near * twist_between(near.palm, at.palm);
+  for (std::size_t a = 0; a < hand::angles; ++a)
+    r[k + 6 + static_cast<Index>(a)] = from_near * (at.angles[a] - near.angles[a]);
+  return r;
+}
+
 }  // namespace
 
 // Gauss-Newton over each finger's base, spread and roll (5 numbers), the angles of the sampled frames eliminated: at
@@ -244,6 +265,40 @@ Track retarget(const RecordedTrack& track, const Model& model) {
   }
   if (fits > 0) out.misfit_mean /= 20 * static_cast<double>(fits);
   return out;
+}
+
+Target with_pads(const hand::Model& model, const Target& near, std::span<const Pad> pads) {
+  constexpr double probe = 1e-6;
+  Target at = near;
+  double damping = 1e-3;
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const Vector r = residual(model, at, near, pads);
+    Matrix J(r.size(), unknowns);
+    for (int k = 0; k < unknowns; ++k) {
+      Unknowns by = Unknowns::Zero();
+      by[k] = probe;
+      const Vector ahead = residual(model, moved(model, at, by), near, pads);
+      by[k] = -probe;
+      const Vector behind = residual(model, moved(model, at, by), near, pads);
+      J.col(k) = (ahead - behind) / (2 * probe);
+    }
+    Matrix H = J.transpose() * J;
+    H.diagonal().array() += damping * 1e-4;
+    const Target next = moved(model, at, Unknowns(-solve_definite(H, Vector(J.transpose() * r))));
+    if (residual(model, next, near, pads).squaredNorm() < r.squaredNorm()) {
+      at = next;
+      damping = std::max(damping / 4, 1e-9);
+    } else {
+      damping *= 5;
+      if (damping > 1e8) break;
+    }
+  }
+  const Vector r = residual(model, at, near, pads);
+  for (std::size_t k = 0; k < pads.size(); ++k)
+    if (r.segment<3>(7 * static_cast<Index>(k)).norm() > far_off)
+      throw std::invalid_argument("the hand does not reach around it: " + hand::body_name(pads[k].body) + " is " +
+                                  std::to_string(1e3 * r.segment<3>(7 * static_cast<Index>(k)).norm()) + " mm off");
+  return at;
 }
 
 }  // namespace zwang::god

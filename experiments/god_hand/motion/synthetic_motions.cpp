@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/experiments/god_hand/motion/grips.h>
 #include <zwang/experiments/god_hand/motion/keyframes.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/site.h>
@@ -189,6 +190,8 @@ constexpr Entry entries[] = {
     {"slide", "pressed 15 mm deep and moved 140 mm forth and back along the surface", slide},
     {"grasp", "the fingers closed about the object at the focus, then the hand up by 100 mm, down again and open",
      grasp},
+    {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift},
+    {"hold", "the same grip, kept for a minute", hold},
     {"poke", "the index finger put 40 mm through the surface", poke},
     {"fist", "a fist clenched 25 mm inside the object", fist},
     {"swipe", "through the object and back at 5 m/s", swipe},

@@ -126,6 +126,7 @@ std::vector<Dataset> datasets(std::size_t bodies, std::size_t loose) {
   add_of_contacts("contact_normal", "1", &FrameContact::normal);
   add_of_contacts("contact_gap", "m", &FrameContact::gap);
   add_of_contacts("contact_push", "N", &FrameContact::push);
+  add_of_contacts("contact_friction", "N", &FrameContact::friction);
   return all;
 }
 

@@ -32,6 +32,7 @@ std::vector<Pose<double>> object_poses(const Surroundings& surroundings, const F
 
 Setup set_up(Record& record) {
   Asked& asked = record.asked;
+  asked.options = chosen(asked.options);
   make_solver(asked.options.solver);  // its complaint comes before the work on a large scene
   Setup setup;
   record.recorded = names_file(asked.motion);

@@ -116,6 +116,11 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                 (count("behind") > 0 ? "; the target was beyond a thin part in " + counted(count("behind"), "frame") +
                                            ", the hand before it"
                                      : ""));
+  if (most("grip") > 0)
+    out.push_back("Loose objects are held with up to " + text("%.3g N", most("grip")) + " (mu " +
+                  text("%.3g", record.asked.options.mu) + "); once the target rests, contacts creep by " +
+                  text("%.2g um/s", 1e6 * most("creep")) + " at most; momentum balanced to " +
+                  text("%.1e", most("impulse")));
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
                   length(record.misfit_most) + " at most; " +
@@ -168,6 +173,11 @@ std::string Summary::json(const Record& record) const {
       {"work_j", columns_.sum("work")},
       {"impulse_error", most("impulse")},
       {"object_speed_m_s", most("speed")},
+      {"mu", record.asked.options.mu},
+      {"grip_n", most("grip")},
+      {"friction_used", most("friction")},
+      {"slip_m_s", most("slip")},
+      {"creep_um_s", 1e6 * most("creep")},
       {"step_s",
        {{"median", quantile(totals_, 0.5)},
         {"p99", quantile(totals_, 0.99)},

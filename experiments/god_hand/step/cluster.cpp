@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <zwang/constraints/contact.h>
 #include <zwang/core/model/motion.h>
+#include <zwang/experiments/god_hand/step/following.h>
 #include <zwang/experiments/god_hand/step/lap.h>
 #include <zwang/experiments/god_hand/step/solver_choice.h>
 
@@ -27,10 +27,13 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
       objects_(std::move(objects)),
       skeleton_(objects_.scene),
       contacts_(objects_, surroundings),
-      solver_(solver_of(options)) {
+      solver_(solver_of(options)),
+      plain_solver_(plain_solver_of(options)) {
   for (const Body& body : objects_.scene.bodies) pose_.push_back(body.pose);
-  for (const Object& object : surroundings.objects)
+  for (const Object& object : surroundings.objects) {
     objects_.scene.add(Body{.pose = object.pose, .motion = zwang::Motion::fixed});
+    followed_.push_back(object.pose);
+  }
   target_.resize(objects_.scene.bodies.size());
   step_.resize(size());
   swept_step_.resize(size());
@@ -40,13 +43,15 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
 void Cluster::place(std::span<const Pose<double>> poses) {
   std::vector<Pose<double>> closed(poses.begin(), poses.end());
   skeleton_.close(closed, options_.limits == Options::Limits::predictive);
-  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), false, false, 1});
+  follow(followed_, objects_.scene.bodies, 1);
+  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), followed_, false, false, 1});
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_,         {target_.begin(), target_.begin() + static_cast<long>(size())},
-          last_step_,    blocked_,
-          retry_linear_, step_scale_};
+  return {pose_,      {target_.begin(), target_.begin() + static_cast<long>(size())},
+          last_step_, followed_,
+          blocked_,   retry_linear_,
+          step_scale_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -57,16 +62,31 @@ void Cluster::restore(const Memory& memory) {
     contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
   last_step_ = memory.last_step;
+  followed_ = memory.followed;
   blocked_ = memory.blocked;
   retry_linear_ = memory.retry_linear;
   step_scale_ = memory.step_scale;
   warm_ = {};
   solver_ = solver_of(options_);
+  plain_solver_ = plain_solver_of(options_);
 }
 
 void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
   objects_.scene.bodies[size() + object].pose = pose;
   contacts_.place_object(object, pose);
+}
+
+void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
+                    std::span<const Pose<double>> now) {
+  for (std::size_t b = 0; b < size(); ++b) end_[b] = retract(pose_[b], motion[b]);
+  skeleton_.close(end_, options_.limits == Options::Limits::predictive);
+  const bool clear = way_is_clear_with(contacts_, pose_, end_, held, std::span(objects_.scene.bodies).subspan(size()),
+                                       now, swept_step_, along_);
+  for (std::size_t b = 0; b < size(); ++b) {
+    if (clear) objects_.scene.bodies[b].pose = pose_[b] = end_[b];
+    contacts_.place(static_cast<BodyId>(b), pose_[b]);
+  }
+  for (const std::size_t o : held) followed_[o] = clear ? now[o] : followed_[o];
 }
 
 void Cluster::aim(std::span<const Pose<double>> targets) {
@@ -94,12 +114,19 @@ void Cluster::write_rows(bool push) {
   contacts.all.clear();
   contacts.labels.clear();
   contacts.keys.clear();
+  written_ = &contacts;
   for (const auto& [t, key, lift] : rows()) {
     const int object = contacts_.object_of(t.b);
     const BodyId partner = object < 0 ? t.b : object + static_cast<BodyId>(size());
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
     const double keep = options_.gap + lift, room = push ? t.gap - keep : std::max(t.gap - keep, 0.0);
-    scene.add(contact_at(scene.bodies, t.a, partner, t.point_a, t.normal, room), "touch", key);
+    Contact contact = contact_at(scene.bodies, t.a, partner, t.point_a, t.normal, room, object < 0 ? 0 : options_.mu);
+    if (contact.friction > 0) {
+      const Pose<double>& now = scene.bodies[static_cast<std::size_t>(partner)].pose;
+      const Vec3 way = surface_way(followed_[static_cast<std::size_t>(object)], now, t.point_a);
+      contact.surface = now.rotation.transpose() * way / options_.dt;
+    }
+    scene.add(std::move(contact), "touch", key);
   }
 }
 
@@ -111,10 +138,13 @@ bool Cluster::solve(Frame& frame) {
       const Lap lap(frame.times.assembly);
       write_rows(push);
       assembler_.assemble(objects_.scene, z_u_, {.dt = options_.dt}, problem_);
+      if (options_.law == Options::Friction::convex && problem_.has_tangents()) problem_.law = Law::convex;
+      first_rows(problem_, rows().size(), row_at_);
     }
     {
       const Lap lap(frame.times.solve);
-      solver_.solve(problem_, {.tolerance = options_.tolerance, .warm_start = &warm_}, solution_);
+      AnySolver& solver = problem_.has_tangents() ? solver_ : plain_solver_;
+      solver.solve(problem_, asked_of(problem_, options_, warm_), solution_);
     }
     if (frame.verified)
       frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
@@ -133,6 +163,7 @@ bool Cluster::solve(Frame& frame) {
 void Cluster::take_solution() {
   for (std::size_t b = 0; b < size(); ++b)
     step_[b] = solution_.z.segment<6>(6 * static_cast<Index>(b)) * options_.dt * options_.dt;
+  share_ = 1;
 }
 
 bool Cluster::solve_lazily(Frame& frame) {
@@ -151,14 +182,19 @@ bool Cluster::solve_lazily(Frame& frame) {
 }
 
 double Cluster::lambda(std::size_t row) const {
-  return solved_ && solution_.lambda.size() == problem_.rows()
-             ? solution_.lambda[problem_.rows() - static_cast<Index>(rows().size() - row)]
-             : 0;
+  return solved_ && solution_.lambda.size() == problem_.rows() ? solution_.lambda[row_at_[row]] : 0;
+}
+
+Vec3 Cluster::friction(std::size_t row) const {
+  const Index at = row_at_[row];
+  if (lambda(row) == 0 || problem_.tangents(at) == 0) return Vec3::Zero();
+  const Mat3 frame = contact_frame(rows()[row].touch.normal);
+  return solution_.lambda[at + 1] * frame.col(1) + solution_.lambda[at + 2] * frame.col(2);
 }
 
 Vec<double, 6> Cluster::contact_row(std::size_t row, BodyId body) const {
   Vec<double, 6> part = Vec<double, 6>::Zero();
-  const Index at = problem_.rows() - static_cast<Index>(rows().size() - row);
+  const Index at = row_at_[row];
   for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(problem_.J, at); entry; ++entry)
     if (entry.col() / 6 == body) part[entry.col() % 6] = entry.value();
   return part;
@@ -197,6 +233,7 @@ void Cluster::bound() {
   const double allowed = std::max(step_scale_ * largest_step_, minimum_step_);
   if (most <= allowed) return;
   for (std::size_t b = 0; b < size(); ++b) step_[b] *= allowed / most;
+  share_ *= allowed / most;
 }
 
 // Gauss' function of what is left to the targets from the poses, less a motion [kg m^2].
@@ -229,6 +266,7 @@ void Cluster::damp(Frame& frame) {
   }
   if (bent <= 1e-9 * constraint(pose_, swept_step_) || norm == 0) return;  // the solver's rounding of the joints
   for (std::size_t b = 0; b < size(); ++b) step_[b] /= 1 + 2 * bent / norm;
+  share_ /= 1 + 2 * bent / norm;
 }
 
 // Straight to the targets, by at most `leg` of rotation at a time: on longer screws, each about its own centre, bodies
@@ -347,8 +385,10 @@ void Cluster::commit(double toc, Frame& frame) {
     held_ = true;
     slow_down();
     minimum_step_ /= 2;
+    follow(followed_, objects_.scene.bodies, 1);
     return;
   }
+  follow(followed_, objects_.scene.bodies, unobstructed_ ? 1 : part * share_);
   const Lap lap(frame.times.sweep);
   for (std::size_t b = 0; b < size(); ++b) {
     last_step_[b] = swept_step_[b];

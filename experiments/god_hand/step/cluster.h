@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include <zwang/constraints/contact.h>
 #include <zwang/core/model/assemble.h>
 #include <zwang/core/problem/solver.h>
 #include <zwang/experiments/god_hand/hand/god_objects.h>
@@ -40,6 +41,7 @@ class Cluster {
   struct Memory {
     std::vector<Pose<double>> pose, target;
     std::vector<Vec<double, 6>> last_step;
+    std::vector<Pose<double>> followed;  // by object
     bool blocked, retry_linear;
     double step_scale;
   };
@@ -52,6 +54,11 @@ class Cluster {
   // Would the way straight to the targets be clear?
   bool way_is_clear();
 
+  // Along with what it holds: one step of all of them [m, rad; by god object], while the engine has moved the objects
+  // from where they are for the cluster to `now` (by object). Nothing where that way is not clear.
+  void carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
+             std::span<const Pose<double>> now);
+
   // A frame: where the god objects are tracked.
   void aim(std::span<const Pose<double>> targets);
   // A sub-step in two halves: the time of contact of what it would do; then doing it up to a time, at most that one.
@@ -62,10 +69,13 @@ class Cluster {
   // Of the frame's last solve.
   std::span<const Contacts::Row> rows() const { return contacts_.rows(); }
   double lambda(std::size_t row) const;  // N, of a contact row
+  Vec3 friction(std::size_t row) const;  // N, on the god object, world
   int object_of(int collider) const { return contacts_.object_of(collider); }
   Vec<double, 6> contact_row(std::size_t row, BodyId body) const;         // of J, a god object's part
   std::span<const Pose<double>> solved_at() const { return solved_at_; }  // where the god objects stood then
   const Problem& problem() const { return problem_; }
+  // The contacts that the last problem was written from.
+  const ConstraintListOf<Contact>& contacts() const { return *written_; }
   bool held() const { return held_; }
 
  private:
@@ -88,20 +98,25 @@ class Cluster {
   GodObjects objects_;
   Skeleton skeleton_;
   Contacts contacts_;
+  const ConstraintListOf<Contact>* written_ = nullptr;
   Assembler assembler_;
-  AnySolver solver_;
+  AnySolver solver_, plain_solver_;  // plain: of what has no friction rows, a least-distance problem
   Problem problem_;
   Solution solution_;
   WarmStart warm_;
   Vector z_u_;
+  std::vector<Pose<double>> along_;  // of the god objects, had they moved with an object as one body
   std::vector<Pose<double>> pose_, target_, end_,
       solved_at_;                           // target_: of all bodies of the scene, as assembly wants it
+  std::vector<Pose<double>> followed_;      // by object: up to where the god objects that touch it have moved with it
+  std::vector<Index> row_at_;               // of each contact: its row in the problem
   std::vector<Vec<double, 6>> step_;        // m, rad: to the candidate
   std::vector<Vec<double, 6>> swept_step_;  // m, rad: to the present end, by god object
   std::vector<Vec<double, 6>> last_step_;   // m, rad: that was gone last
   double largest_step_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
   double minimum_step_ = 0;                 // m, that it always may
   double step_scale_ = 1;                   // part of it that it may after it turned back or was held
+  double share_ = 1;                        // of what the solve says: step_
   bool done_ = false, held_ = false, solved_ = false, pushed_ = false, more_legs_ = false, unobstructed_ = false,
        blocked_ = false, retry_linear_ = false;
   bool counted_ = false;  // contacts of this frame, at its first look

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/experiments/god_hand/step/lap.h>
+
 namespace zwang::god {
 namespace {
 
-constexpr double tau = 0.1, fade = 0.5;  // s
-constexpr double share = 1.5;            // of the hand's speed
+constexpr double tau = coupling_time, fade = 0.5;  // s
+constexpr double share = 1.5;                      // of the hand's speed
 
 Vec3 velocity_at(const Vec<double, 6>& twist, const Vec3& lever) {
   return twist.head<3>() + twist.tail<3>().cross(lever);
@@ -19,13 +21,15 @@ Mat3 inverse_inertia(const Object& object, const Mat3& rotation) {
 
 }  // namespace
 
-Coupling::Coupling(const Surroundings& surroundings, const Options& options, std::size_t clusters)
-    : surroundings_(&surroundings),
-      options_(options),
-      memory_{std::vector<double>(clusters, 0),
-              std::vector<Vec<double, 6>>(surroundings.objects.size(), Vec<double, 6>::Zero())},
-      target_velocity_(clusters),
-      change_(memory_.wrench) {}
+Coupling::Coupling(const Surroundings& surroundings, const Options& options, std::span<const Cluster> clusters)
+    : surroundings_(&surroundings), options_(options), target_velocity_(clusters.size()) {
+  memory_.hand_speed.assign(clusters.size(), 0);
+  memory_.wrench.assign(surroundings.objects.size(), Vec<double, 6>::Zero());
+  memory_.part.assign(clusters.size(), memory_.wrench);
+  change_ = other_ = others_ = memory_.wrench;
+  if (options.mu > 0)
+    for (const Cluster& c : clusters) grasps_.emplace_back(c.objects().scene, surroundings, options);
+}
 
 void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now) {
   std::vector<Vec<double, 6>>& velocity = target_velocity_[cluster];
@@ -42,12 +46,36 @@ void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std:
   memory_.hand_speed[cluster] = std::max(fastest, memory_.hand_speed[cluster] * std::exp(-options_.dt / fade));
 }
 
+void Coupling::observe(std::size_t object, const Vec<double, 6>& before, const Vec<double, 6>& after,
+                       const Mat3& rotation) {
+  const Object& o = surroundings_->objects[object];
+  const Vec<double, 6> gained = (after - before) / options_.dt;
+  other_[object] << o.mass * (gained.head<3>() - surroundings_->gravity),
+      rotation * o.inertia * rotation.transpose() * gained.tail<3>();
+  other_[object] -= memory_.wrench[object];
+}
+
+void Coupling::carry(std::span<Cluster> clusters, std::span<const Pose<double>> now) const {
+  for (std::size_t c = 0; c < grasps_.size(); ++c)
+    if (!grasps_[c].held().empty()) clusters[c].carry(grasps_[c].motion(), grasps_[c].held(), now);
+}
+
+void Coupling::forget() {
+  for (Grasp& g : grasps_) g.forget();
+}
+
 void Coupling::push(std::span<const Cluster> clusters, const Physics* physics, Frame& frame) {
   for (Vec<double, 6>& w : memory_.wrench) w.setZero();
   collect(clusters, physics, frame);
-  if (!physics || pushes_.empty()) return;
-  cap();
-  bound(*physics);
+  if (physics && !grasps_.empty()) {
+    const Lap lap(frame.times.solve);
+    hold(clusters, *physics);
+  } else if (physics && !pushes_.empty()) {
+    cap();
+    bound(*physics);
+  }
+  for (auto& part : memory_.part)
+    for (Vec<double, 6>& w : part) w.setZero();
   add(clusters, frame);
 }
 
@@ -64,9 +92,11 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
       const Vec3 local = start.rotation.transpose() * (t.point_a - start.position);
       const Vec3 point = end * local;
       const double push = cluster.lambda(r) * options_.dt * options_.dt * options_.force_stiffness;
+      const Vec3 friction = cluster.friction(r) * -(options_.dt * options_.dt * options_.force_stiffness);
       frame.contacts.push_back({first_body + t.a, object < 0 ? -1 - first_body - t.b : object, point, t.normal, t.gap,
-                                std::min(push, options_.force_cap)});
-      if (object < 0 || push <= 0 || !surroundings_->objects[static_cast<std::size_t>(object)].loose() || !physics)
+                                std::min(push, options_.force_cap), friction});
+      if (object < 0 || (push <= 0 && grasps_.empty()) ||
+          !surroundings_->objects[static_cast<std::size_t>(object)].loose() || !physics)
         continue;
       const Pose<double>& target = cluster.targets()[body];
       const Vec3 along = -t.normal, stretched = target * local;
@@ -77,9 +107,41 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
       p.contact = frame.contacts.size() - 1;
       p.lever = t.point_a - physics->pose(p.object).position, p.along = along;
       p.most = push * options_.dt;
+      p.god_at = start.position, p.object_at = t.point_a - p.lever;
+      const Vec3 force = push * along + friction, arm = t.point_a - p.god_at;
+      p.given << force, p.lever.cross(force);
+      p.received << -force, -arm.cross(force);
       p.bound = std::min(std::max(closing, 0.0) + std::max(stretch, 0.0) / tau, share * memory_.hand_speed[c]);
       pushes_.push_back(p);
     }
+  }
+}
+
+// What grasp.h says, where it has an answer; else what the step of the god objects itself says.
+void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics) {
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    grasps_[c].let_go();
+    if (std::none_of(pushes_.begin(), pushes_.end(), [&](const Push& p) { return p.cluster == c; })) continue;
+    others_ = other_;
+    for (std::size_t k = 0; k < clusters.size(); ++k)
+      for (std::size_t o = 0; o < others_.size() && k != c; ++o) others_[o] += memory_.part[k][o];
+    const bool solved = grasps_[c].solve(clusters[c], target_velocity_[c], physics, others_);
+    for (Push& p : pushes_) {
+      if (p.cluster != c || !solved) continue;
+      grasps_[c].read(p.row, p.given, p.received);
+      p.god_at = clusters[c].poses()[static_cast<std::size_t>(p.body)].position;
+      p.object_at = physics.pose(p.object).position;
+    }
+  }
+  for (Push& first : pushes_) {
+    Vec3 sum = Vec3::Zero();
+    const auto same = [&](const Push& p) { return p.cluster == first.cluster && p.object == first.object; };
+    for (const Push& p : pushes_)
+      if (same(p)) sum += p.given.head<3>();
+    const double over = sum.norm() / options_.force_cap;
+    if (over <= 1) continue;
+    for (Push& p : pushes_)
+      if (same(p)) p.given /= over, p.received /= over;
   }
 }
 
@@ -128,20 +190,24 @@ void Coupling::bound(const Physics& physics) {
 void Coupling::add(std::span<const Cluster> clusters, Frame& frame) {
   Vec<double, 6> sum = Vec<double, 6>::Zero();
   double total = 0;
-  for (const Push& p : pushes_) {
-    Vec<double, 6> on_object;
-    on_object << p.impulse * p.along, p.lever.cross(p.impulse * p.along);
-    memory_.wrench[p.object] += on_object / options_.dt;
-    frame.contacts[p.contact].push = p.impulse / options_.dt;
-
-    const Cluster& cluster = clusters[p.cluster];
-    const Vec<double, 6> on_god = p.impulse * cluster.contact_row(p.row, p.body);
-    const Vec3 god_at = cluster.solved_at()[static_cast<std::size_t>(p.body)].position;
-    const Vec3 object_at = cluster.rows()[p.row].touch.point_a - p.lever;
-    sum.head<3>() += on_object.head<3>() + on_god.head<3>();
-    sum.tail<3>() +=
-        on_object.tail<3>() + object_at.cross(on_object.head<3>()) + on_god.tail<3>() + god_at.cross(on_god.head<3>());
-    total += p.impulse * (1 + p.lever.norm());
+  for (Push& p : pushes_) {
+    FrameContact& seen = frame.contacts[p.contact];
+    if (grasps_.empty()) {
+      p.given << p.impulse * p.along, p.lever.cross(p.impulse * p.along);
+      p.received = p.impulse * clusters[p.cluster].contact_row(p.row, p.body);
+      memory_.wrench[p.object] += p.given / options_.dt;
+      seen.push = p.impulse / options_.dt;
+      total += p.impulse * (1 + p.lever.norm());
+    } else {
+      memory_.wrench[p.object] += p.given;
+      memory_.part[p.cluster][p.object] += p.given;
+      seen.push = p.given.head<3>().dot(-seen.normal);
+      seen.friction = p.given.head<3>() + seen.push * seen.normal;
+      total += p.given.head<3>().norm() * (1 + p.lever.norm());
+    }
+    sum.head<3>() += p.given.head<3>() + p.received.head<3>();
+    sum.tail<3>() += p.given.tail<3>() + p.object_at.cross(p.given.head<3>()) + p.received.tail<3>() +
+                     p.god_at.cross(p.received.head<3>());
   }
   if (total > 0) frame.impulse_error = sum.norm() / total;
 }

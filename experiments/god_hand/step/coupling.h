@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <zwang/experiments/god_hand/step/cluster.h>
+#include <zwang/experiments/god_hand/step/grasp.h>
 #include <zwang/experiments/god_hand/step/physics.h>
 
 namespace zwang::god {
@@ -27,13 +28,21 @@ namespace zwang::god {
 // where j_i > 0 can be lessened: projected Gauss-Seidel over the few contacts, those of both hands together. None of it
 // knows of the rate but through the friction and gravity of one step.
 //
+// With friction the forces are those of grasp.h, which needs no bound: its damper is the same tau. The cap is the same.
+//
 // The god objects receive the same impulses, scaled as they are, with the other sign: nothing is lost between the two.
 class Coupling {
  public:
-  Coupling(const Surroundings& surroundings, const Options& options, std::size_t clusters);
+  Coupling(const Surroundings& surroundings, const Options& options, std::span<const Cluster> clusters);
 
   // Before the step: how fast the targets go. `last`, `now`: of all god objects of a cluster.
   void aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now);
+
+  // Before it, too: what else acted on an object in the engine's step [N; N m], beside gravity and wrenches().
+  void observe(std::size_t object, const Vec<double, 6>& before, const Vec<double, 6>& after, const Mat3& rotation);
+
+  // The clusters that hold something go with it, to where the engine has put the objects.
+  void carry(std::span<Cluster> clusters, std::span<const Pose<double>> now) const;
 
   // After it: the wrenches of the next step, and the frame's contacts, work and errors.
   void push(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);
@@ -45,8 +54,10 @@ class Coupling {
   struct Memory {
     std::vector<double> hand_speed;  // m/s, by cluster
     std::vector<Vec<double, 6>> wrench;
+    std::vector<std::vector<Vec<double, 6>>> part;  // of the wrenches: by cluster, by object
   };
   Memory& memory() { return memory_; }
+  void forget();  // all else
 
  private:
   struct Push {
@@ -55,11 +66,14 @@ class Coupling {
     std::size_t object, row, contact;  // row of the cluster's problem; number in Frame::contacts
     Vec3 lever, along;                 // m, from the object's centre of mass; unit, away from the hand
     double most, impulse;              // N s
+    Vec<double, 6> given, received;    // N, N m: of the object, of the god object, about
+    Vec3 object_at, god_at;            // m, world
     double bound, speed;               // m/s, of the contact point along the push: at most; without any push
     double ease;                       // 1/kg
   };
   void collect(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);
   void cap();
+  void hold(std::span<const Cluster> clusters, const Physics& physics);
   void bound(const Physics& physics);
   void add(std::span<const Cluster> clusters, Frame& frame);
 
@@ -68,6 +82,8 @@ class Coupling {
   Memory memory_;
   std::vector<std::vector<Vec<double, 6>>> target_velocity_;  // m/s, rad/s, by cluster and god object
   std::vector<Vec<double, 6>> change_;                        // of the objects' velocities
+  std::vector<Grasp> grasps_;                                 // by cluster
+  std::vector<Vec<double, 6>> other_, others_;                // N, N m, by object: of the engine; and of other clusters
   std::vector<Push> pushes_;
 };
 

@@ -12,11 +12,12 @@ namespace zwang::god {
 
 // A contact that was a row of the frame's last solve.
 struct FrameContact {
-  int body = 0, object = -1;   // god object; object of the surroundings, or -1 - other god object
-  Vec3 point = Vec3::Zero();   // m, world, on the god object's surface at the frame's end
-  Vec3 normal = Vec3::Zero();  // unit, toward the god object
-  double gap = 0;              // m, when it became a row
-  double push = 0;             // N, on the object: lambda k_f dt^2, capped
+  int body = 0, object = -1;     // god object; object of the surroundings, or -1 - other god object
+  Vec3 point = Vec3::Zero();     // m, world, on the god object's surface at the frame's end
+  Vec3 normal = Vec3::Zero();    // unit, toward the god object
+  double gap = 0;                // m, when it became a row
+  double push = 0;               // N, on the object: lambda k_f dt^2, capped
+  Vec3 friction = Vec3::Zero();  // N, on the object, world
 };
 
 // Where the time of a frame went: thread CPU seconds.
@@ -46,6 +47,10 @@ struct Frame {
   double work = 0;           // J, done on loose objects in this frame
   double impulse_error = 0;  // relative: impulse received by objects plus the hand's scaled one
   double object_speed = 0;   // m/s, fastest loose object that the hand touches
+  double grip = 0;           // N, half the sum of the normal forces on the loose object that is held hardest
+  double friction_used = 0;  // of the largest that a contact with a loose object could have: 1 where it slides
+  double slip = 0;           // m/s, fastest of those contacts, along the surface
+  double creep = 0;          // m/s, the same once all targets have stood still for half a second; else 0
   Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // N, N m: what a haptic device would show at the first palm
   int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
   bool tracked = true, held = false, stuck = false, behind = false;  // behind: target through a thin part, hand not

@@ -5,6 +5,7 @@
 
 #include <zwang/core/problem/dense.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/friction/cone.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang::god {
@@ -23,10 +24,31 @@ AnySolver solver_of(const Options& options) {
   return make_solver(text);
 }
 
+AnySolver plain_solver_of(const Options& options) {
+  if (options.mu == 0) return solver_of(options);
+  Options plain = options;
+  plain.solver = DualActiveSet::name;
+  return solver_of(plain);
+}
+
+SolveOptions asked_of(const Problem& problem, const Options& options, const WarmStart& warm) {
+  SolveOptions asked{.tolerance = options.tolerance, .warm_start = &warm};
+  if (problem.has_tangents() && options.solver.starts_with(Cone::name)) asked.max_iterations = 100;
+  return asked;
+}
+
+void first_rows(const Problem& problem, std::size_t contacts, std::vector<Index>& rows) {
+  rows.resize(contacts);
+  Index at = problem.rows();
+  for (std::size_t k = contacts; k-- > 0; rows[k] = at) do
+      --at;
+    while (problem.is_tangent(at));
+}
+
 bool has_answer(const Problem& problem, const Solution& solution) {
   const Status s = solution.status;
   return (s == Status::solved || s == Status::solved_ill_conditioned || s == Status::iteration_limit ||
-          s == Status::time_limit) &&
+          s == Status::time_limit || (s == Status::numerical_failure && problem.has_tangents())) &&
          solution.z.size() == problem.size() && solution.z.allFinite();
 }
 

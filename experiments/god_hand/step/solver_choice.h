@@ -10,7 +10,17 @@ namespace zwang::god {
 // std::invalid_argument with the nearest name.
 AnySolver solver_of(const Options& options);
 
+// The one for problems without tangent rows: the same, unless there is friction and the exact one is faster at it.
+AnySolver plain_solver_of(const Options& options);
+
+// What a frame asks of a solve: of `cone` few iterations, since under Coulomb's law there may be no answer.
+SolveOptions asked_of(const Problem& problem, const Options& options, const WarmStart& warm);
+
+// The rows of the last `contacts` constraints of a problem, which are contacts: the first one of each.
+void first_rows(const Problem& problem, std::size_t contacts, std::vector<Index>& rows);
+
 // Is there a z to use? Also the last iterate of a method that stopped early: the sweep stops what is wrong about it.
+// With friction also the best iterate of one that failed: there may be no exact answer under Coulomb's law.
 bool has_answer(const Problem& problem, const Solution& solution);
 
 // Multipliers by least squares, where the method gives none: forces are read from them.

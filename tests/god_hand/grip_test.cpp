@@ -1,0 +1,103 @@
+#include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/play.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include "tests/god_hand/loose_box.h"
+#include "tests/god_hand/tracked.h"
+
+namespace zwang::god {
+namespace {
+
+Options rough(double mu, double rate = 1000) {
+  Options o = unverified();
+  o.mu = mu;
+  o.dt = 1 / rate;
+  return o;
+}
+
+constexpr double pad_mass = 0.05, inside = 0.004;             // kg, m: how far the target of a pad is inside the box
+constexpr double k_f = 1e4, weight = 0.2 * 9.81;              // 1/s^2, N
+constexpr double squeeze = k_f * pad_mass * (inside + 2e-4);  // N: rows keep 0.2 mm
+
+struct Pinched {
+  double grip = 0, fallen = 0, creep = 0, error = 0;
+};
+
+// A box of 60 mm and 0.2 kg in the air between two pads, each on its spring; for so many seconds.
+Pinched pinch(double mu, double rate, bool apart, double seconds) {
+  Surroundings air{.name = "air"};
+  air.objects.push_back(loose_box(Vec3::Zero()));
+  std::vector<GodObjects> clusters(apart ? 2 : 1);
+  std::vector<Pose<double>> target;
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 widths(0.02, 0.03, 0.03);
+    const Body body = box_body(widths, pad_mass, {side * (0.04 + 2e-4), 0, 0});
+    clusters[apart && side > 0 ? 1 : 0].add(body, collision::Shape::rounded_box(widths, 0.002));
+    target.push_back(at(side * (0.04 - inside), 0, 0));
+  }
+  Options o = rough(mu, rate);
+  o.force_stiffness = k_f;
+  Simulation s(air, std::move(clusters), o);
+  Pinched out;
+  for (int k = 0; k < seconds * rate; ++k) {
+    const Frame& f = s.step(target);
+    EXPECT_GT(f.gap, 0) << k;
+    EXPECT_EQ(f.returned, 0) << k;
+    out.grip = f.grip, out.fallen = -f.loose[0].position.z(), out.creep = f.creep;
+    out.error = std::max(out.error, f.impulse_error);
+  }
+  return out;
+}
+
+TEST(Grip, HoldsABoxWithTheForceOfTheSpringsAtAnyRate) {
+  for (const bool apart : {false, true})
+    for (const double rate : {250.0, 500.0, 1000.0}) {
+      if (apart && rate == 250) continue;  // each sees the other's force a step late: at 250 Hz the box is lost
+      const Pinched p = pinch(0.8, rate, apart, 2);
+      EXPECT_NEAR(p.grip, squeeze, 1e-3 * squeeze) << rate;
+      EXPECT_NEAR(p.fallen, weight / (2 * k_f * pad_mass), 1e-2 * p.fallen) << rate;  // the springs give
+      EXPECT_LE(p.creep, 1e-7) << rate;                                               // m/s
+      EXPECT_LE(p.error, 1e-12) << rate;
+    }
+}
+
+// Two contacts of mu N each carry the weight, or do not.
+TEST(Grip, SlipsBelowTheLeastFrictionThatHolds) {
+  const double least = weight / (2 * squeeze);
+  const double sag = weight / (2 * k_f * pad_mass);
+  const Pinched holds = pinch(1.01 * least, 1000, false, 2), slips = pinch(0.99 * least, 1000, false, 2);
+  EXPECT_LT(holds.fallen, 1.2 * sag);
+  EXPECT_LE(holds.creep, 1e-6);  // m/s
+  EXPECT_GT(slips.fallen, 10 * sag);
+}
+
+TEST(Grip, TheHandLiftsABoxBetweenThumbAndIndexFinger) {
+  const Surroundings scene = make_surroundings("box", "");
+  const HandMotion motion = synthetic_motion("lift", scene);
+  Play play(scene, motion, rough(0.8, 500));
+  Frame f;
+  for (int k = 0; k <= 1500; ++k) {
+    f = play.step(k);
+    ASSERT_GT(f.gap, 0) << k;
+    ASSERT_LE(f.separation, 1e-9) << k;
+    ASSERT_LE(f.impulse_error, 1e-12) << k;
+  }
+  EXPECT_NEAR(f.loose[0].position.z(), 0.23, 0.002);  // m
+  EXPECT_LE(f.slip, 1e-6);                            // m/s
+  EXPECT_GT(f.grip, weight / 2 / 0.8);
+}
+
+TEST(Grip, TheHandSetsItDownAndLetsGo) {
+  const Surroundings scene = make_surroundings("box", "");
+  const HandMotion motion = synthetic_motion("lift", scene);
+  Play play(scene, motion, rough(0.8, 500));
+  Frame f;
+  for (int k = 0; k <= motion.duration * 500; ++k) f = play.step(k);
+  const Vec3 from = scene.objects[1].pose.position, to = f.loose[0].position;
+  EXPECT_NEAR((to - from).head<2>().norm(), 0.3, 0.005);
+  EXPECT_NEAR(to.z(), 0.03, 1e-4);
+  EXPECT_GT(f.loose[0].rotation(2, 2), 0.9999);
+  EXPECT_EQ(f.grip, 0);
+}
+
+}  // namespace
+}  // namespace zwang::god
