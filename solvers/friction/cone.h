@@ -37,19 +37,20 @@ struct Cone {
  private:
   class Work {
    public:
-    void solve(const Cone& settings, const Problem& problem, const SolveOptions& options, Solution& solution);
+    void solve(Cone& cone, const Problem& problem, const SolveOptions& options, Solution& solution);
 
    private:
     enum class End { accepted, failed, limit, infeasible };
 
-    bool solve_under(Law law, const Cone& settings, const Problem& problem, const SolveOptions& options,
+    bool solve_under(Law law, bool finish, const Problem& problem, const SolveOptions& options,
                      const Deadline& deadline, const WarmStart* warm, Solution& solution);
     bool from_warm(const Problem& problem, const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
                    Solution& solution);
-    End from_inside(const Cone& settings, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+    End from_inside(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                     double start, Solution& solution);
     bool is_accepted(const ConeProgram::Residual& residual, const Vector& v, const SolveOptions& options);
-    bool contradicts_itself(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
+    bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
+                            const Deadline& deadline);
     void keep(const Vector& v, const Vector& y, double natural);
     bool slides(const ConeProgram& program) const;
 
@@ -58,11 +59,11 @@ struct Cone {
     ModeNewton modes_;
     Vector v_, y_, proof_;  // the best there is
     double natural_ = 0;
-    Solution normals_;
+    Solution of_normals_;
   };
 
   Islands islands_;
-  ShapeCache<Work> works_;
+  ShapeCache<Work> works_, normals_;  // the second for the inequality rows alone, which have a shape of their own
 };
 static_assert(Solver<Cone>);
 

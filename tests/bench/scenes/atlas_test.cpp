@@ -49,9 +49,9 @@ Table measured() {
   for (const Instance& i : points())
     for (const SolverEntry& e : solvers()) {
       if (e.foreign) continue;
-      Break& b = out[{i.family, e.name}];
       const Solution s = desk.run(i.problem, run_of(e), {.time_limit = 120, .fresh = true}, &interrupted).solution;
       if (s.status == Status::unsupported) continue;
+      Break& b = out[{i.family, e.name}];
       const Reference& truth = *i.reference;
       const Metrics m = measure(i.problem, s, &truth, 1e-12);
       const bool right = truth.feasible ? m.z_error <= broken : m.verdict == Verdict::infeasible_proven;
