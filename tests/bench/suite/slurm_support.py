@@ -1,4 +1,7 @@
-"""A Slurm of one controller and one node on loopback, started and stopped as ordinary programs of the caller."""
+"""A Slurm of one controller and one node on loopback, started and stopped as ordinary programs of the caller.
+
+Usage: slurm_support.py CORES COMMAND...     runs a command, a campaign say, with such a Slurm
+"""
 import ctypes
 import getpass
 import os
@@ -6,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 
 
@@ -112,3 +116,15 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         self.controller.wait(timeout=60)
         time.sleep(1)
         self.start_controller()
+
+
+if __name__ == "__main__":
+    adopt_orphans()
+    os.environ["PATH"] += ":/usr/sbin"
+    with tempfile.TemporaryDirectory(prefix="zwang-slurm-") as folder:
+        try:
+            Slurm(folder, int(sys.argv[1]))
+            code = subprocess.run(sys.argv[2:]).returncode
+        finally:
+            kill_descendants()
+    sys.exit(code)
