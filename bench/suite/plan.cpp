@@ -131,6 +131,19 @@ std::span<const Suite> suites() {
        false,
        "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd",
        true},
+      // docs/campaigns.md: twenty thousand runs of native and foreign solvers on hundreds of unknowns.
+      {"large",
+       "tower(boxes=20,40,80),stack(boxes=20,40,seed=1..10),wall(boxes=25,60,seed=1..10),"
+       "pile(spheres=30,91,seed=1..10),chain(links=32,64,seed=1..10),hand(contacts=64,200,seed=1..25),"
+       "hands(hands=2,4,seed=1..5),arch(stones=17,33),random(n=150,200,300,seed=1..12),MANYF(contacts=120,300),"
+       "MANYR(contacts=120,300)",
+       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
+       0,
+       2,
+       false,
+       "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd,ipopt,nlopt_slsqp,nlopt_mma,"
+       "nlopt_ccsaq,nlopt_cobyla,bullet_dantzig,bullet_pgs,mujoco_newton,daqp,piqp,osqp,proxqp,qpoases",
+       true},
   };
   return all;
 }
@@ -143,7 +156,7 @@ const Suite& find_suite(const std::string& name) {
   }
   names.emplace_back("collision");  // a suite without solvers, run by bench_collision
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas, speed, big, collision)");
+                              " (quick, standard, full, atlas, speed, big, large, collision)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {
