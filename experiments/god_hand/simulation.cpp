@@ -33,13 +33,13 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
   return top;
 }
 
-// visit(double&) for every number of flags, poses, vectors and lists of them, in the order they have.
+// visit(double&) for every number of flags, choices, poses, vectors and lists of them, in the order they have.
 template <class T, class Visit>
 void each(T& x, const Visit& visit) {
-  if constexpr (std::is_same_v<T, bool>) {
-    double flag = x;
-    visit(flag);
-    x = flag != 0;
+  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+    auto word = static_cast<double>(x);
+    visit(word);
+    x = static_cast<T>(word);
   } else if constexpr (std::is_same_v<T, double>) {
     visit(x);
   } else if constexpr (std::is_same_v<T, Pose<double>>) {
@@ -223,8 +223,8 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
   each(target, visit);
   for (Cluster& c : clusters) {
     Cluster::Memory m = c.memory();
-    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit);
-    each(m.blocked, visit), each(m.retry_linear, visit), each(m.step_scale, visit);
+    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit), each(m.met_at, visit);
+    each(m.next, visit), each(m.step_scale, visit);
     if (reading) c.restore(m);
   }
   each(coupling->memory().hand_speed, visit), each(coupling->memory().wrench, visit);

@@ -74,6 +74,18 @@ void add_options(CLI::App& options, Typed& typed) {
   add("How", "--rate", typed.rate, "simulated steps a second; default: 1000")
       ->check(from_to(1.0, 1e5))
       ->type_name("HZ");
+  // Before the single choices, which have the last word.
+  const auto choose = [&a](const std::string& method) {
+    if (method != "zwang" && method != "paper")
+      throw std::invalid_argument("--method " + method + " should be zwang or paper" +
+                                  did_you_mean(method, {"zwang", "paper"}));
+    a.options = method == "paper" ? god::paper_method() : god::Options{};
+  };
+  options
+      .add_option_function<std::string>("--method", choose,
+                                        "zwang's own, or as the paper prints it; each choice below may be taken back")
+      ->type_name("zwang|paper")
+      ->group("What is compared");
   each_option(a.options, AddOption{options});
   options.add_flag("--audit", a.audit, "FCL looks at every committed frame at the end")->group("How");
   add("Where it goes", "--out", typed.out, "folder for the run; default: results/<date>-<time>")->type_name("DIR");
@@ -136,7 +148,8 @@ int simulate_command(std::vector<std::string> words) {
             "  ./zwang simulate simple --motion grasp\n"
             "  ./zwang simulate engine --motion recording.json --solver nnls --rate 500 --audit\n"
             "  ./zwang simulate gear.stl@mm --motion press --seconds 2 --out gear\n"
-            "  ./zwang simulate box --motion slide --commit printed --solver nnls_paper\n"
+            "  ./zwang simulate box --motion slide --method paper\n"
+            "  ./zwang simulate box --motion slide --method paper --solver dual_active_set\n"
             "  ./zwang simulate --resume gear\n" +
                 names());
   Typed typed;

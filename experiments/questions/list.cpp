@@ -20,6 +20,7 @@ static const std::array all{
     Question{"printed-step", "What do Eq. 29-30 do as printed, with the time of contact in both?", "Section 6.3",
              printed_step},
     Question{"solvers", "Does it matter which solver drives the hand?", "Section 4.1 uses NNLS (TSNNLS)", solver_swap},
+    Question{"solvers-paper", "And where the rest is the paper's method, too?", "Section 4.1", solvers_of_the_paper},
     Question{"minimal", "What does it cost to model more than the scene needs?", "Section 5: clusters",
              no_more_than_needed},
     Question{"friction", "Does a hand stick to a frictionless plane?", "Section 7: no artificial friction",

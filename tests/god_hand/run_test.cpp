@@ -38,6 +38,7 @@ Frame frame_of(long number) {
   for (int k = 0; k < number % 4; ++k) f.contacts.push_back({k, 0, {x, k + 0., 1}, Vec3::UnitZ(), 2e-4, 0.5});
   f.rows = 70;
   f.held = number % 2 == 1;
+  f.origin = static_cast<Origin>(number % 6);
   f.claimed = Status::infeasible;
   f.verified = Verdict::infeasible_proven;
   f.times.solve = x;

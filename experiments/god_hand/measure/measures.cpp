@@ -41,6 +41,7 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
     frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
     frame.rows += static_cast<int>(c.problem().rows());
     frame.held = frame.held || c.held();
+    if (c.held()) frame.came_from(Origin::held);
     frame.stuck = frame.stuck || stuck(c, first);
   }
   for (std::size_t b = 0; b < frame.god.size(); ++b)

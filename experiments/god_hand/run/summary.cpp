@@ -69,6 +69,7 @@ void Summary::add(const Frame& f) {
   for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_frame[k];
   columns_.add(f);
   broken_ += !fault(f).empty();
+  ++origins_[static_cast<std::size_t>(f.origin)];
   if (f.raw > 0) {
     raw_.push_back(f.raw);
     kept_.push_back(f.kept);
@@ -116,6 +117,11 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                 (count("behind") > 0 ? "; the target was beyond a thin part in " + counted(count("behind"), "frame") +
                                            ", the hand before it"
                                      : ""));
+  std::string origins;
+  for (std::size_t k = 0; k < origins_.size(); ++k)
+    if (origins_[k] > 0)
+      origins += (origins.empty() ? "" : ", ") + grouped(static_cast<std::size_t>(origins_[k])) + " " + origin_names[k];
+  out.push_back("Where the frames came from: " + origins);
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
                   length(record.misfit_most) + " at most; " +
@@ -143,6 +149,8 @@ std::string Summary::json(const Record& record) const {
   Json shares;
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   for (std::size_t k = 0; k < stages_.size(); ++k) shares[stage_names[k]] = all > 0 ? stages_[k] / all : 0;
+  Json origins;
+  for (std::size_t k = 0; k < origins_.size(); ++k) origins[origin_names[k]] = origins_[k];
   const Json j = {
       {"scene", record.asked.scene},
       {"motion", record.title},
@@ -156,6 +164,7 @@ std::string Summary::json(const Record& record) const {
       {"limit_violation_rad", most("limit")},
       {"stuck_frames", count("stuck")},
       {"held_frames", count("held")},
+      {"origins", origins},
       {"faulty_frames", broken_},
       {"target_beyond_thin_part_frames", count("behind")},
       {"untracked_frames", frames() - count("tracked")},
