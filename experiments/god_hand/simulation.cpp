@@ -205,7 +205,7 @@ void Simulation::State::step_physics() {
 
 // Hands that come near each other become one cluster, with the forces and speeds that they had.
 void Simulation::State::meet() {
-  const Coupling::Memory before = pushes().memory();
+  const Coupling::Memory& before = pushes().memory();
   if (!meeting->decide(clusters, target)) return;
   Coupling::Memory& now = pushes().memory();
   now.wrench = before.wrench;

@@ -26,12 +26,12 @@ bool Meeting::near(std::span<const Pose<double>> poses, std::span<const Pose<dou
 }
 
 bool Meeting::decide(std::span<Cluster> hands, std::span<const Pose<double>> targets) {
-  std::vector<Pose<double>> poses;
+  poses_.clear();
   if (together_)
-    poses.assign(both_.poses().begin(), both_.poses().end());
+    poses_.assign(both_.poses().begin(), both_.poses().end());
   else
-    for (const Cluster& hand : hands) poses.insert(poses.end(), hand.poses().begin(), hand.poses().end());
-  bool together = near(poses, targets);
+    for (const Cluster& hand : hands) poses_.insert(poses_.end(), hand.poses().begin(), hand.poses().end());
+  bool together = near(poses_, targets);
   if (together && !together_)
     for (const collision::Touch& touch : world_.touches(reach_)) together = together && touch.gap > 0;
   if (together == together_) return false;

@@ -31,6 +31,7 @@ class Meeting {
   std::size_t first_hand_;  // god objects
   double reach_;            // m
   collision::World world_;  // the god objects; those of one hand meet those of the other
+  std::vector<Pose<double>> poses_;
   std::vector<collision::Move> moves_;
   bool together_ = false;
 };
