@@ -60,7 +60,11 @@ void add_options(CLI::App& options, Typed& typed) {
   };
   options.add_option("SCENE", a.scene, "a name (below), or mesh files as fixed parts: a.stl@mm,b.obj")->type_name("");
   add("What is simulated", "--motion", a.motion,
-      "a name (below), or a file: Leap recording (.json, .gz), angles (.csv)")
+      "a name (below), or a file: Leap recording (.json, .gz), angles or the path of a tool (.csv)")
+      ->type_name("FILE|NAME");
+  add("What is simulated", "--god", a.god,
+      "what is tracked: hand, a tool by name (below), or mesh files as its convex pieces: a.stl@mm,b.obj; default: "
+      "hand")
       ->type_name("FILE|NAME");
   add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")
       ->type_name("FOLDER");
@@ -99,6 +103,9 @@ std::string names() {
     text += "  " + name + std::string(std::max<std::size_t>(1, 12 - name.size()), ' ') + line + "\n";
   };
   for (const god::SceneEntry& scene : god::scenes()) add(scene.name, scene.line);
+  text += "\nGod objects (--god):\n";
+  add("hand", "16 bodies; two where the motion has two");
+  for (const auto& [name, line] : god::tools()) add(name, line);
   text += "\nMotions:\n";
   for (const auto& [name, line] : god::synthetic_motions()) add(name, line);
   return text;
@@ -118,18 +125,18 @@ god::Record record_to_resume(const CLI::App& options, const Typed& typed) {
 
 // Files by their absolute paths: a run may be resumed from another folder.
 void make_absolute(Asked& asked) {
-  for (std::string* path : {&asked.parts, &asked.motion})
+  for (std::string* path : {&asked.parts, &asked.motion, &asked.god})
     if (!path->empty() && fs::exists(*path)) *path = fs::absolute(*path).lexically_normal().string();
 }
 
 std::string head_line(const god::Record& record, const god::Setup& setup) {
   const god::SceneSize size = god::size_of(setup.surroundings);
   const Asked& a = record.asked;
-  std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) +
-                     (record.hands == 1 ? " hand, " : " hands, ") + std::to_string(size.fixed) + " fixed and " +
-                     std::to_string(size.loose) + " loose objects, " + grouped(size.triangles) + " triangles; " +
-                     a.options.solver + " at " + grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) +
-                     " Hz";
+  const std::string gods = setup.tool ? setup.tool->name : record.hands == 1 ? "hand" : "hands";
+  std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) + " " + gods + ", " +
+                     std::to_string(size.fixed) + " fixed and " + std::to_string(size.loose) + " loose objects, " +
+                     grouped(size.triangles) + " triangles; " + a.options.solver + " at " +
+                     grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) + " Hz";
   if (record.placement.depth > 0) {
     char placed[120];
     std::snprintf(placed, sizeof placed,

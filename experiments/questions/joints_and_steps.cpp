@@ -69,11 +69,11 @@ Findings separation(const Asking& asking) {
     const god::Totals all(frames);
     std::vector<double> times;
     for (const god::Frame& f : frames) times.push_back(f.times.total());
-    found.rows.push_back({name, number(all.most("joint")) + " m", number(all.most("limit")) + " rad",
-                          number(1e6 * all.least("gap")) + " um", number(1e3 * all.most("dist")) + " mm",
-                          number(all.sum("held")) + ", " + number(all.sum("stuck")), number(all.most("kept")),
-                          number(1e6 * median(times)) + " us, " +
-                              number(1e3 * *std::max_element(times.begin(), times.end())) + " ms"});
+    found.rows.push_back(
+        {name, number(all.most("joint")) + " m", number(all.most("limit")) + " rad",
+         number(1e6 * all.least("gap")) + " um", number(1e3 * all.most("dist")) + " mm",
+         number(all.sum("held")) + ", " + number(all.sum("stuck")), number(all.most("kept")),
+         number(1e6 * median(times)) + " us, " + number(1e3 * *std::max_element(times.begin(), times.end())) + " ms"});
     add_series(chart, name, frames, [](const god::Frame& f) { return std::max(f.separation, 1e-17); });
   }
   found.charts.push_back(std::move(chart));

@@ -132,8 +132,8 @@ function draw_legend() {
   };
   const any = bit => run.numbers.marks.some(bits => bits & bit);
   $('legend').replaceChildren(
-    ...run.hands.map((hand, h) => item(run.hands.length > 1 ? `${hand.left ? 'left' : 'right'} god hand` : 'god hand', theme.hands[h % 2][0])),
-    item('tracked hand', theme.ghost, 'ring'), item('pressing', theme.touch[0]),
+    ...run.hands.map((hand, h) => item(run.hands.length > 1 ? `${hand.left ? 'left' : 'right'} god hand` : `god ${hand.name}`, theme.hands[h % 2][0])),
+    item(`tracked ${run.hands[0].name}`, theme.ghost, 'ring'), item('pressing', theme.touch[0]),
     ...run.loose > 0 ? [item('loose object', theme.loose[0])] : [],
     item('contact that pushes', contact_colors.push, 'bar'), item('contact at rest', contact_colors.near, 'bar'),
     ...any(marks.wrong) ? [item('wrong', mark_colors.wrong, 'bar')] : [], ...any(marks.held) ? [item('held', mark_colors.held, 'bar')] : []);

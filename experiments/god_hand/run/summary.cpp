@@ -135,11 +135,10 @@ std::vector<std::string> Summary::lines(const Record& record) const {
     out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
                   (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
   if (audited_ > 0)
-    out.push_back(
-        "Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
-        counted(audited_, "body-frame") +
-        (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
-        (crossed_ > 0 ? "; the hands, which do not meet each other, cross in " + counted(crossed_, "body-frame") : ""));
+    out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
+                  counted(audited_, "body-frame") +
+                  (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
+                  (crossed_ > 0 ? "; the hands cross each other in " + counted(crossed_, "body-frame") : ""));
   if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
   return out;
 }

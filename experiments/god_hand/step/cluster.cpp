@@ -43,8 +43,8 @@ void Cluster::place(std::span<const Pose<double>> poses) {
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_,         {target_.begin(), target_.begin() + static_cast<long>(size())},
-          last_step_, met_at_, next_, step_scale_};
+  return {pose_,      {target_.begin(), target_.begin() + static_cast<long>(size())}, last_step_, met_at_, next_,
+          step_scale_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -96,8 +96,7 @@ void Cluster::write_rows(bool push) {
     const int object = contacts_.object_of(t.b);
     const BodyId partner = object < 0 ? t.b : object + static_cast<BodyId>(size());
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
-    const double keep = options_.gap + lift,
-                 room = met() ? 0.0 : push ? t.gap - keep : std::max(t.gap - keep, 0.0);
+    const double keep = options_.gap + lift, room = met() ? 0.0 : push ? t.gap - keep : std::max(t.gap - keep, 0.0);
     scene.add(contact_at(scene.bodies, t.a, partner, t.point_a, t.normal, room), "touch", key);
   }
 }
@@ -323,8 +322,8 @@ bool Cluster::may_go_straight(bool pressing) const {
   return !pressing || next_ == Next::straight;
 }
 
-// Algorithm 1, line 13, as printed: the contacts that the last step ran into are looked for at its time of contact. With
-// the time of contact applied twice the god objects did not get there.
+// Algorithm 1, line 13, as printed: the contacts that the last step ran into are looked for at its time of contact.
+// With the time of contact applied twice the god objects did not get there.
 void Cluster::find_rows(double reach, Frame& frame) {
   const Lap lap(frame.times.search);
   using Choice = Contacts::Choice;

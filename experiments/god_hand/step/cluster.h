@@ -74,8 +74,8 @@ class Cluster {
   bool held() const { return held_; }
 
  private:
-  // The way of a sub-step, line 4 of Algorithm 1: none, where the solve has no answer; straight to the targets; a leg of
-  // that, with more to go; the linear step.
+  // The way of a sub-step, line 4 of Algorithm 1: none, where the solve has no answer; straight to the targets; a leg
+  // of that, with more to go; the linear step.
   enum class Way { none, straight, leg, linear };
 
   bool printed() const { return options_.commit == Options::Commit::printed; }
@@ -117,10 +117,10 @@ class Cluster {
   double step_scale_ = 1;                   // part of it that it may after it turned back or was held
   Way way_ = Way::none;
   Next next_ = Next::straight;
-  Origin origin_ = Origin::free;             // of the sub-step
-  bool solved_ = false, pushed_ = false;     // there is an answer; of rows that push out to the whole gap
-  bool done_ = false, held_ = false;         // the frame is over; the last sub-step kept its pose
-  bool counted_ = false;                     // contacts of this frame, at its first look
+  Origin origin_ = Origin::free;          // of the sub-step
+  bool solved_ = false, pushed_ = false;  // there is an answer; of rows that push out to the whole gap
+  bool done_ = false, held_ = false;      // the frame is over; the last sub-step kept its pose
+  bool counted_ = false;                  // contacts of this frame, at its first look
   int sub_step_ = 0;
 };
 

@@ -59,7 +59,8 @@ struct Frame {
   double work = 0;           // J, done on loose objects in this frame
   double impulse_error = 0;  // relative: impulse received by objects plus the hand's scaled one
   double object_speed = 0;   // m/s, fastest loose object that the hand touches
-  Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // N, N m: what a haptic device would show at the first palm
+  std::vector<Vec<double, 6>> device = {};              // N, N m: what a haptic device would show at each god object
+  Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // the first of them
   int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
   bool tracked = true, held = false, stuck = false, behind = false;  // behind: target through a thin part, hand not
   Origin origin = Origin::free;
@@ -75,6 +76,7 @@ struct Frame {
     Frame fresh;
     const auto keep = [](auto& from, auto& to) { from.clear(), to = std::move(from); };
     keep(target, fresh.target), keep(god, fresh.god), keep(loose, fresh.loose), keep(contacts, fresh.contacts);
+    keep(device, fresh.device);
     *this = std::move(fresh);
   }
 };

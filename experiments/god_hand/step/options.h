@@ -14,20 +14,21 @@ struct Options {
   enum class Limits { predictive, violated } limits = Limits::predictive;  // violated: the paper's rows
   enum class Commit { cycle, printed } commit = Commit::cycle;  // printed: the linear step alone; joints open
   bool toc_twice = false;                                       // Eq. 29-30 as printed
-  bool toc_of_all = false;  // the smallest TOC of all clusters for every one (Algorithm 1)
+  bool toc_of_all = false;                          // the smallest TOC of all clusters for every one (Algorithm 1)
   enum class Rows { near, met } rows = Rows::near;  // met: what the sweep ran into, with c = 0
-  bool correct_drift = true;  // joints and limits get the c that mends what they are off; false: c = 0
-  bool straight = true;       // where no contact presses, the targets themselves in place of the linear step
+  bool correct_drift = true;           // joints and limits get the c that mends what they are off; false: c = 0
+  bool straight = true;                // where no contact presses, the targets themselves in place of the linear step
   bool damped = true, bounded = true;  // linear steps shortened by curvature; and to what contacts are looked for in
-  bool clusters = true;     // each hand solved apart; false: as one problem
+  bool clusters = true;                // each hand solved apart; false: as one problem
+  bool hands_meet = true;  // two hands are one cluster while they are near; false: they pass through each other
   bool reduce_contacts = true, lazy_contacts = true;
   bool maximal = false;                  // no reduction of the equality rows, no islands, where the solver can
   double force_stiffness = 1000;         // k_f [1/s^2]
   double force_cap = 60;                 // N, a hand's push on one object
   double gap = 2e-4, activation = 2e-3;  // m: what contact rows keep; from where they are written
-  double fastest = 8;     // m/s: targets that go faster are no hand's, tracking has jumped
-  double jump = 0.016;    // m: targets that go farther in a frame have jumped, too
-  double catch_up = 0.8;  // m/s: a pressing hand may go so fast though its target does not
+  double fastest = 8;                    // m/s: targets that go faster are no hand's, tracking has jumped
+  double jump = 0.016;                   // m: targets that go farther in a frame have jumped, too
+  double catch_up = 0.8;                 // m/s: a pressing hand may go so fast though its target does not
   int sub_steps = 3;
   int verify = 10;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
@@ -40,7 +41,7 @@ inline Options paper_method() {
   o.commit = Options::Commit::printed;
   o.toc_twice = o.toc_of_all = o.maximal = true;
   o.rows = Options::Rows::met;
-  o.correct_drift = o.straight = o.damped = o.bounded = o.reduce_contacts = o.lazy_contacts = false;
+  o.hands_meet = o.correct_drift = o.straight = o.damped = o.bounded = o.reduce_contacts = o.lazy_contacts = false;
   o.sub_steps = 1;
   return o;
 }
@@ -84,6 +85,8 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"bounded", "bounds", "steps kept within what contacts are looked for in"}, o.bounded,
         Words{"off", "on"});
   visit(OptionText{"clusters", "clusters", "each hand solved apart"}, o.clusters, Words{"off", "on"});
+  visit(OptionText{"hands_meet", "hands", "hands that cross touch each other (not with --clusters off)"}, o.hands_meet,
+        Words{"pass", "meet"});
   visit(OptionText{"reduce_contacts", "thinning", "contacts reduced to those that carry"}, o.reduce_contacts,
         Words{"off", "on"});
   visit(OptionText{"lazy_contacts", "lazy",

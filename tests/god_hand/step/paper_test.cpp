@@ -49,16 +49,16 @@ TEST(Paper, RowsAreWhatWasMetAndAskForNothing) {
     ASSERT_GE(f.gap, 0) << k;
     EXPECT_EQ(f.kept, f.raw);
     EXPECT_LE(f.sub_steps, 1);
-    EXPECT_TRUE(s.problem(0).c.isZero(0));
+    EXPECT_LE(s.problem(0).c.lpNorm<Eigen::Infinity>(), 1e-8);  // m/s^2: rounding of 1e-14 m
     EXPECT_EQ(s.problem(0).size(), 96);
     met += f.kept > 0;
   }
   EXPECT_GT(met, 20);
 }
 
-// A hinge whose first body cannot move turns its second one, r from the anchor, by w about it. The linear step takes the
-// centre r w along the tangent while the body turns by w: the anchor is off by r |(1 - cos w, w - sin w)|, whatever the
-// solver. The commit cycle leaves it closed.
+// A hinge whose first body cannot move turns its second one, r from the anchor, by w about it. The linear step takes
+// the centre r w along the tangent while the body turns by w: the anchor is off by r |(1 - cos w, w - sin w)|, whatever
+// the solver. The commit cycle leaves it closed.
 TEST(Paper, LinearStepOpensAHingeByWhatTheChordLeaves) {
   constexpr double r = 0.02, heavy = 1e9;
   for (const double turn : {0.01, 0.1, 0.5}) {
@@ -87,16 +87,20 @@ TEST(Paper, LinearStepOpensAHingeByWhatTheChordLeaves) {
 }
 
 TEST(Origin, SaysWhatAFrameCameFrom) {
-  Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.05)));
+  Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.15)));
   std::array<int, origin_names.size()> count{};
   for (int k = 0; k < 150; ++k) {
-    const Frame& f = go(s, hand_at(at(2e-4 * k, 0, 0.05 - 1e-3 * k), 0.3));
+    const Frame& f = go(s, hand_at(at(2e-4 * k, 0, 0.15 - 1.4e-3 * k), 0.3));
     ++count[static_cast<std::size_t>(f.origin)];
     EXPECT_EQ(f.held, f.origin == Origin::held);
-    if (f.kept == 0) EXPECT_EQ(f.origin, Origin::free) << k;
+    if (f.kept == 0) {
+      EXPECT_EQ(f.origin, Origin::free) << k;
+    }
     bool pushed = false;
     for (const FrameContact& c : f.contacts) pushed = pushed || c.push > 0;
-    if (pushed) EXPECT_NE(f.origin, Origin::free) << k;
+    if (pushed) {
+      EXPECT_NE(f.origin, Origin::free) << k;
+    }
   }
   EXPECT_GT(count[0], 10);
   EXPECT_GT(count[1] + count[2] + count[3], 50);
