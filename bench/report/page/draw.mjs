@@ -17,8 +17,7 @@ const logger = vega.logger(vega.Error);
 // Charts with a logarithmic axis have no place for zero.
 const drawn = chart => chart.points.filter(p => !(chart.log_x && p.x <= 0) && !(chart.log_y && p.y <= 0));
 
-function panel(chart) {
-  const series = [...new Set(chart.points.map(p => p.series))];
+function panel(chart, series) {
   const scale = log => log ? {type: 'log', nice: false, padding: 10} : {zero: false, nice: false, padding: 2};
   const format = log => log ? {labelExpr: 'format(datum.value, \'~g\')', tickCount: 6} : {};
   const x = {field: 'x', type: 'quantitative', title: chart.x, scale: scale(chart.log_x), axis: format(chart.log_x)};
@@ -54,8 +53,9 @@ function panel(chart) {
 // One chart, or the panels of a figure, two in a row.
 function figure(charts) {
   const [first] = charts;
-  const body = charts.length === 1 ? {...panel(first), width: 640, height: 320} : {
-    concat: charts.map(chart => ({...panel(chart), width: 300, height: 170})),
+  const series = [...new Set(charts.flatMap(chart => chart.points.map(p => p.series)))];  // one colour in all panels
+  const body = charts.length === 1 ? {...panel(first, series), width: 640, height: 320} : {
+    concat: charts.map(chart => ({...panel(chart, series), width: 300, height: 170})),
     columns: 2,
     spacing: 24,
   };
