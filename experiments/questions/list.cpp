@@ -27,6 +27,7 @@ static const std::array all{
              artificial_friction},
     Question{"rates", "Does the same push move a box equally at every rate?", "Section 6.2: forces are handed over",
              rate_of_a_push},
+    Question{"laws", "What does a simpler law of friction cost?", "Section 7: friction is left out", laws_of_friction},
     Question{"recordings", "Do recorded hands stay out of the objects, whole and unstuck?",
              "Section 7: always non-penetrating", recordings},
 };
