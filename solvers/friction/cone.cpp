@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 namespace zwang {
 namespace {
@@ -30,6 +31,7 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 
 bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
   const double scale = program_.scale(v);
+  if (program_.is_out_of_reach(v)) return false;
   if (r.natural <= tolerances::cone_exact * scale) return true;
   return r.natural <= options.tolerance * scale &&
          std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * scale;
@@ -106,32 +108,47 @@ bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const Solve
                                     const Deadline& deadline) {
   SolveOptions rest = options;
   rest.observe = nullptr;
-  if (!normals.program_.build(p, Law::frictionless, rest, deadline, of_normals_))
+  if (!normals.program_.build(p, Law::frictionless, false, rest, deadline, of_normals_))
     return of_normals_.status == Status::infeasible;
   return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
 }
 
 bool Cone::Work::slides(const ConeProgram& program) const { return program.cones() > 0 && modes_.slides(); }
 
-// False where the answer is not to be trusted; solution says so.
-bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
-                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
-  if (!program_.build(p, law, options, deadline, solution)) return false;
+// From an earlier answer, from nothing, and from so many starts inside the cones.
+Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool finish, const Problem& p,
+                                        const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
+                                        Solution& solution) {
   natural_ = std::numeric_limits<double>::infinity();
   modes_.v.setZero(program_.face().unknowns());
   modes_.y.setZero(program_.rows());
   modes_.begin(program_);
   keep(modes_.v, modes_.y, modes_.residual.natural);
-  bool accepted = modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution));
-  bool limited = false;
+  if (modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution))) return End::accepted;
+  End end = End::failed;
+  for (std::size_t k = 0; k < starts.size() && end == End::failed; ++k)
+    end = from_inside(finish, p, options, deadline, starts[k], solution);
+  return end;
+}
+
+// False where the answer is not to be trusted; solution says so.
+bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
+                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
+  if (!program_.build(p, law, false, options, deadline, solution)) return false;
   // What the start is too large or too small for shows at the end only.
-  for (const double start : {1.0, 0.03, 30.0}) {
-    if (accepted || limited) break;
-    const End end = from_inside(finish, p, options, deadline, start, solution);
-    accepted = end == End::accepted;
-    limited = end == End::limit;
-    if (end == End::infeasible) return false;
+  static constexpr std::array starts{1.0, 0.03, 30.0};
+  const bool may_go_dense = program_.is_coulomb() && !program_.is_dense() && ConeProgram::can_be_dense(p);
+  End end = from_starts(std::span(starts).first(may_go_dense ? 1 : starts.size()), finish, p, options, deadline, warm,
+                        solution);
+  if (end == End::failed && may_go_dense) {
+    const int before = solution.iterations;
+    if (!program_.build(p, law, true, options, deadline, solution)) return false;
+    solution.iterations = before;
+    solution.fallback = true;
+    end = from_starts(starts, finish, p, options, deadline, nullptr, solution);
   }
+  if (end == End::infeasible) return false;
+  const bool accepted = end == End::accepted, limited = end == End::limit;
   program_.write(p, v_, y_, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
   if (accepted) {
