@@ -13,6 +13,7 @@ namespace zwang {
 struct ConformanceResult {
   double off = 0;
   std::string note = {};  // what the solver said where it gave no answer
+  bool applies = true;    // false: the solver does not take such problems
 
   bool passes(double tolerance) const { return off <= tolerance; }
 };
@@ -29,8 +30,13 @@ struct ConformanceCheck {
 
 std::span<const ConformanceCheck> conformance_checks();
 
+// How far an answer may be off and pass.
+inline constexpr double conformance_accepted = 1e-6;
+
 // Of a solver that reads Coulomb's law as it is, or else another law in its place: the problems are then stated under
-// the first of convex, pyramid and frictionless that it supports, and the difference is what that law is off by.
-ConformanceSolve conformance_solve(const AnySolver& solver, double tolerance);
+// the first of convex, pyramid and frictionless that it does not call unsupported, and the difference is what that law
+// is off by. `stated`, where given, is that law: the nearest to Coulomb's that it answered under so far.
+ConformanceSolve conformance_solve(ConformanceSolve solver, Law* stated = nullptr);
+ConformanceSolve conformance_solve(const AnySolver& solver, double tolerance, Law* stated = nullptr);
 
 }  // namespace zwang

@@ -5,8 +5,10 @@
 #include <stdexcept>
 
 #include <zwang/bench/fuzz/exact_answer.h>
+#include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/near_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/suite/progress.h>
@@ -58,28 +60,32 @@ std::string shown(const char* what, double value) {
 }  // namespace
 
 Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number) {
+  if (options.friction) return frictional_problem(options.seed, number);
   return options.near ? near_problem(options.seed, number) : small_problem(options.seed, number);
 }
 
 std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem) {
+  if (options.friction) return {};  // there may be several answers, or none
   return options.near ? multiprecision_reference(problem) : exact_answer(problem);
 }
 
 // Native solvers; one that sees no infeasibility only on request.
-std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among) {
+std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among) {
   std::vector<std::string> names;
-  std::stringstream parts(chosen);
+  std::stringstream parts(options.solvers);
   for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
   if (!names.empty()) return names;
   for (const SolverEntry& e : among)
-    if (!e.foreign && e.sees_infeasibility) names.push_back(e.name);
+    if (!e.foreign &&
+        (options.friction ? std::ranges::find(e.laws, Law::coulomb) != e.laws.end() : e.sees_infeasibility))
+      names.push_back(e.name);
   return names;
 }
 
 Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
                std::function<void(std::size_t)> at, std::function<void(Fault)> report)
     : options_(options), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
-  for (const std::string& name : fuzzed_solvers(options.solvers, among)) {
+  for (const std::string& name : fuzzed_solvers(options, among)) {
     AnySolver solver = make_solver(name, among);
     candidates_.push_back({name, find_solver(name, among)->exact, std::move(solver)});
   }
@@ -141,6 +147,81 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
     } else {
       ++t.undecided;
     }
+  }
+}
+
+// One problem may have several answers: the referee judges each, and enumeration knows all of a planar one.
+void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
+  constexpr Index few_contacts = 4;
+  const bool planar = std::ranges::count(problem.kind, RowKind::tangent) <= few_contacts;
+  const std::optional<PlanarSolutions> all = planar ? enumerate_planar(problem) : std::nullopt;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    solve(i, problem, nullptr);
+    const Solution& s = candidates_[i].solution;
+    FuzzTally& t = tally_[i];
+    ++t.runs;
+    if (s.status == Status::bad_input) fault(i, number, "says bad input: " + s.message, problem);
+    if (s.status != Status::infeasible && !has_z(s.status)) {
+      ++t.undecided;
+      continue;
+    }
+    const Verdict verdict = measure(problem, s, nullptr, tolerance).verdict;
+    if (s.status == Status::infeasible) {
+      if (verdict == Verdict::wrong || (all && (all->continuum || !all->z.empty())))
+        fault(i, number, "says infeasible of a problem that has an answer", problem);
+      else
+        ++(verdict == Verdict::infeasible_proven ? t.proven : t.undecided);
+      continue;
+    }
+    double error = std::numeric_limits<double>::infinity();
+    if (all && !all->continuum) {
+      for (const Vector& z : all->z) error = std::min(error, distance(problem, s.z, z));
+      if (!(error <= other_limit)) {
+        fault(i, number, shown("says solved, farther from every answer than", error), problem);
+        continue;
+      }
+      t.worst_z_error = std::max(t.worst_z_error, error);
+    }
+    if (verdict == Verdict::wrong)
+      fault(i, number, "says solved, and the referee refutes it", problem);
+    else
+      ++(verdict == Verdict::solved || verdict == Verdict::consistent ? t.solved : t.flagged);
+  }
+}
+
+void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
+  SmallNumbers draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
+  // The last normal row: mu is read nowhere else.
+  Index row = problem.rows() - 1;
+  while (problem.is_tangent(row)) --row;
+  std::string what;
+  switch (draw.integer(0, 3)) {
+    case 0:
+      problem.mu[row] = -1;
+      what = "mu = -1";
+      break;
+    case 1:
+      problem.mu[row] = std::numeric_limits<double>::quiet_NaN();
+      what = "mu = nan";
+      break;
+    case 2:
+      problem.kind[0] = RowKind::tangent;
+      what = "a tangent row without its contact";
+      break;
+    default:
+      problem.mu.conservativeResize(problem.rows() - 1);
+      what = "mu is short";
+  }
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    std::string claim;
+    try {
+      solve(i, problem, nullptr);
+      claim = to_string(candidates_[i].solution.status);
+    } catch (const std::invalid_argument&) {  // sizes that do not match are wrong use
+      claim = to_string(Status::bad_input);
+    }
+    ++tally_[i].spoilt;
+    if (claim != to_string(Status::bad_input)) fault(i, number, what + ": says " + claim, problem);
   }
 }
 
@@ -214,6 +295,11 @@ void Fuzzer::film(std::uint64_t number) {
 
 void Fuzzer::look(std::uint64_t number) {
   const Problem problem = fuzzed_problem(options_, number);
+  if (options_.friction) {
+    under_friction(number, problem);
+    if (number % spoil_every == 0) with_spoilt_friction(number, problem);
+    return;
+  }
   // Numbers of this size always fit, and 100 digits decide; if they did not, the problem would be no test.
   const std::optional<Reference> truth = fuzzed_truth(options_, problem);
   if (!truth) throw std::logic_error(problem.name + " has no exact answer");

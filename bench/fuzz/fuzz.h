@@ -15,6 +15,7 @@ struct FuzzOptions {
   std::uint64_t seed = 1, first = 0, count = 1000;  // problems first .. first + count - 1
   std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
   bool near = false;                                // near-dependent rows (near_problem.h) in place of small integers
+  bool friction = false;                            // contacts with friction (frictional_problem.h) in place of both
 };
 
 // What one solver made of all problems so far. Plain numbers: they live in memory that two processes share.
@@ -50,7 +51,7 @@ struct Fault {
 Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number);
 std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem);
 
-std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<const SolverEntry> among);
+std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among);
 
 // Looks at one problem after the other:
 //
@@ -59,6 +60,9 @@ std::vector<std::string> fuzzed_solvers(const std::string& chosen, std::span<con
 //   every eighth        one entry NaN or Inf: refused; or denormal or 1e300: no claim that both witnesses of references
 //                       contradict
 //   every 2000th        a sequence of 256 frames of the FLIP family, each warm-started from the frame before
+//
+// With friction, solvers of Coulomb's law claim answers that the referee must not refute, and that are among all there
+// are where the problem is planar; every eighth has a spoilt entry, mu among them.
 //
 // Of problems with near-dependent rows only the first is asked. Active-set methods have to be right to 1e-9, the others
 // to 1000 times what "solved" allows at T = 1e-10, within 500 iterations.
@@ -77,6 +81,8 @@ class Fuzzer {
     Solution solution = {};
   };
   void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
+  void under_friction(std::uint64_t number, const Problem& problem);
+  void with_spoilt_friction(std::uint64_t number, Problem problem);
   void from_random_multipliers(std::uint64_t number, const Problem& problem);
   void with_spoilt_entry(std::uint64_t number, const Problem& problem);
   void film(std::uint64_t number);

@@ -73,7 +73,7 @@ std::filesystem::path write(const std::filesystem::path& directory, const std::s
 FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem::path& directory,
                      std::span<const SolverEntry> among, const std::function<void(std::uint64_t)>& progress,
                      const std::atomic<bool>& interrupted) {
-  FuzzOutcome outcome{.solvers = fuzzed_solvers(options.solvers, among)};
+  FuzzOutcome outcome{.solvers = fuzzed_solvers(options, among)};
   if (outcome.solvers.size() > most_solvers) throw std::invalid_argument("at most 32 solvers are fuzzed at once");
   std::vector<FuzzTally> unused(outcome.solvers.size());
   // Throws here, before any process starts, where a name is mistyped.

@@ -49,12 +49,13 @@ void add_what_is_run(CLI::App& options, Asked& asked) {
   options.add_option(
       "--suite", s.suite,
       "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 "
-      "minutes), speed (ten minutes), big (a million runs: docs/campaigns.md) or collision (six minutes)");
+      "minutes), speed (ten minutes), big (a million runs), large (twenty thousand, with foreign solvers: "
+      "docs/campaigns.md) or collision (six minutes)");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)");
   options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems");
   options.add_option("--problems", s.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")
       ->type_name("PATH");
-  add_law(options, s.law);
+  add_laws(options, s.laws);
   options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)");
   options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder");
   options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->check(from_to(0));

@@ -6,41 +6,91 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/bench/suite/plan.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
+namespace {
+
+struct Marks {
+  double tolerance = 1e-10, accepted = conformance_accepted;
+};
+
+std::string verdict(const ConformanceResult& result, double accepted) {
+  if (result.passes(accepted)) return "pass";
+  if (!result.applies) return "not applicable";
+  return std::isnan(result.off) ? "no answer" : "off by " + report::scientific(result.off);
+}
+
+// How many checks do not pass.
+int run_checks(const std::string& solver, const Marks& marks) {
+  const ConformanceSolve solve = conformance_solve(make_solver(solver), marks.tolerance);
+  int failed = 0, all = 0;
+  for (const ConformanceCheck& check : conformance_checks()) {
+    const ConformanceResult result = check.run(solve);
+    std::printf("%-16s %-16s %s%s\n", check.name.c_str(), verdict(result, marks.accepted).c_str(),
+                check.expected.c_str(), result.note.empty() ? "" : ("   (" + result.note + ")").c_str());
+    failed += !result.passes(marks.accepted);
+    ++all;
+  }
+  std::printf("\n%d of %d pass\n", all - failed, all);
+  return failed;
+}
+
+// A line a solver, and what it is off by.
+int map_of(const std::vector<std::string>& solvers, const Marks& marks) {
+  int failed = 0;
+  for (const std::string& solver : solvers) {
+    Law law = Law::coulomb;
+    const ConformanceSolve solve = conformance_solve(make_solver(solver), marks.tolerance, &law);
+    int passed = 0, applies = 0;
+    std::string off;
+    for (const ConformanceCheck& check : conformance_checks()) {
+      const ConformanceResult result = check.run(solve);
+      const bool passes = result.passes(marks.accepted);
+      passed += passes;
+      applies += result.applies;
+      if (passes || !result.applies) continue;
+      const std::string by = std::isnan(result.off) ? "no answer" : report::scientific(result.off);
+      off.append(off.empty() ? "; " : ", ").append(check.name).append(" ").append(by);
+    }
+    std::printf("%-19s %-12s %2d of %2d pass%s\n", solver.c_str(), std::string(to_string(law)).c_str(), passed, applies,
+                off.c_str());
+    std::fflush(stdout);
+    failed += applies - passed;
+  }
+  return failed;
+}
+
+}  // namespace
 
 int conformance_command(std::vector<std::string> words) {
   CLI::App options(
-      "Runs a solver on phenomena of friction whose discrete-time answers are known exactly, and says what it is off\n"
+      "Runs solvers on phenomena of friction whose discrete-time answers are known exactly, and says what they are "
+      "off\n"
       "by. A solver that does not read Coulomb's law gets the problems under the law that it reads: convex, pyramid "
       "or\n"
       "frictionless.");
   introduce(options, "conformance",
             "  ./zwang conformance --solver cone\n"
             "  ./zwang conformance --solver newton --tolerance 1e-8\n"
+            "  ./zwang conformance --solver cone,nsgs,newton\n"
+            "  ./zwang conformance\n"
             "Exit code 1 where a check does not pass.");
-  std::string name;
-  double tolerance = 1e-10, accepted = 1e-6;
-  options.add_option("--solver", name, "NAME or NAME:key=value,...")->required();
-  options.add_option("--tolerance", tolerance, "asked of the solver; default: 1e-10")->check(above(0));
-  options.add_option("--accept", accepted, "how far an answer may be off; default: 1e-6")->check(above(0));
+  std::string names;
+  Marks marks;
+  options.add_option("--solver", names, "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
+  options.add_option("--tolerance", marks.tolerance, "asked of the solver; default: 1e-10")->check(above(0));
+  options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6")->check(above(0));
   if (!read(options, std::move(words))) return done;
-  const ConformanceSolve solve = conformance_solve(make_solver(name), tolerance);
-  int passed = 0, all = 0;
-  for (const ConformanceCheck& check : conformance_checks()) {
-    const ConformanceResult result = check.run(solve);
-    const bool passes = result.passes(accepted);
-    const std::string verdict = passes                   ? "pass"
-                                : std::isnan(result.off) ? "no answer"
-                                                         : "off by " + report::scientific(result.off);
-    std::printf("%-16s %-16s %s%s\n", check.name.c_str(), verdict.c_str(), check.expected.c_str(),
-                result.note.empty() ? "" : ("   (" + result.note + ")").c_str());
-    passed += passes;
-    ++all;
+  std::vector<std::string> chosen = split_solvers(names);
+  if (names.empty()) {
+    chosen.clear();
+    for (const SolverEntry& entry : solvers()) chosen.push_back(entry.name);
   }
-  std::printf("\n%d of %d pass\n", passed, all);
-  return passed == all ? done : found;
+  const int failed = chosen.size() == 1 ? run_checks(chosen[0], marks) : map_of(chosen, marks);
+  return failed == 0 ? done : found;
 }
 
 }  // namespace zwang

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <ranges>
+#include <stdexcept>
 #include <thread>
 
 #include <zwang/bench/fuzz/worker.h>
@@ -31,10 +32,12 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_option("--seed", fuzz.seed, "of all draws; default: 1")->check(from_to(0));
   options.add_option("--first", fuzz.first, "number of the first problem; default: 0")->check(from_to(0));
   options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
+  options.add_flag("--friction", fuzz.friction, "contacts with friction instead, under Coulomb's law");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
   options.add_option("--jobs", jobs, "processes; default: one a core")->check(from_to(1, 64));
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
   if (!read(options, std::move(words))) return done;
+  if (fuzz.near && fuzz.friction) throw std::invalid_argument("--near and --friction exclude each other");
 
   Progress bar(isatty(STDERR_FILENO) == 1);
   const double start = wall_seconds();

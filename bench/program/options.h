@@ -24,6 +24,8 @@ bool read(CLI::App& app, std::vector<std::string> words);
 
 // --law frictionless|pyramid|convex|coulomb, and its elder form --friction none|pyramid
 void add_law(CLI::App& app, std::optional<Law>& law);
+// The same, or several with commas between them
+void add_laws(CLI::App& app, std::vector<Law>& laws);
 
 // For Option::check: "" when the text is a finite number from low to high, or above low; else what is expected.
 using Check = std::function<std::string(const std::string& text)>;

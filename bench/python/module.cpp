@@ -360,7 +360,7 @@ PYBIND11_MODULE(_zwang, m) {
                          .scenes = scenes,
                          .problems = files,
                          .instances = problems,
-                         .law = law ? std::optional(parse_law(*law)) : std::nullopt,
+                         .laws = law ? parse_laws(*law) : std::vector<Law>(),
                          .solvers = chosen,
                          .tolerances = tolerances,
                          .repetitions = repetitions,

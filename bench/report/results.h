@@ -25,15 +25,18 @@ struct Result {
   std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
   std::string claimed = {}, verified = {};
   std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
+  std::string law = {};     // of friction
   std::string replay = {};  // the command that repeats this run; of large runs see replay_of()
   double knob_value = unknown, tolerance = unknown;
   long n = 0, m = 0, equalities = 0;
   double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
   double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;  // [s]
-  double prepare_s = unknown;    // of solve_s: bringing the problem into the method's form
-  double kernel_s = unknown;     // the neutral kernel in the same batch
-  double allocations = unknown;  // of one warm solve
-  double range_gap = unknown;    // nnls_paper: |J k - c| / |c|
+  double prepare_s = unknown;      // of solve_s: bringing the problem into the method's form
+  double coulomb_error = unknown;  // of a simpler law: the distance to a solution of Coulomb's
+  double self_bound = unknown;     // Coulomb's law: how consistent z is with its own slip
+  double kernel_s = unknown;       // the neutral kernel in the same batch
+  double allocations = unknown;    // of one warm solve
+  double range_gap = unknown;      // nnls_paper: |J k - c| / |c|
   long iterations = 0, repetitions = 0;
   std::optional<bool> feasible = {};
   bool fallback = false;
@@ -79,6 +82,13 @@ struct SequenceTimes {
   } cold = {}, warm = {};
 };
 
+// A line of conformance.jsonl: a solver on a phenomenon of friction with an exact answer.
+struct Phenomenon {
+  std::string solver = {}, law = {}, check = {}, expected = {};
+  double off = unknown;  // NaN: no answer
+  bool passes = false, applies = true;
+};
+
 struct SolverInfo {
   std::string name = {}, method = {}, limits = {};
   bool foreign = false;
@@ -100,7 +110,8 @@ struct Run {
   std::vector<AssemblyTimes> assembly;   // of the speed suite
   std::vector<SequenceTimes> sequences;  // likewise
   std::vector<StageTimes> stages;        // likewise
-  std::string torn;                      // "" or what was left out: a line cut off by a killed run
+  std::vector<Phenomenon> phenomena;
+  std::string torn;  // "" or what was left out: a line cut off by a killed run
 
   // So large that its page holds no single runs, and that of right ones only what charts need is kept.
   static constexpr std::size_t large = 20000;  // results
@@ -109,9 +120,9 @@ struct Run {
   bool is_of_speed() const { return suite == "speed" || !assembly.empty(); }
 };
 
-// Reads DIR/results.jsonl, and DIR/run.json, DIR/traces.jsonl and DIR/speed.jsonl where they exist. A torn last line (a
-// killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line and reason in one
-// line.
+// Reads DIR/results.jsonl, and run.json, traces.jsonl, speed.jsonl and conformance.jsonl of DIR where they exist. A
+// torn last line (a killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line
+// and reason in one line.
 Run read_run(const std::filesystem::path& dir);
 
 // Everything the charts group by, in the order of appearance.

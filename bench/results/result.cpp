@@ -124,6 +124,11 @@ std::string to_json(const Result& r, const Solution* with) {
   put(line, "z_error", k.z_error, "z_bound", k.z_bound, "bound_method", k.bound_method, "bound_sigma_min",
       k.bound_sigma_min, "primal", k.primal, "dual", k.dual, "stationarity", k.stationarity, "complementarity",
       k.complementarity, "gap", k.gap, "natural", k.natural, "scale", k.scale, "farkas", k.farkas);
+  if (const FrictionMetrics& f = k.friction; r.law == to_string(Law::coulomb) || r.law == to_string(Law::convex))
+    put(line, "penetration", f.penetration, "cone_violation", f.cone_violation, "dissipation", f.dissipation, "eta",
+        f.eta, "self_bound", f.self_bound, "radius", f.radius, "delta", f.delta, "null_motion", f.null_motion,
+        "isolated", f.isolated);
+  if (std::isfinite(r.coulomb_error)) put(line, "coulomb_error", r.coulomb_error);
   put(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
       "prepare_s", r.prepare_s, "kernel_s", r.kernel_s, "allocations", r.allocations, "repetitions", r.repetitions,
       "iterations", r.iterations);

@@ -30,6 +30,7 @@ struct Result {
   // the verdict
   Status claimed = Status::unsolved;
   Metrics metrics = {};
+  double coulomb_error = unknown;  // |z - z*|_M / s, z* a solution of the same problem under Coulomb's law
   std::string worst_row = {};
   struct WorstRow : TypeResidual {
     std::string name, unit;

@@ -1,9 +1,11 @@
 #include <zwang/bench/scenes/catalog.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include <zwang/bench/scenes/families.h>
+#include <zwang/bench/scenes/friction/families.h>
 #include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 
@@ -59,8 +61,8 @@ SceneEntry of_family(const char* family, SceneEntry entry) {
   return entry;
 }
 
-std::vector<SceneEntry>& catalog() {
-  static std::vector<SceneEntry> all = {
+std::vector<SceneEntry> frictionless_and_rough() {
+  return {
       scene("tower", tower, "boxes one on another, narrower upwards, four corner contacts a face; at rest",
             integer("boxes", 10, 1, 1000, "number of boxes")),
       scene("stack", stack, "equal boxes one on another, four corner contacts a face, pushed about",
@@ -106,7 +108,7 @@ std::vector<SceneEntry>& catalog() {
             real("load", 8, 0, 1024, "in weights"), real("offset", 0.5, 0, 16, "of the load from the axis (m)"),
             real("apart", 0.5, 0x1p-6, 1, "height between the contacts (m)")),
       rough("dome", dome, "rings of stones up to an eye, four contacts a joint: friction holds it", 0.75,
-            integer("rings", 4, 1, 100, "rings of stones"), integer("sectors", 12, 3, 400, "stones of a ring")),
+            integer("rings", 3, 1, 100, "rings of stones"), integer("sectors", 8, 3, 400, "stones of a ring")),
       rough("cards", cards, "a house of cards: friction holds it", 0.5, integer("storeys", 3, 1, 60, "storeys"),
             real("lean", 0.25, 0x1p-6, 0.5, "tangent of the cards' lean")),
       rough("heap", heap, "balls poured on one spot, at rest: friction holds it", 1,
@@ -168,6 +170,14 @@ std::vector<SceneEntry>& catalog() {
             real("active", .5, 0, 1, "fraction of inequality rows that push"),
             integer("condition", 4, 0, 80, "log2 of the ratio of largest to smallest mass"),
             real("redundancy", .1, 0, 1, "fraction of rows that are sums of two others"), seed("of everything"))};
+}
+
+std::vector<SceneEntry>& catalog() {
+  static std::vector<SceneEntry> all = [] {
+    std::vector<SceneEntry> entries = frictionless_and_rough();
+    std::ranges::move(friction_families(), std::back_inserter(entries));
+    return entries;
+  }();
   return all;
 }
 

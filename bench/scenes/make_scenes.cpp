@@ -128,6 +128,9 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std
       Instance& instance = all.emplace_back(scene->make(knobs));
       instance.problem.name = label.empty() ? name : name + "(" + label + ")";
       instance.family = scene->family;
+      // Medians of problems with and without friction would say nothing of either.
+      if (instance.problem.has_tangents() && asked != scene->knobs.end() && asked->value == 0)
+        instance.family += " with friction";
       instance.knob = scene->sweep;
       if (!scene->sweep.empty()) instance.knob_value = knobs.at(scene->sweep);
       if (knobs.contains("seed")) instance.seed = static_cast<std::uint64_t>(knobs.at("seed"));

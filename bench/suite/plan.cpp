@@ -9,6 +9,7 @@
 #include <zwang/bench/results/measured_files.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 namespace {
@@ -39,25 +40,61 @@ void keep_families(const std::string& families, std::vector<Instance>& instances
   std::erase_if(instances, [&](const Instance& i) { return !is_kept(i); });
 }
 
+// Under several laws a problem and its family get the word of each law that is not their own.
+void state_under(const std::vector<Law>& laws, Plan& plan) {
+  if (laws.empty()) return;
+  std::vector<Instance> stated;
+  for (const Instance& own : plan.instances)
+    for (const Law law : laws) {
+      if (!own.problem.has_tangents() && law != laws.front()) break;
+      Instance instance = under(law, own);
+      if (own.problem.has_tangents() && laws.size() > 1 && law != own.problem.law)
+        for (std::string* name : {&instance.problem.name, &instance.family})
+          name->append(" (").append(to_string(law)).append(")");
+      if (own.problem.has_tangents() && laws.size() > 1 && law != Law::coulomb)
+        plan.coulomb.emplace(stated.size(), under(Law::coulomb, own));
+      stated.push_back(std::move(instance));
+    }
+  plan.instances = std::move(stated);
+}
+
 }  // namespace
+
+static const std::vector<Law> three_laws{Law::pyramid, Law::convex, Law::coulomb};
 
 // Everyday scenes (towers, hands), and the families in which methods are known to fail.
 std::span<const Suite> suites() {
   static const std::vector<Suite> all = {
       {"quick",
        "tower(boxes=5),stack(boxes=5),wall(boxes=10),pile(spheres=14),arch(stones=7),chain(links=8),four_bar,"
-       "hand(contacts=4,16,64),MR(k=8,40),NPE(k=8,32),LOOP(k=8,60),GAP(k=8,44),INC(k=8,44),WEAK(k=8,44),random",
+       "hand(contacts=4,16,64),MR(k=8,40),NPE(k=8,32),LOOP(k=8,60),GAP(k=8,44),INC(k=8,44),WEAK(k=8,44),random,"
+       "incline(mu=0.5),hand(contacts=4,mu=0.5),ROD,HELD,PUCK",
        {1e-2, 1e-6, 1e-10, 1e-14},
        45,
-       0.5},
+       0.5,
+       true,
+       "",
+       false,
+       false,
+       three_laws,
+       true},
       {"standard",
        "tower(boxes=5,10,20,40),stack(boxes=10,30),wall(boxes=25,60),pile(spheres=30,91),arch(stones=9,31),"
        "chain(links=8,16,32),four_bar,leash,hand(contacts=0,4,16,64,200),hands(hands=2,4),"
        "MR(k=0,12,24,36,48),MR1(k=24,48),MRC(k=24,48),NPE(k=4,14,24,34,44),LOOP(k=4,14,24,34,44,60),"
-       "GAP(k=4,14,24,34,44,60),INC(k=4,14,24,34,44,60),WEAK(k=4,14,24,34,44,60),random(n=60,200)",
+       "GAP(k=4,14,24,34,44,60),INC(k=4,14,24,34,44,60),WEAK(k=4,14,24,34,44,60),random(n=60,200),"
+       "incline(mu=0.5),crate(push=0.75),ladder(slope=0.5),belt,peg,cards,stack(boxes=3,mu=0.5),wall(boxes=10,mu=0.5),"
+       "hand(contacts=4,16,mu=0.5),planted(k=1,seed=1..3),MRF(k=0,16,32),STKF(boxes=2,4),JAM(k=4,24,44),"
+       "ROD(k=4,24,44),HELD,PINCH,PUCK",
        {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
        480,
-       2},
+       2,
+       true,
+       "",
+       false,
+       false,
+       three_laws,
+       true},
       {"full",
        "tower(boxes=5,10,20,50,100,200),stack(boxes=5,10,20,50,100,seed=1..3),wall(boxes=25,100,200,seed=1..3),"
        "pile(spheres=14,30,91,204,seed=1..3),arch(stones=5,9,17,33,65),chain(links=4,8,16,32,64,128,seed=1..3),"
@@ -95,7 +132,22 @@ std::span<const Suite> suites() {
        "CYCLE(n=5,6,7,8),"
        "FLIP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,frame=17),"
        "HAND(seed=1..100),"
-       "HAND(hands=2,4)",
+       "HAND(hands=2,4),"
+       "MU0(k=0,5,10,15,20,25,30,35,40),"
+       "MUL(k=0,1,2,3,4,6,8,12,16,20),"
+       "APEX(k=0,5,10,15,20,25,30,35,40),"
+       "SLIP(k=0,5,10,15,20,25,30,35,40),"
+       "MRF(k=0,4,8,12,16,20,24,28,32,36,40),"
+       "STKF(boxes=1,2,3,4,6,8),"
+       "RANK(k=1,2,4,8),"
+       "JAM(k=2,5,8,11,14,17,20,23,26,29,32,35,38,41,44),"
+       "JAM(k=2,11,20,29,38,beyond=1),"
+       "HELD(k=2,11,20,29,38),"
+       "HELD(k=2,11,20,29,38,above=0),"
+       "ROD(k=3,9,15,21,27,33,39,45),"
+       "ROD(k=3,9,15,21,27,33,39,45,above=0),"
+       "PINCH,"
+       "PUCK",
        {1e-12},
        840,
        1,
@@ -105,13 +157,14 @@ std::span<const Suite> suites() {
        "hand(contacts=0,4,16,64,200,seed=1..3),hands(hands=1,2,4,8,16,32,64,contacts=16),"
        "tower(boxes=10,30,100,300),wall(boxes=25,50,100,200),tower(boxes=1000),wall(boxes=400,1000),"
        "wall(boxes=100,200,400,1000,push=0),random(n=300,m=180,equalities=.83),"
-       "random(n=600,m=360,equalities=.83),random(n=1200,m=720,equalities=.83)",
+       "random(n=600,m=360,equalities=.83),random(n=1200,m=720,equalities=.83),"
+       "hand(contacts=4,16,64,mu=0.5),stack(boxes=3,10,30,mu=0.5)",
        {1e-10},
        400,
        20,
        true,
        "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,"
-       "mujoco_newton,mujoco_newton:stiffness=1e12",
+       "mujoco_newton,mujoco_newton:stiffness=1e12,cone,nsgs,siconos_nsgs,siconos_nsn_fb,siconos_global_admm",
        false,
        true},
       // docs/campaigns.md: a million runs of native solvers on at most 100 unknowns, for accuracy alone.
@@ -131,6 +184,19 @@ std::span<const Suite> suites() {
        false,
        "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd",
        true},
+      // docs/campaigns.md: twenty thousand runs of native and foreign solvers on hundreds of unknowns.
+      {"large",
+       "tower(boxes=20,40,80),stack(boxes=20,40,seed=1..10),wall(boxes=25,60,seed=1..10),"
+       "pile(spheres=30,91,seed=1..10),chain(links=32,64,seed=1..10),hand(contacts=64,200,seed=1..25),"
+       "hands(hands=2,4,seed=1..5),arch(stones=17,33),random(n=150,200,300,seed=1..12),MANYF(contacts=120,300),"
+       "MANYR(contacts=120,300)",
+       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
+       0,
+       2,
+       false,
+       "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd,ipopt,nlopt_slsqp,nlopt_mma,"
+       "nlopt_ccsaq,nlopt_cobyla,bullet_dantzig,bullet_pgs,mujoco_newton,daqp,piqp,osqp,proxqp,qpoases",
+       true},
   };
   return all;
 }
@@ -143,7 +209,7 @@ const Suite& find_suite(const std::string& name) {
   }
   names.emplace_back("collision");  // a suite without solvers, run by bench_collision
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas, speed, big, collision)");
+                              " (quick, standard, full, atlas, speed, big, large, collision)");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {
@@ -157,6 +223,18 @@ std::vector<std::string> split_solvers(const std::string& text) {
       all.push_back(part);
   }
   return all;
+}
+
+std::vector<Law> parse_laws(const std::string& text) {
+  std::vector<Law> laws;
+  std::stringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const Law law = parse_law(word);
+    if (std::ranges::find(laws, law) != laws.end()) throw std::invalid_argument("--law " + text + " names a law twice");
+    laws.push_back(law);
+  }
+  if (laws.empty()) throw std::invalid_argument("--law names no law");
+  return laws;
 }
 
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) {
@@ -206,6 +284,9 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   plan.whole_suite =
       suite.fills_time && options.scenes == suite.scenes && options.problems.empty() && options.families.empty();
   plan.limit_s = suite.limit_s;
+  const bool own_scenes = options.scenes == suite.scenes && options.problems.empty() && options.instances.empty();
+  plan.conformance = suite.conformance && own_scenes && options.shard.empty();
+  if (own_scenes && options.laws.empty()) options.laws = suite.laws;
   options.accuracy |= suite.accuracy;
   plan.shard = read_shard(options.shard);
   if (!options.shard.empty()) {
@@ -252,18 +333,21 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
       return left != right ? left < right : a.problem.name < b.problem.name;
     });
   }
+  // A reader that knows the law leaves out what it does not need.
+  const auto one_law = options.laws.size() == 1 ? std::optional(options.laws[0]) : std::nullopt;
+  if (options.laws.size() > 1 && options.given > 0)
+    throw std::invalid_argument("problems of a program's own are stated under one law at a time");
   for (std::filesystem::path& path : options.problems) {
     for (const std::filesystem::path& file : files_of(path))
-      for (Instance& instance : read_problems(file, options.law)) {
+      for (Instance& instance : read_problems(file, one_law)) {
         if (const std::string reason = why_bad(instance.problem); !reason.empty())
           throw BadFile(file.string() + ", problem " + instance.problem.name + ": " + reason);
         plan.instances.push_back(std::move(instance));
       }
     path = std::filesystem::absolute(path);
   }
-  if (options.law)
-    for (Instance& instance : plan.instances) instance = under(*options.law, std::move(instance));
   keep_families(options.families, plan.instances, options.given);
+  state_under(options.laws, plan);
   if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
   plan.options = std::move(options);
   return plan;

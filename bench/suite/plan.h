@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ struct SuiteOptions {
   std::string families = {};                         // "MR,NPE": of the problems, only these
   std::vector<std::filesystem::path> problems = {};  // files, or folders of *.h5 and *.hdf5
   std::vector<Instance> instances = {};              // problems of a host's own
-  std::optional<Law> law = {};                       // of every problem; none: its own
+  std::vector<Law> laws = {};                        // each problem under each of them; none: its own
   std::string solvers = {};                          // "nnls,nlopt:algorithm=2"
   std::vector<double> tolerances = {};
   int repetitions = 0;
@@ -42,12 +42,14 @@ struct Suite {
   std::string_view name;
   std::string scenes;
   std::vector<double> tolerances;
-  double limit_s;            // of the whole run, references and repetitions included; 0: none
-  double time_limit;         // s of CPU time a solve
-  bool fills_time = true;    // repeats runs until limit_s is spent
-  std::string solvers = {};  // those of them that there are; "": all
-  bool accuracy = false;     // no repetitions
-  bool speed = false;        // with measured files, sequences and assembly (speed.h)
+  double limit_s;              // of the whole run, references and repetitions included; 0: none
+  double time_limit;           // s of CPU time a solve
+  bool fills_time = true;      // repeats runs until limit_s is spent
+  std::string solvers = {};    // those of them that there are; "": all
+  bool accuracy = false;       // no repetitions
+  bool speed = false;          // with measured files, sequences and assembly (speed.h)
+  std::vector<Law> laws = {};  // of its own scenes
+  bool conformance = false;    // with every solver's phenomena of friction (bench/conformance)
 };
 std::span<const Suite> suites();
 const Suite& find_suite(const std::string& name);  // throws std::invalid_argument with the nearest name
@@ -58,10 +60,13 @@ struct Plan {
   double limit_s = 0, time_limit = 0;
   bool whole_suite = false;  // its own scenes: the whole of limit_s may be spent
   bool speed = false;
-  bool second_witness = false;           // references are checked by a second method
-  Shard shard = {};                      // whose problems are run; budgets that shorten time limits are off in a part
+  bool second_witness = false;  // references are checked by a second method
+  Shard shard = {};             // whose problems are run; budgets that shorten time limits are off in a part
+  bool conformance = false;
   std::vector<Instance> instances = {};  // of all parts
-  std::vector<Run> runs = {};            // a solver's tolerances from loose to tight
+  // Of several laws: what an instance under a simpler one is under Coulomb's.
+  std::map<std::size_t, Instance> coulomb = {};
+  std::vector<Run> runs = {};  // a solver's tolerances from loose to tight
   std::size_t problems() const { return (instances.size() + shard.of - 1 - shard.part) / shard.of; }
   std::size_t size() const { return problems() * runs.size(); }
   std::string title() const;  // "standard suite", or "your problems"
@@ -71,6 +76,9 @@ struct Plan {
 // `among`: the solvers there are. Throws std::invalid_argument (unknown names, tolerances outside (0, 1)) or BadFile
 // (files that cannot be read, or whose M is not positive definite).
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solvers());
+
+// "pyramid,convex" -> laws, each once. Throws std::invalid_argument.
+std::vector<Law> parse_laws(const std::string& text);
 
 // "" or one line: which of the plan's solvers cannot read the law of how many of its problems.
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among);

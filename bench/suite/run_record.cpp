@@ -8,6 +8,7 @@
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 
@@ -22,7 +23,7 @@ void visit_options(Options& o, Visit visit) {
   visit("scenes", o.scenes);
   visit("families", o.families);
   visit("problems", o.problems);
-  visit("law", o.law);
+  visit("law", o.laws);
   visit("solvers", o.solvers);
   visit("tolerances", o.tolerances);
   visit("repetitions", o.repetitions);
@@ -34,11 +35,17 @@ void visit_options(Options& o, Visit visit) {
   visit("shard", o.shard);
 }
 
+std::string joined(const std::vector<Law>& laws) {
+  std::string text;
+  for (const Law law : laws) text.append(text.empty() ? "" : ",").append(to_string(law));
+  return text;
+}
+
 Json to_json(const SuiteOptions& options) {
   Json j;
   visit_options(options, [&j](const char* name, const auto& value) {
-    if constexpr (std::is_same_v<decltype(value), const std::optional<Law>&>)
-      j[name] = value ? Json(to_string(*value)) : Json();
+    if constexpr (std::is_same_v<decltype(value), const std::vector<Law>&>)
+      j[name] = value.empty() ? Json() : Json(joined(value));
     else
       j[name] = value;
   });
@@ -48,10 +55,10 @@ Json to_json(const SuiteOptions& options) {
 SuiteOptions options_from(const Json& j) {
   SuiteOptions options;
   visit_options(options, [&j](const char* name, auto& value) {
-    if constexpr (!std::is_same_v<decltype(value), std::optional<Law>&>)
+    if constexpr (!std::is_same_v<decltype(value), std::vector<Law>&>)
       j.at(name).get_to(value);
     else if (j.at(name).is_string())
-      value = parse_law(j.at(name).get<std::string>());
+      value = parse_laws(j.at(name).get<std::string>());
   });
   return options;
 }

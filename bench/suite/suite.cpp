@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/suite/flow.h>
+#include <zwang/bench/suite/phenomena.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/bench/suite/run_record.h>
 #include <zwang/bench/suite/schedule.h>
@@ -37,6 +39,7 @@ RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
   }
   if (const Conditions c = conditions(); c.debug)
     record.notes.push_back("DEBUG BUILD (" + c.build_type + "): the times mean nothing");
+  if (const std::string line = not_built_in(absent_solvers()); !line.empty()) record.notes.push_back(line);
   for (const Instance& i : plan.instances)
     for (const std::string& note : i.notes) {
       const std::string line = i.problem.name + ": " + note;
@@ -46,7 +49,26 @@ RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
   return record;
 }
 
+// What a problem under a simpler law is measured against; none where Coulomb's law has no known solution.
+std::optional<Reference> coulomb_reference_of(const Plan& plan, std::size_t b, const std::filesystem::path& cache) {
+  const auto found = plan.coulomb.find(b);
+  if (found == plan.coulomb.end()) return {};
+  std::optional<Reference> reference = reference_for(found->second, cache, {}).reference;
+  if (reference && !reference->feasible) reference.reset();
+  return reference;
+}
+
 }  // namespace
+
+std::string not_built_in(std::span<const AbsentSolver> absent) {
+  std::string line;
+  for (std::size_t k = 0; k < absent.size(); ++k) {
+    const bool last = k + 1 == absent.size() || absent[k + 1].how_to_add != absent[k].how_to_add;
+    line.append(line.empty() ? "Not built in: " : ", ").append(absent[k].name);
+    if (last) line.append(" (").append(absent[k].how_to_add).append(")");
+  }
+  return line;
+}
 
 std::filesystem::path reference_cache() {
   const std::filesystem::path place = std::filesystem::path("zwang") / "references";
@@ -105,10 +127,13 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     };
     const auto append = [&](const Instance&, std::vector<Cell>& cells) {
       std::vector<std::string> lines;
+      const std::optional<Reference> coulomb = coulomb_reference_of(plan, b, settings.cache);
       for (auto& [result, timed] : cells) {
         result.problem_file = key.problem_file;
         result.batch = static_cast<int>(b);
         result.machine = here.cpu;
+        if (const Vector& z = timed.solution.z; coulomb && z.size() == coulomb->z.size() && z.allFinite())
+          result.coulomb_error = relative_distance(instance.problem, coulomb->z, z);
         const std::string name = cell(result.solver, result.tolerance);
         if (stored.finished.contains(name)) continue;
         outcome.tally.count(result.solver, result.claimed, result.metrics.verdict);
@@ -129,6 +154,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     schedule.finished(std::max(0.0, wall_seconds() - start - repeating));
   }
 
+  if (!interrupted && plan.conformance) write_phenomena(directory, plan.runs, desk, interrupted);
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
   if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
   if (!interrupted && !plan.speed && (plan.shard.of == 1 || plan.options.trace)) {

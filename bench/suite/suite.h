@@ -12,6 +12,9 @@ namespace zwang {
 // $XDG_CACHE_HOME/zwang/references, or the like under $HOME.
 std::filesystem::path reference_cache();
 
+// "" or one line: the optional solvers that this program was built without, by what they need.
+std::string not_built_in(std::span<const AbsentSolver> absent);
+
 // What run_suite has done.
 struct Outcome {
   Tally tally = {};         // lines in results.jsonl, those of before a resume included

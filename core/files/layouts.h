@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include <zwang/core/files/hdf5.h>
 #include <zwang/core/files/problem_file.h>
 
@@ -17,6 +19,19 @@ void write_own(hdf5::Group& group, const Instance& instance);
 // none.
 Instance read_fclib_global(const hdf5::Group& group, std::optional<Law> law, bool rolling);
 Instance read_fclib_local(const hdf5::Group& group, std::optional<Law> law);
+
+// Siconos' text files of local frictional problems: dimension, contacts, W (dense or in sparse blocks), q, mu.
+Instance read_siconos(const std::filesystem::path& file, std::optional<Law> law);
+
+// u = W r + V lambda + q, V'r + R lambda + s = 0, [N, T...] a contact; V, R and s may be empty, and mu is where nothing
+// is known of friction. `fail` throws: the place and what is wrong there.
+struct LocalForm {
+  Index dim = 3;
+  Matrix W = {}, V = {}, R = {};
+  Vector q = {}, mu = {}, s = {};
+};
+using Fail = std::function<void(const std::string& place, const std::string& what)>;
+Instance from_local_form(LocalForm form, std::optional<Law> law, const Fail& fail);
 
 // What the p of a sparse matrix's p, i, x counts.
 enum class Storage { triplets, columns, rows };

@@ -45,12 +45,12 @@ void read_knob(const std::string& name, Instance& instance) {
 }
 
 // What every layout shares: the problem must be one that a solver may see.
-void require_good(const hdf5::Group& group, const Instance& instance) {
+void require_good(const Fail& fail, const Instance& instance) {
   if (const std::string reason = bad_input(instance.problem); reason.ends_with("finite number"))
-    group.fail("", reason + "; expected finite numbers (c = -Inf on an inequality row is allowed)");
+    fail("", reason + "; expected finite numbers (c = -Inf on an inequality row is allowed)");
   else if (!reason.empty())
-    group.fail("", reason);
-  if (!is_positive_definite(instance.problem.M)) group.fail("M", "not positive definite; expected a mass matrix");
+    fail("", reason);
+  if (!is_positive_definite(instance.problem.M)) fail("M", "not positive definite; expected a mass matrix");
 }
 
 Instance read_problem(const hdf5::Group& group, const std::string& name, std::optional<Law> law) {
@@ -65,14 +65,26 @@ Instance read_problem(const hdf5::Group& group, const std::string& name, std::op
     layout = rolling ? "fclib_global_rolling" : "fclib_global";
     instance = read_fclib_global(group.group(layout), law, rolling);
   }
-  require_good(group.group(layout), instance);
+  const hdf5::Group place = group.group(layout);
+  require_good([&](const std::string& name, const std::string& what) { place.fail(name, what); }, instance);
   if (law) instance = under(*law, std::move(instance));
   if (instance.problem.name.empty()) instance.problem.name = name;
   if (!instance.reference && !instance.problem.has_tangents()) read_truth(group, instance);
   return instance;
 }
 
+Instance read_text(const std::filesystem::path& file, std::optional<Law> law) {
+  Instance instance = read_siconos(file, law);
+  require_good([&](const std::string&, const std::string& what) { throw BadFile(file.string() + ": " + what); },
+               instance);
+  if (law) instance = under(*law, std::move(instance));
+  instance.problem.name = file.stem().string();
+  instance.family = "siconos";
+  return instance;
+}
+
 std::vector<Instance> read_all(const std::filesystem::path& file, std::optional<Law> law) {
+  if (file.extension() == ".dat") return {read_text(file, law)};
   const hdf5::Group root = hdf5::Group::open(file);
   const std::string stem = file.stem().string();
   std::vector<Instance> all;

@@ -17,8 +17,8 @@ struct BadFile : std::runtime_error {
 };
 
 // Reads every problem of an HDF5 file: zwang's own layout, FCLIB (local or global), and collections of either
-// (one group a problem, in the natural order of their names, with optional truth/). docs/formats.md. Every problem has
-// passed bad_input and has a positive definite M. Throws BadFile. Not from two threads at once.
+// (one group a problem, in the natural order of their names, with optional truth/); or Siconos' text, .dat.
+// docs/formats.md. Every problem has passed bad_input and has a positive definite M. Throws BadFile. Not for threads.
 //
 // `law`: the law that contacts with friction are stated under (law.h); none: the file's own, which is Coulomb's unless
 // it says another.

@@ -7,6 +7,7 @@
 #include <zwang/experiments/god_hand/measure/measures.h>
 #include <zwang/experiments/god_hand/step/coupling.h>
 #include <zwang/experiments/god_hand/step/lap.h>
+#include <zwang/experiments/god_hand/step/meeting.h>
 #include <zwang/experiments/god_hand/step/physics.h>
 #include <zwang/experiments/god_hand/step/resolution.h>
 
@@ -33,13 +34,13 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
   return top;
 }
 
-// visit(double&) for every number of flags, poses, vectors and lists of them, in the order they have.
+// visit(double&) for every number of flags, choices, poses, vectors and lists of them, in the order they have.
 template <class T, class Visit>
 void each(T& x, const Visit& visit) {
-  if constexpr (std::is_same_v<T, bool>) {
-    double flag = x;
-    visit(flag);
-    x = flag != 0;
+  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+    auto word = static_cast<double>(x);
+    visit(word);
+    x = static_cast<T>(word);
   } else if constexpr (std::is_same_v<T, double>) {
     visit(x);
   } else if constexpr (std::is_same_v<T, Pose<double>>) {
@@ -67,11 +68,12 @@ struct Simulation::State {
   Options options;
   std::vector<hand::Model> models;
   std::vector<Cluster> clusters;
+  std::optional<Meeting> meeting;        // of two hands that are clusters of their own
   std::vector<std::size_t> first = {0};  // god object of each cluster, and their number
   std::vector<Pose<double>> target;      // of all god objects, the last that was tracked
   std::optional<Physics> physics;        // where something is loose
   std::optional<Resolution> resolution;
-  std::optional<Coupling> coupling;
+  std::optional<Coupling> coupling, coupling_of_both;
   std::optional<Measures> measures;
   std::vector<Pose<double>> object, object_before, god;
   std::vector<Pose<double>> wanted;  // of all god objects, where the hands are tracked now
@@ -79,14 +81,26 @@ struct Simulation::State {
   Frame frame = {};
   long number = 0;
 
+  bool together() const { return meeting && meeting->together(); }
+  // The clusters of this frame: each hand, or both as one.
+  std::span<Cluster> active() { return together() ? std::span(&meeting->both(), 1) : std::span(clusters); }
+  Coupling& pushes() { return together() ? *coupling_of_both : *coupling; }
+  template <class Visit>
+  void each_cluster(const Visit& visit) {
+    for (Cluster& c : clusters) visit(c);
+    if (meeting) visit(meeting->both());
+  }
+
+  // Of an active cluster.
   template <class T>
   std::span<const T> of(std::size_t cluster, const std::vector<T>& all) const {
-    return std::span(all).subspan(first[cluster], first[cluster + 1] - first[cluster]);
+    return together() ? std::span(all) : std::span(all).subspan(first[cluster], first[cluster + 1] - first[cluster]);
   }
 
  private:
   void start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy);
   void step_physics();
+  void meet();
   void step_god_objects();
 
   std::vector<Vec<double, 6>> velocity_;  // by object, before the engine's step
@@ -116,6 +130,7 @@ void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<
     resolution.emplace(surroundings, shapes);
   }
   coupling.emplace(surroundings, options, clusters);
+  if (meeting) coupling_of_both.emplace(surroundings, options, std::span(&meeting->both(), 1));
   measures.emplace(surroundings, clusters, models);
 }
 
@@ -148,15 +163,16 @@ void Simulation::State::start(Cluster& cluster, std::span<const Pose<double>> at
 
 // Fig. 6 of the paper.
 void Simulation::State::step() {
-  measures->begin(clusters, object);
+  measures->begin(active(), object);
   if (physics) step_physics();
+  if (meeting) meet();
   step_god_objects();
-  coupling->push(clusters, physics ? &*physics : nullptr, frame);
+  pushes().push(active(), physics ? &*physics : nullptr, frame);
   for (const FrameContact& c : frame.contacts)
     if (c.object >= 0 && c.gap <= hand::touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
       frame.object_speed =
           std::max(frame.object_speed, physics->velocity(static_cast<std::size_t>(c.object)).head<3>().norm());
-  measures->measure(clusters, object, options, frame);
+  measures->measure(active(), object, options, frame);
 }
 
 // The engine first, with the forces of the last god-object step; then what it moved into god objects is moved out.
@@ -168,33 +184,47 @@ void Simulation::State::step_physics() {
   object_before = object;
   {
     const Lap lap(frame.times.physics);
-    physics->step(options.dt, coupling->wrenches());
+    physics->step(options.dt, pushes().wrenches());
   }
   for (std::size_t o = 0; o < object.size(); ++o)
     if (loose(o)) {
       const Vec<double, 6> velocity = physics->velocity(o);
-      frame.work += options.dt * coupling->wrenches()[o].dot(velocity_[o] + velocity) / 2;
-      coupling->observe(o, velocity_[o], velocity, physics->pose(o).rotation);
+      frame.work += options.dt * pushes().wrenches()[o].dot(velocity_[o] + velocity) / 2;
+      pushes().observe(o, velocity_[o], velocity, physics->pose(o).rotation);
     }
   {
     const Lap lap(frame.times.sweep);
     for (std::size_t o = 0; o < object.size(); ++o)
       if (loose(o)) object[o] = physics->pose(o);
-    coupling->carry(clusters, object);
+    pushes().carry(active(), object);
   }
   god.clear();
-  for (const Cluster& c : clusters) god.insert(god.end(), c.poses().begin(), c.poses().end());
+  for (const Cluster& c : active()) god.insert(god.end(), c.poses().begin(), c.poses().end());
   {
     const Lap lap(frame.times.resolution);
     frame.returned = resolution->resolve(*physics, object_before, god).returned;
     for (std::size_t o = 0; o < object.size(); ++o) {
       if (!loose(o)) continue;
       object[o] = physics->pose(o);
-      for (Cluster& c : clusters) c.place_object(o, object[o]);
+      for (Cluster& c : active()) c.place_object(o, object[o]);
     }
   }
   for (std::size_t o = 0; o < object.size(); ++o)
     if (loose(o)) frame.loose.push_back(object[o]);
+}
+
+// Hands that come near each other become one cluster, with the forces and speeds that they had.
+void Simulation::State::meet() {
+  const Coupling::Memory& before = pushes().memory();
+  if (!meeting->decide(clusters, target)) return;
+  Coupling::Memory& now = pushes().memory();
+  now.wrench = before.wrench;
+  now.part.assign(now.part.size(), std::vector<Vec<double, 6>>(object.size(), Vec<double, 6>::Zero()));
+  now.part[0] = before.wrench;
+  now.hand_speed.assign(now.hand_speed.size(), *std::ranges::max_element(before.hand_speed));
+  for (std::size_t o = 0; o < object.size(); ++o)
+    if (surroundings.objects[o].loose())
+      for (Cluster& c : active()) c.place_object(o, object[o]);
 }
 
 // Section 6.3: sub-steps until nothing is in the way, at most so many. With `toc_of_all` every cluster goes as far as
@@ -202,11 +232,12 @@ void Simulation::State::step_physics() {
 void Simulation::State::step_god_objects() {
   frame.claimed = Status::solved;
   if (options.verify > 0 && frame.number % options.verify == 0) frame.verified = Verdict::solved;
+  const std::span<Cluster> clusters = active();
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     last_.assign(clusters[c].targets().begin(), clusters[c].targets().end());
     const Lap lap(frame.times.other);
     clusters[c].aim(of(c, target));
-    coupling->aim(c, last_, clusters[c].targets());
+    pushes().aim(c, last_, clusters[c].targets());
   }
   const auto done = [](const Cluster& c) { return c.done(); };
   toc_.resize(clusters.size());
@@ -220,7 +251,7 @@ void Simulation::State::step_god_objects() {
       if (done(clusters[c])) continue;
       if (watch) from_.assign(clusters[c].poses().begin(), clusters[c].poses().end());
       clusters[c].commit(options.toc_of_all ? least : toc_[c], frame);
-      if (watch) watch(first[c], from_, clusters[c].poses());
+      if (watch) watch(together() ? 0 : first[c], from_, clusters[c].poses());
     }
   }
 }
@@ -231,14 +262,20 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
   visit(frames);
   number = static_cast<long>(frames);
   each(target, visit);
-  for (Cluster& c : clusters) {
-    Cluster::Memory m = c.memory();
-    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit), each(m.followed, visit);
-    each(m.blocked, visit), each(m.retry_linear, visit), each(m.step_scale, visit);
-    if (reading) c.restore(m);
+  if (meeting) {
+    bool one = together();
+    each(one, visit);
+    meeting->set_together(one);
   }
-  each(coupling->memory().hand_speed, visit), each(coupling->memory().wrench, visit);
-  each(coupling->memory().part, visit);
+  each_cluster([&](Cluster& c) {
+    Cluster::Memory m = c.memory();
+    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit), each(m.met_at, visit);
+    each(m.followed, visit);
+    each(m.next, visit), each(m.step_scale, visit);
+    if (reading) c.restore(m);
+  });
+  for (Coupling* c : {&*coupling, meeting ? &*coupling_of_both : nullptr})
+    if (c) each(c->memory().hand_speed, visit), each(c->memory().wrench, visit), each(c->memory().part, visit);
   Measures::Memory& seen = measures->memory();
   visit(seen.still);
   for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
@@ -250,10 +287,12 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     each(pose, visit), each(velocity, visit);
     if (!reading) continue;
     physics->place(o, pose, velocity);
-    for (Cluster& c : clusters) c.place_object(o, object[o]);
+    each_cluster([&](Cluster& c) { c.place_object(o, object[o]); });
   }
   if (reading && physics) physics->forget();
-  if (reading) coupling->forget();
+  if (!reading) return;
+  coupling->forget();
+  if (meeting) coupling_of_both->forget();
 }
 
 std::vector<double> Simulation::checkpoint() {
@@ -291,6 +330,12 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
     const std::string prefix = models.size() == 1 ? "" : models[h].left ? "left " : "right ";
     add_hand(clusters.back(), models[h], start[h], prefix, reach);
   }
+  if (options.clusters && options.hands_meet && models.size() == 2) {
+    GodObjects both;
+    for (std::size_t h = 0; h < models.size(); ++h)
+      add_hand(both, models[h], start[h], h == 0 ? "" : "left ", reach, true);
+    s.meeting.emplace(std::move(both), static_cast<std::size_t>(hand::bodies), s.surroundings, options);
+  }
   s.build(std::move(clusters), easy);
 }
 
@@ -314,7 +359,11 @@ void Simulation::watch(Watch watch) { state_->watch = std::move(watch); }
 
 std::span<const Pose<double>> Simulation::object_poses() const { return state_->object; }
 
-const Problem& Simulation::problem(std::size_t cluster) const { return state_->clusters.at(cluster).problem(); }
+const Problem& Simulation::problem(std::size_t cluster) const {
+  const std::span<Cluster> clusters = state_->active();
+  if (cluster >= clusters.size()) throw std::out_of_range("cluster " + std::to_string(cluster));
+  return clusters[cluster].problem();
+}
 
 std::vector<collision::Shape> Simulation::shapes() const {
   std::vector<collision::Shape> all;

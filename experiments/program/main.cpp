@@ -10,6 +10,8 @@ int main(int count, char** arguments) {
       count, arguments,
       {.commands = {{"simulate", "The god hand", "a tracked hand among objects: frames, a summary, a replay in 3D",
                      zwang::simulate_command},
+                    {"live", "The god hand", "in real time: poses in; poses, forces and contacts out, over a socket",
+                     zwang::live_command},
                     {"experiment", "The god hand", "a question of the paper, answered by a run here",
                      zwang::experiment_command},
                     {"hand", "The god hand", "the sparsity of its problem", zwang::hand_command}},

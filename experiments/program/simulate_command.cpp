@@ -60,7 +60,11 @@ void add_options(CLI::App& options, Typed& typed) {
   };
   options.add_option("SCENE", a.scene, "a name (below), or mesh files as fixed parts: a.stl@mm,b.obj")->type_name("");
   add("What is simulated", "--motion", a.motion,
-      "a name (below), or a file: Leap recording (.json, .gz), angles (.csv)")
+      "a name (below), or a file: Leap recording (.json, .gz), angles or the path of a tool (.csv)")
+      ->type_name("FILE|NAME");
+  add("What is simulated", "--god", a.god,
+      "what is tracked: hand, a tool by name (below), or mesh files as its convex pieces: a.stl@mm,b.obj; default: "
+      "hand")
       ->type_name("FILE|NAME");
   add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")
       ->type_name("FOLDER");
@@ -74,6 +78,18 @@ void add_options(CLI::App& options, Typed& typed) {
   add("How", "--rate", typed.rate, "simulated steps a second; default: 1000")
       ->check(from_to(1.0, 1e5))
       ->type_name("HZ");
+  // Before the single choices, which have the last word.
+  const auto choose = [&a](const std::string& method) {
+    if (method != "zwang" && method != "paper")
+      throw std::invalid_argument("--method " + method + " should be zwang or paper" +
+                                  did_you_mean(method, {"zwang", "paper"}));
+    a.options = method == "paper" ? god::paper_method() : god::Options{};
+  };
+  options
+      .add_option_function<std::string>("--method", choose,
+                                        "zwang's own, or as the paper prints it; each choice below may be taken back")
+      ->type_name("zwang|paper")
+      ->group("What is compared");
   each_option(a.options, AddOption{options});
   options.add_flag("--audit", a.audit, "FCL looks at every committed frame at the end")->group("How");
   add("Where it goes", "--out", typed.out, "folder for the run; default: results/<date>-<time>")->type_name("DIR");
@@ -87,6 +103,9 @@ std::string names() {
     text += "  " + name + std::string(std::max<std::size_t>(1, 12 - name.size()), ' ') + line + "\n";
   };
   for (const god::SceneEntry& scene : god::scenes()) add(scene.name, scene.line);
+  text += "\nGod objects (--god):\n";
+  add("hand", "16 bodies; two where the motion has two");
+  for (const auto& [name, line] : god::tools()) add(name, line);
   text += "\nMotions:\n";
   for (const auto& [name, line] : god::synthetic_motions()) add(name, line);
   return text;
@@ -106,18 +125,18 @@ god::Record record_to_resume(const CLI::App& options, const Typed& typed) {
 
 // Files by their absolute paths: a run may be resumed from another folder.
 void make_absolute(Asked& asked) {
-  for (std::string* path : {&asked.parts, &asked.motion})
+  for (std::string* path : {&asked.parts, &asked.motion, &asked.god})
     if (!path->empty() && fs::exists(*path)) *path = fs::absolute(*path).lexically_normal().string();
 }
 
 std::string head_line(const god::Record& record, const god::Setup& setup) {
   const god::SceneSize size = god::size_of(setup.surroundings);
   const Asked& a = record.asked;
-  std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) +
-                     (record.hands == 1 ? " hand, " : " hands, ") + std::to_string(size.fixed) + " fixed and " +
-                     std::to_string(size.loose) + " loose objects, " + grouped(size.triangles) + " triangles; " +
-                     a.options.solver + " at " + grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) +
-                     " Hz";
+  const std::string gods = setup.tool ? setup.tool->name : record.hands == 1 ? "hand" : "hands";
+  std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) + " " + gods + ", " +
+                     std::to_string(size.fixed) + " fixed and " + std::to_string(size.loose) + " loose objects, " +
+                     grouped(size.triangles) + " triangles; " + a.options.solver + " at " +
+                     grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) + " Hz";
   if (record.placement.depth > 0) {
     char placed[120];
     std::snprintf(placed, sizeof placed,
@@ -136,7 +155,8 @@ int simulate_command(std::vector<std::string> words) {
             "  ./zwang simulate simple --motion grasp\n"
             "  ./zwang simulate engine --motion recording.json --solver nnls --rate 500 --audit\n"
             "  ./zwang simulate gear.stl@mm --motion press --seconds 2 --out gear\n"
-            "  ./zwang simulate box --motion slide --commit printed --solver nnls_paper\n"
+            "  ./zwang simulate box --motion slide --method paper\n"
+            "  ./zwang simulate box --motion slide --method paper --solver dual_active_set\n"
             "  ./zwang simulate --resume gear\n" +
                 names());
   Typed typed;
@@ -153,6 +173,7 @@ int simulate_command(std::vector<std::string> words) {
   } else {
     record = {.command = command, .started = now_iso8601(), .finished = {}, .asked = typed.asked};
     record.asked.options.dt = 1 / typed.rate;
+    if (options.get_option("--mu")->count() == 0) record.asked.options.mu = god::friction_for(typed.asked.motion);
     if (typed.seconds > 0) {
       const long most = std::max(1l, std::lround(typed.seconds * typed.rate));
       record.asked.frames = record.asked.frames > 0 ? std::min(record.asked.frames, most) : most;

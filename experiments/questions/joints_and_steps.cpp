@@ -10,24 +10,70 @@
 
 namespace zwang::questions {
 
+namespace {
+
+struct Method {
+  std::string name;
+  god::Options options;
+};
+
+// The paper's method, then one of its choices after the other replaced until nothing of it is left.
+std::vector<Method> from_paper_to_ours(const std::string& solver) {
+  using O = god::Options;
+  std::vector<Method> all;
+  O o = god::paper_method();
+  o.verify = 0;
+  const auto add = [&](const std::string& name) { all.push_back({name, o}); };
+  add("the paper, as printed");
+  o.solver = solver;
+  add("its solver replaced: " + solver);
+  o.toc_twice = o.toc_of_all = false;
+  add("and time of contact once");
+  o.correct_drift = true;
+  add("and c of joints and limits mends their drift");
+  o.rows = O::Rows::near;
+  add("and contacts near by, with a gap");
+  o.reduce_contacts = o.lazy_contacts = true;
+  add("and contacts thinned");
+  o.bounded = true;
+  add("and steps bounded");
+  o.sub_steps = O{}.sub_steps;
+  add("and three sub-steps");
+  o = O{.solver = solver, .verify = 0};
+  o.damped = o.straight = false;
+  add("and the commit cycle, limits ahead, 26 unknowns");
+  o.damped = o.straight = true;
+  add("and damped or straight: zwang's own");
+  return all;
+}
+
+}  // namespace
+
 Findings separation(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   using Commit = god::Options::Commit;
-  const std::pair<std::string, god::Options> variants[] = {
-      {"the paper's: nnls_paper, linear step",
-       {.solver = "nnls_paper", .mu = 0, .commit = Commit::printed, .verify = 0}},
-      {asking.solver + ", linear step", {.solver = asking.solver, .mu = 0, .commit = Commit::printed, .verify = 0}},
-      {asking.solver + ", commit cycle", {.solver = asking.solver, .mu = 0, .verify = 0}}};
-  Findings found{.columns = {"joints of the hand", "widest gap of a joint", "limits left by", "frames held"}};
+  std::vector<Method> variants = from_paper_to_ours(asking.solver);
+  variants.push_back({"zwang's own with the paper's solver", {.solver = "nnls_paper", .verify = 0}});
+  variants.push_back(
+      {"zwang's own with the linear step", {.solver = asking.solver, .commit = Commit::printed, .verify = 0}});
+  variants.push_back({"zwang's own with the paper's solver and linear step",
+                      {.solver = "nnls_paper", .commit = Commit::printed, .verify = 0}});
+  Findings found{.columns = {"method", "widest gap of a joint", "limits left by", "smallest gap", "from its target",
+                             "frames held, stuck", "contacts, most", "frame, median, slowest"}};
   Chart chart{"separation", "Joints of the hand: how far the phalanxes come apart", "time (s)",
               "widest gap of a joint (m)"};
   chart.log_y = true;
   for (const auto& [name, options] : variants) {
     const auto frames = play(scene, motion, options, asking, name);
     const god::Totals all(frames);
+    std::vector<double> times;
+    for (const god::Frame& f : frames) times.push_back(f.times.total());
     found.rows.push_back(
-        {name, number(all.most("joint")) + " m", number(all.most("limit")) + " rad", number(all.sum("held"))});
+        {name, number(all.most("joint")) + " m", number(all.most("limit")) + " rad",
+         number(1e6 * all.least("gap")) + " um", number(1e3 * all.most("dist")) + " mm",
+         number(all.sum("held")) + ", " + number(all.sum("stuck")), number(all.most("kept")),
+         number(1e6 * median(times)) + " us, " + number(1e3 * *std::max_element(times.begin(), times.end())) + " ms"});
     add_series(chart, name, frames, [](const god::Frame& f) { return std::max(f.separation, 1e-17); });
   }
   found.charts.push_back(std::move(chart));
@@ -67,19 +113,23 @@ Findings printed_step(const Asking&) {
   return found;
 }
 
-Findings solver_swap(const Asking& asking) {
+namespace {
+
+Findings swap_solvers(const god::Options& method, const std::string& chart_name, const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   Findings found{.columns = {"solver", "solve, median", "frames looked at, right", "wrong, undecided", "frames held",
                              "joints", "farthest from the first, first contact second"}};
-  Chart chart{"solvers", "One grasp, driven by each solver: speed against what becomes of the motion",
+  Chart chart{chart_name, "One grasp, driven by each solver: speed against what becomes of the motion",
               "farthest from dual_active_set's motion in the first second of contact (m)",
               "time of a frame's solves (us)", Chart::Kind::points};
   chart.log_x = chart.log_y = true;
   std::vector<god::Frame> first;
   for (const char* solver : {"dual_active_set", "nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton",
                              "nnls_paper", "pgs", "apgd", "bullet_dantzig", "bullet_pgs", "nlopt_slsqp", "ipopt"}) {
-    const std::vector<god::Frame> frames = play(scene, motion, {.solver = solver, .mu = 0}, asking, solver, 1);
+    god::Options options = method;
+    options.solver = solver;
+    const std::vector<god::Frame> frames = play(scene, motion, options, asking, solver, 1);
     if (first.empty()) first = frames;
     std::vector<double> times;
     double verified = 0, doubtful = 0;
@@ -96,6 +146,13 @@ Findings solver_swap(const Asking& asking) {
   }
   found.charts.push_back(std::move(chart));
   return found;
+}
+
+}  // namespace
+
+Findings solver_swap(const Asking& asking) { return swap_solvers({}, "solvers", asking); }
+Findings solvers_of_the_paper(const Asking& asking) {
+  return swap_solvers(god::paper_method(), "solvers-paper", asking);
 }
 
 }  // namespace zwang::questions

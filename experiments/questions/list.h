@@ -14,9 +14,11 @@ Findings thinning(const Asking& asking);
 Findings separation(const Asking& asking);
 Findings printed_step(const Asking& asking);
 Findings solver_swap(const Asking& asking);
+Findings solvers_of_the_paper(const Asking& asking);
 Findings no_more_than_needed(const Asking& asking);
 Findings artificial_friction(const Asking& asking);
 Findings rate_of_a_push(const Asking& asking);
+Findings laws_of_friction(const Asking& asking);
 Findings recordings(const Asking& asking);
 
 }  // namespace zwang::questions

@@ -28,6 +28,7 @@ struct Chart {
   bool log_x = false, log_y = false;
   std::vector<Point> points = {};
   std::vector<Level> levels = {};
+  std::string figure = {};  // charts of one figure are drawn into one file of that name, two in a row
 };
 
 // What was found: a table (first column: what; the paper's own figures stand in a column of theirs), charts, and what

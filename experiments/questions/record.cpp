@@ -15,7 +15,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Level, y, text)
 NLOHMANN_JSON_SERIALIZE_ENUM(Chart::Kind, {{Chart::Kind::lines, "lines"},
                                            {Chart::Kind::points, "points"},
                                            {Chart::Kind::shares, "shares"}})
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Chart, name, title, x, y, kind, log_x, log_y, points, levels)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Chart, name, title, x, y, kind, log_x, log_y, points, levels, figure)
 
 namespace {
 
@@ -73,7 +73,10 @@ std::vector<fs::path> record(const Findings& findings, const Question& question,
   replace_file(files[0], to_csv(findings));
   replace_file(files[1], all.dump(1, ' ', false, json::error_handler_t::replace));
   if (!findings.charts.empty()) report::draw(files[1], directory);
-  for (const Chart& chart : findings.charts) files.push_back(directory / (chart.name + ".svg"));
+  for (const Chart& chart : findings.charts)
+    if (const fs::path file = directory / ((chart.figure.empty() ? chart.name : chart.figure) + ".svg");
+        std::ranges::find(files, file) == files.end())
+      files.push_back(file);
   return files;
 }
 

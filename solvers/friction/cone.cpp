@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 namespace zwang {
 namespace {
@@ -15,6 +16,7 @@ constexpr int most_modes = 12;  // Newton steps from one iterate
 void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr Index body = 6;
   works_.begin();
+  normals_.begin();
   islands_.solve_apart([this](const Problem& p, const SolveOptions& o,
                               Solution& part) { works_.own(p.size(), p.rows()).solve(*this, p, o, part); },
                        body, problem, options, solution);
@@ -29,6 +31,7 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 
 bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
   const double scale = program_.scale(v);
+  if (program_.is_out_of_reach(v)) return false;
   if (r.natural <= tolerances::cone_exact * scale) return true;
   return r.natural <= options.tolerance * scale &&
          std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * scale;
@@ -47,7 +50,7 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   return is_accepted(modes_.residual, modes_.v, options);
 }
 
-Cone::Work::End Cone::Work::from_inside(const Cone& settings, const Problem& p, const SolveOptions& options,
+Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const SolveOptions& options,
                                         const Deadline& deadline, double start, Solution& solution) {
   inside_.begin(program_, start);
   const double unit = program_.start();
@@ -84,7 +87,7 @@ Cone::Work::End Cone::Work::from_inside(const Cone& settings, const Problem& p, 
       }
     }
     keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
-    if (settings.finish) {
+    if (finish) {
       modes_.begin(program_, inside_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
       modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
@@ -101,34 +104,51 @@ Cone::Work::End Cone::Work::from_inside(const Cone& settings, const Problem& p, 
 }
 
 // Coulomb's law asks for s_n >= 0 of all contacts, whatever their friction: a proof against that is one against it.
-bool Cone::Work::contradicts_itself(const Problem& p, const SolveOptions& options, const Deadline& deadline) {
+bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const SolveOptions& options,
+                                    const Deadline& deadline) {
   SolveOptions rest = options;
   rest.observe = nullptr;
-  if (!program_.build(p, Law::frictionless, rest, deadline, normals_)) return normals_.status == Status::infeasible;
-  return from_inside({}, p, rest, deadline, 1, normals_) == End::infeasible;
+  if (!normals.program_.build(p, Law::frictionless, false, rest, deadline, of_normals_))
+    return of_normals_.status == Status::infeasible;
+  return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
 }
 
 bool Cone::Work::slides(const ConeProgram& program) const { return program.cones() > 0 && modes_.slides(); }
 
-// False where the answer is not to be trusted; solution says so.
-bool Cone::Work::solve_under(Law law, const Cone& settings, const Problem& p, const SolveOptions& options,
-                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
-  if (!program_.build(p, law, options, deadline, solution)) return false;
+// From an earlier answer, from nothing, and from so many starts inside the cones.
+Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool finish, const Problem& p,
+                                        const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
+                                        Solution& solution) {
   natural_ = std::numeric_limits<double>::infinity();
   modes_.v.setZero(program_.face().unknowns());
   modes_.y.setZero(program_.rows());
   modes_.begin(program_);
   keep(modes_.v, modes_.y, modes_.residual.natural);
-  bool accepted = modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution));
-  bool limited = false;
+  if (modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution))) return End::accepted;
+  End end = End::failed;
+  for (std::size_t k = 0; k < starts.size() && end == End::failed; ++k)
+    end = from_inside(finish, p, options, deadline, starts[k], solution);
+  return end;
+}
+
+// False where the answer is not to be trusted; solution says so.
+bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
+                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
+  if (!program_.build(p, law, false, options, deadline, solution)) return false;
   // What the start is too large or too small for shows at the end only.
-  for (const double start : {1.0, 0.03, 30.0}) {
-    if (accepted || limited) break;
-    const End end = from_inside(settings, p, options, deadline, start, solution);
-    accepted = end == End::accepted;
-    limited = end == End::limit;
-    if (end == End::infeasible) return false;
+  static constexpr std::array starts{1.0, 0.03, 30.0};
+  const bool may_go_dense = program_.is_coulomb() && !program_.is_dense() && ConeProgram::can_be_dense(p);
+  End end = from_starts(std::span(starts).first(may_go_dense ? 1 : starts.size()), finish, p, options, deadline, warm,
+                        solution);
+  if (end == End::failed && may_go_dense) {
+    const int before = solution.iterations;
+    if (!program_.build(p, law, true, options, deadline, solution)) return false;
+    solution.iterations = before;
+    solution.fallback = true;
+    end = from_starts(starts, finish, p, options, deadline, nullptr, solution);
   }
+  if (end == End::infeasible) return false;
+  const bool accepted = end == End::accepted, limited = end == End::limit;
   program_.write(p, v_, y_, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
   if (accepted) {
@@ -145,23 +165,24 @@ bool Cone::Work::solve_under(Law law, const Cone& settings, const Problem& p, co
   return accepted;
 }
 
-void Cone::Work::solve(const Cone& settings, const Problem& p, const SolveOptions& options, Solution& solution) {
+void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   const bool coulomb = p.has_tangents() && p.law == Law::coulomb;
-  if (coulomb && settings.adaptive) {
+  if (coulomb && cone.adaptive) {
     // No contact that slides: the convex answer meets Coulomb's law, too.
-    if (solve_under(Law::convex, settings, p, options, deadline, options.warm_start, solution) && !slides(program_))
+    if (solve_under(Law::convex, cone.finish, p, options, deadline, options.warm_start, solution) && !slides(program_))
       return;
     if (solution.status == Status::time_limit || solution.status == Status::iteration_limit) return;
     const int before = solution.iterations;
-    solve_under(Law::coulomb, settings, p, options, deadline, options.warm_start, solution);
+    solve_under(Law::coulomb, cone.finish, p, options, deadline, options.warm_start, solution);
     solution.iterations += before;
     return;
   }
-  solve_under(coulomb ? Law::coulomb : Law::convex, settings, p, options, deadline, options.warm_start, solution);
-  if (coulomb && solution.status == Status::numerical_failure && contradicts_itself(p, options, deadline)) {
+  solve_under(coulomb ? Law::coulomb : Law::convex, cone.finish, p, options, deadline, options.warm_start, solution);
+  if (coulomb && solution.status == Status::numerical_failure &&
+      contradicts_itself(cone.normals_.own(p.size(), p.rows()), p, options, deadline)) {
     solution.status = Status::infeasible;
-    solution.zero_certificate(p.rows()) = normals_.certificate;
+    solution.zero_certificate(p.rows()) = of_normals_.certificate;
     solution.empty_z();
     solution.empty_lambda();
     solution.message.clear();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace zwang {
 // contacts show (interior_point.h), then Newton's method on the modes to the last digits (mode_newton.h). Hands are
 // solved in the few freedoms that their joints leave, walls by the sparse Cholesky factor of 6 x 6 blocks; islands
 // apart. A warm start goes to the modes at once, and to the interior point where they do not settle.
+//
+// The sparse factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
+// redundant contacts that slide can stall. Up to 1000 unknowns it then starts again on dense rows, where the shift is
+// differentiated; Solution::fallback says so.
 //
 // One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
 // residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
@@ -37,19 +42,22 @@ struct Cone {
  private:
   class Work {
    public:
-    void solve(const Cone& settings, const Problem& problem, const SolveOptions& options, Solution& solution);
+    void solve(Cone& cone, const Problem& problem, const SolveOptions& options, Solution& solution);
 
    private:
     enum class End { accepted, failed, limit, infeasible };
 
-    bool solve_under(Law law, const Cone& settings, const Problem& problem, const SolveOptions& options,
+    bool solve_under(Law law, bool finish, const Problem& problem, const SolveOptions& options,
                      const Deadline& deadline, const WarmStart* warm, Solution& solution);
     bool from_warm(const Problem& problem, const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
                    Solution& solution);
-    End from_inside(const Cone& settings, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+    End from_starts(std::span<const double> starts, bool finish, const Problem& problem, const SolveOptions& options,
+                    const Deadline& deadline, const WarmStart* warm, Solution& solution);
+    End from_inside(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                     double start, Solution& solution);
     bool is_accepted(const ConeProgram::Residual& residual, const Vector& v, const SolveOptions& options);
-    bool contradicts_itself(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
+    bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
+                            const Deadline& deadline);
     void keep(const Vector& v, const Vector& y, double natural);
     bool slides(const ConeProgram& program) const;
 
@@ -58,11 +66,11 @@ struct Cone {
     ModeNewton modes_;
     Vector v_, y_, proof_;  // the best there is
     double natural_ = 0;
-    Solution normals_;
+    Solution of_normals_;
   };
 
   Islands islands_;
-  ShapeCache<Work> works_;
+  ShapeCache<Work> works_, normals_;  // the second for the inequality rows alone, which have a shape of their own
 };
 static_assert(Solver<Cone>);
 

@@ -10,7 +10,7 @@ ConeIteration::ConeIteration(Workspace& work, const Problem& problem, const Solv
 
 bool ConeIteration::begin() {
   const Law law = problem_.has_tangents() ? problem_.law : Law::convex;
-  if (!work_.program.build(problem_, law, options_, deadline_, solution_)) return false;
+  if (!work_.program.build(problem_, law, false, options_, deadline_, solution_)) return false;
   work_.v.setZero(work_.program.face().unknowns());
   work_.s.setZero(work_.program.rows());
   work_.force.setZero(work_.v.size());
@@ -50,7 +50,7 @@ bool ConeIteration::step_done() {
     program.write(problem_, work_.v, work_.y, solution_);
     options_.observe(solution_.iterations, solution_.z, solution_.lambda);
   }
-  if (!std::isfinite(residual_)) {
+  if (!std::isfinite(residual_) || program.is_out_of_reach(work_.v)) {
     solution_.status = Status::numerical_failure;
     solution_.message = "the iterates run off";
     return true;

@@ -11,7 +11,7 @@ namespace {
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 bool is_cone_law(Law law) { return law == Law::convex || law == Law::coulomb; }
 constexpr Index few_unknowns = 150;  // dense whatever the rows are
-constexpr Index most_dense = 1000;   // dense where the rows are full
+constexpr Index most_dense = 1000;   // dense where the rows are full, or where that is asked for
 
 bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.size(); }
 
@@ -163,12 +163,14 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
   sparse_face_.reset(p, sparse_rows_, cones(), options, deadline);
 }
 
-bool ConeProgram::build(const Problem& p, Law law, const SolveOptions& options, const Deadline& deadline,
+bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense; }
+
+bool ConeProgram::build(const Problem& p, Law law, bool dense, const SolveOptions& options, const Deadline& deadline,
                         Solution& solution) {
   law_ = law;
   const bool joints = has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
                       joints_.freedom() <= few_unknowns && joints_.smallest_pivot() >= tolerances::clear_pivot;
-  const bool full = p.size() <= few_unknowns || (p.size() <= most_dense && rows_are_full(p));
+  const bool full = p.size() <= few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));
   form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;
   dense_ = form_ != Form::sparse;
   if (form_ == Form::joints) {
@@ -202,6 +204,11 @@ double ConeProgram::scale(const Vector& v) {
   face().mass(v, work_);
   const double own = std::sqrt(std::max(0.0, work_.dot(v)));
   return std::max({free_norm_, own, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
+}
+
+bool ConeProgram::is_out_of_reach(const Vector& v) {
+  const double known = form_ == Form::joints ? std::max(free_norm_, joints_.y_E().norm()) : free_norm_;
+  return scale(v) > tolerances::out_of_reach * std::max(known, start_);
 }
 
 ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) const {

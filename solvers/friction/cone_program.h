@@ -25,9 +25,10 @@ namespace zwang {
 class ConeProgram {
  public:
   // Resets the solution. False where the answer is known, and then written. `law`: convex or coulomb; any other takes
-  // every contact for one without friction.
-  bool build(const Problem& problem, Law law, const SolveOptions& options, const Deadline& deadline,
+  // every contact for one without friction. `dense`: whatever the rows are, where can_be_dense().
+  bool build(const Problem& problem, Law law, bool dense, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
+  static bool can_be_dense(const Problem& problem);
 
   Law law() const { return law_; }
   bool is_coulomb() const { return law_ == Law::coulomb; }
@@ -41,7 +42,9 @@ class ConeProgram {
   bool is_dense() const { return dense_; }
   DenseFace& dense_face() { return dense_face_; }  // where it is
   double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
-  double start() const { return start_; }          // the worst violation at v = 0, or a small number
+  // A motion next to which the rows' right sides are nothing: rows that contradict each other are met so, not solved.
+  bool is_out_of_reach(const Vector& v);
+  double start() const { return start_; }  // the worst violation at v = 0, or a small number
 
   // s = G v - h.
   void slack(const Vector& v, Vector& s) {

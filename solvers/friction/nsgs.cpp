@@ -53,7 +53,11 @@ void Nsgs::solve(const Problem& problem, const SolveOptions& options, Solution& 
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
   ConeProgram& program = inner.program;
-  if (!program.is_dense()) throw Stopped{Status::unsupported, "more than 150 unknowns and sparse rows"};
+  if (!program.is_dense()) {
+    solution.status = Status::unsupported;
+    solution.message = "more than 150 unknowns and sparse rows";
+    return;
+  }
   DenseFace& face = program.dense_face();
   Vector &v = inner.v, &y = inner.y;
   const Index nc = program.cones(), padded = face.padded();

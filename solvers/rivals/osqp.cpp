@@ -51,8 +51,8 @@ struct Cleanup {
 }  // namespace
 
 void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  constexpr double ray =
-      1e-6;  // of a dual ray, relative: tight enough for none on feasible rows, loose enough to be met
+  // Of a dual ray, relative: tight enough for none on feasible rows, loose enough to be met.
+  constexpr double ray = 1e-6;
   constexpr double unlimited = 1e10;  // seconds
   const Deadline deadline(options.time_limit);
   UnitProgram& program = work.program;

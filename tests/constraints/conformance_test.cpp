@@ -201,11 +201,10 @@ TYPED_TEST(Conformance, OnlyTheColumnsOfItsBodiesAreTouched) {
   if constexpr (HasSlip<C>) slips = 2;
   ASSERT_EQ(problem.rows(), C::rows + slips);
   const Matrix rows(problem.J), J = rows.topRows(C::rows);
-  EXPECT_EQ((rows.cwiseAbs().colwise().sum().array() != 0).count(), 12);
+  for (const Index other : {0, 2, 4}) EXPECT_TRUE(rows.middleCols(6 * other, 6).isZero(0)) << "body " << other;
   const auto linear = linearize(c, {scene.bodies[3].pose, scene.bodies[1].pose});
   EXPECT_EQ(J.middleCols(18, 6), linear.jacobian.leftCols(6));
   EXPECT_EQ(J.middleCols(6, 6), linear.jacobian.rightCols(6));
-  EXPECT_TRUE(J.middleCols(0, 6).isZero(0) && J.middleCols(12, 6).isZero(0) && J.middleCols(24, 6).isZero(0));
   for (Index i = 0; i < problem.rows(); ++i) EXPECT_EQ(problem.is_equality(i), C::kind == RowKind::equality);
 }
 

@@ -32,6 +32,9 @@ shorter = [
     (r"(./zwang simulate gear.stl@mm .*)", r"\1 --frames 5 --out gear"),
     (r"./zwang experiment all .*", None),
     (r"./zwang experiment fig8", "./zwang experiment fig8 --seconds 0.05 --out questions"),
+    (r"./zwang experiment laws.*", "./zwang experiment --help"),
+    (r"(./zwang bench --scenes .* --law pyramid,convex,coulomb)", r"\1 --solvers cone,newton --tolerances 1e-6 --out laws"),
+    (r"./zwang conformance", "./zwang conformance --solver cone,newton || test $? = 1"),  # 1: some are off
     (r"./zwang export --atlas DIR", "./zwang export --help"),
     (r"(./zwang fuzz) --near", r"\1 --near --count 5 || test $? = 1"),  # 1: it found something
     (r"(./zwang solve FILE --solver) NAME (.*)", r"./zwang solve first.h5 --solver nnls \2"),

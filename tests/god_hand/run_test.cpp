@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -37,6 +38,7 @@ Frame frame_of(long number) {
   for (int k = 0; k < number % 4; ++k) f.contacts.push_back({k, 0, {x, k + 0., 1}, Vec3::UnitZ(), 2e-4, 0.5});
   f.rows = 70;
   f.held = number % 2 == 1;
+  f.origin = static_cast<Origin>(number % 6);
   f.claimed = Status::infeasible;
   f.verified = Verdict::infeasible_proven;
   f.times.solve = x;
@@ -190,6 +192,38 @@ TEST(FrameStore, DamageEndsWithinSecondsInOneLine) {
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10)) << k;
   }
   EXPECT_GT(refused, 10);
+}
+
+// Frames and poses carry checks: no flipped bit is replayed.
+TEST(FrameStore, AFlippedBitIsNoticed) {
+  const Folder folder;
+  const fs::path file = folder.path / "frames.h5";
+  constexpr long count = 40;
+  write_frames(folder.path, count);
+  const std::string whole = text_of(file);
+  const auto read_damaged = [&](std::size_t at, int bit) -> std::optional<std::vector<Frame>> {
+    std::string damaged = whole;
+    damaged[at] ^= static_cast<char>(1 << bit);
+    std::ofstream(file, std::ios::binary) << damaged;
+    try {
+      return frames_in(folder.path);
+    } catch (const BadFile&) {
+      return {};
+    }
+  };
+  std::mt19937 random(3);
+  for (int k = 0; k < 40; ++k)
+    if (const auto frames = read_damaged(random() % whole.size(), static_cast<int>(random() % 8))) {
+      ASSERT_EQ(frames->size(), static_cast<std::size_t>(count));
+      for (long f = 0; f < count; ++f) expect_same((*frames)[static_cast<std::size_t>(f)], frame_of(f));
+    }
+  // The position of a god object in frame 31, in the dataset of poses itself.
+  const double x = frame_of(31).god[0].position.x();
+  const std::string in_file(reinterpret_cast<const char*>(&x), sizeof x);
+  int poses = 0;
+  for (std::size_t at = whole.find(in_file); at != std::string::npos; at = whole.find(in_file, at + 1), ++poses)
+    EXPECT_FALSE(read_damaged(at, 3)) << at;
+  EXPECT_GE(poses, 3) << "target, god and loose";
 }
 
 TEST(FrameStore, CheckpointsComeBackToTheBit) {

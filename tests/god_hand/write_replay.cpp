@@ -124,6 +124,7 @@ int main(int argc, char** argv) try {
   record.asked.options.dt = 0.01;
   record.title = "dip";
   record.hands = 1;
+  record.bodies = hand::bodies;
   record.loose = 3;
   write_record(directory, record);
   FrameWriter writer(directory, hand::bodies, record.loose);
@@ -136,8 +137,8 @@ int main(int argc, char** argv) try {
     shown.add(frame);
   }
   writer.flush();
-  std::cout << write_replay(directory, record, summary, shown.frames(), about, std::array{hand::standard()}).string()
-            << "\n";
+  const std::array gods = {ShownGod{"hand", false, hand::shapes(hand::standard())}};
+  std::cout << write_replay(directory, record, summary, shown.frames(), about, gods).string() << "\n";
   return 0;
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";

@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
-# debs.sh SOURCE WORK: cpack's three packages, built for any machine, each installed in a bare root of Debian 12 and used
+# debs.sh SOURCE WORK [BUILD]: cpack's three packages, built for any machine (or as BUILD is), each installed in a bare root of Debian 12 and used
 # there: the program runs its quick suite, Python imports the module, a project finds the library. 77: skipped.
 set -euo pipefail
-source=$1 work=$2
+source=$1 work=$2 build=${3:-}
 skip() { echo "skipped: $1"; exit 77; }
 command -v mmdebstrap >/dev/null || skip "mmdebstrap is not installed"
 [ "$(id -u)" -eq 0 ] || skip "a bare root needs root's rights"
 
 mkdir -p "$work"
-cmake -S "$source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DZWANG_TESTS=OFF -DZWANG_NATIVE=OFF >"$work/configure.log"
-cmake --build "$work/build" >"$work/build.log" || { tail -n 30 "$work/build.log" >&2; exit 1; }
-rm -f "$work"/build/*.deb
-(cd "$work/build" && cpack >"$work/cpack.log" 2>&1) || { tail -n 30 "$work/cpack.log" >&2; exit 1; }
+if [ -z "$build" ]; then
+  build=$work/build
+  cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DZWANG_TESTS=OFF -DZWANG_NATIVE=OFF >"$work/configure.log"
+  cmake --build "$build" >"$work/build.log" || { tail -n 30 "$work/build.log" >&2; exit 1; }
+fi
+rm -rf "$work/packages"
+cpack --config "$build/CPackConfig.cmake" -B "$work/packages" >"$work/cpack.log" 2>&1 || { tail -n 30 "$work/cpack.log" >&2; exit 1; }
 
 base=$work/base.tar
 [ -e "$base" ] || mmdebstrap --quiet --mode=root --variant=minbase bookworm "$base" || skip "no mirror of Debian 12 is reached"
@@ -29,7 +32,7 @@ new_root() {
   cp -L /etc/resolv.conf "$root/etc/" 2>/dev/null || true
   mount -t proc none "$root/proc"
   mount --bind /dev "$root/dev"
-  cp "$work"/build/*.deb "$root/root/"
+  cp "$work"/packages/*.deb "$root/root/"
   inside apt-get -qq update
   local files=()
   for package in "$@"; do files+=("$(cd "$root" && ls "root/${package}"_*.deb | sed 's|^|/|')"); done

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <iostream>
 #include <map>
 
 #include <zwang/bench/references/witnesses.h>
@@ -79,6 +81,69 @@ TEST(ContactFiles, IpoptAnswersThePeriodicBoxAtEveryTolerance) {
     return;
   }
   GTEST_SKIP() << "no LMGC_100_PR_PerioBox in ZWANG_DATA or beside the sources";
+}
+
+// FCLIB's and Siconos' files with their friction: `cone` solves them within 4 s of CPU time each, and what it claims
+// the referee proves.
+std::vector<std::filesystem::path> frictional_files() {
+  std::vector<std::filesystem::path> found = files();
+  const std::filesystem::path folder = test::recorded_data() / "contact_siconos_dat";
+  if (std::filesystem::is_directory(folder))
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == ".dat") found.push_back(entry.path());
+  std::ranges::sort(found);
+  return found;
+}
+
+struct Tally {
+  int files = 0, solved = 0, proved = 0;
+};
+
+// Of files up to so many bytes.
+Tally solve_with_friction(std::uintmax_t most_bytes) {
+  Tally tally;
+  for (const auto& path : frictional_files()) {
+    if (std::filesystem::file_size(path) > most_bytes) continue;
+    const std::vector<Instance> read = read_problems(path, Law::coulomb);
+    EXPECT_EQ(read.size(), 1u) << path;
+    const Problem& p = read.front().problem;
+    const std::string where = path.filename().string();
+    ++tally.files;
+    const std::clock_t start = std::clock();
+    const Solution s = make_solver("cone").solve(p, {.tolerance = 1e-8});
+    EXPECT_LE(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 4) << where;
+    if (s.status != Status::solved) {
+      std::cout << where << ": " << to_string(s.status) << ", " << s.message << '\n';
+      continue;
+    }
+    const Metrics m = measure(p, s, nullptr, 1e-8);
+    EXPECT_NE(m.verdict, Verdict::wrong) << where;
+    EXPECT_LE(m.natural, 1e-8) << where;
+    EXPECT_LE(m.friction.eta, 1e-8) << where;
+    EXPECT_LE(m.friction.self_bound, 1e-9) << where;
+    const bool proved = m.verdict == Verdict::solved && m.friction.radius <= 1e-15 && m.friction.delta <= 1e-12;
+    if (!proved)
+      std::cout << where << ": " << to_string(m.verdict) << ", radius " << m.friction.radius << ", delta "
+                << m.friction.delta << ", self_bound " << m.friction.self_bound << '\n';
+    ++tally.solved;
+    tally.proved += proved;
+  }
+  return tally;
+}
+
+TEST(ContactFiles, ConeSolvesTheSmallOnesWithTheirFriction) {
+  const Tally tally = solve_with_friction(100'000);
+  if (tally.files == 0) GTEST_SKIP() << "no contact_fclib and contact_siconos_dat in ZWANG_DATA or beside the sources";
+  EXPECT_EQ(tally.solved, tally.files);
+  EXPECT_EQ(tally.proved, tally.files);
+}
+
+TEST(ContactFilesSlow, ConeSolvesAllWithTheirFriction) {
+  const Tally tally = solve_with_friction(std::numeric_limits<std::uintmax_t>::max());
+  if (tally.files == 0) GTEST_SKIP() << "no contact_fclib and contact_siconos_dat in ZWANG_DATA or beside the sources";
+  ASSERT_EQ(tally.files, 24);
+  EXPECT_GE(tally.solved, 22);
+  EXPECT_GE(tally.proved, 20);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// node draw.mjs FINDINGS.json OUT: each of its charts (experiments/questions/question.h) as OUT/NAME.svg.
+// node draw.mjs FINDINGS.json OUT: its charts (experiments/questions/question.h) as OUT/NAME.svg.
 import './charts.js';
 
 import fs from 'node:fs';
@@ -17,8 +17,7 @@ const logger = vega.logger(vega.Error);
 // Charts with a logarithmic axis have no place for zero.
 const drawn = chart => chart.points.filter(p => !(chart.log_x && p.x <= 0) && !(chart.log_y && p.y <= 0));
 
-function spec(chart) {
-  const series = [...new Set(chart.points.map(p => p.series))];
+function panel(chart, series) {
   const scale = log => log ? {type: 'log', nice: false, padding: 10} : {zero: false, nice: false, padding: 2};
   const format = log => log ? {labelExpr: 'format(datum.value, \'~g\')', tickCount: 6} : {};
   const x = {field: 'x', type: 'quantitative', title: chart.x, scale: scale(chart.log_x), axis: format(chart.log_x)};
@@ -48,19 +47,30 @@ function spec(chart) {
       encoding: {x: {value: {expr: 'width'}}, y: {...y}, text: {field: 'text'}}
     }
   ];
+  return {data: {values: drawn(chart)}, layer: [...marks[chart.kind], ...levels]};
+}
+
+// One chart, or the panels of a figure, two in a row.
+function figure(charts) {
+  const [first] = charts;
+  const series = [...new Set(charts.flatMap(chart => chart.points.map(p => p.series)))];  // one colour in all panels
+  const body = charts.length === 1 ? {...panel(first, series), width: 640, height: 320} : {
+    concat: charts.map(chart => ({...panel(chart, series), width: 300, height: 170})),
+    columns: 2,
+    spacing: 24,
+  };
   return {
     $schema: 'https://vega.github.io/schema/vega-lite/v6.json',
-    width: 640,
-    height: 320,
-    title: {text: chart.title, subtitle: [found.command, found.circumstances]},
-    data: {values: drawn(chart)},
-    layer: [...marks[chart.kind], ...levels],
+    title: {text: first.title, subtitle: [found.command, found.circumstances]},
+    ...body,
     config: config('light', font),
   };
 }
 
-for (const chart of found.charts) {
-  const view = new vega.View(vega.parse(vega_lite.compile(spec(chart), {logger}).spec), {renderer: 'none', logger});
-  fs.writeFileSync(`${out}/${chart.name}.svg`, await view.toSVG());
+const file_of = chart => chart.figure || chart.name;
+for (const name of new Set(found.charts.map(file_of))) {
+  const charts = found.charts.filter(chart => file_of(chart) === name);
+  const view = new vega.View(vega.parse(vega_lite.compile(figure(charts), {logger}).spec), {renderer: 'none', logger});
+  fs.writeFileSync(`${out}/${name}.svg`, await view.toSVG());
   view.finalize();
 }

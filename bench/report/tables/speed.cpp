@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* ours = "dual_active_set";
 constexpr const char* ours_when_large = "newton";
+constexpr const char* ours_with_friction = "cone";
 
 // The floor that earlier measurements of a hand estimate, in runs of the neutral kernel, which took 47 us there: 4.4 us
 // for eliminating the joints and 0.25 us for each row that enters or leaves (docs/performance.md).
@@ -77,8 +78,9 @@ Table speed_table(const Run& run) {
       "Whole solves from M, z_u, J, c at tolerance 1e-10, cold; medians of interleaved repetitions, and over the "
       "problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. Floor: the "
       "least time of a hand, estimated from measurements of its parts (4.4 us and 0.25 us a step where the kernel "
-      "takes 47 us). Allocations: heap blocks of a warm solve. x ours: against dual_active_set, or newton where that "
-      "was not run. A time with > is that of a solver stopped at its deadline, and so is its ratio. mujoco_newton has "
+      "takes 47 us). Allocations: heap blocks of a warm solve. x ours: against dual_active_set, newton where that was "
+      "not run, or cone where friction follows Coulomb's law. A time with > is that of a solver stopped at its "
+      "deadline, and so is its ratio. mujoco_newton has "
       "soft rows and serves as a yardstick of speed: its z_error is how far the rows are violated.";
   for (const auto& [size, solvers] : by_size(run)) {
     std::vector<std::pair<std::string, const SpeedTimes*>> order;
@@ -88,7 +90,7 @@ Table speed_table(const Run& run) {
       return std::pair(std::isnan(time) ? 1e300 : time, entry.first);
     });
     double reference = unknown;
-    for (const char* solver : {ours, ours_when_large})
+    for (const char* solver : {ours, ours_when_large, ours_with_friction})
       if (const auto own = solvers.find(solver); own != solvers.end() && std::isnan(reference))
         reference = own->second.time();
     for (const auto& [solver, t] : order) {

@@ -83,6 +83,47 @@ std::span<const StabilityFamily> stability_families() {
           "HAND", "hands",
           "The hand of the paper with all limits violated and 30 contacts: more rows than unknowns, c outside "
           "range(J)."},
+      StabilityFamily{
+          "MU0", "-log2 of mu",
+          "A planted answer of Coulomb's law whose friction fades. Methods that divide by mu, or whose cones "
+          "become needles, fail before mu = 0 is reached."},
+      StabilityFamily{"MUL", "log2 of mu",
+                      "The same with more and more friction: sweeps diverge, and from mu = 1 on several solutions are "
+                      "common. Any proven one counts."},
+      StabilityFamily{"APEX", "-log2 of the load",
+                      "Sliding contacts that are pushed with 2^-k only: multipliers near the tip of their cone. A cut "
+                      "that calls small forces zero opens contacts that slide."},
+      StabilityFamily{
+          "SLIP", "-log2 of the slip",
+          "Contacts that slide with 2^-k: at the edge between stick and slip the direction of friction is a "
+          "quotient of small numbers."},
+      StabilityFamily{
+          "MRF", "log2 of the mass ratio",
+          "Two boxes on four corners with friction, the upper one heavier: what MR is without friction. The "
+          "split of the load over the corners is free."},
+      StabilityFamily{
+          "STKF", "boxes",
+          "Equal boxes on four corners with friction, pushed sideways: hyperstatic contacts, on which sweeps "
+          "converge slowly or not at all."},
+      StabilityFamily{"RANK", "contacts at a corner",
+                      "One box whose corners are repeated: lambda is not unique, z is, unless it slides and spins."},
+      StabilityFamily{
+          "JAM", "-log2 of 3/4 - mu",
+          "A wedge dragged into its walls. Forces grow like 2^k up to mu = 3/4; from there on Coulomb's law "
+          "has no solution (the last points), and only 'infeasible' or no claim is right."},
+      StabilityFamily{"HELD", "-log2 of |mu - 3/4|",
+                      "A body pulled out of a wedge. Above mu = 3/4 it may come free or be held: two solutions. Below, "
+                      "it comes free."},
+      StabilityFamily{"ROD", "-log2 of |mu - 14/11|",
+                      "Painleve's rod. Above mu = 14/11 three solutions, below one; near it the equations of sticking "
+                      "are singular."},
+      StabilityFamily{
+          "PINCH", "none",
+          "Plates that move apart along themselves: a continuum of solutions. The convex law is infeasible."},
+      StabilityFamily{
+          "PUCK", "none",
+          "A flat box that slides and spins on four corners: the load's split is free, and z depends on it. "
+          "A continuum; the referee says 'not isolated'."},
   };
   return all;
 }

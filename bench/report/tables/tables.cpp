@@ -102,6 +102,8 @@ std::vector<Table> all_tables(const Run& run) {
   if (run.is_of_speed())
     for (Table& table : std::vector{speed_table(run), speed_exponent_table(run), assembly_table(run)})
       tables.push_back(std::move(table));
+  for (Table& table : std::vector{law_table(run), conformance_table(run), phenomenon_table(run)})
+    if (!table.rows.empty()) tables.push_back(std::move(table));
   if (!run.sequences.empty()) tables.push_back(sequence_table(run));
   if (!run.recorded.empty()) tables.push_back(recorded_table(run));
   return tables;

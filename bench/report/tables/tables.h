@@ -63,6 +63,9 @@ Table speed_table(const Run& run);           // time, kernels, ratios, error and
 Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
 Table assembly_table(const Run& run);
 // Where there are such lines:
+Table law_table(const Run& run);                // one problem under several laws of friction
+Table conformance_table(const Run& run);        // which solver shows which phenomenon of friction
+Table phenomenon_table(const Run& run);         // what they are
 Table sequence_table(const Run& run);           // cold and warm over frames
 Table recorded_table(const Run& run);           // answers that came with the problems
 std::vector<Table> all_tables(const Run& run);  // some only where there is something to say

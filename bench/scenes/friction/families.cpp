@@ -93,9 +93,16 @@ Vector of(std::initializer_list<double> values) {
   return v;
 }
 
+std::string counted(int solutions) {
+  return solutions < 0 ? "a continuum of solutions"
+                       : std::to_string(solutions) + (solutions == 1 ? " solution" : " solutions");
+}
+
+// How many solutions there are stands in the reference's method, and so in every table of references.
 FrictionPoint known(Instance instance, int solutions, std::optional<Vector> z = {}) {
-  if (z) instance.reference = Reference{.z = *z, .unique = solutions == 1, .method = "closed form"};
-  if (solutions == 0) instance.reference = Reference{.feasible = false, .method = "closed form"};
+  const std::string method = "closed form, " + counted(solutions);
+  if (z) instance.reference = Reference{.z = *z, .unique = solutions == 1, .method = method};
+  if (solutions == 0) instance.reference = Reference{.feasible = false, .method = method};
   return {std::move(instance), solutions};
 }
 
@@ -173,6 +180,11 @@ SceneEntry family(const char* name, const char* line, std::vector<Knob> knobs,
   return entry;
 }
 
+// Without a knob.
+SceneEntry point(const char* name, const char* line, std::function<Instance(const Knobs&)> make) {
+  return {.name = name, .family = name, .line = line, .knobs = {}, .make = std::move(make)};
+}
+
 PlantedFriction planted_options(const Knobs& k) {
   return {.bodies = static_cast<Index>(k.at("bodies")),
           .contacts = static_cast<Index>(k.at("contacts")),
@@ -222,9 +234,9 @@ FrictionPoint puck_point() {
       lambda[i + 1 + static_cast<Index>(t)] = -mu * (85 / slip[k][2]) * slip[k][t] / 64;
     }
   }
-  const Instance exact = p.planted("PUCK", of({4, 10.5, 0, 0, 0, .5}), lambda, slack);
-  FrictionPoint out{exact, -1};
-  return out;
+  Instance exact = p.planted("PUCK", of({4, 10.5, 0, 0, 0, .5}), lambda, slack);
+  if (exact.reference) exact.reference->method += ", " + counted(-1);
+  return {std::move(exact), -1};
 }
 
 Instance planted_friction(const PlantedFriction& o) {
@@ -305,18 +317,32 @@ std::vector<SceneEntry> friction_families() {
   all.push_back(family("RANK", "a box at rest on four corners, each corner k times",
                        {integer_knob("k", 1, 1, 64, "contacts at each corner")},
                        [](const Knobs& k) { return box_tower("RANK", {1}, static_cast<int>(k.at("k")), .5, .25); }));
-  all.push_back(family("JAM", "a wedge dragged into its walls, mu = 3/4 - 2^-k; forces grow like 2^k",
-                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4, where no answer exists")},
-                       [](const Knobs& k) { return jam_point(.75 - std::exp2(-k.at("k")), -1).instance; }));
-  all.push_back(family("ROD", "Painleve's rod: one solution below mu = 14/11, three above",
-                       {integer_knob("k", 3, 1, 45, "-log2 of the distance"),
-                        integer_knob("above", 1, 0, 1, "1: above 14/11; 0: below")},
+  all.push_back(family("JAM",
+                       "a wedge dragged into its walls, mu = 3/4 - 2^-k: forces grow like 2^k; no answer from 3/4 on",
+                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4"),
+                        integer_knob("beyond", 0, 0, 1, "1: mu = 3/4 + 2^-k, no solution")},
+                       [](const Knobs& k) {
+                         const double off = std::exp2(-k.at("k"));
+                         return jam_point(.75 + (k.at("beyond") == 1 ? off : -off), -1).instance;
+                       }));
+  all.push_back(family("HELD", "pulled out of a wedge, mu = 3/4 + 2^-k: held or free, two solutions",
+                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4"),
+                        integer_knob("above", 1, 0, 1, "1: above 3/4; 0: below, one solution")},
+                       [](const Knobs& k) {
+                         const double off = std::exp2(-k.at("k"));
+                         return held_point(.75 + (k.at("above") == 1 ? off : -off)).instance;
+                       }));
+  all.push_back(family("ROD", "Painleve's rod, mu = 14/11 + 2^-k: three solutions",
+                       {integer_knob("k", 3, 1, 45, "-log2 of the distance to 14/11"),
+                        integer_knob("above", 1, 0, 1, "1: above 14/11; 0: below, one solution")},
                        [](const Knobs& k) {
                          const double off = std::exp2(-k.at("k"));
                          return rod_point(14. / 11 + (k.at("above") == 1 ? off : -off)).instance;
                        }));
-  all.push_back(family("PUCK", "a flat box sliding and spinning on four corners: a continuum of answers",
-                       {integer_knob("k", 0, 0, 0, "no knob")}, [](const Knobs&) { return puck_point().instance; }));
+  all.push_back(point("PINCH", "plates moving apart along themselves: a continuum of solutions",
+                      [](const Knobs&) { return pinch_point().instance; }));
+  all.push_back(point("PUCK", "a flat box sliding and spinning on four corners: a continuum of solutions",
+                      [](const Knobs&) { return puck_point().instance; }));
   return all;
 }
 

@@ -31,7 +31,7 @@ struct PlantedFriction {
 };
 Instance planted_friction(const PlantedFriction& options);
 
-// The families of the atlas that have friction: MU0, MUL, APEX, SLIP, MRF, STKF, JAM, ROD, RANK, PUCK, and `planted`.
+// The families of the atlas that have friction (docs/friction.md), the exact points above among them, and `planted`.
 std::vector<SceneEntry> friction_families();
 
 }  // namespace zwang

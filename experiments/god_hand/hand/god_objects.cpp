@@ -26,11 +26,11 @@ void GodObjects::pass(BodyId a, BodyId b) {
 }
 
 BodyId add_hand(GodObjects& objects, const hand::Model& model, const Target& at, const std::string& prefix,
-                double reach) {
+                double reach, bool meets) {
   const BodyId palm =
       hand::add(objects.scene, hand::forward_kinematics(at.palm, at.angles, model), prefix, model, reach);
   for (const Shape& shape : hand::shapes(model)) objects.add_shape(shape);
-  for (BodyId a = palm; a < palm + hand::bodies; ++a)
+  for (BodyId a = palm; a < palm + hand::bodies && !meets; ++a)
     for (BodyId b = 0; b < palm; ++b) objects.pass(a, b);
   for (const auto& [a, b] : hand::passing(model)) objects.pass(palm + a, palm + b);
   return palm;

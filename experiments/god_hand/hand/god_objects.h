@@ -28,9 +28,9 @@ struct GodObjects {
 
 // Adds a hand: 96 unknowns, 70 joint rows, 40 limits written from `reach` [rad] before they are met on. The palm is a
 // rounded box, the phalanxes are capsules. Bodies that touch while the hand is straight do not meet (those that share a
-// joint, the roots of neighbouring fingers), nor do those of one finger, nor this hand and what was added before.
-// Returns the palm.
+// joint, the roots of neighbouring fingers), nor do those of one finger, nor, unless it `meets` that, this hand and
+// what was added before. Returns the palm.
 BodyId add_hand(GodObjects& objects, const hand::Model& model, const Target& at, const std::string& prefix,
-                double reach);
+                double reach, bool meets = false);
 
 }  // namespace zwang::god

@@ -32,6 +32,7 @@ constexpr std::array all_columns = {
     Column{"held", "1", &Frame::held},
     Column{"stuck", "1", &Frame::stuck},
     Column{"behind", "1", &Frame::behind},
+    Column{"origin", "1", &Frame::origin},
 };
 
 std::span<const Column> columns() { return all_columns; }

@@ -14,7 +14,7 @@ namespace zwang::god {
 struct Column {
   const char* key;
   const char* unit;
-  std::variant<double Frame::*, int Frame::*, bool Frame::*> member;
+  std::variant<double Frame::*, int Frame::*, bool Frame::*, Origin Frame::*> member;
 
   double of(const Frame& frame) const {
     return std::visit([&](auto of) { return static_cast<double>(frame.*of); }, member);

@@ -45,16 +45,21 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
     frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
     frame.rows += static_cast<int>(c.problem().rows());
     frame.held = frame.held || c.held();
+    if (c.held()) frame.came_from(Origin::held);
     frame.stuck = frame.stuck || stuck(c, first);
   }
   for (std::size_t b = 0; b < frame.god.size(); ++b)
     frame.distance = std::max(frame.distance, (frame.god[b].position - frame.target[b].position).norm());
-  // The coupling's spring, from the first god object to its target.
-  const Body& palm = clusters[0].objects().scene.bodies[0];
-  const Vec<double, 6> back = twist_between(frame.target[0], frame.god[0]);
-  const Mat3& R = frame.god[0].rotation;
-  frame.palm_wrench << options.force_stiffness * palm.mass * back.head<3>(),
-      options.force_stiffness * (R * palm.inertia * R.transpose() * back.tail<3>());
+  // The coupling's spring, from each god object to its target.
+  for (const Cluster& c : clusters)
+    for (std::size_t b = 0; b < c.size(); ++b) {
+      const Body& body = c.objects().scene.bodies[b];
+      const Vec<double, 6> back = twist_between(c.targets()[b], c.poses()[b]);
+      const Mat3& R = c.poses()[b].rotation;
+      frame.device.emplace_back() << options.force_stiffness * body.mass * back.head<3>(),
+          options.force_stiffness * (R * body.inertia * R.transpose() * back.tail<3>());
+    }
+  frame.palm_wrench = frame.device[0];
   frame.jitter = jitter(frame);
   measure_depth(objects, frame);
   if (options.mu > 0) measure_grip(objects, options, frame);

@@ -3,6 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <zwang/bench/scenes/physical.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/experiments/god_hand/motion/grips.h>
 #include <zwang/experiments/god_hand/motion/keyframes.h>
@@ -180,22 +181,51 @@ std::vector<Track> two_hands(const Site& s) {
   return tracks;
 }
 
+// A tool that points where fingers would goes into the object from above, 1.5 mm and 2 degrees off its axis.
+std::vector<Track> insert(const Site& s) {
+  const Vec3 top = s.middle() + (s.extent(s.out)[1] - s.out.dot(s.middle())) * s.out;
+  const auto place = [&](double height, double off, double tilt) {
+    return Palm{top + height * s.out + off * s.along, rotation(tilt * s.aside) * Site::axes(-s.out, s.aside)};
+  };
+  Keyframes keys(hand::standard(), place(0.09, 0.003, 0), {});
+  keys.stay(0.1).to(0.8, place(0.045, 0.003, 0.035)).to(2, place(0.005, 0.0015, 0.035)).stay(2.4);
+  keys.to(3.2, place(0.045, -0.0015, -0.035)).to(3.8, place(0.09, 0, 0));
+  return {keys.track()};
+}
+
+// Into the slot, a quarter turn behind it, back up against it, and out the way it came; 0.5 mm and 1 degree off.
+std::vector<Track> unlock(const Site& s) {
+  const auto place = [&](double height, double turn, double off = 5e-4, double tilt = 0.0175) {
+    return Palm{Vec3(off, -off, height),
+                rotation(turn * Vec3::UnitZ()) * rotation(tilt * Vec3::UnitX()) * Site::axes(-s.out, Vec3::UnitY())};
+  };
+  constexpr double quarter = 1.5707963;
+  Keyframes keys(hand::standard(), place(0.05, 0, 0, 0), {});
+  keys.stay(0.1).to(1.2, place(0.002, 0.03)).to(2, place(0.002, quarter)).to(2.4, place(0.03, quarter)).stay(2.6);
+  keys.to(3, place(0.002, quarter)).to(3.8, place(0.002, 0)).to(4.8, place(0.05, 0, 0, 0));
+  return {keys.track()};
+}
+
 struct Entry {
   const char* name;
   const char* line;
   std::vector<Track> (*make)(const Site&);
+  double mu = 0;  // that it needs
 };
 constexpr Entry entries[] = {
     {"press", "the flat hand pressed 30 mm into the surface", press},
     {"slide", "pressed 15 mm deep and moved 140 mm forth and back along the surface", slide},
     {"grasp", "the fingers closed about the object at the focus, then the hand up by 100 mm, down again and open",
      grasp},
-    {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift},
-    {"hold", "the same grip, kept for a minute", hold},
+    {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift,
+     0.8},
+    {"hold", "the same grip, kept for a minute", hold, 0.8},
     {"poke", "the index finger put 40 mm through the surface", poke},
     {"fist", "a fist clenched 25 mm inside the object", fist},
     {"swipe", "through the object and back at 5 m/s", swipe},
     {"teleport", "jumps of 0.3 m: one with the way clear, one through the surface and back", teleport},
+    {"insert", "a tool (--god peg) into the object at the focus and out again, a little off its axis", insert},
+    {"unlock", "a tool (--god key) through a slot, turned behind it, pulled, turned back and out", unlock},
     {"lost", "tracking lost for 0.3 s while sliding in contact", lost},
     {"nan", "NaN among the keys of a press: one, and four in a row", not_numbers},
     {"two_hands", "both hands, pressing the object between them or the surface side by side", two_hands}};
@@ -206,6 +236,12 @@ std::vector<std::pair<std::string, std::string>> synthetic_motions() {
   std::vector<std::pair<std::string, std::string>> out;
   for (const Entry& e : entries) out.emplace_back(e.name, e.line);
   return out;
+}
+
+double friction_for(const std::string& motion) {
+  for (const Entry& e : entries)
+    if (e.name == motion) return e.mu;
+  return 0;
 }
 
 HandMotion synthetic_motion(const std::string& name, const Surroundings& about) {

@@ -1,6 +1,6 @@
 // The replay of a simulated run: wiring of view, numbers, timeline, transport, keys and the state in the URL.
 import {marks, read_run} from './data.mjs';
-import {contact_colors, mark_colors, stage_colors, themes} from './palette.mjs';
+import {contact_colors, mark_colors, origin_colors, origins, stage_colors, themes} from './palette.mjs';
 import {make_panel} from './panel.mjs';
 import {make_timeline} from './timeline.mjs';
 import {css, element, integer, seconds} from './words.mjs';
@@ -132,11 +132,13 @@ function draw_legend() {
   };
   const any = bit => run.numbers.marks.some(bits => bits & bit);
   $('legend').replaceChildren(
-    ...run.hands.map((hand, h) => item(run.hands.length > 1 ? `${hand.left ? 'left' : 'right'} god hand` : 'god hand', theme.hands[h % 2][0])),
-    item('tracked hand', theme.ghost, 'ring'), item('pressing', theme.touch[0]),
+    ...run.hands.map((hand, h) => item(run.hands.length > 1 ? `${hand.left ? 'left' : 'right'} god hand` : `god ${hand.name}`, theme.hands[h % 2][0])),
+    item(`tracked ${run.hands[0].name}`, theme.ghost, 'ring'), item('pressing', theme.touch[0]),
     ...run.loose > 0 ? [item('loose object', theme.loose[0])] : [],
     item('contact that pushes', contact_colors.push, 'bar'), item('contact at rest', contact_colors.near, 'bar'),
     ...any(marks.wrong) ? [item('wrong', mark_colors.wrong, 'bar')] : [], ...any(marks.held) ? [item('held', mark_colors.held, 'bar')] : []);
+  const came = new Set(run.numbers.origin);
+  $('legend').append(...origins.map((name, k) => [name, k]).filter(([, k]) => k > 0 && came.has(k)).map(([name, k]) => item(`step ${name}`, origin_colors[k], 'bar')));
   $('hint').replaceChildren(...run.stages.filter(stage => run.numbers[stage].some(t => t > 0)).map(stage => {
     const dot = element('i');
     dot.style.cssText = `display:inline-block;width:9px;height:9px;border-radius:2px;margin:0 5px 0 12px;background:${stage_colors[stage]}`;

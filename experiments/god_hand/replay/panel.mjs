@@ -1,6 +1,6 @@
 // The numbers of the frame that is shown.
 import {marks} from './data.mjs';
-import {mark_colors, stage_colors} from './palette.mjs';
+import {mark_colors, origins, stage_colors} from './palette.mjs';
 import {element, integer, millimetres, milliseconds, tiny} from './words.mjs';
 
 const $ = id => document.getElementById(id);
@@ -22,6 +22,7 @@ export function make_panel(run) {
     ['contacts', f => n.raw[f] > 0 ? `${integer(n.raw[f])} → ${integer(n.kept[f])}` : '0', () => '', 'found → kept as rows'],
     ['smallest gap', f => n.gap[f] >= .05 ? '> 50 mm' : millimetres(n.gap[f]), f => n.gap[f] < 0 ? 'bad' : '', 'god objects to anything; below 0: penetration'],
     ['tracked hand inside', f => millimetres(n.depth[f]), f => n.depth[f] > 0 ? 'ghost' : '', 'the deepest body of the tracked hand'],
+    ['step', f => origins[n.origin[f]], () => '', 'where the frame came from: free, the constrained step, damped, bounded, relaxed or held'],
     ['apart from it', f => millimetres(n.dist[f]), () => '', 'largest distance of a god object to its target'],
     ['force shown', f => `${n.force[f].toFixed(2)} N`, () => '', 'what a haptic device would show at the first palm'],
     null,

@@ -1,7 +1,7 @@
 // Below the view: marks, how deep the tracked hand is inside, and where the time of each step went, over the run.
 import {marks} from './data.mjs';
 import {css, integer, millimetres, milliseconds, seconds} from './words.mjs';
-import {mark_colors, stage_colors, themes} from './palette.mjs';
+import {mark_colors, origin_colors, stage_colors, themes} from './palette.mjs';
 
 const left = 46, top = 16, bottom = 16, between = 8;
 
@@ -68,6 +68,12 @@ export function make_timeline(run, box, canvas, cursor, tip, seek) {
       pen.fillStyle = color('--muted');
       if (run.frames > columns && peak < base - 1) pen.fillRect(left + c, peak, 1, 1);
       if (most > scale) pen.fillRect(left + c, time_top, 1, 3);
+    }
+
+    // Where the frames came from: of a column's the last in the order.
+    for (let c = 0; c < columns; c++) {
+      pen.fillStyle = origin_colors[largest(n.origin, c)];
+      pen.fillRect(left + c, depth_floor + 2, 1, between - 4);
     }
 
     // Marks above, the grave ones last and tallest.

@@ -69,6 +69,8 @@ Dataset dataset_of(const char* name, const char* unit, const T& value, Stored re
     d.type = Stored::flag;
   else if constexpr (std::is_integral_v<T> || std::is_same_v<T, std::vector<FrameContact>>)
     d.type = Stored::integer;
+  else if constexpr (std::is_same_v<T, Origin>)
+    d.type = Stored::integer, d.meaning = names_of(Origin::held);
   else if constexpr (std::is_same_v<T, Status>)
     d.type = Stored::integer, d.meaning = names_of(Status::crashed);
   else if constexpr (std::is_same_v<T, std::optional<Verdict>>)

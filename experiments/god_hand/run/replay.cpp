@@ -189,16 +189,18 @@ void ShownFrames::add(const Frame& frame) {
 
 std::filesystem::path write_replay(const std::filesystem::path& directory, const Record& record, const Summary& summary,
                                    const std::vector<Frame>& frames, const Surroundings& surroundings,
-                                   std::span<const hand::Model> models) {
+                                   std::span<const ShownGod> gods) {
   if (frames.empty()) throw BadFile(directory.string() + ": no frame to show");
   const Conditions c = conditions();
   Json hands = Json::array(), bodies = Json::array();
-  for (const hand::Model& model : models) {
+  for (const ShownGod& god : gods) {
     Json shapes = Json::array();
-    for (const collision::Shape& shape : hand::shapes(model)) shapes.push_back(to_json(shape));
-    hands.push_back({{"left", model.left}, {"shapes", shapes}});
+    for (const collision::Shape& shape : god.shapes) shapes.push_back(to_json(shape));
+    hands.push_back({{"name", god.name}, {"left", god.left}, {"shapes", shapes}});
   }
-  for (int body = 0; body < hand::bodies; ++body) bodies.push_back(hand::body_name(body));
+  const bool tool = gods.size() == 1 && gods[0].name != "hand";
+  for (int body = 0; body < (tool ? static_cast<int>(gods[0].shapes.size()) : hand::bodies); ++body)
+    bodies.push_back(tool ? gods[0].name + " " + std::to_string(body + 1) : hand::body_name(body));
   const Json data = {
       {"scene", record.asked.scene},
       {"motion", record.title},

@@ -21,11 +21,18 @@ class ShownFrames {
   std::vector<Frame> frames_ = {};
 };
 
-// DIR/replay.html: these frames in 3D, one file that needs no network (docs/god-hand.md). `models`: one per hand.
+// What the page shows of the god objects of a cluster.
+struct ShownGod {
+  std::string name;  // "hand", or a tool's
+  bool left;         // of a hand
+  std::vector<collision::Shape> shapes;
+};
+
+// DIR/replay.html: these frames in 3D, one file that needs no network (docs/god-hand.md).
 // Throws BadFile when there is no frame or the page cannot be written.
 std::filesystem::path write_replay(const std::filesystem::path& directory, const Record& record, const Summary& summary,
                                    const std::vector<Frame>& frames, const Surroundings& surroundings,
-                                   std::span<const hand::Model> models);
+                                   std::span<const ShownGod> gods);
 
 inline constexpr long most_frames_shown = 3000;
 inline constexpr std::size_t most_triangles_shown = 100000;

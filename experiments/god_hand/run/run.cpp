@@ -35,8 +35,12 @@ Setup set_up(Record& record) {
   asked.options = chosen(asked.options);
   make_solver(asked.options.solver);  // its complaint comes before the work on a large scene
   Setup setup;
+  if (asked.god != "hand") setup.tool = make_tool(asked.god);
   record.recorded = names_file(asked.motion);
-  if (record.recorded) setup.motion = read_motion(asked.motion);
+  std::optional<HandMotion> path;
+  if (record.recorded && setup.tool) path = read_path(asked.motion);
+  if (path) asked.share = 0;  // it says itself where it is
+  if (record.recorded) setup.motion = path ? std::move(*path) : read_motion(asked.motion);
   setup.surroundings = make_surroundings(asked.scene, asked.parts);
   if (!record.recorded) setup.motion = synthetic_motion(asked.motion, setup.surroundings);
   if (record.recorded && asked.share > 0) record.placement = place(setup.motion, setup.surroundings, asked.share);
@@ -45,6 +49,7 @@ Setup set_up(Record& record) {
   record.motion = fingerprint(setup.motion);
   record.surroundings = fingerprint(setup.surroundings);
   record.hands = setup.motion.hands.size();
+  record.bodies = setup.tool ? setup.tool->objects.shapes.size() : record.hands * hand::bodies;
   record.loose =
       static_cast<std::size_t>(std::count_if(setup.surroundings.objects.begin(), setup.surroundings.objects.end(),
                                              [](const Object& object) { return object.loose(); }));
@@ -62,19 +67,25 @@ Setup set_up(Record& record) {
 
 long simulate(const std::filesystem::path& directory, const Record& record, const Setup& setup, bool resume,
               const ShowProgress& progress, const std::atomic<bool>& interrupted) {
-  Play play(setup.surroundings, setup.motion, record.asked.options);
+  std::optional<Play> hands;
+  std::optional<ToolPlay> tool;
+  if (setup.tool)
+    tool.emplace(setup.surroundings, setup.motion, *setup.tool, record.asked.options);
+  else
+    hands.emplace(setup.surroundings, setup.motion, record.asked.options);
+  Simulation& simulation = tool ? tool->simulation() : hands->simulation();
   const Checkpoint from = resume ? read_checkpoint(directory) : Checkpoint{};
-  if (from.frames > 0) play.simulation().restore(from.state);
-  FrameWriter writer(directory, record.hands * hand::bodies, record.loose, from.frames);
+  if (from.frames > 0) simulation.restore(from.state);
+  FrameWriter writer(directory, record.bodies, record.loose, from.frames);
   long k = from.frames;
   for (; k < record.asked.frames && !interrupted; ++k) {
-    const Frame& frame = play.step(k);
+    const Frame& frame = tool ? tool->step(k) : hands->step(k);
     writer.write(frame);
     progress(static_cast<double>(k + 1) / static_cast<double>(record.asked.frames),
              grouped(static_cast<std::size_t>(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");
     if ((k + 1) % checkpoint_every != 0) continue;
     writer.flush();
-    write_checkpoint(directory, {k + 1, play.simulation().checkpoint()});
+    write_checkpoint(directory, {k + 1, simulation.checkpoint()});
   }
   writer.flush();
   return k;
@@ -82,9 +93,13 @@ long simulate(const std::filesystem::path& directory, const Record& record, cons
 
 Finished finish(const std::filesystem::path& directory, const Record& record, const Setup& setup,
                 const ShowProgress& progress) {
-  const std::vector<hand::Model> models = models_of(setup.motion);
+  std::vector<ShownGod> gods;
+  if (setup.tool)
+    gods.push_back({setup.tool->name, false, setup.tool->objects.shapes});
+  else
+    for (const hand::Model& model : models_of(setup.motion)) gods.push_back({"hand", model.left, hand::shapes(model)});
   std::vector<std::vector<collision::Shape>> shapes;
-  for (const hand::Model& model : models) shapes.push_back(hand::shapes(model));
+  for (const ShownGod& god : gods) shapes.push_back(god.shapes);
   const std::vector<MetPart> parts = met_parts(setup.surroundings);
   std::vector<Obstacle> obstacles;
   for (const MetPart& part : parts) obstacles.push_back(part.body);
@@ -109,7 +124,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   out.lines = out.summary.lines(record);
   replace_file(directory / "summary.json", out.summary.json(record));
   if (out.summary.frames() > 0)
-    out.replay = write_replay(directory, record, out.summary, shown.frames(), setup.surroundings, models);
+    out.replay = write_replay(directory, record, out.summary, shown.frames(), setup.surroundings, gods);
   return out;
 }
 

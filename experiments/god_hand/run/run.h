@@ -6,6 +6,7 @@
 
 #include <zwang/experiments/god_hand/run/run_record.h>
 #include <zwang/experiments/god_hand/run/summary.h>
+#include <zwang/experiments/god_hand/run/tool.h>
 
 namespace zwang::god {
 
@@ -13,11 +14,12 @@ namespace zwang::god {
 struct Setup {
   Surroundings surroundings = {};
   HandMotion motion = {};
+  std::optional<Tool> tool = {};  // none: hands
 };
 
-// Scene and motion; a recording is placed where it works. Fills what `record` says of them, and asked.frames where it
-// is 0. Throws as make_surroundings, read_motion and synthetic_motion do, and std::invalid_argument for a solver there
-// is not.
+// Scene, god objects and motion; a recording is placed where it works. Fills what `record` says of them, and
+// asked.frames where it is 0. Throws as make_surroundings, read_motion and synthetic_motion do, and
+// std::invalid_argument for a solver there is not.
 Setup set_up(Record& record);
 
 // Fraction done, what is going on.

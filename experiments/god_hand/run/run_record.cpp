@@ -23,6 +23,7 @@ void each_entry(SomeRecord& r, const Visit& visit) {
   visit("/finished", r.finished);
   visit("/scene", r.asked.scene);
   visit("/parts", r.asked.parts);
+  visit("/god", r.asked.god);
   visit("/motion", r.asked.motion);
   visit("/title", r.title);
   visit("/share", r.asked.share);
@@ -30,6 +31,7 @@ void each_entry(SomeRecord& r, const Visit& visit) {
   visit("/audit", r.asked.audit);
   each_option(r.asked.options, visit);
   visit("/hands", r.hands);
+  visit("/bodies", r.bodies);
   visit("/loose", r.loose);
   visit("/notes", r.notes);
   visit("/recorded", r.recorded);

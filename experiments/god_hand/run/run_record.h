@@ -12,7 +12,7 @@ namespace zwang::god {
 
 // What a run was asked for, defaults filled in.
 struct Asked {
-  std::string scene = "simple", parts = {}, motion = "grasp";  // as typed; files by their absolute paths
+  std::string scene = "simple", parts = {}, god = "hand", motion = "grasp";  // as typed; files by their absolute paths
   Options options = {};
   double share = 0.45;  // of the frames of a recording in which its target is to be inside an object
   long frames = 0;      // to be simulated
@@ -23,10 +23,10 @@ struct Asked {
 struct Record {
   std::string command = {}, started = {}, finished = {};  // ISO 8601, UTC; finished is "" until the run is complete
   Asked asked = {};
-  std::uint64_t motion = 0, surroundings = 0;  // fingerprints of what the run began with
-  std::string title = {};                      // of the motion
-  std::size_t hands = 0, loose = 0, held_over = 0;
-  std::vector<std::string> notes = {};      // on the motion, one line each
+  std::uint64_t motion = 0, surroundings = 0;                   // fingerprints of what the run began with
+  std::string title = {};                                       // of the motion
+  std::size_t hands = 0, bodies = 0, loose = 0, held_over = 0;  // bodies: god objects
+  std::vector<std::string> notes = {};                          // on the motion, one line each
   bool recorded = false;                    // the motion is a recording: misfit and placement say something
   double misfit_mean = 0, misfit_most = 0;  // m, of the worst hand
   Placement placement = {};

@@ -69,6 +69,7 @@ void Summary::add(const Frame& f) {
   for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_frame[k];
   columns_.add(f);
   broken_ += !fault(f).empty();
+  ++origins_[static_cast<std::size_t>(f.origin)];
   if (f.raw > 0) {
     raw_.push_back(f.raw);
     kept_.push_back(f.kept);
@@ -121,6 +122,11 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                   text("%.3g", record.asked.options.mu) + "); once the target rests, contacts creep by " +
                   text("%.2g um/s", 1e6 * most("creep")) + " at most; momentum balanced to " +
                   text("%.1e", most("impulse")));
+  std::string origins;
+  for (std::size_t k = 0; k < origins_.size(); ++k)
+    if (origins_[k] > 0)
+      origins += (origins.empty() ? "" : ", ") + grouped(static_cast<std::size_t>(origins_[k])) + " " + origin_names[k];
+  out.push_back("Where the frames came from: " + origins);
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
                   length(record.misfit_most) + " at most; " +
@@ -134,11 +140,10 @@ std::vector<std::string> Summary::lines(const Record& record) const {
     out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
                   (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
   if (audited_ > 0)
-    out.push_back(
-        "Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
-        counted(audited_, "body-frame") +
-        (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
-        (crossed_ > 0 ? "; the hands, which do not meet each other, cross in " + counted(crossed_, "body-frame") : ""));
+    out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
+                  counted(audited_, "body-frame") +
+                  (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
+                  (crossed_ > 0 ? "; the hands cross each other in " + counted(crossed_, "body-frame") : ""));
   if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
   return out;
 }
@@ -148,6 +153,8 @@ std::string Summary::json(const Record& record) const {
   Json shares;
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   for (std::size_t k = 0; k < stages_.size(); ++k) shares[stage_names[k]] = all > 0 ? stages_[k] / all : 0;
+  Json origins;
+  for (std::size_t k = 0; k < origins_.size(); ++k) origins[origin_names[k]] = origins_[k];
   const Json j = {
       {"scene", record.asked.scene},
       {"motion", record.title},
@@ -161,6 +168,7 @@ std::string Summary::json(const Record& record) const {
       {"limit_violation_rad", most("limit")},
       {"stuck_frames", count("stuck")},
       {"held_frames", count("held")},
+      {"origins", origins},
       {"faulty_frames", broken_},
       {"target_beyond_thin_part_frames", count("behind")},
       {"untracked_frames", frames() - count("tracked")},

@@ -31,6 +31,7 @@ class Summary {
   Totals columns_ = {};
   std::vector<double> totals_ = {};    // s, a step
   std::array<double, 6> stages_ = {};  // s, of all frames
+  std::array<long, origin_names.size()> origins_ = {};
   long broken_ = 0;
   long audited_ = 0, overlaps_ = 0, first_overlap_ = -1, crossed_ = 0;
   std::vector<double> raw_ = {}, kept_ = {};  // of the frames with contacts

@@ -85,6 +85,33 @@ Surroundings grasp() {
   return s;
 }
 
+// For --god peg, whose radius is 10 mm.
+Surroundings hole() {
+  constexpr double outer = 0.03, bore = 0.0103, length = 0.04;
+  Surroundings s{.name = "hole"};
+  s.objects = {fixed("bushing", tree_of(meshes::pipe(outer, outer - bore, length, 20000)), {0, 0, -length / 2})};
+  s.focus = {(outer + bore) / 2, 0, 0};
+  return s;
+}
+
+// For --god key: a plate with a slot that its bit fits through, and room behind it.
+Surroundings lock() {
+  constexpr double thick = 0.008, half = 0.04, low_x = -0.0034, high_x = 0.0155, half_y = 0.0034, rounding = 5e-4;
+  Surroundings s{.name = "lock"};
+  Object plate{.name = "plate", .pose = {{0, 0, -thick / 2}, Mat3::Identity()}};
+  const auto add = [&](double x0, double x1, double y0, double y1) {
+    plate.pieces.push_back({collision::Shape::rounded_box({x1 - x0, y1 - y0, thick}, rounding),
+                            {{(x0 + x1) / 2, (y0 + y1) / 2, 0}, Mat3::Identity()}});
+  };
+  add(-half, low_x, -half, half);
+  add(high_x, half, -half, half);
+  add(low_x - 2 * rounding, high_x + 2 * rounding, half_y, half);
+  add(low_x - 2 * rounding, high_x + 2 * rounding, -half, -half_y);
+  s.objects = {plate};
+  s.focus = {-half / 2, 0, 0};
+  return s;
+}
+
 SceneEntry entry(std::string name, std::string line, Surroundings (*make)(),
                  Surroundings (*real)(const fs::path&) = nullptr) {
   return {name, std::move(line), [name, make, real](const fs::path& parts) {
@@ -104,6 +131,8 @@ std::span<const SceneEntry> scenes() {
       entry("pegs", "a row of pegs and a plate with holes, fingers fit between and through", pegs),
       entry("holes", "a plate with holes, 50k triangles", holes),
       entry("grasp", "dumbbell, mug, T, box, can and ball, loose on a table", grasp),
+      entry("hole", "a bushing for --god peg: 0.3 mm of clearance at a radius of 10 mm", hole),
+      entry("lock", "a plate with a slot for --god key, to be turned behind it", lock),
       entry("simple", "five detailed parts, 100k triangles, and two loose ones (the paper's simple scene)",
             simple_scene, real_simple_scene),
       entry("engine", "an engine compartment, 20 parts, 1M triangles, and loose small ones", engine_scene,

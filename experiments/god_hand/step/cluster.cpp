@@ -10,10 +10,8 @@
 namespace zwang::god {
 namespace {
 
-constexpr double catch_up = 0.8;  // m/s
-constexpr double jump = 8;        // activation distances that targets may go in a frame before it is one
-constexpr double leg = 0.25;      // rad
-constexpr double still = 1e-7;    // m: what moves by less rests
+constexpr double leg = 0.25;    // rad
+constexpr double still = 1e-7;  // m: what moves by less rests
 
 // No point of the shape goes farther than this.
 double travel(const collision::Shape& shape, const Vec<double, 6>& twist) {
@@ -44,14 +42,14 @@ void Cluster::place(std::span<const Pose<double>> poses) {
   std::vector<Pose<double>> closed(poses.begin(), poses.end());
   skeleton_.close(closed, options_.limits == Options::Limits::predictive);
   follow(followed_, objects_.scene.bodies, 1);
-  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), followed_, false, false, 1});
+  restore({closed, closed, std::vector<Vec<double, 6>>(size(), Vec<double, 6>::Zero()), followed_,
+           met() ? closed : std::vector<Pose<double>>(), Next::straight, 1});
 }
 
 Cluster::Memory Cluster::memory() const {
-  return {pose_,      {target_.begin(), target_.begin() + static_cast<long>(size())},
-          last_step_, followed_,
-          blocked_,   retry_linear_,
-          step_scale_};
+  return {
+      pose_,      {target_.begin(), target_.begin() + static_cast<long>(size())}, last_step_, followed_, met_at_, next_,
+      step_scale_};
 }
 
 void Cluster::restore(const Memory& memory) {
@@ -63,9 +61,9 @@ void Cluster::restore(const Memory& memory) {
   }
   last_step_ = memory.last_step;
   followed_ = memory.followed;
-  blocked_ = memory.blocked;
-  retry_linear_ = memory.retry_linear;
+  next_ = memory.next;
   step_scale_ = memory.step_scale;
+  met_at_ = memory.met_at;
   warm_ = {};
   solver_ = solver_of(options_);
   plain_solver_ = plain_solver_of(options_);
@@ -97,13 +95,13 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
     target_[b] = end_[b];
   }
   const double most = longest(step_);
-  if (most > std::min(jump * options_.activation, fastest_hand * options_.dt)) {
-    blocked_ = false;
+  if (most > std::min(options_.jump, options_.fastest * options_.dt)) {
+    if (next_ == Next::linear_if_pressed) next_ = Next::straight;
     step_scale_ = 1;
   }
-  minimum_step_ = most > fastest_hand * options_.dt ? 0 : std::min(1.2 * most, jump * options_.activation);
-  largest_step_ = std::max(
-      {1.5 * minimum_step_, 0.4 * options_.activation, std::min(catch_up * options_.dt, 2 * options_.activation)});
+  minimum_step_ = most > options_.fastest * options_.dt ? 0 : std::min(1.2 * most, options_.jump);
+  largest_step_ = std::max({1.5 * minimum_step_, 0.4 * options_.activation,
+                            std::min(options_.catch_up * options_.dt, 2 * options_.activation)});
   done_ = held_ = counted_ = false;
   sub_step_ = 0;
 }
@@ -119,7 +117,7 @@ void Cluster::write_rows(bool push) {
     const int object = contacts_.object_of(t.b);
     const BodyId partner = object < 0 ? t.b : object + static_cast<BodyId>(size());
     // Where pushing out to the whole gap contradicts itself (a wedge), rows only keep what gap there is.
-    const double keep = options_.gap + lift, room = push ? t.gap - keep : std::max(t.gap - keep, 0.0);
+    const double keep = options_.gap + lift, room = met() ? 0.0 : push ? t.gap - keep : std::max(t.gap - keep, 0.0);
     Contact contact = contact_at(scene.bodies, t.a, partner, t.point_a, t.normal, room, object < 0 ? 0 : options_.mu);
     if (contact.friction > 0) {
       const Pose<double>& now = scene.bodies[static_cast<std::size_t>(partner)].pose;
@@ -140,6 +138,7 @@ bool Cluster::solve(Frame& frame) {
       assembler_.assemble(objects_.scene, z_u_, {.dt = options_.dt}, problem_);
       if (options_.law == Options::Friction::convex && problem_.has_tangents()) problem_.law = Law::convex;
       first_rows(problem_, rows().size(), row_at_);
+      if (!options_.correct_drift) problem_.c.head(row_at_.empty() ? problem_.rows() : row_at_[0]).setZero();
     }
     {
       const Lap lap(frame.times.solve);
@@ -232,6 +231,7 @@ void Cluster::bound() {
     step_scale_ = std::min(1.0, 1.5 * step_scale_);
   const double allowed = std::max(step_scale_ * largest_step_, minimum_step_);
   if (most <= allowed) return;
+  origin_ = std::max(origin_, Origin::bounded);
   for (std::size_t b = 0; b < size(); ++b) step_[b] *= allowed / most;
   share_ *= allowed / most;
 }
@@ -265,6 +265,7 @@ void Cluster::damp(Frame& frame) {
     norm += body.mass * step_[b].head<3>().squaredNorm() + turn.dot(body.inertia * turn);
   }
   if (bent <= 1e-9 * constraint(pose_, swept_step_) || norm == 0) return;  // the solver's rounding of the joints
+  origin_ = std::max(origin_, Origin::damped);
   for (std::size_t b = 0; b < size(); ++b) step_[b] /= 1 + 2 * bent / norm;
   share_ /= 1 + 2 * bent / norm;
 }
@@ -308,18 +309,16 @@ double Cluster::sweep(Frame& frame) {
 // before it goes up, where the linear rows see it leave. If it is stopped by something nearer than the activation
 // distance, the linear step, whose rows include that contact, is taken instead. Otherwise the hand would approach the
 // obstacle by ever smaller times of contact and stop there.
+//
+// Algorithm 1, lines 2 to 10: the way of every god object is chosen here, and swept against all objects at once. The
+// paper's own choice is the linear step alone.
 double Cluster::propose(Frame& frame) {
   {
     const Lap lap(frame.times.other);
     couple_to_targets(objects_.scene, target_, reaching_stiffness(options_.dt), z_u_);
   }
-  {
-    const Lap lap(frame.times.search);
-    using Choice = Contacts::Choice;
-    const Choice choice = !options_.reduce_contacts ? Choice::raw : options_.lazy_contacts ? Choice::few : Choice::all;
-    // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
-    contacts_.find_rows(std::max(options_.activation, 2.3 * largest_step_), choice);
-  }
+  // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
+  find_rows(met() ? options_.gap : std::max(options_.activation, 2.3 * largest_step_), frame);
   if (!counted_) {
     frame.raw += static_cast<int>(contacts_.raw());
     frame.kept += static_cast<int>(rows().size());
@@ -327,31 +326,49 @@ double Cluster::propose(Frame& frame) {
   counted_ = true;
   solved_at_ = pose_;
   std::fill(step_.begin(), step_.end(), Vec<double, 6>::Zero());
-  more_legs_ = unobstructed_ = false;
+  way_ = Way::none;
+  origin_ = Origin::held;
   if (!solve_lazily(frame)) {
     std::fill(step_.begin(), step_.end(), Vec<double, 6>::Zero());
     candidate(1, frame);
     return 1;
   }
   const bool pressing = presses();
-  if (!printed() && !retry_linear_ && (!pressing || !blocked_)) {
-    more_legs_ = go_freely();
+  if (may_go_straight(pressing)) {
+    const bool part_of_it = go_freely();
     candidate(1, frame);
     const double toc = sweep(frame);
-    unobstructed_ = toc == 1 || (!pressing && toc * longest(swept_step_) > options_.activation);
-    if (unobstructed_) {
+    if (toc == 1 || (!pressing && toc * longest(swept_step_) > options_.activation)) {
+      way_ = part_of_it ? Way::leg : Way::straight;
+      origin_ = Origin::free;
       solution_.lambda.setZero();  // nothing is held back
       return toc;
     }
-    more_legs_ = false;
     take_solution();
   }
-  retry_linear_ = false;
-  blocked_ = pressing;
-  if (!printed()) damp(frame);
-  bound();
+  way_ = Way::linear;
+  origin_ = !pressing ? Origin::free : pushed_ ? Origin::constrained : Origin::relaxed;
+  next_ = pressing ? Next::linear_if_pressed : Next::straight;
+  if (options_.damped && !printed()) damp(frame);
+  if (options_.bounded) bound();
   candidate(1, frame);
   return sweep(frame);
+}
+
+bool Cluster::may_go_straight(bool pressing) const {
+  if (printed() || !options_.straight || next_ == Next::linear) return false;
+  return !pressing || next_ == Next::straight;
+}
+
+// Algorithm 1, line 13, as printed: the contacts that the last step ran into are looked for at its time of contact.
+// With the time of contact applied twice the god objects did not get there.
+void Cluster::find_rows(double reach, Frame& frame) {
+  const Lap lap(frame.times.search);
+  using Choice = Contacts::Choice;
+  const Choice choice = !options_.reduce_contacts ? Choice::raw : options_.lazy_contacts ? Choice::few : Choice::all;
+  for (std::size_t b = 0; b < met_at_.size(); ++b) contacts_.place(static_cast<BodyId>(b), met_at_[b]);
+  contacts_.find_rows(reach, choice);
+  for (std::size_t b = 0; b < met_at_.size(); ++b) contacts_.place(static_cast<BodyId>(b), pose_[b]);
 }
 
 // The TOC counts once, or twice as Eq. 29-30 print it. As printed, the linear step ends there: the way before a time of
@@ -359,13 +376,18 @@ double Cluster::propose(Frame& frame) {
 // swept again from the start, and shortened again where it meets something. The change by the joints falls with the
 // square of the step, so that shorter steps are taken after one that was held. A straight way of which almost nothing
 // is left is not taken; a linear step takes its place.
+//
+// Algorithm 1, lines 11 to 14.
 void Cluster::commit(double toc, Frame& frame) {
+  const bool leg = way_ == Way::leg, unobstructed = leg || way_ == Way::straight;
   double part = options_.toc_twice ? toc * toc : toc;
-  if (part < 1 || !more_legs_) ++sub_step_;
+  if (part < 1 || !leg) ++sub_step_;
   frame.sub_steps = std::max(frame.sub_steps, sub_step_);
-  done_ = sub_step_ == options_.sub_steps || (part == 1 && !more_legs_);
+  done_ = sub_step_ == options_.sub_steps || (part == 1 && !leg);
   held_ = !solved_;
   bool clear = part == 1;
+  for (std::size_t b = 0; b < met_at_.size(); ++b)
+    met_at_[b] = printed() ? retract(pose_[b], Vec<double, 6>(toc * step_[b])) : pose_[b];
   if (printed()) candidate(part, frame), clear = true;
   for (const double less : {0.99, 0.9, 0.5}) {
     if (clear) break;
@@ -375,8 +397,8 @@ void Cluster::commit(double toc, Frame& frame) {
     clear = again == 1;
     part *= again;
   }
-  if (unobstructed_ && part < 1 && (!clear || longest(swept_step_) <= options_.activation)) {
-    retry_linear_ = true;
+  if (unobstructed && part < 1 && (!clear || longest(swept_step_) <= options_.activation)) {
+    next_ = Next::linear;
     --sub_step_;
     done_ = false;
     return;
@@ -388,11 +410,14 @@ void Cluster::commit(double toc, Frame& frame) {
     follow(followed_, objects_.scene.bodies, 1);
     return;
   }
-  follow(followed_, objects_.scene.bodies, unobstructed_ ? 1 : part * share_);
+  const bool straight = way_ == Way::straight || way_ == Way::leg;
+  follow(followed_, objects_.scene.bodies, straight ? 1 : part * share_);
+  frame.came_from(origin_);
   const Lap lap(frame.times.sweep);
   for (std::size_t b = 0; b < size(); ++b) {
     last_step_[b] = swept_step_[b];
     objects_.scene.bodies[b].pose = pose_[b] = end_[b];
+    if (met() && !printed()) met_at_[b] = end_[b];
     contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
 }

@@ -37,12 +37,17 @@ class Cluster {
   // Poses of all god objects, put onto joints and limits. Forgets what earlier frames left behind.
   void place(std::span<const Pose<double>> poses);
 
+  // What the next sub-step tries first: the targets themselves; the linear step, if a contact presses, since the last
+  // one was blocked; or the linear step, since almost nothing was left of the straight way.
+  enum class Next { straight, linear_if_pressed, linear };
+
   // What is kept from frame to frame, but for what makes it faster: restore() forgets that.
   struct Memory {
     std::vector<Pose<double>> pose, target;
     std::vector<Vec<double, 6>> last_step;
     std::vector<Pose<double>> followed;  // by object
-    bool blocked, retry_linear;
+    std::vector<Pose<double>> met_at;
+    Next next;
     double step_scale;
   };
   Memory memory() const;
@@ -79,7 +84,14 @@ class Cluster {
   bool held() const { return held_; }
 
  private:
+  // The way of a sub-step, line 4 of Algorithm 1: none, where the solve has no answer; straight to the targets; a leg
+  // of that, with more to go; the linear step.
+  enum class Way { none, straight, leg, linear };
+
   bool printed() const { return options_.commit == Options::Commit::printed; }
+  bool met() const { return options_.rows == Options::Rows::met; }
+  bool may_go_straight(bool pressing) const;
+  void find_rows(double reach, Frame& frame);
   void write_rows(bool push);
   bool solve(Frame& frame);
   void take_solution();
@@ -113,13 +125,17 @@ class Cluster {
   std::vector<Vec<double, 6>> step_;        // m, rad: to the candidate
   std::vector<Vec<double, 6>> swept_step_;  // m, rad: to the present end, by god object
   std::vector<Vec<double, 6>> last_step_;   // m, rad: that was gone last
+  std::vector<Pose<double>> met_at_;        // at the last time of contact, where rows are of what was met; else none
   double largest_step_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
   double minimum_step_ = 0;                 // m, that it always may
   double step_scale_ = 1;                   // part of it that it may after it turned back or was held
   double share_ = 1;                        // of what the solve says: step_
-  bool done_ = false, held_ = false, solved_ = false, pushed_ = false, more_legs_ = false, unobstructed_ = false,
-       blocked_ = false, retry_linear_ = false;
-  bool counted_ = false;  // contacts of this frame, at its first look
+  Way way_ = Way::none;
+  Next next_ = Next::straight;
+  Origin origin_ = Origin::free;          // of the sub-step
+  bool solved_ = false, pushed_ = false;  // there is an answer; of rows that push out to the whole gap
+  bool done_ = false, held_ = false;      // the frame is over; the last sub-step kept its pose
+  bool counted_ = false;                  // contacts of this frame, at its first look
   int sub_step_ = 0;
 };
 

@@ -39,7 +39,7 @@ void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std:
     velocity[b] = twist_between(last[b], now[b]) / options_.dt;
     fastest = std::max(fastest, velocity[b].head<3>().norm());
   }
-  if (fastest > fastest_hand) {
+  if (fastest > options_.fastest) {
     for (Vec<double, 6>& v : velocity) v.setZero();
     fastest = 0;
   }

@@ -23,10 +23,10 @@ namespace zwang::god {
 //   v = min(u + stretch / tau, 1.5 v_hand),    u: of the target at that point, along the push; tau = 0.1 s
 //
 // stretch being how far the target is beyond, v_hand the fastest that the target of any of the hand's bodies has lately
-// gone (it fades in half a second; what is faster than 8 m/s is a jump of the tracking, not a hand). Contacts of an
-// object act on each other: the bounded impulses are the solution of 0 <= j_i <= F_i dt, with (W j + v0 - v)_i <= 0
-// where j_i > 0 can be lessened: projected Gauss-Seidel over the few contacts, those of both hands together. None of it
-// knows of the rate but through the friction and gravity of one step.
+// gone (it fades in half a second; what is faster than Options::fastest is a jump of the tracking, not a hand).
+// Contacts of an object act on each other: the bounded impulses are the solution of 0 <= j_i <= F_i dt, with (W j + v0
+// - v)_i <= 0 where j_i > 0 can be lessened: projected Gauss-Seidel over the few contacts, those of both hands
+// together. None of it knows of the rate but through the friction and gravity of one step.
 //
 // With friction the forces are those of grasp.h, which needs no bound: its damper is the same tau. The cap is the same.
 //

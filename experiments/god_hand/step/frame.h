@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +11,17 @@
 #include <zwang/core/referee/measure.h>
 
 namespace zwang::god {
+
+// Where a sub-step came from; of a frame, the last in this order that one of its sub-steps had.
+//   free         no contact row pressed
+//   constrained  the least constraint of the solve, whole
+//   damped       shortened, since joints bend the linear step
+//   bounded      shortened to what contacts were looked for in, or after a reversal
+//   relaxed      rows that push out contradicted each other; they kept what gap there was
+//   held         no part of the way was clear, or there was no answer: the last pose
+enum class Origin { free, constrained, damped, bounded, relaxed, held };
+inline constexpr std::array origin_names = {"free", "constrained", "damped", "bounded", "relaxed", "held"};
+constexpr const char* to_string(Origin origin) { return origin_names[static_cast<std::size_t>(origin)]; }
 
 // A contact that was a row of the frame's last solve.
 struct FrameContact {
@@ -51,13 +64,16 @@ struct Frame {
   double friction_used = 0;  // of the largest that a contact with a loose object could have: 1 where it slides
   double slip = 0;           // m/s, fastest of those contacts, along the surface
   double creep = 0;          // m/s, the same once all targets have stood still for half a second; else 0
-  Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // N, N m: what a haptic device would show at the first palm
+  std::vector<Vec<double, 6>> device = {};              // N, N m: what a haptic device would show at each god object
+  Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // the first of them
   int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
   bool tracked = true, held = false, stuck = false, behind = false;  // behind: target through a thin part, hand not
+  Origin origin = Origin::free;
   Status claimed = Status::unsolved;
   std::optional<Verdict> verified = {};  // of the worst solve of the frame; none: the referee did not look
   StageTimes times = {};
 
+  void came_from(Origin sub_step) { origin = std::max(origin, sub_step); }
   bool touches() const { return gap <= hand::touching; }  // a god object touches something
 
   // Back to the beginning, with the storage kept.
@@ -65,6 +81,7 @@ struct Frame {
     Frame fresh;
     const auto keep = [](auto& from, auto& to) { from.clear(), to = std::move(from); };
     keep(target, fresh.target), keep(god, fresh.god), keep(loose, fresh.loose), keep(contacts, fresh.contacts);
+    keep(device, fresh.device);
     *this = std::move(fresh);
   }
 };

@@ -6,26 +6,31 @@
 
 namespace zwang::god {
 
-// Targets that go faster are no hand's: tracking has jumped.
-inline constexpr double fastest_hand = 8;  // m/s
-
 // The choices of a run; the defaults are the project's, the others are the paper's or an experiment's.
 struct Options {
   double dt = 1e-3;                                                 // s, a simulated step
   std::string solver = {};                                          // with settings: "nnls:reduce=on"; "": chosen by mu
   double tolerance = 1e-10;                                         // that it is asked for, and checked to
-  double mu = 0.8;                                                  // of god objects on objects; 0: no friction
+  double mu = 0;                                                    // of god objects on objects; 0: no friction
   enum class Friction { coulomb, convex } law = Friction::coulomb;  // how friction is read (core/problem/types.h)
   enum class Limits { predictive, violated } limits = Limits::predictive;  // violated: the paper's rows
   enum class Commit { cycle, printed } commit = Commit::cycle;  // printed: the linear step alone; joints open
   bool toc_twice = false;                                       // Eq. 29-30 as printed
-  bool toc_of_all = false;  // the smallest TOC of all clusters for every one (Algorithm 1)
-  bool clusters = true;     // each hand solved apart; false: as one problem
+  bool toc_of_all = false;                          // the smallest TOC of all clusters for every one (Algorithm 1)
+  enum class Rows { near, met } rows = Rows::near;  // met: what the sweep ran into, with c = 0
+  bool correct_drift = true;           // joints and limits get the c that mends what they are off; false: c = 0
+  bool straight = true;                // where no contact presses, the targets themselves in place of the linear step
+  bool damped = true, bounded = true;  // linear steps shortened by curvature; and to what contacts are looked for in
+  bool clusters = true;                // each hand solved apart; false: as one problem
+  bool hands_meet = true;  // two hands are one cluster while they are near; false: they pass through each other
   bool reduce_contacts = true, lazy_contacts = true;
   bool maximal = false;                  // no reduction of the equality rows, no islands, where the solver can
   double force_stiffness = -1;           // k_f [1/s^2]; below 0: chosen by mu
   double force_cap = 60;                 // N, a hand's push on one object
   double gap = 2e-4, activation = 2e-3;  // m: what contact rows keep; from where they are written
+  double fastest = 8;                    // m/s: targets that go faster are no hand's, tracking has jumped
+  double jump = 0.016;                   // m: targets that go farther in a frame have jumped, too
+  double catch_up = 0.8;                 // m/s: a pressing hand may go so fast though its target does not
   int sub_steps = 3;
   int verify = 10;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
@@ -35,6 +40,19 @@ struct Options {
 inline Options chosen(Options o) {
   if (o.solver.empty()) o.solver = o.mu > 0 ? "cone" : "dual_active_set";
   if (o.force_stiffness < 0) o.force_stiffness = o.mu > 0 ? 1e4 : 1000;
+  return o;
+}
+
+// The method as the paper prints it: Eq. 6-11, 29 and 30 and Algorithm 1. Each choice may be taken back alone.
+inline Options paper_method() {
+  Options o;
+  o.solver = "nnls_paper";
+  o.limits = Options::Limits::violated;
+  o.commit = Options::Commit::printed;
+  o.toc_twice = o.toc_of_all = o.maximal = true;
+  o.rows = Options::Rows::met;
+  o.hands_meet = o.correct_drift = o.straight = o.damped = o.bounded = o.reduce_contacts = o.lazy_contacts = false;
+  o.sub_steps = 1;
   return o;
 }
 
@@ -58,10 +76,12 @@ template <class SomeOptions, class Visit>
 void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"dt", nullptr, "", 1e-5, 1}, o.dt);
   visit(OptionText{"solver", "solver",
-                   "NAME:key=value,...; default: cone, with --mu 0 dual_active_set (./zwang solvers)"},
+                   "NAME:key=value,...; default: dual_active_set, with friction cone (./zwang solvers)"},
         o.solver);
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", 1e-16, 1}, o.tolerance);
-  visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8", 0}, o.mu);
+  visit(OptionText{"mu", "mu", "friction of the hand on objects; default: 0, none; with the motions lift and hold 0.8",
+                   0},
+        o.mu);
   visit(OptionText{"law", "law", "how friction is read (docs/formulation.md)"}, o.law, Words{"coulomb", "convex"});
   visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
         Words{"predictive", "violated"});
@@ -71,7 +91,18 @@ void each_option(SomeOptions& o, const Visit& visit) {
         Words{"once", "twice"});
   visit(OptionText{"toc_of_all", "toc-of", "whose time of contact ends a sub-step (all: Algorithm 1)"}, o.toc_of_all,
         Words{"cluster", "all"});
+  visit(OptionText{"rows", "contacts", "rows of what is near, or of what was met, with c = 0"}, o.rows,
+        Words{"near", "met"});
+  visit(OptionText{"correct_drift", "drift", "c of joints and limits mends what they are off; off: c = 0"},
+        o.correct_drift, Words{"off", "on"});
+  visit(OptionText{"straight", "straight", "straight to the targets where no contact presses"}, o.straight,
+        Words{"off", "on"});
+  visit(OptionText{"damped", "damping", "steps shortened where joints bend them"}, o.damped, Words{"off", "on"});
+  visit(OptionText{"bounded", "bounds", "steps kept within what contacts are looked for in"}, o.bounded,
+        Words{"off", "on"});
   visit(OptionText{"clusters", "clusters", "each hand solved apart"}, o.clusters, Words{"off", "on"});
+  visit(OptionText{"hands_meet", "hands", "hands that cross touch each other (not with --clusters off)"}, o.hands_meet,
+        Words{"pass", "meet"});
   visit(OptionText{"reduce_contacts", "thinning", "contacts reduced to those that carry"}, o.reduce_contacts,
         Words{"off", "on"});
   visit(OptionText{"lazy_contacts", "lazy",
@@ -80,13 +111,20 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
         Words{"reduced", "maximal"});
   visit(OptionText{"force_stiffness", "k-f",
-                   "stiffness of the coupling to the engine [1/s^2]; default: 10,000, with --mu 0 1,000", 0},
+                   "stiffness of the coupling to the engine [1/s^2]; default: 1,000, with friction 10,000", 0},
         o.force_stiffness);
   visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep [m]; default: 2e-4", 0, unbounded, true}, o.gap);
   visit(OptionText{"activation", "activation", "distance from which contacts are rows [m]; default: 2e-3", 0, unbounded,
                    true},
         o.activation);
+  visit(OptionText{"fastest", "fastest", "targets that go faster have jumped [m/s]; default: 8", 0, unbounded, true},
+        o.fastest);
+  visit(OptionText{"jump", "jump", "and those that go farther in a frame [m]; default: 0.016", 0, unbounded, true},
+        o.jump);
+  visit(OptionText{"catch_up", "catch-up",
+                   "speed at which a pressing hand may follow a target at rest [m/s]; default: 0.8", 0},
+        o.catch_up);
   visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", 1, 100}, o.sub_steps);
   visit(OptionText{"verify", "verify",
                    "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"

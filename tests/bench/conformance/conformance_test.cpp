@@ -73,5 +73,28 @@ TEST(Conformance, SaysByHowMuchAnAnswerIsOffAndWhatASolverSaid) {
   }
 }
 
+TEST(Conformance, ASolverIsJudgedUnderTheNearestLawThatItReads) {
+  const auto reads_pyramid = [](const Problem& p) {
+    Solution s;
+    s.status = p.has_tangents() ? Status::unsupported : Status::solved;
+    s.message = "no tangent rows";
+    s.z = Vector::Zero(p.size());
+    return s;
+  };
+  Law law = Law::coulomb;
+  const ConformanceSolve solve = conformance_solve(reads_pyramid, &law);
+  const ConformanceSolve refuse = conformance_solve([](const Problem&) {
+    Solution s;
+    s.status = Status::unsupported;
+    return s;
+  });
+  for (const ConformanceCheck& check : conformance_checks()) {
+    EXPECT_TRUE(check.run(solve).applies) << check.name;
+    EXPECT_FALSE(check.run(refuse).applies) << check.name;
+    EXPECT_FALSE(check.run(refuse).passes(1e9)) << check.name;
+  }
+  EXPECT_EQ(law, Law::pyramid);
+}
+
 }  // namespace
 }  // namespace zwang

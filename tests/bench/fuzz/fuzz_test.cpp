@@ -63,6 +63,14 @@ TEST_F(Fuzz, NearDependentRowsAreNotCalledSolvedWrongly) {
   }
 }
 
+TEST_F(Fuzz, NoClaimUnderFrictionIsRefuted) {
+  const FuzzOutcome o = run({.count = 1000, .solvers = "cone", .friction = true});
+  expect_no_fault(o);
+  EXPECT_GE(o.tally[0].decided(), .95);
+  EXPECT_GT(o.tally[0].proven, 40u);
+  EXPECT_EQ(o.tally[0].spoilt, 125u);
+}
+
 TEST_F(Fuzz, CreepingMethodsClaimNothingFalse) {
   expect_no_fault(run({.seed = 2, .count = 4000, .solvers = "pgs,apgd,projected_gradient"}));
 }

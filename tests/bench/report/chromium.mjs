@@ -52,7 +52,7 @@ export async function open_browser() {
       if (method === 'Log.entryAdded' && params.entry.level === 'error') complaints.push(params.entry.text);
       if (method === 'Page.loadEventFired') loaded();
     });
-    for (const domain of ['Network', 'Runtime', 'Log', 'Page']) await page(`${domain}.enable`);
+    for (const domain of ['Network', 'Runtime', 'Log', 'Page', 'Performance']) await page(`${domain}.enable`);
     await page('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
     await page('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: dark ? 'dark' : 'light'}]});
     await page('Page.navigate', {url: `file://${fs.realpathSync(file)}${hash && `#${hash}`}`});
@@ -71,8 +71,10 @@ export async function open_browser() {
     const key = async (name, modifiers = 0) => {
       for (const type of ['keyDown', 'keyUp']) await page('Input.dispatchKeyEvent', {type, key: name, modifiers, ...(name === ' ' && {text: ' '})});
     };
+    // CPU seconds of the page's process: what other programs do does not count.
+    const cpu_seconds = async () => (await page('Performance.getMetrics')).metrics.find(m => m.name === 'ProcessTime').value;
     const close = () => send('Target.closeTarget', {targetId});
-    return {evaluate, screenshot, mouse, key, close, requests, complaints};
+    return {evaluate, screenshot, mouse, key, cpu_seconds, close, requests, complaints};
   }
   async function close() {
     await send('Browser.close').catch(() => {});

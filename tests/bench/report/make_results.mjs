@@ -1,6 +1,6 @@
 // node make_results.mjs DIR [CASE]: a SYNTHETIC run folder for tests of the report. Nothing in it was ever measured.
 // CASE: full (default), later (the same with other times and one more solver), crowd (16 solvers), atlas (stability families
-// alone), speed, empty, one, undecided, torn.
+// alone), large (more than 20,000 runs), speed, empty, one, undecided, torn.
 import fs from 'node:fs';
 
 const [dir, kind = 'full'] = process.argv.slice(2);
@@ -34,6 +34,10 @@ add('NPE', 'eps', Array.from({length: 15}, (_, i) => 2 ** -(3 + 3 * i)), () => (
 add('LOOP', 'delta', [0, ...Array.from({length: 12}, (_, i) => 2 ** -(48 - 4 * i))].reverse(), () => ({n: 18, m: 20, hard: 1.2, equalities: 20}));
 add('INC', 'delta', [...Array.from({length: 15}, (_, i) => 2 ** -(3 + 3 * i)), 0], delta => ({feasible: delta === 0, n: 6, m: 2, equalities: 2}));
 add('WEAK', 'eps', [1, 2 ** -8, 2 ** -16, 2 ** -24, 2 ** -32, 2 ** -40, 0], () => ({hard: 0.7}));
+
+if (kind === 'large')
+  for (const p of [...problems])
+    for (let copy = 1; copy < 5; ++copy) problems.push({...p, problem: `${p.problem} #${copy}`});
 
 fs.mkdirSync(dir, {recursive: true});
 const chosen_solvers = kind === 'one' ? solvers.slice(3, 4) : kind === 'empty' ? [] : solvers;

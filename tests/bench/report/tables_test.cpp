@@ -15,6 +15,52 @@
 namespace zwang::report {
 namespace {
 
+// A right answer to a simpler law is right, and how far it is from Coulomb's stands beside it.
+TEST(Tables, LawsStandSideBySide) {
+  report::Run all;
+  for (const char* law : {"pyramid", "convex", "coulomb"}) {
+    Result r = run("a", law == std::string("pyramid") ? "newton" : "cone", 1e-10, 1e-14, 1e-3);
+    r.law = law;
+    if (r.law != "coulomb") {
+      r.problem += " (" + r.law + ")";
+      r.family += " (" + r.law + ")";
+      r.coulomb_error = 0.25;
+    }
+    all.results.push_back(r);
+  }
+  all.results.push_back(run("b", "newton", 1e-10, 1e-14, 1e-3));  // without friction
+  all.results.back().family = "g";
+  all.results.back().law = "frictionless";
+  all.solvers = {{.name = "newton"}, {.name = "cone"}};
+  const Table table = law_table(all);
+  ASSERT_EQ(table.rows.size(), 3u);
+  for (const Row& row : table.rows) {
+    EXPECT_EQ(row.group, "f");
+    EXPECT_EQ(row.cells[4].text, "1 of 1");
+    EXPECT_EQ(row.cells[8].value, row.cells[1].text == "coulomb" ? 1e-14 : 0.25);
+  }
+  EXPECT_TRUE(law_table(report::Run()).rows.empty());
+}
+
+TEST(Tables, PhenomenaSayPassOrByHowMuch) {
+  report::Run all;
+  all.phenomena = {{"cone", "coulomb", "ROD", "one of three", 0, true, true},
+                   {"cone", "coulomb", "belt", "carried", 0.375, false, true},
+                   {"pgs", "pyramid", "ROD", "one of three", unknown, false, true},
+                   {"pgs", "pyramid", "belt", "carried", unknown, false, false}};
+  const Table table = conformance_table(all);
+  ASSERT_EQ(table.rows.size(), 2u);
+  ASSERT_EQ(table.columns.size(), 5u);
+  const auto text = [&](std::size_t row, std::size_t cell) { return table.rows[row].cells[cell].text; };
+  EXPECT_EQ(text(0, 2), "1");
+  EXPECT_EQ(text(0, 3), "ok");
+  EXPECT_EQ(text(0, 4), "0.38");
+  EXPECT_EQ(text(1, 1), "pyramid");
+  EXPECT_EQ(text(1, 3), "none");
+  EXPECT_EQ(text(1, 4), "");
+  EXPECT_EQ(phenomenon_table(all).rows.size(), 2u);
+}
+
 TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
   report::Run all;
   all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),

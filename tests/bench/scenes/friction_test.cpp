@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
@@ -35,7 +36,30 @@ TEST(FrictionKnob, LeavesTheRowsThatWereThere) {
                                  ? only(scene.name + "(mu=" + std::to_string(mu_by_default(scene)) + ")").problem
                                  : without.problem));
   }
-  EXPECT_EQ(asked + 5, static_cast<int>(scenes().size()));  // five have no contacts
+  const auto families = static_cast<int>(friction_families().size());  // they are nothing without friction
+  EXPECT_EQ(asked + families + 5, static_cast<int>(scenes().size()));  // five have no contacts
+}
+
+TEST(FrictionKnob, ProblemsWithAndWithoutFrictionAreTwoFamilies) {
+  EXPECT_EQ(only("tower(boxes=2)").family, "tower");
+  EXPECT_EQ(only("tower(boxes=2,mu=0.5)").family, "tower with friction");
+  EXPECT_EQ(only("incline").family, "incline");
+  EXPECT_EQ(only("ROD").family, "ROD");
+}
+
+TEST(FrictionFamilies, AreScenesAndSayHowManySolutionsThereAre) {
+  for (const SceneEntry& entry : friction_families()) ASSERT_TRUE(find_scene(entry.name)) << entry.name;
+  const auto method = [](const char* text) {
+    const Instance in = only(text);
+    return in.reference ? in.reference->method : "";
+  };
+  EXPECT_EQ(method("ROD"), "closed form, 3 solutions");
+  EXPECT_EQ(method("ROD(above=0)"), "closed form, 1 solution");
+  EXPECT_EQ(method("HELD"), "closed form, 2 solutions");
+  EXPECT_EQ(method("JAM"), "closed form, 1 solution");
+  EXPECT_EQ(method("JAM(beyond=1)"), "closed form, 0 solutions");
+  EXPECT_EQ(method("PINCH"), "closed form, a continuum of solutions");
+  EXPECT_EQ(method("PUCK"), "known answer, a continuum of solutions");
 }
 
 TEST(FrictionKnob, OfAllScenesOfAText) {

@@ -2,6 +2,7 @@
 
 Usage: campaign_test.py PROGRAM ENGINE     exit code 77: the engine is not installed
 """
+import json
 import os
 import shutil
 import signal
@@ -16,6 +17,15 @@ program, engine = os.path.abspath(sys.argv[1]), sys.argv[2]
 if engine == "parallel" and not shutil.which("parallel"):
     print("skipped: GNU parallel is not installed")
     sys.exit(77)
+
+
+def started(campaign):
+    try:
+        with open(f"{campaign}/campaign.json") as file:
+            return bool(json.load(file)["started"])
+    except FileNotFoundError:
+        return False
+
 
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
@@ -47,7 +57,8 @@ with tempfile.TemporaryDirectory() as folder:
     # Ctrl-C leaves the tasks running and says how to come back.
     again = [program, "campaign", "quick", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "left", *words]
     process = subprocess.Popen(again, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(0.2)
+    while process.poll() is None and not started("left"):
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
     if process.returncode == 130:

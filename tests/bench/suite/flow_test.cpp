@@ -37,7 +37,7 @@ std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std:
 Json of_the_problem(const std::string& line) {
   Json row = Json::parse(line);
   for (const char* key : {"problem_file", "batch", "setup_s", "kernel_s", "solve_s", "solve_s_q1", "solve_s_q3",
-                          "prepare_s", "repetitions", "family"})
+                          "prepare_s", "repetitions", "family", "machine", "cell", "check"})
     row.erase(key);
   return row;
 }

@@ -6,6 +6,7 @@
 #include <zwang/bench/suite/progress.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
+#include <zwang/core/files/problem_file.h>
 #include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
@@ -39,6 +40,38 @@ TEST(Plan, NamesTheNearestWord) {
 
 TEST(Plan, EverySuiteNamesScenesThatExist) {
   for (const Suite& suite : suites()) EXPECT_NO_THROW(make_scenes(suite.scenes)) << suite.name;
+}
+
+TEST(Plan, StatesEachProblemWithFrictionUnderEachLaw) {
+  SuiteOptions options;
+  options.scenes = "tower(boxes=2),ROD";
+  options.laws = parse_laws("pyramid,convex,coulomb");
+  const Plan p = make_plan(options, tests::all);
+  ASSERT_EQ(p.instances.size(), 4u);
+  const std::vector<std::string> names = {"tower(boxes=2)", "ROD (pyramid)", "ROD (convex)", "ROD"};
+  const std::vector<Law> laws = {Law::frictionless, Law::pyramid, Law::convex, Law::coulomb};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(p.instances[i].problem.name, names[i]);
+    EXPECT_EQ(p.instances[i].problem.law, laws[i]);
+    EXPECT_EQ(p.coulomb.contains(i), i == 1 || i == 2);
+    if (p.coulomb.contains(i)) {
+      EXPECT_EQ(problem_sha256(p.coulomb.at(i).problem), problem_sha256(p.instances[3].problem));
+    }
+  }
+  EXPECT_EQ(p.instances[2].family, "ROD (convex)");
+  options.laws = parse_laws("convex");
+  const Plan one = make_plan(options, tests::all);
+  EXPECT_EQ(one.instances[1].problem.name, "ROD");
+  EXPECT_EQ(one.instances[1].problem.law, Law::convex);
+  for (const char* bad : {"", "cone", "convex,convex", "pyramid;convex"})
+    EXPECT_THROW(parse_laws(bad), std::invalid_argument) << bad;
+}
+
+TEST(Plan, AbsentSolversAreNamedInOneLine) {
+  const std::vector<AbsentSolver> absent = {
+      {"siconos_nsgs", "Siconos' numerics"}, {"siconos_admm", "Siconos' numerics"}, {"daqp", "DAQP 0.9"}};
+  EXPECT_EQ(not_built_in(absent), "Not built in: siconos_nsgs, siconos_admm (Siconos' numerics), daqp (DAQP 0.9)");
+  EXPECT_EQ(not_built_in({}), "");
 }
 
 TEST(Budget, IsSharedSoThatAllFit) {

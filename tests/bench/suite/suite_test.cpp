@@ -79,6 +79,7 @@ TEST(Suite, WritesEveryKeyOfTheContract) {
                                          "seed",
                                          "problem_sha256",
                                          "problem_file",
+                                         "law",
                                          "solver",
                                          "foreign",
                                          "tolerance",

@@ -138,5 +138,26 @@ TEST_F(ProblemFile, DamagedFilesReadOrAreRefused) {
   EXPECT_GT(read, 0);
 }
 
+// What is stored carries its hash: no flipped bit becomes another problem.
+TEST_F(ProblemFile, AFlippedBitOfAStoredProblemIsNoticed) {
+  write_problem(path("one.h5"), awkward());
+  const std::string whole = bytes(path("one.h5")), name = problem_sha256(awkward().problem);
+  std::mt19937 random(2);
+  int refused = 0;
+  for (int k = 0; k < 300; ++k) {
+    std::string damaged = whole;
+    damaged[random() % damaged.size()] ^= static_cast<char>(1 << random() % 8);
+    put(path("damaged.h5"), damaged);
+    try {
+      const std::vector<Instance> read = read_problems(path("damaged.h5"));
+      ASSERT_EQ(read.size(), 1u);
+      EXPECT_EQ(problem_sha256(read[0].problem), name);
+    } catch (const BadFile&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 30);
+}
+
 }  // namespace
 }  // namespace zwang

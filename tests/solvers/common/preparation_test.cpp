@@ -10,6 +10,7 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/solvers/common/whiten.h>
 #include <zwang/solvers/ipopt/ipopt_method.h>
 #include <zwang/solvers/registry.h>
@@ -59,7 +60,16 @@ struct Eigen::NumTraits<Counted> : Eigen::NumTraits<double> {
 namespace zwang {
 namespace {
 
-Problem wall(int bricks) { return make_scenes("wall(boxes=" + std::to_string(bricks) + ")").at(0).problem; }
+Problem wall(int bricks, Law law = Law::frictionless) {
+  const std::string mu = law == Law::frictionless ? "" : ",mu=0.5";
+  return under(law, make_scenes("wall(boxes=" + std::to_string(bricks) + mu + ")").at(0).problem);
+}
+// Under the first law that the solver takes.
+Law law_of(const AnySolver& solver) {
+  for (const Law law : {Law::frictionless, Law::coulomb})
+    if (solver.supports(wall(4, law)).empty()) return law;
+  return Law::convex;
+}
 double nonzeros(const Problem& p) { return static_cast<double>(p.M.nonZeros() + p.J.nonZeros()); }
 double bytes() { return static_cast<double>(allocated_bytes()); }
 
@@ -90,9 +100,9 @@ TEST_P(EverySolver, PreparesInMemoryThatGrowsWithTheNonZeros) {
   const bool is_sparse = sparse.contains(GetParam());
   for (const int bricks : {4, 25, 100, 400}) {
     if (bricks > 100 && !is_sparse) break;  // what is dense takes minutes there
-    const Problem p = wall(bricks);
     // What runs in a program of its own is watched here.
     AnySolver solver = GetParam() == "ipopt" ? IpoptMethod() : make_solver(GetParam());
+    const Problem p = wall(bricks, law_of(solver));
     if (!solver.supports(p).empty()) break;
     Size size{.nonzeros = nonzeros(p)};
     Solution s;

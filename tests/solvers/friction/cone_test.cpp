@@ -283,5 +283,22 @@ TEST(Cone, IslandsAreSolvedApart) {
   EXPECT_EQ(whole.z.tail(6), second.z);
 }
 
+// Two of the normals contradict each other, and friction pushes ever harder: next to so long a motion no row is
+// violated.
+TEST(Cone, AMotionWithoutEndIsNoAnswer) {
+  const Problem p = friction_problem(vec({1, 0.5}), vec({1, -2}),
+                                     {{inequality, vec({1, 0}), 0.5},
+                                      {tangent, vec({0, -1}), 0},
+                                      {inequality, vec({-1, 0}), 0, 1},
+                                      {tangent, vec({-1, 1}), 0},
+                                      {inequality, vec({0, 1}), -0.5, 1},
+                                      {tangent, vec({0, 0}), 0},
+                                      {inequality, vec({1, 1}), 0, 0.75},
+                                      {tangent, vec({-1, 0}), 0}});
+  const Solution s = solve(p);
+  ASSERT_EQ(s.status, Status::infeasible) << s.message;
+  EXPECT_GT(s.certificate.dot(p.c), 0);
+}
+
 }  // namespace
 }  // namespace zwang

@@ -1,0 +1,132 @@
+#include <zwang/bench/fuzz/frictional_problem.h>
+
+#include <array>
+
+#include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/scenes/dyadic.h>
+
+namespace zwang {
+namespace {
+
+constexpr std::array coefficients{0., .125, .25, .5, .75, 1., 2.};
+
+struct DrawnContact {
+  std::vector<DrawnRow> rows = {};  // normal, tangents
+  double mu = 0;
+};
+
+// Rows first, then mu at each normal one.
+void set_contacts(Problem& p, const std::vector<DrawnRow>& equalities, const std::vector<DrawnContact>& contacts) {
+  std::vector<DrawnRow> rows = equalities;
+  for (const DrawnContact& contact : contacts) rows.insert(rows.end(), contact.rows.begin(), contact.rows.end());
+  set_rows(p, rows, std::ssize(equalities));
+  p.mu.setZero(p.rows());
+  Index at = std::ssize(equalities);
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    for (std::size_t t = 0; t < contacts[k].rows.size(); ++t, ++at) {
+      p.key[static_cast<std::size_t>(at)] = {k + 100, static_cast<std::uint32_t>(t)};
+      if (t == 0)
+        p.mu[at] = contacts[k].mu;
+      else
+        p.kind[static_cast<std::size_t>(at)] = RowKind::tangent;
+    }
+  p.law = Law::coulomb;
+}
+
+Matrix mass(Index n, int spread, SmallNumbers& draw) {
+  Vector D(n);
+  for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
+  return draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal());
+}
+
+DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>& before, SmallNumbers& draw) {
+  if (!before.empty() && draw.integer(0, 3) == 0) {
+    DrawnContact copy = before[static_cast<std::size_t>(draw.index(std::ssize(before)))];
+    const bool opposed = draw.integer(0, 2) == 0;
+    if (opposed) copy.rows[0] = {-copy.rows[0].J, -copy.rows[0].c - draw.integer(0, 2)};
+    if (!opposed && draw.integer(0, 1) == 0) copy.rows[0].c -= draw.integer(0, 1);
+    return copy;
+  }
+  DrawnContact out{.mu = coefficients[static_cast<std::size_t>(draw.integer(0, 6))]};
+  for (int t = 0; t <= tangents; ++t) {
+    const bool empty = draw.integer(0, 29) == 0;
+    out.rows.push_back({empty ? Vector(Vector::Zero(n)) : draw.integers(n, 1),
+                        t == 0                    ? static_cast<double>(draw.integer(-1, 1)) / 2
+                        : draw.integer(0, 3) == 0 ? static_cast<double>(draw.integer(-1, 1))
+                                                  : 0.});
+  }
+  return out;
+}
+
+void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
+  const Index n = draw.integer(2, 6);
+  const int contacts = draw.integer(1, 4), equalities = draw.integer(0, 3) == 0 ? 1 : 0;
+  p.M = mass(n, 1, draw).sparseView();
+  p.z_u = draw.integers(n, 2);
+  std::vector<DrawnRow> equal;
+  for (int k = 0; k < equalities; ++k) equal.push_back({draw.integers(n, 1), 0});
+  std::vector<DrawnContact> all;
+  for (int k = 0; k < contacts; ++k) all.push_back(any_contact(n, tangents, all, draw));
+  set_contacts(p, equal, all);
+}
+
+// z* and lambda* first, mode by mode; then c = J z* - s* and, M being diagonal in powers of two, z_u without rounding.
+void planted(Problem& p, SmallNumbers& draw) {
+  const Index n = 3 * draw.integer(1, 6);
+  const int contacts = draw.integer(1, static_cast<int>(n)), spread = draw.integer(0, 2) == 0 ? 12 : 2;
+  p.M = mass(n, spread, draw).diagonal().asDiagonal().toDenseMatrix().sparseView();
+  const Vector z = draw.integers(n, 16) / 16;
+  std::vector<DrawnContact> all;
+  Vector push = Vector::Zero(n);
+  for (int k = 0; k < contacts; ++k) {
+    DrawnContact contact{.mu = coefficients[static_cast<std::size_t>(draw.integer(1, 6))]};
+    const bool copied = k > 0 && draw.integer(0, 4) == 0;
+    for (int t = 0; t <= 2; ++t)
+      contact.rows.push_back({copied ? all.back().rows[static_cast<std::size_t>(t)].J : draw.integers(n, 2), 0});
+    if (copied) contact.mu = all.back().mu;
+    std::array<double, 3> s{}, l{};
+    const double size = std::exp2(draw.integer(-3, 1)), slip = std::exp2(draw.integer(-3, 1));
+    switch (draw.integer(0, 6)) {
+      case 0:  // open
+        s = {size, draw.integer(-3, 3) / 4., draw.integer(-3, 3) / 4.};
+        break;
+      case 1:  // rests without force, slides or not
+        s = {0, draw.integer(0, 1) * slip * 3, slip * draw.integer(0, 1)};
+        break;
+      case 2:  // on the cone's edge without slip
+        l = {5 * size, 3 * contact.mu * size, -4 * contact.mu * size};
+        break;
+      case 3:
+      case 4:  // slides
+        s = {0, 3 * slip, 4 * slip};
+        l = {5 * size, -3 * contact.mu * size, -4 * contact.mu * size};
+        break;
+      default:  // sticks
+        l = {5 * size, contact.mu * size * draw.integer(-2, 2), contact.mu * size * draw.integer(-2, 2)};
+    }
+    for (std::size_t t = 0; t < 3; ++t) {
+      contact.rows[t].c = contact.rows[t].J.dot(z) - s[t];
+      push += l[t] * contact.rows[t].J;
+    }
+    all.push_back(std::move(contact));
+  }
+  p.z_u = z - push.cwiseQuotient(Vector(p.M.diagonal()));
+  set_contacts(p, {}, all);
+}
+
+}  // namespace
+
+Problem frictional_problem(std::uint64_t seed, std::uint64_t number) {
+  SmallNumbers draw(static_cast<double>(mix_bits(seed ^ 0x5f3759df, number) >> 12));
+  Problem p{.name = "friction " + std::to_string(seed) + " " + std::to_string(number)};
+  const auto kind = number % 10;
+  if (kind < 4)
+    small_integers(p, 1, draw);
+  else if (kind < 7)
+    small_integers(p, 2, draw);
+  else
+    planted(p, draw);
+  return p;
+}
+
+}  // namespace zwang
