@@ -13,7 +13,7 @@ namespace zwang {
 namespace {
 
 // s of CPU time a solve, and of a solver on all phenomena: the problems have at most six unknowns.
-constexpr double time_limit = 0.2, patience = 4;
+constexpr double time_limit = 0.2, patience = 1.5;
 
 std::string line_of(const Run& run, Law law, const ConformanceCheck& check, const ConformanceResult& result) {
   return nlohmann::ordered_json{

@@ -32,6 +32,8 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
   const double scale = program_.scale(v);
   if (program_.is_out_of_reach(v)) return false;
+  // Rows that almost contradict each other push so hard that what is left of their sum is rounding.
+  if (r.rounding > std::max(accepted_error(options.tolerance), tolerances::cone_push) * scale) return false;
   if (r.natural <= tolerances::cone_exact * scale) return true;
   return r.natural <= options.tolerance * scale &&
          std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * scale;

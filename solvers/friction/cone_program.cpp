@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <zwang/solvers/friction/second_order_cone.h>
 
@@ -213,6 +214,7 @@ bool ConeProgram::is_out_of_reach(const Vector& v) {
 
 ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) const {
   Residual out;
+  if (y.size() > 0) out.rounding = std::numeric_limits<double>::epsilon() * y.lpNorm<Eigen::Infinity>();
   for (Index k = 0; k < cones(); ++k) {
     const double m = mu(k), slip = std::hypot(s[3 * k + 1], s[3 * k + 2]);
     // The contact as it is: forces and slacks in one unit, K of coefficient mu.

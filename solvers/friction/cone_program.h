@@ -56,6 +56,7 @@ class ConeProgram {
   // convex law.
   struct Residual {
     double natural = 0, gap = 0;
+    double rounding = 0;  // of the sum of what all rows push
   };
   Residual residual(const Vector& y, const Vector& s) const;
 

@@ -130,6 +130,8 @@ inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften =
 inline constexpr double cone_runs_off = 1e4;
 // Of what a pivot of a 3 x 3 block was: what rounding leaves of nothing.
 inline constexpr double cone_pivot = 1e-15;
+// The rounding of the rows' push above which no answer is claimed, where less was not asked for.
+inline constexpr double cone_push = 1e-8;
 // A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
 inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
 
