@@ -334,7 +334,7 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
     GodObjects both;
     for (std::size_t h = 0; h < models.size(); ++h)
       add_hand(both, models[h], start[h], h == 0 ? "" : "left ", reach, true);
-    s.meeting.emplace(std::move(both), static_cast<std::size_t>(hand::bodies), s.surroundings, options);
+    s.meeting.emplace(std::move(both), static_cast<std::size_t>(hand::bodies), s.surroundings, s.options);
   }
   s.build(std::move(clusters), easy);
 }

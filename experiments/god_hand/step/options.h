@@ -111,7 +111,7 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
         Words{"reduced", "maximal"});
   visit(OptionText{"force_stiffness", "k-f",
-                   "stiffness of the coupling to the engine [1/s^2]; default: 1,000, with friction 10,000", 0},
+                   "stiffness of the coupling to the engine [1/s^2]; default: 1,000, with friction 10,000", -1},
         o.force_stiffness);
   visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep [m]; default: 2e-4", 0, unbounded, true}, o.gap);
