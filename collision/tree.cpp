@@ -2,7 +2,6 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -122,7 +121,6 @@ Tree::Tree(const Mesh& mesh) {
   points_.shrink_to_fit();
 
   find_box();
-  find_slabs();
 }
 
 void Tree::find_box() {
@@ -133,50 +131,9 @@ void Tree::find_box() {
   }
 }
 
-// A subtree of slivers has a leaf whose box is nearly as long as its own.
-void Tree::find_slabs() {
-  const auto length = [&](std::size_t k) {
-    const TreeNode& n = nodes_[k];
-    return Vec3(n.high[0] - n.low[0], n.high[1] - n.low[1], n.high[2] - n.low[2]).norm();
-  };
-  for (std::size_t k = 0; k < nodes().size(); ++k) {
-    const auto [begin, end] = range(k);
-    if (leaf(k) || end - begin < 8 || end - begin > 64) continue;
-    std::size_t first_leaf = k;
-    while (!leaf(first_leaf)) ++first_leaf;
-    if (2 * length(first_leaf) > length(k)) slabs_.push_back(slab_about(static_cast<std::uint32_t>(k)));
-  }
-}
-
-Slab Tree::slab_about(std::uint32_t node) const {
-  constexpr double rounding = 1e-12;  // m
-  Vec3 along = Vec3::Zero(), across = Vec3::Zero();
-  const auto [begin, end] = range(node);
-  for (const Triangle& t : triangles(begin, end)) {
-    const auto& [a, b, c] = t.corner;
-    for (const Vec3& edge : {Vec3(b - a), Vec3(c - b), Vec3(a - c)})
-      if (edge.squaredNorm() > along.squaredNorm()) along = edge;
-    const Vec3 normal = (b - a).cross(c - a);
-    across += normal.dot(across) < 0 ? -normal : normal;
-  }
-  Slab slab{node, Mat3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  slab.axes.col(0) = along.normalized();
-  across -= across.dot(slab.axes.col(0)) * slab.axes.col(0);
-  slab.axes.col(2) = across.squaredNorm() > 0 ? across.normalized() : slab.axes.col(0).unitOrthogonal();
-  slab.axes.col(1) = slab.axes.col(2).cross(slab.axes.col(0));
-  slab.low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  slab.high = -slab.low;
-  for (const Vec3& p : points(begin, end)) {
-    const Vec3 at = slab.axes.transpose() * p;
-    slab.low = slab.low.cwiseMin(at - Vec3::Constant(rounding));
-    slab.high = slab.high.cwiseMax(at + Vec3::Constant(rounding));
-  }
-  return slab;
-}
-
 double Tree::bytes_per_triangle() const {
   const std::size_t bytes = nodes_.size() * sizeof(TreeNode) + points_.size() * sizeof(Vec3) +
-                            corners_.size() * (sizeof(corners_[0]) + sizeof(origin_[0])) + slabs_.size() * sizeof(Slab);
+                            corners_.size() * (sizeof(corners_[0]) + sizeof(origin_[0]));
   return static_cast<double>(bytes) / size();
 }
 
@@ -213,7 +170,6 @@ Tree Tree::from_bytes(std::string_view bytes) {
   get(tree.corners_, header.triangles);
   get(tree.origin_, header.triangles);
   tree.find_box();
-  tree.find_slabs();
   return tree;
 }
 

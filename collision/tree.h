@@ -34,25 +34,6 @@ struct TreeNode {
 };
 static_assert(sizeof(TreeNode) == 32);
 
-// An oblique box about triangles that lie side by side (slivers): their boxes along the axes are as long as the part in
-// all directions and overlap, where these hardly do.
-struct Slab {
-  std::uint32_t node;
-  Mat3 axes;       // columns: unit vectors, the first along the triangles, the last across their surface
-  Vec3 low, high;  // m, along the axes
-
-  // From p to the box, squared.
-  double distance2(const Vec3& p) const {
-    const Vec3 at = axes.transpose() * p;
-    return (low - at).cwiseMax(at - high).cwiseMax(0).squaredNorm();
-  }
-  // The highest point along n.
-  double highest(const Vec3& n) const {
-    const Vec3 along = axes.transpose() * n;
-    return along.cwiseProduct(low).cwiseMax(along.cwiseProduct(high)).sum();
-  }
-};
-
 // The triangles of a mesh in the order of the leaves of a tree of boxes. Built by fcl::BVHModel<AABB> and flattened;
 // small subtrees become one leaf. Corners are stored once per leaf, in the order of the leaves, so the points of a
 // subtree are contiguous. Queries are limited by memory, and three corners per triangle would be twice as many.
@@ -82,16 +63,11 @@ class Tree {
   std::pair<std::uint32_t, std::uint32_t> range(std::size_t node) const {
     return {nodes_[node].first, nodes_[nodes_[node].skip].first};
   }
-  // Of a subtree of 8 to 64 slivers; null for all others.
-  const Slab* slab(std::size_t node) const {
-    const auto at = std::ranges::lower_bound(slabs_, node, {}, &Slab::node);
-    return at != slabs_.end() && at->node == node ? &*at : nullptr;
-  }
   // Depth first: `enter(node, number)` decides whether a node's subtree is visited, `visit(first, end)` gets the
   // triangles of each leaf that was entered.
   template <class Enter, class Visit>
-  void walk(Enter enter, Visit visit, std::size_t top = 0) const {
-    for (std::size_t i = top, end = nodes_[top].skip; i < end;) {
+  void walk(Enter enter, Visit visit) const {
+    for (std::size_t i = 0; i < nodes().size();) {
       if (!enter(nodes_[i], i)) {
         i = nodes_[i].skip;
         continue;
@@ -119,14 +95,11 @@ class Tree {
 
  private:
   void find_box();
-  void find_slabs();
-  Slab slab_about(std::uint32_t node) const;
 
   std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one after the last, whose first triangle is size()
   std::vector<Vec3> points_ = {};
   std::vector<std::array<std::uint32_t, 3>> corners_ = {};  // of each triangle, in points_
   std::vector<std::uint32_t> origin_ = {};
-  std::vector<Slab> slabs_ = {};  // by node
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
 };
 

@@ -126,12 +126,9 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach,
     if (region.misses(node, box)) return false;
     const auto [begin, end] = tree.range(number);
     Closest c;
-    if (shape.core() == Core::hull || end - begin > patch_size) return true;
-    if (!patch_plane(region, box, tree.points(begin, end), margins_.stop, c)) {
-      if (tree.slab(number) == nullptr) return true;
-      const Hull hull = patch_hull(region, tree, {begin, end}, margins_.stop, reach, c);
-      if (hull != Hull::accurate) return hull == Hull::too_coarse;
-    }
+    if (shape.core() == Core::hull || end - begin > patch_size ||
+        !patch_plane(region, box, tree.points(begin, end), margins_.stop, c))
+      return true;
     if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, c});
     return false;
   };

@@ -5,8 +5,6 @@
 namespace zwang::collision {
 namespace {
 
-constexpr double smallest_gap = 1e-6;  // m: nearer than this each triangle is looked at
-
 // The point that is highest along `up`. (Two or four maxima in parallel are slower: memory is the limit.)
 struct Highest {
   double height = -std::numeric_limits<double>::infinity();
@@ -40,28 +38,6 @@ bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<co
   const Vec3 local = region.a_in_b.rotation.transpose() * (out.on_b - region.a_in_b.position);
   const double gap = out.distance - shape.radius();
   return gap > stop / 2 && (local - shape.nearest(local)).norm() - out.distance <= (stop + gap) / 10;
-}
-
-Hull patch_hull(const Region& region, const Tree& tree, std::pair<std::uint32_t, std::uint32_t> triangles, double stop,
-                double reach, Closest& out) {
-  const Shape& shape = region.shape;
-  std::array<Vec3, 64> core;
-  for (std::size_t k = 0; k < shape.corners().size(); ++k) core[k] = region.a_in_b * shape.corners()[k];
-  out = closest(std::span<const Vec3>(core.data(), shape.corners().size()),
-                tree.points(triangles.first, triangles.second));
-  const double gap = out.distance - shape.radius();
-  if (gap > reach) return Hull::far;
-  if (gap < smallest_gap) return Hull::too_coarse;
-  double least = std::numeric_limits<double>::infinity();
-  Vec3 on_surface = out.on_b;
-  for (const Triangle& t : tree.triangles(triangles)) {
-    const Vec3 q = nearest_point(t, out.on_b);
-    if (const double square = (q - out.on_b).squaredNorm(); square < least) least = square, on_surface = q;
-  }
-  out.on_b = on_surface;
-  const Vec3 local = region.a_in_b.rotation.transpose() * (on_surface - region.a_in_b.position);
-  const double excess = (local - shape.nearest(local)).norm() - out.distance;
-  return excess <= (gap > stop / 2 ? (stop + gap) / 10 : gap / 20) ? Hull::accurate : Hull::too_coarse;
 }
 
 Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near) {

@@ -69,13 +69,6 @@ constexpr std::uint32_t patch_size = 64;  // triangles
 bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<const Vec3> points, double stop,
                  Closest& out);
 
-// The same for a patch of slivers, whose vertices may all be far from the core: the plane between the core and the
-// patch's convex hull, if the surface comes as near to the core as the hull does, to the same tolerance (nearer than
-// half the stop distance: to a twentieth of the gap). Costs more than patch_plane, less than its triangles one by one.
-enum class Hull { far, accurate, too_coarse };  // beyond `reach` [m] of the shape's surface; `out` is set; or neither
-Hull patch_hull(const Region& region, const Tree& tree, std::pair<std::uint32_t, std::uint32_t> triangles, double stop,
-                double reach, Closest& out);
-
 // The plane with the direction from `near`, a point of a patch, to the core as its normal, through the highest of the
 // patch's corners: a lower bound of the distance. B's axes.
 Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near);
