@@ -52,7 +52,7 @@ class GaussSeidel {
  public:
   explicit GaussSeidel(const ContactProblem& problem) : p_(problem) {
     for (const Index i : p_.equalities) blocks_.push_back({i, 1, -1});
-    for (const Contact& contact : p_.contacts)
+    for (const ContactRows& contact : p_.contacts)
       if (contact.unit > 0) blocks_.push_back({contact.row, contact.rows(), contact.mu});
     columns_.resize(p_.size(), p_.rows());
     for (const Block& block : blocks_)
@@ -141,7 +141,7 @@ class Search {
   }
 
   void interior_points(const SolutionSearch& search) {
-    const InteriorPoint method(p_, equalities_);
+    const RefereeInteriorPoint method(p_, equalities_);
     static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
     for (int k = 0; k < search.starts && more(search); ++k) {
       const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
@@ -160,7 +160,7 @@ class Search {
     const auto draw = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
     for (int k = 0; k <= search.random_starts && more(search); ++k) {
       Vector lambda = Vector::Zero(p_.rows());
-      for (const Contact& contact : p_.contacts)
+      for (const ContactRows& contact : p_.contacts)
         if (k > 0 && contact.unit > 0) lambda[contact.row] = 4 * draw() / contact.unit;
       method.solve(lambda, search.sweeps);
       ModePoint point;

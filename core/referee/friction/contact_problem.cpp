@@ -39,7 +39,7 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
       continue;
     }
     const Index tangents = problem.has_tangents() ? problem.tangents(i) : 0;
-    Contact contact{.row = i, .tangents = tangents, .mu = tangents > 0 ? problem.mu[i] : 0};
+    ContactRows contact{.row = i, .tangents = tangents, .mu = tangents > 0 ? problem.mu[i] : 0};
     int block = row_norm[i] > 0 ? exponent_of(row_norm[i]) + own : std::numeric_limits<int>::min();
     if (row_norm[i] == 0)
       for (Index t = 1; t < contact.rows(); ++t)
@@ -80,7 +80,7 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     h_error[i] = std::ldexp(rounding_of(terms) * sum, -e - shift) + 1e-290;
     if (!std::isfinite(h_error[i])) exact = false;
   }
-  for (Contact& contact : contacts) {
+  for (ContactRows& contact : contacts) {
     if (contact.unit == 0) continue;
     contact.unit = row_norm[contact.row];
     if (contact.unit == 0)
@@ -140,14 +140,14 @@ double ContactProblem::reach(Index row, const Vector& radius) const {
   return sum;
 }
 
-DoubleDouble ContactProblem::slip(const Contact& contact, const ExtendedVector& x) const {
+DoubleDouble ContactProblem::slip(const ContactRows& contact, const ExtendedVector& x) const {
   if (contact.rows() == 1) return {};
   if (contact.rows() == 2) return abs(slack(contact.row + 1, x));
   const DoubleDouble a = slack(contact.row + 1, x), b = slack(contact.row + 2, x);
   return sqrt(a * a + b * b);
 }
 
-double ContactProblem::slip_error(const Contact& contact, const ExtendedVector& x) const {
+double ContactProblem::slip_error(const ContactRows& contact, const ExtendedVector& x) const {
   double sum = 0;
   for (Index t = 1; t < contact.rows(); ++t) sum += slack_error(contact.row + t, x);
   return sum + 0x1p-96 * slip(contact, x).hi + 1e-150;

@@ -7,7 +7,7 @@
 namespace zwang {
 
 // One contact: its inequality row and the tangent rows after it.
-struct Contact {
+struct ContactRows {
   Index row = 0;
   Index tangents = 0;  // rows stored; they count only where mu > 0
   double mu = 0;
@@ -37,10 +37,10 @@ class ContactProblem {
   double from_norm(double norm) const { return std::ldexp(norm, -shift); }  // of the M-norm
 
   DoubleDouble slack(Index row, const ExtendedVector& x) const;
-  double slack_error(Index row, const ExtendedVector& x) const;              // bounds the rounding of slack()
-  double reach(Index row, const Vector& radius) const;                       // |J_row| radius
-  DoubleDouble slip(const Contact& contact, const ExtendedVector& x) const;  // |s_t|
-  double slip_error(const Contact& contact, const ExtendedVector& x) const;
+  double slack_error(Index row, const ExtendedVector& x) const;                  // bounds the rounding of slack()
+  double reach(Index row, const Vector& radius) const;                           // |J_row| radius
+  DoubleDouble slip(const ContactRows& contact, const ExtendedVector& x) const;  // |s_t|
+  double slip_error(const ContactRows& contact, const ExtendedVector& x) const;
   ExtendedVector force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const;  // M x - J'lambda
   Vector force_error(const ExtendedVector& x, const ExtendedVector& lambda) const;  // bounds its rounding, entrywise
   double norm(const ExtendedVector& x) const;                                       // sqrt(x'M x)
@@ -58,7 +58,7 @@ class ContactProblem {
   ExtendedVector h;
   Vector h_error;
   Vector row_norm;  // |G_i|
-  std::vector<Contact> contacts;
+  std::vector<ContactRows> contacts;
   std::vector<Index> equalities;
   double free_motion = 0;  // |z_u|_M
   double scale = 1;        // s: between 1/2 and 1

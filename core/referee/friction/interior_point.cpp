@@ -102,11 +102,11 @@ struct Scaling {
 
 }  // namespace
 
-InteriorPoint::InteriorPoint(const ContactProblem& p, std::vector<Index> equalities)
+RefereeInteriorPoint::RefereeInteriorPoint(const ContactProblem& p, std::vector<Index> equalities)
     : p_(&p), rows_(std::move(equalities)), equalities_(static_cast<Index>(rows_.size())) {
   unit_.assign(rows_.size(), 1.0);
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
-    const Contact& contact = p.contacts[c];
+    const ContactRows& contact = p.contacts[c];
     if (contact.unit == 0) continue;
     const double mu = contact.rows() > 1 ? contact.mu : 1;
     cones_.push_back({static_cast<Index>(rows_.size()), contact.rows(), c, mu});
@@ -125,7 +125,7 @@ InteriorPoint::InteriorPoint(const ContactProblem& p, std::vector<Index> equalit
 }
 
 template <class Real>
-MatrixX<Real> InteriorPoint::matrix() const {
+MatrixX<Real> RefereeInteriorPoint::matrix() const {
   if constexpr (std::is_same_v<Real, double>) return W_.template cast<double>();
   if constexpr (std::is_same_v<Real, DoubleDouble>) {
     const auto m = static_cast<Index>(rows_.size());
@@ -148,30 +148,31 @@ MatrixX<Real> InteriorPoint::matrix() const {
 }
 
 template <class Real>
-InteriorAnswer InteriorPoint::answer(const VectorX<Real>& y, const VectorX<Real>& w) const {
+InteriorAnswer RefereeInteriorPoint::answer(const VectorX<Real>& y, const VectorX<Real>& w) const {
   InteriorAnswer out;
   out.lambda.resize(static_cast<std::size_t>(p_->rows()));
   for (Index k = 0; k < y.size(); ++k)
     out.lambda[static_cast<std::size_t>(rows_[static_cast<std::size_t>(k)])] =
         double_double(y[k]) * unit_[static_cast<std::size_t>(k)];
   out.x = p_->motion_by(out.lambda);
-  out.modes.assign(p_->contacts.size(), Mode::open);
+  out.modes.assign(p_->contacts.size(), ContactMode::open);
   for (const Cone& cone : cones_) {
     const VectorX<Real> a = y.segment(cone.first, cone.rows), b = w.segment(cone.first, cone.rows);
-    Mode& mode = out.modes[cone.contact];
+    ContactMode& mode = out.modes[cone.contact];
     if (cone.rows == 1) {
-      mode = a[0] > b[0] ? Mode::stick : Mode::open;
+      mode = a[0] > b[0] ? ContactMode::stick : ContactMode::open;
       continue;
     }
     const Real ta = a.tail(cone.rows - 1).norm(), tb = b.tail(cone.rows - 1).norm();
     const Real least_a = a[0] - ta, least_b = b[0] - tb, top_a = a[0] + ta, top_b = b[0] + tb;
-    mode = top_a < least_b ? Mode::open : top_b < least_a ? Mode::stick : Mode::slide;
+    mode = top_a < least_b ? ContactMode::open : top_b < least_a ? ContactMode::stick : ContactMode::slide;
   }
   return out;
 }
 
 template <class Real>
-std::vector<InteriorAnswer> InteriorPoint::solve(const ExtendedVector* sigma, const InteriorOptions& options) const {
+std::vector<InteriorAnswer> RefereeInteriorPoint::solve(const ExtendedVector* sigma,
+                                                        const InteriorOptions& options) const {
   using std::abs;
   using std::sqrt;
   const Index m = static_cast<Index>(rows_.size());
@@ -291,12 +292,13 @@ std::vector<InteriorAnswer> InteriorPoint::solve(const ExtendedVector* sigma, co
   return out;
 }
 
-template std::vector<InteriorAnswer> InteriorPoint::solve<double>(const ExtendedVector*, const InteriorOptions&) const;
-template std::vector<InteriorAnswer> InteriorPoint::solve<DoubleDouble>(const ExtendedVector*,
-                                                                        const InteriorOptions&) const;
+template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<double>(const ExtendedVector*,
+                                                                         const InteriorOptions&) const;
+template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<DoubleDouble>(const ExtendedVector*,
+                                                                               const InteriorOptions&) const;
 #ifndef ZWANG_NO_X87
-template std::vector<InteriorAnswer> InteriorPoint::solve<long double>(const ExtendedVector*,
-                                                                       const InteriorOptions&) const;
+template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<long double>(const ExtendedVector*,
+                                                                              const InteriorOptions&) const;
 #endif
 
 }  // namespace zwang

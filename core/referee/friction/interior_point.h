@@ -9,7 +9,7 @@ namespace zwang {
 // An answer on the way: strictly inside both cones up to the residual that is left.
 struct InteriorAnswer {
   ExtendedVector x, lambda;
-  std::vector<Mode> modes;                                           // by the eigenvalues of both sides
+  std::vector<ContactMode> modes;                                    // by the eigenvalues of both sides
   double complementarity = std::numeric_limits<double>::infinity();  // mean of lambda's~ over the contacts
   double residual = std::numeric_limits<double>::infinity();
   bool converged = false;
@@ -26,10 +26,10 @@ struct InteriorOptions {
 // and Mehrotra's steps. Under Coulomb's law |s_t| is differentiated, which makes the matrix unsymmetric; under the
 // convex law sigma stands in its place. Dependent equality rows are left out by `equalities`. Dense: O(rows^3) an
 // iteration.
-class InteriorPoint {
+class RefereeInteriorPoint {
  public:
   // equalities: independent equality rows.
-  InteriorPoint(const ContactProblem& problem, std::vector<Index> equalities);
+  RefereeInteriorPoint(const ContactProblem& problem, std::vector<Index> equalities);
 
   Index rows() const { return static_cast<Index>(rows_.size()); }
 

@@ -138,8 +138,8 @@ class Krawczyk {
     for (Index j = 0; j < n; ++j) value[j] = force[static_cast<std::size_t>(j)].hi;
     error.head(n) += unit_roundoff * value.head(n).cwiseAbs();
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      if (point_.modes[c] != Mode::slide) continue;
-      const Contact& contact = p_.contacts[c];
+      if (point_.modes[c] != ContactMode::slide) continue;
+      const ContactRows& contact = p_.contacts[c];
       const double slip = p_.slip(contact, point_.x).hi;
       const double turn = 0x1p-95 + 4 * p_.slip_error(contact, point_.x) / slip;
       const double push = contact.mu * std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi) * turn;
@@ -160,8 +160,8 @@ class Krawczyk {
     Vector out = Vector::Zero(r.size());
     const Vector radius = r.head(n);
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      if (point_.modes[c] != Mode::slide) continue;
-      const Contact& contact = p_.contacts[c];
+      if (point_.modes[c] != ContactMode::slide) continue;
+      const ContactRows& contact = p_.contacts[c];
       const double push = std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi);
       const double push_radius = multiplier_radius(contact.row, r);
       double reach = 0;
@@ -197,11 +197,11 @@ class Krawczyk {
     proof.delta = 0;
     const auto off = [&](double amount) { proof.delta = std::max(proof.delta, safe(amount) * widened); };
     if (p_.fixed_contradiction) off(infinity);
-    const auto unit = [&](const Contact& contact) { return contact.unit > 0 ? contact.unit : 1.0; };
+    const auto unit = [&](const ContactRows& contact) { return contact.unit > 0 ? contact.unit : 1.0; };
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      const Contact& contact = p_.contacts[c];
+      const ContactRows& contact = p_.contacts[c];
       const auto row = static_cast<std::size_t>(contact.row);
-      if (point_.modes[c] == Mode::open) {
+      if (point_.modes[c] == ContactMode::open) {
         // With J_i = 0 the slack is exact: it holds or not.
         const double spread =
             contact.unit > 0 ? p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius) : 0;
@@ -213,7 +213,7 @@ class Krawczyk {
       double weight = 0;  // |J_i'| in the dual norm, of any unit force of the contact
       for (Index t = 0; t < contact.rows(); ++t) weight = std::hypot(weight, p_.row_norm[contact.row + t]);
       const double least = point_.lambda[row].hi * (1 - 1e-15) - multiplier_radius(contact.row, r) - 1e-280;
-      if (point_.modes[c] == Mode::slide || contact.rows() == 1) {
+      if (point_.modes[c] == ContactMode::slide || contact.rows() == 1) {
         if (!(least > 0)) proof.strict = false;
         if (point_.lambda[row].hi - multiplier_radius(contact.row, r) < 0)
           off((multiplier_radius(contact.row, r) - point_.lambda[row].hi) * (1 + contact.mu) * weight);
@@ -286,7 +286,7 @@ class Krawczyk {
 
 ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess) {
   ModeProof best{.point = guess};
-  std::vector<std::vector<Mode>> tried;
+  std::vector<std::vector<ContactMode>> tried;
   for (int round = 0; round < mode_changes; ++round) {
     if (std::ranges::find(tried, guess.modes) != tried.end()) break;
     tried.push_back(guess.modes);

@@ -39,10 +39,10 @@ Residual residual_of(const ModeSystem& system, const ModePoint& point) {
 
 }  // namespace
 
-std::vector<Mode> modes_by_size(const ContactProblem& p, const ExtendedVector& x, const ExtendedVector& lambda,
-                                double cut) {
-  std::vector<Mode> modes;
-  for (const Contact& contact : p.contacts) {
+std::vector<ContactMode> modes_by_size(const ContactProblem& p, const ExtendedVector& x, const ExtendedVector& lambda,
+                                       double cut) {
+  std::vector<ContactMode> modes;
+  for (const ContactRows& contact : p.contacts) {
     const double g = contact.unit > 0 ? contact.unit : 1;
     const double l_n = lambda[static_cast<std::size_t>(contact.row)].hi * g, s_n = p.slack(contact.row, x).hi / g;
     double l_t = 0;
@@ -51,9 +51,9 @@ std::vector<Mode> modes_by_size(const ContactProblem& p, const ExtendedVector& x
     const double s_t = p.slip(contact, x).hi / g;
     const double zero = cut * (std::abs(l_n) + l_t + std::abs(s_n) + s_t);
     if (contact.unit == 0 || l_n <= zero)
-      modes.push_back(Mode::open);
+      modes.push_back(ContactMode::open);
     else
-      modes.push_back(contact.rows() > 1 && s_t > zero ? Mode::slide : Mode::stick);
+      modes.push_back(contact.rows() > 1 && s_t > zero ? ContactMode::slide : ContactMode::stick);
   }
   return modes;
 }
@@ -61,11 +61,11 @@ std::vector<Mode> modes_by_size(const ContactProblem& p, const ExtendedVector& x
 bool settle_forces(const ContactProblem& p, ModePoint& point) {
   bool usable = true;
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
-    const Contact& contact = p.contacts[c];
+    const ContactRows& contact = p.contacts[c];
     const auto row = static_cast<std::size_t>(contact.row);
-    const Index used = point.modes[c] == Mode::open ? 0 : contact.rows();
+    const Index used = point.modes[c] == ContactMode::open ? 0 : contact.rows();
     for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
-    if (point.modes[c] != Mode::slide) continue;
+    if (point.modes[c] != ContactMode::slide) continue;
     const DoubleDouble slip = p.slip(contact, point.x);
     if (!(slip.hi > 1e-250)) {
       usable = false;
@@ -82,9 +82,11 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     : problem(&p), sigma(slips), H(p.M), direction(p.contacts.size()) {
   for (const Index i : p.equalities) active.push_back({.row = i});
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
-    const Index rows = point.modes[c] == Mode::stick ? p.contacts[c].rows() : point.modes[c] == Mode::slide ? 1 : 0;
+    const Index rows = point.modes[c] == ContactMode::stick   ? p.contacts[c].rows()
+                       : point.modes[c] == ContactMode::slide ? 1
+                                                              : 0;
     for (Index t = 0; t < rows; ++t)
-      active.push_back({p.contacts[c].row + t, static_cast<Index>(c), point.modes[c] == Mode::slide});
+      active.push_back({p.contacts[c].row + t, static_cast<Index>(c), point.modes[c] == ContactMode::slide});
   }
   const auto count = static_cast<Index>(active.size());
   S = Matrix::Zero(count, p.size());
@@ -95,7 +97,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     add_row(columns, k, p, row.row, 1);
     if (!row.slides) continue;
     const auto c = static_cast<std::size_t>(row.contact);
-    const Contact& contact = p.contacts[c];
+    const ContactRows& contact = p.contacts[c];
     const DoubleDouble slip = p.slip(contact, point.x);
     if (!(slip.hi > 1e-250)) {
       usable = false;
@@ -121,7 +123,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
 DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) const {
   const DoubleDouble s = problem->slack(row.row, x);
   if (!sigma || row.contact < 0) return s;
-  const Contact& contact = problem->contacts[static_cast<std::size_t>(row.contact)];
+  const ContactRows& contact = problem->contacts[static_cast<std::size_t>(row.contact)];
   if (row.row != contact.row) return s;
   const DoubleDouble lift = (*sigma)[static_cast<std::size_t>(row.contact)];
   return s + DoubleDouble(contact.mu) * (row.slides ? lift - problem->slip(contact, x) : lift);
@@ -131,23 +133,23 @@ bool change_modes(const ContactProblem& p, ModePoint& point) {
   constexpr double holds = 1e-13;  // relative to the motion: what rounding of dependent rows leaves
   bool changed = false;
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
-    const Contact& contact = p.contacts[c];
+    const ContactRows& contact = p.contacts[c];
     if (contact.unit == 0) continue;
     const auto row = static_cast<std::size_t>(contact.row);
-    Mode& mode = point.modes[c];
-    const Mode before = mode;
+    ContactMode& mode = point.modes[c];
+    const ContactMode before = mode;
     const double l_n = point.lambda[row].hi, s_n = p.slack(contact.row, point.x).hi;
-    if (mode == Mode::open) {
-      if (s_n < -holds) mode = Mode::stick;
+    if (mode == ContactMode::open) {
+      if (s_n < -holds) mode = ContactMode::stick;
     } else if (l_n < -holds) {
-      mode = Mode::open;
+      mode = ContactMode::open;
       for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
-    } else if (mode == Mode::stick && contact.rows() > 1) {
+    } else if (mode == ContactMode::stick && contact.rows() > 1) {
       double l_t = 0;
       for (Index t = 1; t < contact.rows(); ++t)
         l_t = std::hypot(l_t, point.lambda[row + static_cast<std::size_t>(t)].hi);
       if (l_t > contact.mu * l_n + holds) {
-        mode = Mode::slide;
+        mode = ContactMode::slide;
         // A first slip against the force, by a push on the contact alone.
         ExtendedVector push(static_cast<std::size_t>(p.rows()));
         for (Index t = 1; t < contact.rows(); ++t) {
@@ -157,8 +159,8 @@ bool change_modes(const ContactProblem& p, ModePoint& point) {
         const ExtendedVector move = p.motion_by(push);
         for (std::size_t j = 0; j < move.size(); ++j) point.x[j] += move[j];
       }
-    } else if (mode == Mode::slide && !(p.slip(contact, point.x).hi > holds)) {
-      mode = Mode::stick;
+    } else if (mode == ContactMode::slide && !(p.slip(contact, point.x).hi > holds)) {
+      mode = ContactMode::stick;
     }
     changed |= mode != before;
   }

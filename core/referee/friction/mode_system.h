@@ -9,17 +9,17 @@
 namespace zwang {
 
 // What a contact does: nothing pushes; it slides and is pushed; it neither opens nor slides.
-enum class Mode : unsigned char { open, slide, stick };
+enum class ContactMode : unsigned char { open, slide, stick };
 
 // A point with a mode for each contact, in the units of a ContactProblem.
 struct ModePoint {
   ExtendedVector x, lambda;
-  std::vector<Mode> modes;
+  std::vector<ContactMode> modes;
 };
 
 // Modes by each contact's own scale: `cut` of its |lambda| + |s| counts as zero.
-std::vector<Mode> modes_by_size(const ContactProblem& problem, const ExtendedVector& x, const ExtendedVector& lambda,
-                                double cut);
+std::vector<ContactMode> modes_by_size(const ContactProblem& problem, const ExtendedVector& x,
+                                       const ExtendedVector& lambda, double cut);
 
 // The equations that modes ask for, linearized at a point:
 //

@@ -29,13 +29,13 @@ Block project(const Block& l, double mu) {
 
 double size(const Block& a, const Block& b) { return length((a[0] - b[0]), length(a[1] - b[1], a[2] - b[2])).hi; }
 
-Block take(const ExtendedVector& x, const Contact& contact, Index rows) {
+Block take(const ExtendedVector& x, const ContactRows& contact, Index rows) {
   Block out;
   for (Index t = 0; t < rows; ++t) out[static_cast<std::size_t>(t)] = x[static_cast<std::size_t>(contact.row + t)];
   return out;
 }
 
-Block slack_of(const ContactProblem& p, const Contact& contact, const ExtendedVector& x, Law law) {
+Block slack_of(const ContactProblem& p, const ContactRows& contact, const ExtendedVector& x, Law law) {
   Block s;
   for (Index t = 0; t < contact.rows(); ++t) s[static_cast<std::size_t>(t)] = p.slack(contact.row + t, x);
   if (law == Law::coulomb) s[0] += length(s[1], s[2]) * contact.mu;
@@ -51,7 +51,7 @@ double relative_residual(const ContactProblem& p, Law law, const ExtendedVector&
     residual = std::hypot(residual, p.slack(i, x).hi / (p.row_norm[i] * p.row_norm[i]) * unit);
     total = std::hypot(total, lambda[static_cast<std::size_t>(i)].hi * unit);
   }
-  for (const Contact& contact : p.contacts) {
+  for (const ContactRows& contact : p.contacts) {
     if (contact.unit == 0) continue;
     double trace = 0;
     for (Index t = 0; t < contact.rows(); ++t) trace += p.row_norm[contact.row + t] * p.row_norm[contact.row + t];
@@ -79,7 +79,7 @@ FrictionMetrics friction_residuals(const ContactProblem& p, Law law, const Exten
   const double s = p.scale;
   for (const Index i : p.equalities)
     if (lambda) grow(out.natural, std::abs(p.slack(i, x).hi) / p.row_norm[i] / s);
-  for (const Contact& contact : p.contacts) {
+  for (const ContactRows& contact : p.contacts) {
     const double g = contact.unit > 0 ? contact.unit : 1;
     const double s_n = p.slack(contact.row, x).hi / g / s;
     grow(out.penetration, -s_n);

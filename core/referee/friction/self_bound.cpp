@@ -74,7 +74,7 @@ class Duality {
 
   // At least so far inside K*, for every sigma in its interval and every motion within `off` of x.
   double margin(std::size_t c, const ExtendedVector& x, double off) const {
-    const Contact& contact = p_.contacts[c];
+    const ContactRows& contact = p_.contacts[c];
     double reach = p_.row_norm[contact.row];
     DoubleDouble s = p_.slack(contact.row, x);
     double error = p_.slack_error(contact.row, x);
@@ -105,7 +105,7 @@ class Duality {
 
   // J_i = 0: s = -h, exactly.
   bool fixed_holds(std::size_t c) const {
-    const Contact& contact = p_.contacts[c];
+    const ContactRows& contact = p_.contacts[c];
     const DoubleDouble s = -p_.h[static_cast<std::size_t>(contact.row)];
     const bool lifted = sigma_error_[static_cast<Index>(c)] > 0;  // by sigma = |s_t| itself
     if (contact.rows() == 1 || lifted) return s.hi >= 0;
@@ -137,7 +137,7 @@ class Duality {
     double rounding = 0;
     ExtendedVector pushes(lambda.size());
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      const Contact& contact = p_.contacts[c];
+      const ContactRows& contact = p_.contacts[c];
       const auto row = static_cast<std::size_t>(contact.row);
       into_cone(contact, lambda);
       if (contact.unit == 0) continue;
@@ -169,7 +169,7 @@ class Duality {
   }
 
  private:
-  void into_cone(const Contact& contact, ExtendedVector& lambda) const {
+  void into_cone(const ContactRows& contact, ExtendedVector& lambda) const {
     const auto row = static_cast<std::size_t>(contact.row);
     if (!(lambda[row].hi > 0) || contact.unit == 0) lambda[row] = 0;
     DoubleDouble tangential;
@@ -224,14 +224,14 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   }
   if (!p.exact) return best;
 
-  const InteriorPoint method(p, equalities);
+  const RefereeInteriorPoint method(p, equalities);
   std::vector<InteriorAnswer> inner = method.solve<double>(&sigma, {.keep_iterates = true});
   for (InteriorAnswer& iterate : inner) {
     duality.correct(iterate.x);
     best.interior |= duality.strictly_inside(iterate.x);
   }
   const auto consider = [&](ModePoint point) {
-    const std::vector<Mode> modes = point.modes;
+    const std::vector<ContactMode> modes = point.modes;
     const auto take = [&](ExtendedVector x) {
       ExtendedVector lambda = point.lambda;
       const double upper = duality.bound(x, lambda);

@@ -20,7 +20,7 @@ struct ConvexBound {
   double upper = std::numeric_limits<double>::infinity();  // |d - Z|_M
   bool interior = false;  // some z meets the rows with every contact strictly inside K* (and the equality rows)
   Rows rows = Rows::open;
-  std::vector<Mode> modes = {};
+  std::vector<ContactMode> modes = {};
 };
 
 // sigma: one a contact, exact up to sigma_error. `guess` may be null: modes and multipliers to begin with.
