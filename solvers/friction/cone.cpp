@@ -29,6 +29,14 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
   natural_ = natural;
 }
 
+// Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
+bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options) {
+  const bool accepted = is_accepted(r, v, options);
+  if (accepted) natural_ = std::numeric_limits<double>::infinity();
+  keep(v, y, r.natural);
+  return accepted;
+}
+
 bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
   const double scale = program_.scale(v);
   if (program_.is_out_of_reach(v)) return false;
@@ -48,8 +56,7 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
   modes_.run(program_, goal, std::min(most_modes, options.max_iterations), deadline, solution.iterations);
-  keep(modes_.v, modes_.y, modes_.residual.natural);
-  return is_accepted(modes_.residual, modes_.v, options);
+  return takes(modes_.residual, modes_.v, modes_.y, options);
 }
 
 Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const SolveOptions& options,
@@ -82,10 +89,10 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
         }
         if (program_.is_dense()) continue;
         const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
-        if (inside_.residual() > options.tolerance * program_.scale(inside_.v) || !is_accepted(own, inside_.v, options))
-          continue;
-        keep(inside_.v, inside_.y, own.natural);
-        return End::accepted;
+        if (inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
+            takes(own, inside_.v, inside_.y, options))
+          return End::accepted;
+        continue;
       }
     }
     keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
@@ -94,11 +101,9 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
       modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
                  solution.iterations);
-      keep(modes_.v, modes_.y, modes_.residual.natural);
-      if (is_accepted(modes_.residual, modes_.v, options)) return End::accepted;
-    } else {
-      const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
-      if (is_accepted(own, inside_.v, options)) return End::accepted;
+      if (takes(modes_.residual, modes_.v, modes_.y, options)) return End::accepted;
+    } else if (takes(program_.residual(inside_.y, inside_.s), inside_.v, inside_.y, options)) {
+      return End::accepted;
     }
     if (stuck) return End::failed;
     target *= tolerances::cone_deeper;

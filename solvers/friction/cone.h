@@ -56,6 +56,7 @@ struct Cone {
     End from_inside(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                     double start, Solution& solution);
     bool is_accepted(const ConeProgram::Residual& residual, const Vector& v, const SolveOptions& options);
+    bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options);
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
                             const Deadline& deadline);
     void keep(const Vector& v, const Vector& y, double natural);
