@@ -172,7 +172,17 @@ bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const Solve
   return accepted;
 }
 
+void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& options, Solution& solution) {
+  const bool few = p.size() <= ConeProgram::few_unknowns;
+  if (few)
+    active_set_.solve(p, options, solution);
+  else
+    newton_.solve(p, options, solution);
+  if (solution.handed_to.empty()) solution.handed_to = few ? DualActiveSet::name : Newton::name;
+}
+
 void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
+  if (!p.has_tangents()) return solve_without_friction(p, options, solution);
   const Deadline deadline(options.time_limit);
   const bool coulomb = p.has_tangents() && p.law == Law::coulomb;
   if (coulomb && cone.adaptive) {

@@ -9,6 +9,7 @@
 #include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/friction/mode_newton.h>
+#include <zwang/solvers/newton/newton.h>
 
 namespace zwang {
 
@@ -20,6 +21,10 @@ namespace zwang {
 // The sparse factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
 // redundant contacts that slide can stall. Up to 1000 unknowns it then starts again on dense rows, where the shift is
 // differentiated; Solution::fallback says so.
+//
+// Without friction the problem is a quadratic program: the dual active-set method solves it, or newton where it is
+// large (Solution::handed_to). They judge rows that almost depend on others in extended precision; an interior point
+// of its own, tried first, claimed answers to rows that contradict each other by 1e-10.
 //
 // One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
 // residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
@@ -47,6 +52,7 @@ struct Cone {
    private:
     enum class End { accepted, failed, limit, infeasible };
 
+    void solve_without_friction(const Problem& problem, const SolveOptions& options, Solution& solution);
     bool solve_under(Law law, bool finish, const Problem& problem, const SolveOptions& options,
                      const Deadline& deadline, const WarmStart* warm, Solution& solution);
     bool from_warm(const Problem& problem, const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
@@ -68,6 +74,8 @@ struct Cone {
     Vector v_, y_, proof_;  // the best there is
     double natural_ = 0;
     Solution of_normals_;
+    DualActiveSet active_set_;
+    Newton newton_;
   };
 
   Islands islands_;

@@ -11,8 +11,7 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 bool is_cone_law(Law law) { return law == Law::convex || law == Law::coulomb; }
-constexpr Index few_unknowns = 150;  // dense whatever the rows are
-constexpr Index most_dense = 1000;   // dense where the rows are full, or where that is asked for
+constexpr Index most_dense = 1000;  // dense where the rows are full, or where that is asked for
 
 bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.size(); }
 

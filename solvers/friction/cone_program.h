@@ -29,6 +29,7 @@ class ConeProgram {
   bool build(const Problem& problem, Law law, bool dense, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
   static bool can_be_dense(const Problem& problem);
+  static constexpr Index few_unknowns = 150;  // dense whatever the rows are
 
   Law law() const { return law_; }
   bool is_coulomb() const { return law_ == Law::coulomb; }
