@@ -21,13 +21,15 @@ Instance assembled_hand() {
   return instance;
 }
 
-std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std::vector<Run>& runs) {
+std::vector<Cell> cells_of(const std::function<Instance()>& assemble, const std::vector<Run>& runs,
+                           double recorded_tolerance = 0) {
   std::vector<Cell> all;
   Dispatcher dispatcher([](std::string_view text) { return make_solver(text); });
   const Flow flow{.assemble = assemble,
                   .runs = runs,
                   .limits = {.budget = 0.01},
-                  .append = [&](const Instance&, std::vector<Cell>& cells) { all = std::move(cells); }};
+                  .append = [&](const Instance&, std::vector<Cell>& cells) { all = std::move(cells); },
+                  .recorded_tolerance = recorded_tolerance};
   EXPECT_TRUE(run_flow(flow, dispatcher, tests::never));
   return all;
 }
@@ -76,6 +78,30 @@ TEST(Flow, SaysWhyALargeIslandIsNotGivenToADenseMethod) {
   EXPECT_EQ(cells[0].result.message, "not run: dense, and one island has 96 unknowns");
   EXPECT_EQ(cells[0].result.repetitions, 0);
   EXPECT_EQ(cells[1].result.claimed, Status::solved);
+}
+
+// Also where the problem is too large for a reference.
+TEST(Flow, ARecordedAnswerIsMeasuredAgainstAProvenOne) {
+  Solution exact;
+  make_solver("dual_active_set").solve(assembled_hand().problem, {}, exact);
+  const auto assemble = [&](double off) {
+    Instance instance = assembled_hand();
+    EXPECT_FALSE(instance.reference);
+    instance.recorded = {{"somebody", exact.z + off * (instance.problem.z_u - exact.z)}};
+    return instance;
+  };
+  const zwang::Run rough{.solver = "pgs:max_sweeps=1"}, right{.solver = "newton"};
+  const std::vector<Cell> near = cells_of([&] { return assemble(1e-4); }, {rough, right}, 1e-10);
+  const std::vector<Cell> far = cells_of([&] { return assemble(2e-4); }, {rough, right}, 1e-10);
+  ASSERT_EQ(near.size(), 3u);
+  EXPECT_EQ(near[0].result.solver, "recorded:somebody");
+  EXPECT_EQ(near[0].result.reference, "proven answer of newton");
+  EXPECT_EQ(near[0].result.reference_bound, near[2].result.metrics.z_bound);
+  EXPECT_EQ(near[0].result.metrics.verdict, Verdict::wrong);
+  EXPECT_NEAR(far[0].result.metrics.z_error / near[0].result.metrics.z_error, 2, 1e-9);
+  EXPECT_EQ(near[2].result.reference, "") << "a solver is no other solver's judge";
+  const std::vector<Cell> alone = cells_of([&] { return assemble(1e-4); }, {rough}, 1e-10);
+  EXPECT_EQ(alone[0].result.reference, "") << "an unproven answer stands for nothing";
 }
 
 TEST(Flow, AppendsNothingWhenInterrupted) {
