@@ -70,6 +70,16 @@ py::tuple from_matrix(const Sparse& stored) {
                         Integers(A.outerSize() + 1, A.outerIndexPtr()), A.rows(), A.cols());
 }
 
+// pybind11's __new__ makes an object whose value only __init__ sets: reading it before crashes. Python refuses the
+// __new__ of a base to a type that has one of its own, so that only a call of the class makes objects.
+template <class T>
+py::class_<T> made_by_calls(py::class_<T> type) {
+  reinterpret_cast<PyTypeObject*>(type.ptr())->tp_new = [](PyTypeObject* made, PyObject* args, PyObject* words) {
+    return py::detail::pybind11_object_new(made, args, words);
+  };
+  return type;
+}
+
 QuadraticProgram to_program(const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
                             const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub) {
   return {.P = to_matrix<Eigen::ColMajor>(P, "P"),
@@ -220,12 +230,12 @@ PYBIND11_MODULE(_zwang, m) {
   m.attr("__version__") = conditions().version;
   py::register_exception<BadFile>(m, "BadFile", PyExc_ValueError);
 
-  py::class_<Compressed>(m, "Compressed")
+  made_by_calls(py::class_<Compressed>(m, "Compressed"))
       .def(py::init([](Numbers data, Integers indices, Integers indptr, Index rows, Index columns) {
         return Compressed{std::move(data), std::move(indices), std::move(indptr), rows, columns};
       }));
 
-  py::class_<Instance>(m, "Problem")
+  made_by_calls(py::class_<Instance>(m, "Problem"))
       .def(py::init(&make_problem))
       .def_property_readonly("_M", [](const Instance& i) { return from_matrix(i.problem.M); })
       .def_property_readonly("_J", [](const Instance& i) { return from_matrix(i.problem.J); })
@@ -275,7 +285,7 @@ PYBIND11_MODULE(_zwang, m) {
                         "method"_a = i.reference->method);
       });
 
-  py::class_<Solved>(m, "Solution")
+  made_by_calls(py::class_<Solved>(m, "Solution"))
       .def_property_readonly("status", [](const Solved& s) { return std::string(to_string(s.solution.status)); })
       .def_property_readonly("z", [](const Solved& s) { return to_numpy(s.solution.z); })
       .def_property_readonly("lambda_", [](const Solved& s) { return to_numpy(s.solution.lambda); })
@@ -286,7 +296,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("redundant", [](const Solved& s) { return s.solution.redundant; })
       .def_readonly("seconds", &Solved::seconds);
 
-  py::class_<Judgement>(m, "Judgement")
+  made_by_calls(py::class_<Judgement>(m, "Judgement"))
       .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })
       .def_readonly("at_least", &Judgement::at_least)
       .def_readonly("at_most", &Judgement::at_most)

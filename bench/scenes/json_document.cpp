@@ -65,8 +65,8 @@ class Builder : public nlohmann::json_sax<Json> {
   }
   bool parse_error(std::size_t, const std::string&, const Json::exception& bad) override {
     error = bad.what();
-    const auto colon = error.find("parse error");
-    if (colon != std::string::npos) error.erase(0, colon);
+    if (const auto bracket = error.find("] "); error.starts_with("[json.exception.") && bracket != std::string::npos)
+      error.erase(0, bracket + 2);
     return false;
   }
 

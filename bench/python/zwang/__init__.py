@@ -175,6 +175,8 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=
     time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. Returns a Solution: status (what the
     solver claims), z (n), lambda_ (m), iterations, message, seconds.
     """
+    if not isinstance(solver, str):
+        raise TypeError(f"solver should be a name: {solver!r}")
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     problem = problem if law is None else problem.under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
@@ -251,6 +253,8 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
             if name not in _python_solvers:
                 add_solver(name, solver)
             solver = name
+        elif not isinstance(solver, str):
+            raise TypeError(f"solvers should be names or functions: {solver!r}")
         elif solver.startswith("qpsolvers:"):
             solver = outside.add(solver.split(":", 1)[1])
         names.append(solver)

@@ -204,6 +204,13 @@ class Judging(unittest.TestCase):
                 draw.choice(calls)(lambda: draw.choice(odd))
             except (ValueError, TypeError, OverflowError, RuntimeError, OSError, AttributeError, IndexError) as expected:
                 self.assertTrue(str(expected))
+        for made in (zwang.Problem, type(problem), zwang.Solution, zwang.Judgement):
+            for bare in (made.__new__, object.__new__):
+                with self.assertRaises(TypeError):
+                    bare(made)
+        for spoilt in (lambda: zwang.solve(problem, None), lambda: zwang.bench("tower(boxes=2)", solvers=[3])):
+            with self.assertRaisesRegex(TypeError, "should be"):
+                spoilt()
         gc.collect()
 
 

@@ -55,19 +55,19 @@ TEST_F(SceneFile, SayWhatIsWrongWithLineAndMember) {
   struct Case {
     std::string old, spoilt, line, expected;
   };
-  for (const Case& c :
-       {Case{"\"mass\": 30", "\"mass\": -30", "line 8", "/bodies/1/mass"},
-        Case{"\"mass\": 30", "\"mass\": \"30\"", "line 8", "/bodies/1/mass"},
-        Case{"\"mass\": 30", "\"maas\": 30", "line 8", "maas"},
-        Case{"\"type\": \"hinge\"", "\"type\": \"hinje\"", "line 15", "/joints/1/type"},
-        Case{"\"b\": \"boom\"", "\"b\": \"bomb\"", "line 15", "/joints/1/b"},
-        Case{"\"sphere\": 0.2", "\"sphere\": 0", "line 10", "/bodies/3/shape/sphere"},
-        Case{"[0, 0, -9.81]", "[0, 0]", "line 5", "/gravity"}, Case{"[0, 0, -9.81]", "[0, 0, 1e999]", "line 5", ""},
-        Case{"\"dt\": 0.001", "\"dt\": 0", "line 4", "/dt"},
-        Case{"zwang scene 1", "zwang scene 9", "line 2", "/format"},
-        Case{"\"joint\": \"elbow\"", "\"joint\": \"cable\"", "line 19", "/limits/0"},
-        Case{"\"dt\": 0.001,", "\"dt\": 0.001", "line 5", ""},
-        Case{"\"name\": \"boom\"", "\"name\": \"mast\"", "line 9", "/bodies/2/name"}}) {
+  for (const Case& c : {Case{"\"mass\": 30", "\"mass\": -30", "line 8", "/bodies/1/mass"},
+                        Case{"\"mass\": 30", "\"mass\": \"30\"", "line 8", "/bodies/1/mass"},
+                        Case{"\"mass\": 30", "\"maas\": 30", "line 8", "maas"},
+                        Case{"\"type\": \"hinge\"", "\"type\": \"hinje\"", "line 15", "/joints/1/type"},
+                        Case{"\"b\": \"boom\"", "\"b\": \"bomb\"", "line 15", "/joints/1/b"},
+                        Case{"\"sphere\": 0.2", "\"sphere\": 0", "line 10", "/bodies/3/shape/sphere"},
+                        Case{"[0, 0, -9.81]", "[0, 0]", "line 5", "/gravity"},
+                        Case{"[0, 0, -9.81]", "[0, 0, 1e999]", "line 5", ": number overflow"},
+                        Case{"\"dt\": 0.001", "\"dt\": 0", "line 4", "/dt"},
+                        Case{"zwang scene 1", "zwang scene 9", "line 2", "/format"},
+                        Case{"\"joint\": \"elbow\"", "\"joint\": \"cable\"", "line 19", "/limits/0"},
+                        Case{"\"dt\": 0.001,", "\"dt\": 0.001", "line 5", ""},
+                        Case{"\"name\": \"boom\"", "\"name\": \"mast\"", "line 9", "/bodies/2/name"}}) {
     const auto at = good.find(c.old);
     ASSERT_NE(at, std::string::npos) << c.old;
     const std::string said = message(std::string(good).replace(at, c.old.size(), c.spoilt));
