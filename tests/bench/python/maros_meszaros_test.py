@@ -56,7 +56,8 @@ def by_cvxopt(program, problem):
 
 def outside_solvers():
     there = {s["name"] for s in zwang.solvers()}
-    found = {name: by_zwangs_child(name) for name in ("ipopt", "daqp", "piqp", "osqp", "proxqp", "qpoases") if name in there}
+    found = {name: by_zwangs_child(name) for name in ("ipopt", "nlopt_slsqp", "daqp", "piqp", "osqp", "proxqp", "qpoases")
+             if name in there}
     try:
         import cvxopt  # noqa: F401
         found["cvxopt"] = by_cvxopt
@@ -84,7 +85,8 @@ class MarosMeszaros(unittest.TestCase):
     def test_spoilt_answers_of_outside_solvers(self):
         judged, claims = 0, []
         solvers = outside_solvers()
-        self.assertTrue(solvers)
+        if len(solvers) < 2:
+            self.skipTest("two solvers that are not zwang's are not there")
         for file in FILES:
             try:
                 (problem,) = zwang.load(file)
@@ -99,10 +101,9 @@ class MarosMeszaros(unittest.TestCase):
             truth = zwang.solve(problem, tolerance=1e-12).z
             self.assertLess(zwang.judge(problem, truth).at_most, 1e-14, file)
             s = max(norm(problem.z_u), norm(truth))
-            for name, solve in solvers.items():
-                x = solve(program, problem)
-                if x is None:
-                    continue
+            answers = {name: x for name, solve in solvers.items() if (x := solve(program, problem)) is not None}
+            self.assertGreaterEqual(len(answers), 2, file)
+            for name, x in answers.items():
                 draw = numpy.random.default_rng(len(q))
                 for off in (0, 1e-12, 1e-8, 1e-4):
                     d = draw.normal(size=len(q))
@@ -122,7 +123,7 @@ class MarosMeszaros(unittest.TestCase):
         if os.environ.get("ZWANG_VERBOSE"):
             for claim in claims:
                 print("%-9s %-8s spoilt by %-6g off by %-9.2e %s" % claim)
-        self.assertGreaterEqual(judged, 30 * len(solvers))
+        self.assertGreaterEqual(judged, 10 * 2 * 4)
 
     # min 1/2 x'Px with one flat direction: x off by 1e-4 there leaves residuals of 1e-12.
     def test_a_small_residual_is_no_proof(self):
