@@ -49,7 +49,7 @@ shorter = [
     (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),
     (r"(./zwang report DIR) --figures (svg,pdf|pdf)", r"\1 --figures svg"),
-    (r"./zwang capture.*", None),
+    (r"(./zwang capture) (docs/\S+) --steps \d+ (.*)", r"\1 SOURCE/\2 --steps 5 \3"), (r"./zwang capture.*", None),
     (r"(./zwang bench --scenes) (\S+\.json).*", r"\1 SOURCE/\2 --solvers nnls --out scene"),
 ]
 # Corners of its twelve triangles, seen from outside.
