@@ -56,12 +56,12 @@ int campaign_command(std::vector<std::string> words) {
             "  ./zwang campaign big --engine slurm --tasks 64 --out big\n"
             "  ./zwang campaign quick --engine parallel --tasks 8 --out runs --solvers nnls,pgs\n"
             "  ./zwang campaign --resume big\n"
+            "The first word names a suite (./zwang bench --help); without one it is standard.\n"
             "What is run is said as for ./zwang bench: --scenes, --problems, --solvers, --tolerances, --accuracy, ...");
   options.allow_extras(true);
   std::string suite, engine = "local", out, resume;
   Campaign campaign;
   campaign.at_once = std::max(1u, std::thread::hardware_concurrency());
-  options.add_option("SUITE", suite, "a suite's name (./zwang bench --help); default: standard")->type_name("");
   options.add_option("--engine", engine, "slurm, parallel (GNU parallel) or local (the default)");
   options.add_option("--tasks", campaign.tasks, "parts that the problems are dealt out to")->check(from_to(1, 100000));
   options.add_option("--at-once", campaign.at_once, "tasks that run at a time; default: the cores of this machine")
@@ -71,6 +71,11 @@ int campaign_command(std::vector<std::string> words) {
   options.add_option("--out", out, "folder of the campaign")->type_name("DIR");
   options.add_option("--resume", resume, "come back to a campaign: follow it, start what is missing")->type_name("DIR");
   const std::string command = command_line("campaign", words);
+  // After options of bench, which are passed on unread, their values would be taken for the suite.
+  if (!words.empty() && !words.front().starts_with('-')) {
+    suite = words.front();
+    words.erase(words.begin());
+  }
   if (!read(options, std::move(words))) return done;
   if (!resume.empty()) {
     if (!suite.empty() || !options.remaining().empty() || !out.empty())

@@ -20,11 +20,20 @@ import subprocess
 import sys
 import tempfile
 
+few = "--scenes 'tower(boxes=2)' --solvers nnls --tolerances 1e-6"
 # How a line is run that would take long, or names what is not there. None: it takes minutes, or is a test of its own.
 shorter = [
     ("./zwang bench", None), ("./zwang test.*", None), ("./zwang docs", None), ("./zwang python", None),
     (r"./zwang bench --suite (quick|speed|atlas|collision)", None),
     (r"(./zwang bench --suite atlas --families) .*", r"\1 PIVOT --solvers dual_active_set,cholesky --out atlas"),
+    (r"./zwang campaign \w+ --engine slurm .*--out (\w+)", rf"./zwang campaign {few} --engine local --tasks 2 --out campaign_\1"),
+    (r"./zwang campaign --resume (\w+)", r"./zwang campaign --resume campaign_\1"), (r"./zwang (campaign|merge)", r"./zwang \1 --help"),
+    (r"./zwang bench --suite full --shard 3/64 --out parts/3",
+     rf"for k in 0 1; do ./zwang bench {few} --shard $k/2 --out parts/$((k + 3)); done"),
+    (r"./zwang merge PART... --out DIR",
+     rf"for k in 0 1; do ./zwang bench {few} --shard $k/2 --out some/$k; done; ./zwang merge some/* --out whole"),
+    (r"./zwang report big/result --figures svg", r"./zwang report DIR --figures svg"),
+    (r"(./zwang bench --problems) DIR --sequence", r"\1 first.h5 --sequence --solvers nnls --out sequence"),
     (r"(./zwang bench --problems) FILE... --suite speed", r"\1 first.h5 --solvers nnls --out speed"),
     (r"(./zwang bench) --resume DIR", r"\1 --resume DIR"),
     (r"(./zwang simulate simple --motion grasp)(.*)", r"\1 --frames 20 --out $(mktemp -u)\2"),

@@ -19,6 +19,13 @@ register(vega);
 const distinct = (name, field) => [...new Set(all_rows(data, name).map(row => row[field]))];
 const file_name = text => text.replace(/[^A-Za-z0-9]+/g, '-').replace(/^-|-$/g, '').toLowerCase();
 
+// A figure is named by its caption: without the labels for screen readers, and on hundredths of a point, a file is a
+// fourth as large.
+const lean = svg => svg.replace(/<[^>]*>/g, tag => tag
+  .replace(/ (aria-[a-z]+|role|pointer-events)="[^"]*"/g, '')
+  .replace(/^<path class="(background|foreground)".* d="(M0,0h0v0h0Z)?".*/, '')
+  .replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toFixed(2)))));
+
 // What stands in one file: the chart, its file name, its title, and the choices made.
 const figures = [
   ...distinct('work-precision', 'family').map(family =>
@@ -50,7 +57,7 @@ for (const [chart, name, title, choices] of figures) {
   const compiled = vega_lite.compile(spec(template, labels.rows, data.solvers, options), {logger}).spec;
   const view = new vega.View(vega.parse(compiled), {renderer: 'none', logger});
   const svg = `${out}/${name}.svg`;
-  fs.writeFileSync(svg, await view.toSVG());
+  fs.writeFileSync(svg, lean(await view.toSVG()));
   view.finalize();
   if (formats.includes('pdf'))
     execFileSync('rsvg-convert', ['--dpi-x', '96', '--dpi-y', '96', '-f', 'pdf', '-o', `${out}/${name}.pdf`, svg]);

@@ -55,7 +55,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert_equal("whole", "it/result")
 
     # Ctrl-C leaves the tasks running and says how to come back.
-    again = [program, "campaign", "quick", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "left", *words]
+    again = [program, "campaign", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "left", *words]
     process = subprocess.Popen(again, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while process.poll() is None and not started("left"):
         time.sleep(0.01)
