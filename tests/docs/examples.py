@@ -50,6 +50,8 @@ shorter = [
     (r"./zwang solve", "./zwang solve first.h5 --solver nnls"), (r"./zwang solve FILE", "./zwang solve first.h5 --solver nnls"),
     (r"./zwang export", "./zwang export tower --out tower.h5"), (r"./zwang report", "./zwang report DIR"),
     (r"./zwang simulate", "./zwang simulate --help"),
+    (r"./zwang live simple --socket /tmp/hand", "./zwang live simple --socket hand --seconds 0.1"), ("./zwang live", "./zwang live --help"),
+    ("./zwang", "./zwang --help"),
     (r"./zwang bench --scenes my.json", "./zwang bench --scenes SOURCE/docs/examples/scenes/crane.json --solvers nnls --out mine"),
     (r"(./zwang bench --solvers) projected_gradient,nnls", r"\1 nnls --scenes 'tower(boxes=2)' --out guide"),
     (r"(./zwang bench --scenes) \"tower.*", r'\1 "tower(boxes=10),hand(contacts=64,seed=1..2)" --solvers nnls,dual_active_set,ipopt '
@@ -151,8 +153,9 @@ class Page:
         self.run -= len(made)
         block = "".join(f"facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {30 * (c & 1)} {30 * (c >> 1 & 1)} {30 * (c >> 2)}\n" for c in corners)
                         + "endloop\nendfacet\n" for corners in cube)
-        for name in ("part.stl", "gear.stl"):
+        for name in ("part.stl", "gear.stl", "tool.stl"):
             pathlib.Path(self.folder, name).write_text(f"solid cube\n{block}endsolid cube\n")
+        pathlib.Path(self.folder, "path.csv").write_text("time,x,y,z,qw,qx,qy,qz\n0,0,0,0.3,1,0,0,0\n0.1,0,0,0.2,1,0,0,0\n")
         for line in dict.fromkeys(re.sub(r"  *#.*", "", line).replace("\n", " ").strip() for line in found):
             for shape, instead in shorter:
                 if re.fullmatch(shape, line):
