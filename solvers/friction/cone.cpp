@@ -31,20 +31,10 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 
 // Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
 bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options) {
-  const bool accepted = is_accepted(r, v, options);
+  const bool accepted = program_.is_accepted(r, v, options.tolerance);
   if (accepted) natural_ = std::numeric_limits<double>::infinity();
   keep(v, y, r.natural);
   return accepted;
-}
-
-bool Cone::Work::is_accepted(const ConeProgram::Residual& r, const Vector& v, const SolveOptions& options) {
-  const double scale = program_.scale(v);
-  if (program_.is_out_of_reach(v)) return false;
-  // Rows that almost contradict each other push so hard that what is left of their sum is rounding.
-  if (r.rounding > std::max(accepted_error(options.tolerance), tolerances::cone_push) * scale) return false;
-  if (r.natural <= tolerances::cone_exact * scale) return true;
-  return r.natural <= options.tolerance * scale &&
-         std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * scale;
 }
 
 bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const Deadline& deadline,

@@ -45,7 +45,8 @@ bool ConeIteration::step_done() {
   }
   program.slack(work_.v, work_.s);
   const double scale = program.scale(work_.v);
-  residual_ = std::max(program.residual(work_.y, work_.s).natural, unbalanced * scale);
+  const ConeProgram::Residual left = program.residual(work_.y, work_.s);
+  residual_ = std::max(left.natural, unbalanced * scale);
   if (options_.observe) {
     program.write(problem_, work_.v, work_.y, solution_);
     options_.observe(solution_.iterations, solution_.z, solution_.lambda);
@@ -55,7 +56,7 @@ bool ConeIteration::step_done() {
     solution_.message = "the iterates run off";
     return true;
   }
-  if (residual_ > options_.tolerance * scale) return false;
+  if (residual_ > options_.tolerance * scale || !program.is_accepted(left, work_.v, options_.tolerance)) return false;
   solution_.status = Status::solved;
   return true;
 }

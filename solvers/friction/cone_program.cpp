@@ -247,6 +247,15 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
   return out;
 }
 
+bool ConeProgram::is_accepted(const Residual& r, const Vector& v, double tolerance) {
+  const double size = scale(v);
+  if (is_out_of_reach(v)) return false;
+  // Rows that almost contradict each other push so hard that what is left of their sum is rounding.
+  if (r.rounding > std::max(accepted_error(tolerance), tolerances::cone_push) * size) return false;
+  if (r.natural <= tolerances::cone_exact * size) return true;
+  return r.natural <= tolerance * size && std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(tolerance) * size;
+}
+
 void ConeProgram::scale_multipliers(const Vector& lambda, Vector& y) const {
   for (Index r = 0; r < rows(); ++r) {
     const Index k = source_unit_[at(r)];

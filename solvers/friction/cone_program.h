@@ -60,6 +60,8 @@ class ConeProgram {
     double rounding = 0;  // of the sum of what all rows push
   };
   Residual residual(const Vector& y, const Vector& s) const;
+  // Whether an iterate with this residual may be claimed: at rounding, or at the tolerance with a gap that says the same.
+  bool is_accepted(const Residual& residual, const Vector& v, double tolerance);
 
   // Multipliers of an earlier frame; false where there are none.
   bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
