@@ -35,7 +35,7 @@ int live_command(std::vector<std::string> words) {
   if (!read(app, std::move(words))) return done;
 
   const god::Surroundings surroundings = god::make_surroundings(scene, "");
-  const bool recorded = motion_name.find_first_of("./") != std::string::npos;
+  const bool recorded = god::names_file(motion_name);
   god::HandMotion motion = recorded ? god::read_motion(motion_name) : god::synthetic_motion(motion_name, surroundings);
   if (recorded) god::place(motion, surroundings);
   const god::Options options{.dt = 1 / rate, .verify = 0};

@@ -13,6 +13,7 @@
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/run/run.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/program/commands.h>
@@ -125,8 +126,12 @@ god::Record record_to_resume(const CLI::App& options, const Typed& typed) {
 
 // Files by their absolute paths: a run may be resumed from another folder.
 void make_absolute(Asked& asked) {
-  for (std::string* path : {&asked.parts, &asked.motion, &asked.god})
-    if (!path->empty() && fs::exists(*path)) *path = fs::absolute(*path).lexically_normal().string();
+  const auto absolute = [](std::string& path, bool is_file) {
+    if (is_file && fs::exists(path)) path = fs::absolute(path).lexically_normal().string();
+  };
+  absolute(asked.parts, !asked.parts.empty());
+  absolute(asked.motion, god::names_file(asked.motion));
+  absolute(asked.god, asked.god.find_first_of("./") != std::string::npos);
 }
 
 std::string head_line(const god::Record& record, const god::Setup& setup) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include <zwang/bench/collision/meshes.h>
@@ -141,6 +143,24 @@ TEST(Synthetic, UnknownNamesAreAnsweredWithTheNearest) {
   } catch (const std::invalid_argument& bad) {
     EXPECT_STREQ(bad.what(), "no motion 'grap'; did you mean 'grasp'?");
   }
+}
+
+// A folder `grasp` where the program is called is not the motion grasp.
+TEST(Synthetic, ANameIsANameWhateverLiesInTheFolder) {
+  namespace fs = std::filesystem;
+  const fs::path here = fs::current_path(), folder = fs::temp_directory_path() / "zwang_names_test";
+  fs::create_directories(folder / "grasp");
+  fs::create_directories(folder / "takes");
+  fs::current_path(folder);
+  std::ofstream("fist").flush();
+  std::ofstream("take1").flush();
+  EXPECT_FALSE(names_file("grasp"));
+  EXPECT_FALSE(names_file("fist"));
+  EXPECT_FALSE(names_file("takes"));
+  EXPECT_TRUE(names_file("take1"));
+  EXPECT_TRUE(names_file("missing.json"));
+  fs::current_path(here);
+  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -238,6 +238,12 @@ std::vector<std::pair<std::string, std::string>> synthetic_motions() {
   return out;
 }
 
+bool names_file(const std::string& motion) {
+  if (motion.find_first_of("./") != std::string::npos) return true;
+  return std::filesystem::is_regular_file(motion) &&
+         std::ranges::find(entries, motion, &Entry::name) == std::end(entries);
+}
+
 double friction_for(const std::string& motion) {
   for (const Entry& e : entries)
     if (e.name == motion) return e.mu;

@@ -16,10 +16,6 @@
 namespace zwang::god {
 namespace {
 
-bool names_file(const std::string& motion) {
-  return motion.find_first_of("./") != std::string::npos || std::filesystem::exists(motion);
-}
-
 // Of all objects, the fixed ones too.
 std::vector<Pose<double>> object_poses(const Surroundings& surroundings, const Frame& frame) {
   std::vector<Pose<double>> poses;
