@@ -13,6 +13,7 @@
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
@@ -118,7 +119,7 @@ int solve_command(std::vector<std::string> words) {
   }
   if (run.solver.empty()) throw std::invalid_argument("--solver is required (solve --help)");
   make_solver(run.solver);
-  run.foreign = find_solver(run.solver)->foreign;
+  run.foreign = runs_apart(run.solver);
 
   std::vector<std::string> notes;
   const auto assemble = [&] {

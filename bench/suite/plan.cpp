@@ -10,6 +10,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
@@ -310,7 +311,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   for (const std::string& text : split_solvers(options.solvers)) {
     make_solver(text, among);
     const SolverEntry& entry = *find_solver(text, among);
-    Run run{.solver = text, .foreign = entry.foreign};
+    Run run{.solver = text, .foreign = runs_apart(text, among)};
     // Of a yardstick a shortened limit would leave only a bound.
     if (suite.speed && entry.yardstick) run.least_time_limit = suite.time_limit;
     if (plan.speed) run.largest_island = entry.largest_island;

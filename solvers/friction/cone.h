@@ -61,7 +61,6 @@ struct Cone {
                     const Deadline& deadline, const WarmStart* warm, Solution& solution);
     End from_inside(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                     double start, Solution& solution);
-    bool is_accepted(const ConeProgram::Residual& residual, const Vector& v, const SolveOptions& options);
     bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options);
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
                             const Deadline& deadline);
