@@ -49,7 +49,7 @@ std::vector<SolverEntry> always() {
                             .exact = true,
                             .largest_island = 2000}),
       entry<Ipopt>({.method = "Ipopt 3.11.9: interior point with MUMPS, KKT-checked",
-                    .limits = "weakly active rows; near-dependent rows",
+                    .limits = "weakly active rows; near-dependent rows; contacts with friction: 1000 unknowns",
                     .foreign = true,
                     .yardstick = true,
                     .accuracy = iterative}),
