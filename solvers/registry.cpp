@@ -16,6 +16,7 @@
 #include <zwang/solvers/friction/admm.h>
 #include <zwang/solvers/friction/alart_curnier.h>
 #include <zwang/solvers/friction/cone.h>
+#include <zwang/solvers/friction/fixed_point.h>
 #include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
@@ -28,6 +29,7 @@
 #include <zwang/solvers/rivals/proxqp.h>
 #include <zwang/solvers/rivals/qpoases.h>
 #include <zwang/solvers/rivals/siconos.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
@@ -47,7 +49,7 @@ std::vector<SolverEntry> always() {
                             .exact = true,
                             .largest_island = 2000}),
       entry<Ipopt>({.method = "Ipopt 3.11.9: interior point with MUMPS, KKT-checked",
-                    .limits = "weakly active rows; near-dependent rows",
+                    .limits = "weakly active rows; near-dependent rows; contacts with friction: 1000 unknowns",
                     .foreign = true,
                     .yardstick = true,
                     .accuracy = iterative}),
@@ -75,6 +77,10 @@ std::vector<SolverEntry> always() {
            .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
            .sees_infeasibility = false,
            .accuracy = iterative}),
+      FixedPoint::entry({.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
+                         .limits = "contacts with friction only; no convergence where the slips' map does not contract",
+                         .sees_infeasibility = false,
+                         .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
       entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
                            .limits = "contacts with friction only; does not converge from everywhere, and says so",
                            .sees_infeasibility = false,
@@ -229,6 +235,16 @@ void add_solver(SolverEntry entry) {
 const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntry> among) {
   const auto found = std::ranges::find(among, text.substr(0, text.find(':')), &SolverEntry::name);
   return found == among.end() ? nullptr : &*found;
+}
+
+bool runs_apart(std::string_view text, std::span<const SolverEntry> among) {
+  constexpr std::string_view inner = "inner=";
+  const SolverEntry* own = find_solver(text, among);
+  const auto at = text.find(inner);
+  const SolverEntry* used =
+      at == text.npos ? nullptr
+                      : find_solver(text.substr(at + inner.size(), text.find(',', at) - at - inner.size()), among);
+  return (own && own->foreign) || (used && used->foreign);
 }
 
 AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among) {

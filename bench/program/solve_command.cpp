@@ -6,12 +6,14 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
+#include <zwang/bench/program/solutions_option.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
@@ -89,27 +91,35 @@ int solve_command(std::vector<std::string> words) {
   introduce(options, "solve",
             "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls --tolerance 1e-8\n"
             "  ./zwang solve H16.h5 --problem h3 --solver ipopt --json\n"
+            "  ./zwang solve rod.h5 --law coulomb --solutions\n"
             "--json prints one object: the keys of a line of results.jsonl (docs/formats.md), z and lambda; with\n"
             "--trace also \"trace\".");
   std::string file, name;
   Run run;
-  bool with_trace = false, json = false;
+  bool with_trace = false, json = false, solutions = false;
   std::optional<Law> law;
   options.add_option("FILE", file, "the problem")->required();
   options.add_option("--problem", name, "its name, where the file holds several")->type_name("NAME");
-  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")
-      ->required()
-      ->type_name("NAME");
+  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")->type_name("NAME");
   options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
       ->type_name("T");
   options.add_flag("--trace", with_trace, "the iterates on the way, with the time to reach them");
   options.add_flag("--json", json, "print one JSON object");
+  options.add_flag("--solutions", solutions,
+                   "instead of a solver: how many solutions Coulomb's law has, each proven (docs/friction.md)");
   add_law(options, law);
   if (!read(options, std::move(words))) return done;
   if (!(run.tolerance > 0 && run.tolerance < 1))
     throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
+  if (solutions) {
+    if (!run.solver.empty() || with_trace)
+      throw std::invalid_argument("--solutions goes with neither --solver nor --trace");
+    print_solutions(choose(file, read_problems(file, law), name), json);
+    return done;
+  }
+  if (run.solver.empty()) throw std::invalid_argument("--solver is required (solve --help)");
   make_solver(run.solver);
-  run.foreign = find_solver(run.solver)->foreign;
+  run.foreign = runs_apart(run.solver);
 
   std::vector<std::string> notes;
   const auto assemble = [&] {

@@ -16,6 +16,7 @@
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/solvers/registry.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -191,7 +192,6 @@ struct Solved {
 
 Solved solve(const Instance& instance, const std::string& text, double tolerance, int max_iterations, double time_limit,
              const std::optional<Numbers>& warm, bool keep_python) {
-  const SolverEntry* entry = find_solver(text);
   const MakeSolver make = [](std::string_view t) { return make_solver(t); };
   make(text);  // a wrong name or setting is said before anything runs
   if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
@@ -206,7 +206,7 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
       throw std::invalid_argument("warm_start should have " + std::to_string(instance.problem.rows()) +
                                   " entries, and has " + std::to_string(request.warm.lambda.size()));
   }
-  const Run run{.solver = text, .foreign = entry->foreign, .tolerance = tolerance};
+  const Run run{.solver = text, .foreign = runs_apart(text), .tolerance = tolerance};
   std::optional<py::gil_scoped_release> free;
   if (!keep_python) free.emplace();
   Dispatcher dispatcher(make);

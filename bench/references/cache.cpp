@@ -28,6 +28,7 @@ void write_cached(const std::filesystem::path& file, const Reference& r) {
   std::string bytes;
   Json::to_cbor({{"feasible", r.feasible},
                  {"bound", r.bound},
+                 {"unique", r.unique},
                  {"method", r.method},
                  {"z", numbers(r.z)},
                  {"lambda", numbers(r.lambda)},
@@ -61,6 +62,7 @@ std::optional<Reference> read_cached(const std::filesystem::path& file) {
                      .lambda = vector(j.at("lambda")),
                      .certificate = vector(j.at("certificate")),
                      .bound = j.at("bound"),
+                     .unique = j.at("unique"),
                      .method = j.at("method")};
   } catch (const Json::exception&) {
     return {};

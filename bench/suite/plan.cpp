@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
@@ -237,20 +239,32 @@ std::vector<Law> parse_laws(const std::string& text) {
   return laws;
 }
 
+static std::string expected_laws(const SolverEntry& entry) {
+  static const std::vector<Law> without = {Law::frictionless, Law::pyramid};
+  std::string text;
+  for (const Law law : entry.laws.empty() ? without : entry.laws)
+    text.append(text.empty() ? "" : " or ").append(to_string(law));
+  return text;
+}
+
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) {
-  std::string names;
-  std::size_t problems = 0;
+  std::map<std::string, std::string> solvers;  // by what is said of them
   for (const std::string& text : split_solvers(plan.options.solvers)) {
     const SolverEntry& entry = *find_solver(text, among);
-    const auto unread =
-        std::ranges::count_if(plan.instances, [&](const Instance& i) { return !entry.reads(i.problem); });
-    if (unread == 0) continue;
+    std::map<Law, std::size_t> unread;
+    for (const Instance& i : plan.instances)
+      if (!entry.reads(i.problem)) ++unread[i.problem.law];
+    std::string problems;
+    for (const auto& [law, count] : unread)
+      problems += (problems.empty() ? "" : " and ") + std::to_string(count) +
+                  (count == 1 ? " problem under the law " : " problems under the law ") + std::string(to_string(law));
+    if (problems.empty()) continue;
+    std::string& names = solvers[" on " + problems + " (expected " + expected_laws(entry) + ")"];
     names += (names.empty() ? "" : ", ") + text;
-    problems = std::max(problems, static_cast<std::size_t>(unread));
   }
-  if (names.empty()) return {};
-  return "Friction of " + std::to_string(problems) + (problems == 1 ? " problem" : " problems") +
-         " is not read by: " + names + " (they solve --law pyramid and --law frictionless)";
+  std::string line;
+  for (const auto& [said, names] : solvers) line += (line.empty() ? "Unsupported: " : "; ") + names + said;
+  return line;
 }
 
 Shard read_shard(const std::string& text) {
@@ -310,7 +324,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   for (const std::string& text : split_solvers(options.solvers)) {
     make_solver(text, among);
     const SolverEntry& entry = *find_solver(text, among);
-    Run run{.solver = text, .foreign = entry.foreign};
+    Run run{.solver = text, .foreign = runs_apart(text, among)};
     // Of a yardstick a shortened limit would leave only a bound.
     if (suite.speed && entry.yardstick) run.least_time_limit = suite.time_limit;
     if (plan.speed) run.largest_island = entry.largest_island;

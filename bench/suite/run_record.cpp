@@ -9,6 +9,7 @@
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 
@@ -81,8 +82,11 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   Json solvers = Json::array(), hashes = Json::array(), names = Json::array();
   for (const std::string& text : split_solvers(plan.options.solvers)) {
     const SolverEntry& e = *find_solver(text, among);
-    solvers.push_back(
-        {{"name", text}, {"method", e.method}, {"limits", e.limits}, {"foreign", e.foreign}, {"exact", e.exact}});
+    solvers.push_back({{"name", text},
+                       {"method", e.method},
+                       {"limits", e.limits},
+                       {"foreign", runs_apart(text, among)},
+                       {"exact", e.exact}});
   }
   for (const Instance& instance : plan.instances) {
     hashes.push_back(problem_sha256(instance.problem));

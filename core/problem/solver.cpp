@@ -16,7 +16,8 @@ std::string_view to_string(Status status) {
 }
 
 std::string AnySolver::cannot_read(Law law) {
-  return "reads no tangent rows under the law '" + std::string(to_string(law)) + "'";
+  return "it does not solve problems with friction under the law " + std::string(to_string(law)) +
+         " (./zwang solvers lists the laws of each)";
 }
 
 void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {

@@ -11,6 +11,7 @@
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/questions/list.h>
 #include <zwang/experiments/questions/play.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang::questions {
 namespace {
@@ -104,7 +105,7 @@ Findings growth_with_contacts(const Asking& asking) {
   std::vector<double> counts, times;
   Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
   const Run run{
-      .solver = asking.solver, .foreign = find_solver(asking.solver)->foreign, .tolerance = options.tolerance};
+      .solver = asking.solver, .foreign = runs_apart(asking.solver), .tolerance = options.tolerance};
   const std::atomic<bool> never = false;
   for (const auto& [number_of_bin, bin] : bins) {
     std::vector<double> solves;

@@ -31,7 +31,7 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 
 // Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
 bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options) {
-  const bool accepted = program_.is_accepted(r, v, options.tolerance);
+  const bool accepted = program_.accepts(r, v, options);
   if (accepted) natural_ = std::numeric_limits<double>::infinity();
   keep(v, y, r.natural);
   return accepted;
@@ -105,7 +105,7 @@ bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const Solve
                                     const Deadline& deadline) {
   SolveOptions rest = options;
   rest.observe = nullptr;
-  if (!normals.program_.build(p, Law::frictionless, false, rest, deadline, of_normals_))
+  if (!normals.program_.build(p, Law::frictionless, ConeProgram::Want::any, rest, deadline, of_normals_))
     return of_normals_.status == Status::infeasible;
   return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
 }
@@ -131,7 +131,7 @@ Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool fin
 // False where the answer is not to be trusted; solution says so.
 bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
                              const Deadline& deadline, const WarmStart* warm, Solution& solution) {
-  if (!program_.build(p, law, false, options, deadline, solution)) return false;
+  if (!program_.build(p, law, ConeProgram::Want::any, options, deadline, solution)) return false;
   // What the start is too large or too small for shows at the end only.
   static constexpr std::array starts{1.0, 0.03, 30.0};
   const bool may_go_dense = program_.is_coulomb() && !program_.is_dense() && ConeProgram::can_be_dense(p);
@@ -139,7 +139,7 @@ bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const Solve
                         solution);
   if (end == End::failed && may_go_dense) {
     const int before = solution.iterations;
-    if (!program_.build(p, law, true, options, deadline, solution)) return false;
+    if (!program_.build(p, law, ConeProgram::Want::dense, options, deadline, solution)) return false;
     solution.iterations = before;
     solution.fallback = true;
     end = from_starts(starts, finish, p, options, deadline, nullptr, solution);

@@ -10,11 +10,9 @@ ConeIteration::ConeIteration(Workspace& work, const Problem& problem, const Solv
 
 bool ConeIteration::begin() {
   const Law law = problem_.has_tangents() ? problem_.law : Law::convex;
-  if (!work_.program.build(problem_, law, false, options_, deadline_, solution_)) return false;
+  if (!work_.program.build(problem_, law, ConeProgram::Want::any, options_, deadline_, solution_)) return false;
   work_.v.setZero(work_.program.face().unknowns());
   work_.s.setZero(work_.program.rows());
-  work_.force.setZero(work_.v.size());
-  work_.mass.setZero(work_.v.size());
   if (work_.program.warm(problem_, options_.warm_start, work_.y) && work_.program.is_dense())
     work_.program.face().force(work_.y, work_.v);
   else
@@ -38,10 +36,7 @@ bool ConeIteration::step_done() {
   if (program.is_dense()) {
     program.face().force(work_.y, work_.v);
   } else {
-    program.face().force(work_.y, work_.force);
-    program.face().mass(work_.v, work_.mass);
-    const double size = work_.mass.lpNorm<Eigen::Infinity>();
-    unbalanced = size > 0 ? (work_.force - work_.mass).lpNorm<Eigen::Infinity>() / size : 1;
+    unbalanced = program.imbalance(work_.v, work_.y);
   }
   program.slack(work_.v, work_.s);
   const double scale = program.scale(work_.v);
@@ -56,7 +51,7 @@ bool ConeIteration::step_done() {
     solution_.message = "the iterates run off";
     return true;
   }
-  if (residual_ > options_.tolerance * scale || !program.is_accepted(left, work_.v, options_.tolerance)) return false;
+  if (residual_ > options_.tolerance * scale || !program.accepts(left, work_.v, options_)) return false;
   solution_.status = Status::solved;
   return true;
 }

@@ -13,7 +13,6 @@ class ConeIteration {
   struct Workspace {
     ConeProgram program;
     Vector v, y, s;  // s = G v - h
-    Vector force, mass;
   };
 
   ConeIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution);

@@ -165,10 +165,11 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
 
 bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense; }
 
-bool ConeProgram::build(const Problem& p, Law law, bool dense, const SolveOptions& options, const Deadline& deadline,
+bool ConeProgram::build(const Problem& p, Law law, Want want, const SolveOptions& options, const Deadline& deadline,
                         Solution& solution) {
   law_ = law;
-  const bool joints = has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
+  const bool dense = want == Want::dense;
+  const bool joints = want != Want::way_back && has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
                       joints_.freedom() <= few_unknowns && joints_.smallest_pivot() >= tolerances::clear_pivot;
   const bool full = p.size() <= few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));
   form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;
@@ -196,6 +197,7 @@ bool ConeProgram::build(const Problem& p, Law law, bool dense, const SolveOption
     free_norm_ = unit_rows_.free_norm;
   }
   work_.setZero(face().unknowns());
+  force_.setZero(face().unknowns());
   if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
   return true;
 }
@@ -247,13 +249,21 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
   return out;
 }
 
-bool ConeProgram::is_accepted(const Residual& r, const Vector& v, double tolerance) {
+bool ConeProgram::accepts(const Residual& r, const Vector& v, const SolveOptions& options) {
   const double size = scale(v);
   if (is_out_of_reach(v)) return false;
   // Rows that almost contradict each other push so hard that what is left of their sum is rounding.
-  if (r.rounding > std::max(accepted_error(tolerance), tolerances::cone_push) * size) return false;
+  if (r.rounding > std::max(accepted_error(options.tolerance), tolerances::cone_push) * size) return false;
   if (r.natural <= tolerances::cone_exact * size) return true;
-  return r.natural <= tolerance * size && std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(tolerance) * size;
+  return r.natural <= options.tolerance * size &&
+         std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * size;
+}
+
+double ConeProgram::imbalance(const Vector& v, const Vector& y) {
+  face().mass(v, work_);
+  face().force(y, force_);
+  const double size = work_.lpNorm<Eigen::Infinity>();
+  return size > 0 ? (force_ - work_).lpNorm<Eigen::Infinity>() / size : 1;
 }
 
 void ConeProgram::scale_multipliers(const Vector& lambda, Vector& y) const {

@@ -24,9 +24,14 @@ namespace zwang {
 // unknowns or full rows in whitened coordinates, both on a DenseFace with M = I; the rest on a SparseFace.
 class ConeProgram {
  public:
+  enum class Want {
+    any,
+    dense,    // rows, whatever they are, where can_be_dense()
+    way_back  // joints stay, so that read() knows the way back from z
+  };
   // Resets the solution. False where the answer is known, and then written. `law`: convex or coulomb; any other takes
-  // every contact for one without friction. `dense`: whatever the rows are, where can_be_dense().
-  bool build(const Problem& problem, Law law, bool dense, const SolveOptions& options, const Deadline& deadline,
+  // every contact for one without friction.
+  bool build(const Problem& problem, Law law, Want want, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
   static bool can_be_dense(const Problem& problem);
   static constexpr Index few_unknowns = 150;  // dense whatever the rows are
@@ -60,8 +65,10 @@ class ConeProgram {
     double rounding = 0;  // of the sum of what all rows push
   };
   Residual residual(const Vector& y, const Vector& s) const;
-  // Whether an iterate with this residual may be claimed: at rounding, or at the tolerance with a gap that says the same.
-  bool is_accepted(const Residual& residual, const Vector& v, double tolerance);
+  // Does that answer the problem to the tolerance? What `solved` of the solvers on cones says.
+  bool accepts(const Residual& residual, const Vector& v, const SolveOptions& options);
+  // What M v and G'y are apart, relative to M v.
+  double imbalance(const Vector& v, const Vector& y);
 
   // Multipliers of an earlier frame; false where there are none.
   bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
@@ -104,7 +111,7 @@ class ConeProgram {
   double free_norm_ = 0, start_ = 1;
   SparseRows sparse_rows_;
   std::vector<int> pattern_;
-  Vector work_, short_, mu_E_, lambda_;
+  Vector work_, force_, short_, mu_E_, lambda_;
   struct AllRows {  // of the problem, as WarmRows wants them
     std::vector<Index> row;
     std::vector<char> equality;

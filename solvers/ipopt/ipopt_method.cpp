@@ -71,29 +71,82 @@ void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer
 
 }  // namespace
 
-void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  const Deadline deadline(options.time_limit);
-  auto& [program, equalities, opened] = work;
-  if (!program.build(problem, options, solution)) return;
-  IpoptSession& session = opened.open();
-  IpoptQuestion& question = session.question();
-  if (!choose_rows(problem, program, equalities, question.rows, solution)) return;
-  question.program = &program;
-  Vector lambda;
-  program.warm_multipliers(problem, options.warm_start, lambda);
-  program.motion(lambda, question.start);
+// A question with the limits set.
+IpoptQuestion& IpoptMethod::ask(const SolveOptions& options, const Deadline& deadline) {
+  IpoptQuestion& question = work.session.open().question();
+  question.program = nullptr;
+  question.cones = nullptr;
   question.tolerance = options.tolerance;
   question.max_iterations = std::min(max_iterations, options.max_iterations);
   question.mehrotra = mehrotra;
   question.deadline = deadline;
   question.observe = nullptr;
+  return question;
+}
+
+bool IpoptMethod::holds(const Vector& v, const Vector& y, const SolveOptions& options) {
+  ConeProgram& program = work.cones;
+  if (v.size() != program.face().unknowns() || !v.allFinite() || !y.allFinite()) return false;
+  work.slack.resize(program.rows());
+  program.slack(v, work.slack);
+  const bool balanced = (v.isZero(0) && y.isZero(0)) || program.imbalance(v, y) <= options.tolerance;
+  return balanced && program.accepts(program.residual(y, work.slack), v, options);
+}
+
+void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  ConeProgram& program = work.cones;
+  if (!program.build(problem, Law::convex, ConeProgram::Want::dense, options, deadline, solution)) return;
+  if (!program.is_dense()) throw Stopped{Status::unsupported, "more than 1000 unknowns with friction"};
+  IpoptQuestion& question = ask(options, deadline);
+  question.cones = &program;
+  work.v.setZero(program.face().unknowns());
+  if (Vector y; program.warm(problem, options.warm_start, y)) program.face().force(y, work.v);
+  question.start = work.v;
+  if (options.observe)
+    question.observe = [&](int iteration, const Vector& v, const Vector& y) {
+      program.write(problem, v, y, solution);
+      options.observe(iteration, solution.z, solution.lambda);
+    };
+  const IpoptAnswer& answer = work.session.open().run();
+  solution.iterations = answer.iterations;
+  solution.message = answer.in_words;
+  solution.status = answer.status == Status::infeasible ? Status::numerical_failure : answer.status;
+  const bool limited = answer.status == Status::iteration_limit || answer.status == Status::time_limit;
+  if (!limited && holds(answer.y, answer.lambda, options)) {
+    solution.status = Status::solved;
+    program.write(problem, answer.y, answer.lambda, solution);
+  } else if (!limited && holds(answer.best.y, answer.best.lambda, options)) {
+    solution.status = Status::solved;
+    solution.message += ", an earlier iterate holds";
+    program.write(problem, answer.best.y, answer.best.lambda, solution);
+  } else if (answer.y.size() > 0 && answer.y.allFinite() && answer.lambda.allFinite()) {
+    program.write(problem, answer.y, answer.lambda, solution);
+    if (!limited && answer.claims_success) solution.message += ", but the natural residual is above the tolerance";
+  } else {
+    solution.empty_z();
+    solution.empty_lambda();
+  }
+}
+
+void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  if (problem.has_tangents()) return solve_cones(problem, options, solution);
+  const Deadline deadline(options.time_limit);
+  auto& program = work.program;
+  if (!program.build(problem, options, solution)) return;
+  IpoptQuestion& question = ask(options, deadline);
+  if (!choose_rows(problem, program, work.equalities, question.rows, solution)) return;
+  question.program = &program;
+  Vector lambda;
+  program.warm_multipliers(problem, options.warm_start, lambda);
+  program.motion(lambda, question.start);
   if (options.observe)
     question.observe = [&](int iteration, const Vector& y, const Vector& multipliers) {
       program.write(problem, y, multipliers, solution);
       options.observe(iteration, solution.z, solution.lambda);
     };
 
-  const IpoptAnswer& answer = session.run();
+  const IpoptAnswer& answer = work.session.open().run();
   solution.iterations = answer.iterations;
   solution.message = answer.in_words;
   solution.status = answer.status;

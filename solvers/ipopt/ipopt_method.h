@@ -3,11 +3,13 @@
 #include <zwang/solvers/common/equality_rows.h>
 #include <zwang/solvers/common/session.h>
 #include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/friction/cone_program.h>
 #include <zwang/solvers/rivals/ipopt.h>
 
 namespace zwang {
 
 class IpoptSession;
+struct IpoptQuestion;
 
 // Ipopt 3.11.9 (Waechter & Biegler 2006), interior point with MUMPS, on the whitened problem with settings a convex QP
 // deserves: constant Jacobians and Hessian announced, bounds not relaxed, no scaling on top of unit rows, start at
@@ -24,15 +26,27 @@ class IpoptSession;
 // same check; not at an iteration or time limit. Tried: mu_strategy=adaptive mends that file in 24 iterations, but is
 // wrong on more of 57 problems at 1e-8 (6 instead of 2, none of them noticed); ending as soon as the check holds leaves
 // tall stacks near.
+//
+// Contacts with friction, under the convex law, are asked as smooth constraints: s_0^2 >= s_1^2 + s_2^2 and s_0 >= 0 of
+// each cone (ipopt_session.cpp), on dense rows in the freedoms that joints leave. The squares have no gradient where a
+// contact sticks, so constraint qualifications fail there. What comes back is claimed where it passes the test of the
+// solvers on cones (ConeProgram::accepts). "Infeasible" is Ipopt's word without a proof, and is not passed on.
 struct IpoptMethod : IpoptSettings {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {
     UnitProgram program;
     EqualityRows equalities;
+    ConeProgram cones;
+    Vector v, slack;
     Session<IpoptSession> session;
   };
   Workspace work = {};
+
+ private:
+  IpoptQuestion& ask(const SolveOptions& options, const Deadline& deadline);
+  void solve_cones(const Problem& problem, const SolveOptions& options, Solution& solution);
+  bool holds(const Vector& v, const Vector& y, const SolveOptions& options);
 };
 
 static_assert(Solver<IpoptMethod>);

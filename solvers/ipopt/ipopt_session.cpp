@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/friction/second_order_cone.h>
 
 namespace ip = ::Ipopt;
 
@@ -17,13 +18,57 @@ namespace {
 
 constexpr double unbounded = 2e19;  // Ipopt takes anything beyond 1e19 as no bound
 
-// The whitened problem in Ipopt's terms: minimize 1/2 |y|^2, 0 <= G y - h (<= 0 on equality rows), over the rows of
-// `rows` only. Ipopt's Lagrangian is f + lambda'g, so its multipliers are ours with the sign turned.
-class WhitenedQp : public ip::TNLP {
+// Either program in Ipopt's terms, and what comes back of it.
+class Asked : public ip::TNLP {
  public:
   IpoptQuestion question;
   IpoptAnswer answer;
 
+  bool intermediate_callback(ip::AlgorithmMode mode, ip::Index iteration, double, double, double, double, double,
+                             double, double, double, ip::Index, const ip::IpoptData* data,
+                             ip::IpoptCalculatedQuantities* quantities) final {
+    answer.iterations = iteration;
+    if (mode == ip::RegularMode && read_iterate(*data, *quantities)) {
+      if (question.observe) question.observe(iteration, answer.y, answer.lambda);
+      const double now = residual();
+      if (now < answer.best.residual) answer.best = {answer.y, answer.lambda, now};
+    }
+    return !question.deadline.passed();
+  }
+
+  void finalize_solution(ip::SolverReturn, ip::Index, const double* x, const double*, const double*, ip::Index,
+                         const double*, const double* multipliers, double, const ip::IpoptData*,
+                         ip::IpoptCalculatedQuantities*) final {
+    take(x, multipliers);
+  }
+
+ protected:
+  // From Ipopt's variables and multipliers to `answer`.
+  virtual void take(const double* x, const double* multipliers) = 0;
+  virtual double residual() = 0;  // of `answer`
+  void has_size(ip::Index variables, ip::Index constraints) {
+    x_.resize(variables);
+    multipliers_.resize(constraints);
+  }
+
+ private:
+  bool read_iterate(const ip::IpoptData& data, ip::IpoptCalculatedQuantities& quantities) {
+    auto* original = dynamic_cast<ip::OrigIpoptNLP*>(ip::GetRawPtr(quantities.GetIpoptNLP()));
+    auto* adapter = original ? dynamic_cast<ip::TNLPAdapter*>(ip::GetRawPtr(original->nlp())) : nullptr;
+    if (!adapter) return false;
+    adapter->ResortX(*data.curr()->x(), x_.data());
+    adapter->ResortG(*data.curr()->y_c(), *data.curr()->y_d(), multipliers_.data());
+    take(x_.data(), multipliers_.data());
+    return true;
+  }
+
+  Vector x_, multipliers_;
+};
+
+// The whitened problem in Ipopt's terms: minimize 1/2 |y|^2, 0 <= G y - h (<= 0 on equality rows), over the rows of
+// `rows` only. Ipopt's Lagrangian is f + lambda'g, so its multipliers are ours with the sign turned.
+class WhitenedQp final : public Asked {
+ public:
   bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
                     IndexStyleEnum& style) override {
     n = nonzeros_hessian = static_cast<int>(question.program->size());
@@ -31,6 +76,7 @@ class WhitenedQp : public ip::TNLP {
     nonzeros_G = 0;
     for (const Index i : question.rows) nonzeros_G += row_size(i);
     style = C_STYLE;
+    has_size(n, m);
     return true;
   }
 
@@ -96,47 +142,137 @@ class WhitenedQp : public ip::TNLP {
     return true;
   }
 
-  bool intermediate_callback(ip::AlgorithmMode mode, ip::Index iteration, double, double, double, double, double,
-                             double, double, double, ip::Index, const ip::IpoptData* data,
-                             ip::IpoptCalculatedQuantities* quantities) override {
-    answer.iterations = iteration;
-    if (mode == ip::RegularMode && read_iterate(*data, *quantities)) {
-      if (question.observe) question.observe(iteration, answer.y, answer.lambda);
-      const double residual = kkt_residual(*question.program, answer.y, answer.lambda);
-      if (residual < answer.best.residual) answer.best = {answer.y, answer.lambda, residual};
-    }
-    return !question.deadline.passed();
-  }
-
-  void finalize_solution(ip::SolverReturn, ip::Index n, const double* x, const double*, const double*, ip::Index,
-                         const double*, const double* multipliers, double, const ip::IpoptData*,
-                         ip::IpoptCalculatedQuantities*) override {
-    answer.y = Eigen::Map<const Vector>(x, n);
-    spread(multipliers);
-  }
-
  private:
   int row_size(Index i) const {
     const int* outer = question.program->G().outerIndexPtr();
     return outer[i + 1] - outer[i];
   }
-  bool read_iterate(const ip::IpoptData& data, ip::IpoptCalculatedQuantities& quantities) {
-    auto* original = dynamic_cast<ip::OrigIpoptNLP*>(ip::GetRawPtr(quantities.GetIpoptNLP()));
-    auto* adapter = original ? dynamic_cast<ip::TNLPAdapter*>(ip::GetRawPtr(original->nlp())) : nullptr;
-    if (!adapter) return false;
-    answer.y.resize(question.program->size());
-    multipliers_.resize(static_cast<Index>(question.rows.size()));
-    adapter->ResortX(*data.curr()->x(), answer.y.data());
-    adapter->ResortG(*data.curr()->y_c(), *data.curr()->y_d(), multipliers_.data());
-    spread(multipliers_.data());
-    return true;
-  }
-  void spread(const double* multipliers) {
+  void take(const double* x, const double* multipliers) override {
+    answer.y = Eigen::Map<const Vector>(x, question.program->size());
     answer.lambda.setZero(question.program->rows());
     for (const Index i : question.rows) answer.lambda[i] = -*multipliers++;
   }
+  double residual() override { return kkt_residual(*question.program, answer.y, answer.lambda); }
+};
 
-  Vector multipliers_;  // over `question.rows`
+// The cone program: over (v, s), minimize 1/2 |v|^2 with G v - s = h, and s_0^2 - s_1^2 - s_2^2 >= 0, s_0 >= 0 of each
+// cone; single rows as they are. s stands beside v so that the start is inside the cones, and so that the multipliers
+// of its rows are forces: where a contact sticks, s = 0 and the gradient of the squares vanishes.
+class ConeNlp final : public Asked {
+ public:
+  bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
+                    IndexStyleEnum& style) override {
+    ConeProgram& p = *question.cones;
+    unknowns_ = static_cast<int>(p.face().unknowns());
+    cones_ = static_cast<int>(p.cones());
+    rays_ = static_cast<int>(p.rays());
+    n = unknowns_ + 3 * cones_;
+    m = 3 * cones_ + rays_ + cones_;
+    nonzeros_G = (3 * cones_ + rays_) * unknowns_ + 3 * cones_ + 3 * cones_;
+    nonzeros_hessian = n;
+    style = C_STYLE;
+    has_size(n, m);
+    v_.resize(unknowns_);
+    slack_.resize(p.rows());
+    return true;
+  }
+
+  bool get_bounds_info(ip::Index n, double* lower, double* upper, ip::Index m, double* g_lower,
+                       double* g_upper) override {
+    std::fill_n(lower, n, -unbounded);
+    std::fill_n(upper, n, unbounded);
+    for (int k = 0; k < cones_; ++k) lower[unknowns_ + 3 * k] = 0;
+    std::fill_n(g_lower, m, 0);
+    std::fill_n(g_upper, 3 * cones_, 0);
+    for (int r = 0; r < rays_; ++r) g_upper[3 * cones_ + r] = question.cones->is_equality(r) ? 0 : unbounded;
+    std::fill_n(g_upper + 3 * cones_ + rays_, cones_, unbounded);
+    return true;
+  }
+
+  bool get_starting_point(ip::Index, bool, double* x, bool, double*, double*, ip::Index, bool, double*) override {
+    slack_at(question.start.data());
+    std::copy_n(question.start.data(), unknowns_, x);
+    for (int k = 0; k < cones_; ++k) {
+      double* s = std::copy_n(slack_.data() + 3 * k, 3, x + unknowns_ + 3 * k) - 3;
+      s[0] = std::max(s[0], std::hypot(s[1], s[2]) + question.cones->start());
+    }
+    return true;
+  }
+
+  bool eval_f(ip::Index, const double* x, bool, double& value) override {
+    value = 0.5 * Eigen::Map<const Vector>(x, unknowns_).squaredNorm();
+    return true;
+  }
+
+  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) override {
+    std::fill(std::copy_n(x, unknowns_, gradient), gradient + n, 0);
+    return true;
+  }
+
+  bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
+    slack_at(x);
+    const double* s = x + unknowns_;
+    for (int r = 0; r < 3 * cones_; ++r) *g++ = slack_[r] - s[r];
+    g = std::copy_n(slack_.data() + 3 * cones_, rays_, g);
+    for (int k = 0; k < cones_; ++k) *g++ = second_order_cone::determinant(s + 3 * k);
+    return true;
+  }
+
+  bool eval_jac_g(ip::Index, const double* x, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
+                  double* value) override {
+    const auto entry = [&](int i, int j, double number) {
+      if (value) {
+        *value++ = number;
+      } else {
+        *row++ = i;
+        *column++ = j;
+      }
+    };
+    DenseFace& face = question.cones->dense_face();
+    for (int r = 0; r < 3 * cones_ + rays_; ++r) {
+      for (int j = 0; j < unknowns_; ++j) entry(r, j, value ? face.row(r)[j] : 0);
+      if (r < 3 * cones_) entry(r, unknowns_ + r, -1);
+    }
+    for (int k = 0; k < cones_; ++k)
+      for (int q = 0; q < 3; ++q) {
+        const int j = unknowns_ + 3 * k + q;
+        entry(3 * cones_ + rays_ + k, j, value ? (q == 0 ? 2 : -2) * x[j] : 0);
+      }
+    return true;
+  }
+
+  bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double* multipliers, bool, ip::Index,
+              ip::Index* row, ip::Index* column, double* value) override {
+    for (int i = 0; i < n; ++i) {
+      if (!value) {
+        row[i] = column[i] = i;
+      } else if (i < unknowns_) {
+        value[i] = weight;
+      } else {
+        const int k = (i - unknowns_) / 3, q = (i - unknowns_) % 3;
+        value[i] = (q == 0 ? 2 : -2) * multipliers[3 * cones_ + rays_ + k];
+      }
+    }
+    return true;
+  }
+
+ private:
+  void slack_at(const double* v) {
+    v_ = Eigen::Map<const Vector>(v, unknowns_);
+    question.cones->slack(v_, slack_);
+  }
+  void take(const double* x, const double* multipliers) override {
+    answer.y = Eigen::Map<const Vector>(x, unknowns_);
+    answer.lambda = -Eigen::Map<const Vector>(multipliers, 3 * cones_ + rays_);
+  }
+  double residual() override {
+    slack_at(answer.y.data());
+    return std::max(question.cones->residual(answer.lambda, slack_).natural,
+                    question.cones->imbalance(answer.y, answer.lambda) * question.cones->scale(answer.y));
+  }
+
+  int unknowns_ = 0, cones_ = 0, rays_ = 0;
+  Vector v_, slack_;
 };
 
 std::string in_words(ip::ApplicationReturnStatus code) {
@@ -177,16 +313,14 @@ void read_code(ip::ApplicationReturnStatus code, IpoptAnswer& answer) {
 struct IpoptSession::Library {
   ip::SmartPtr<ip::IpoptApplication> application = new ip::IpoptApplication(false);
   ip::SmartPtr<WhitenedQp> qp = new WhitenedQp;
+  ip::SmartPtr<ConeNlp> cone_nlp = new ConeNlp;
+  IpoptQuestion question;
 };
 
 IpoptSession::IpoptSession() : library_(std::make_unique<Library>()) {
   auto options = library_->application->Options();
-  for (const auto& [name, value] : {std::pair{"jac_c_constant", "yes"},
-                                    {"jac_d_constant", "yes"},
-                                    {"hessian_constant", "yes"},
-                                    {"nlp_scaling_method", "none"},
-                                    {"linear_solver", "mumps"},
-                                    {"sb", "yes"}})
+  for (const auto& [name, value] :
+       {std::pair{"jac_c_constant", "yes"}, {"nlp_scaling_method", "none"}, {"linear_solver", "mumps"}, {"sb", "yes"}})
     options->SetStringValue(name, value);
   options->SetNumericValue("bound_relax_factor", 0);
   options->SetIntegerValue("acceptable_iter", 0);
@@ -196,11 +330,10 @@ IpoptSession::IpoptSession() : library_(std::make_unique<Library>()) {
 
 IpoptSession::~IpoptSession() = default;
 
-IpoptQuestion& IpoptSession::question() { return library_->qp->question; }
+IpoptQuestion& IpoptSession::question() { return library_->question; }
 
 const IpoptAnswer& IpoptSession::run() {
-  auto& [application, qp] = *library_;
-  const IpoptQuestion& question = qp->question;
+  auto& [application, qp, cone_nlp, question] = *library_;
   const double half = 0.5 * question.tolerance;  // so that a violated row and a weakly active one may add up to T
   auto options = application->Options();
   for (const char* name : {"tol", "dual_inf_tol", "constr_viol_tol", "acceptable_tol", "acceptable_dual_inf_tol",
@@ -212,9 +345,14 @@ const IpoptAnswer& IpoptSession::run() {
   options->SetNumericValue("max_cpu_time", std::clamp(question.deadline.left(), 1e-3, 1e6));
   options->SetStringValue("mehrotra_algorithm", question.mehrotra ? "yes" : "no");
 
-  qp->answer = {};
-  read_code(application->OptimizeTNLP(ip::SmartPtr<ip::TNLP>(ip::GetRawPtr(qp))), qp->answer);
-  return qp->answer;
+  for (const char* name : {"jac_d_constant", "hessian_constant"})
+    options->SetStringValue(name, question.cones ? "no" : "yes");
+
+  Asked& asked = question.cones ? static_cast<Asked&>(*cone_nlp) : *qp;
+  asked.question = question;
+  asked.answer = {};
+  read_code(application->OptimizeTNLP(ip::SmartPtr<ip::TNLP>(&asked)), asked.answer);
+  return asked.answer;
 }
 
 }  // namespace zwang

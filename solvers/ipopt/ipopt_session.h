@@ -8,14 +8,16 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/friction/cone_program.h>
 
 namespace zwang {
 
-// What Ipopt is asked: the unit program over some of its rows, and how far to go.
+// What Ipopt is asked: the unit program over some of its rows, or a cone program on dense rows, and how far to go.
 struct IpoptQuestion {
   const UnitProgram* program = nullptr;
-  std::vector<Index> rows = {};
-  Vector start = {};  // n
+  ConeProgram* cones = nullptr;
+  std::vector<Index> rows = {};  // of `program`
+  Vector start = {};             // over the unknowns
   double tolerance = 0;
   int max_iterations = 0;
   bool mehrotra = false;
@@ -23,11 +25,11 @@ struct IpoptQuestion {
   std::function<void(int, const Vector&, const Vector&)> observe = nullptr;  // iteration, y, lambda
 };
 
-// What came back, in Ipopt's own judgement; lambda over all unit rows.
+// What came back, in Ipopt's own judgement; lambda over all rows of the program.
 struct IpoptAnswer {
   struct Iterate {
     Vector y, lambda;
-    double residual = std::numeric_limits<double>::infinity();  // kkt_residual
+    double residual = std::numeric_limits<double>::infinity();  // kkt_residual, or natural
   };
   Vector y = {}, lambda = {};  // the last point; empty where there is none
   Iterate best = {};           // of the iterates on the way

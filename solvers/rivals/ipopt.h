@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include <zwang/core/files/other_program.h>
@@ -11,6 +12,7 @@ namespace zwang {
 
 struct IpoptSettings {
   static constexpr auto name = "ipopt";
+  static constexpr std::array laws{Law::convex};
 
   int max_iterations = 3000;
   bool mehrotra = false;

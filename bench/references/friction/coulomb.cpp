@@ -14,8 +14,8 @@ namespace zwang {
 namespace {
 
 constexpr double good_delta = 1e-12;  // what a solution may be off and still count as proven
-constexpr double alike = 1e-9;        // of the motion: solutions that are one
-constexpr double still = 1e-8;
+constexpr double alike = 1e-9;        // of the motion: solutions of changed rows that are one
+constexpr double still = 1e-8;        // unit changes of multipliers that move z by less leave it where it is
 constexpr double useful = 1e-9;       // of a bound
 constexpr Index extended_rows = 120;  // of the interior point in wider arithmetic
 constexpr double settled = 1e-15;     // change of a sweep, of the motion, at which Gauss-Seidel ends
@@ -153,6 +153,40 @@ class Search {
     }
   }
 
+  void near_motions(const SolutionSearch& search) {
+    for (const Vector& z : search.near) {
+      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector(static_cast<std::size_t>(p_.rows())), {}};
+      for (const ContactRows& contact : p_.contacts) {
+        const double g = contact.unit > 0 ? contact.unit : 1, touching = alike * p_.scale * g;
+        point.modes.push_back(contact.unit == 0 || p_.slack(contact.row, point.x).hi > touching ? ContactMode::open
+                              : contact.rows() > 1 && p_.slip(contact, point.x).hi > touching   ? ContactMode::slide
+                                                                                                : ContactMode::stick);
+      }
+      keep(prove_near(p_, scaled_, std::move(point)), "near a given motion");
+    }
+  }
+
+  // Newton's method from the free motion with each choice of modes.
+  void mode_choices(const SolutionSearch& search) {
+    const std::size_t count = p_.contacts.size();
+    if (!(std::pow(3.0, static_cast<double>(count)) <= search.mode_choices)) return;
+    std::vector<ContactMode> modes(count, ContactMode::open);
+    for (std::size_t k = 0; k < count;) {
+      if (!more(search)) return;
+      keep(prove_near(p_, scaled_,
+                      {ExtendedVector(static_cast<std::size_t>(p_.size())),
+                       ExtendedVector(static_cast<std::size_t>(p_.rows())), modes}),
+           "choice of modes");
+      for (k = 0; k < count; ++k) {
+        const bool last = modes[k] == ContactMode::stick || p_.contacts[k].unit == 0;
+        modes[k] = last                                                         ? ContactMode::open
+                   : modes[k] == ContactMode::open && p_.contacts[k].rows() > 1 ? ContactMode::slide
+                                                                                : ContactMode::stick;
+        if (!last) break;
+      }
+    }
+  }
+
   void gauss_seidel(const SolutionSearch& search) {
     if (!more(search)) return;
     const GaussSeidel method(p_);
@@ -177,7 +211,7 @@ class Search {
   double nearest = std::numeric_limits<double>::infinity();  // delta of the best that was not good enough
 
  private:
-  bool more(const SolutionSearch& search) const { return search.all || found.empty(); }
+  bool more(const SolutionSearch& search) const { return (search.all || found.empty()) && !search.deadline.passed(); }
 
   bool take(const InteriorAnswer& answer, const char* method) {
     if (keep(prove_near(p_, scaled_, {answer.x, answer.lambda, answer.modes}), method)) return true;
@@ -196,15 +230,23 @@ class Search {
     CoulombSolution solution{.radius = proof.radius / s,
                              .delta = proof.delta / s,
                              .strict = proof.strict,
-                             .isolated = proof.strict && proof.null_motion < still,
+                             .isolated = proof.strict && proof.unique_forces,
+                             .free_split = proof.null_motion >= still,
+                             .continuum = proof.continuum,
+                             .modes = proof.point.modes,
                              .method = method};
     solution.z = rounded_motion(scaled_, d);
     solution.lambda = rounded_multipliers(scaled_, p_.to_multipliers(proof.point.lambda));
     const ExtendedVector rounded = p_.motion(scaled_.motion(solution.z));
     solution.bound = (distance(rounded, proof.point.x) + proof.radius) / s * (1 + 1e-9);
-    for (const ExtendedVector& other : points_)
-      if (distance(other, proof.point.x) <= alike * s) return true;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const bool exact = solution.isolated && found[k].isolated && solution.delta == 0 && found[k].delta == 0;
+      const double together = exact ? (proof.radius + radii_[k]) * (1 + 1e-9) : alike * s;
+      if (distance(points_[k], proof.point.x) * (1 - 1e-9) <= together) return true;
+      if (solution.free_split && found[k].free_split && found[k].modes == solution.modes) return true;
+    }
     points_.push_back(proof.point.x);
+    radii_.push_back(proof.radius);
     found.push_back(std::move(solution));
     return true;
   }
@@ -218,6 +260,7 @@ class Search {
   ContactProblem p_;
   std::vector<Index> equalities_;
   std::vector<ExtendedVector> points_;
+  std::vector<double> radii_;
 };
 
 }  // namespace
@@ -233,8 +276,10 @@ std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const Sol
   if (!scaled.definite) return give_up("M is not positive definite");
   Search search(problem, scaled, first_scale(problem, scaled));
   if (!search.usable()) return give_up("rows contradict each other, or their scales are beyond doubles");
+  search.near_motions(options);
   search.interior_points(options);
   search.gauss_seidel(options);
+  search.mode_choices(options);
   if (search.found.empty()) {
     std::ostringstream text;
     text << "no solution was proven";

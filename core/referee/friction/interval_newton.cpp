@@ -73,14 +73,16 @@ class Krawczyk {
     const Vector start = (R_ * value).cwiseAbs() + absolute_R_ * (gamma * value.cwiseAbs() + value_error);
     Vector r = start.array() * 1.01 + 1e-200;
     bool inside = false;
+    double contraction = 0;  // bounds |I - R F'| on the box, in the norm max |v_i| / r_i
     for (int round = 0; round < 12 && !inside; ++round) {
       const Vector spread = jacobian_spread(r);
       if (!spread.allFinite()) return proof;
-      const Vector image =
-          (start + identity_error * r + absolute_R_ * (gamma * (absolute_A * r) + spread + gamma * gamma * r)) *
-          widened;
+      const Vector turned =
+          (identity_error * r + absolute_R_ * (gamma * (absolute_A * r) + spread + gamma * gamma * r)) * widened;
+      const Vector image = start * widened + turned;
       if (!image.allFinite()) return proof;
       inside = (image.array() < r.array()).all();
+      contraction = (turned.array() / r.array()).maxCoeff() * widened;
       if (!inside) r = image.array() * 1.5 + 1e-200;
     }
     if (!inside) return proof;
@@ -88,6 +90,8 @@ class Krawczyk {
     proof.radius = p_.norm_bound(r.head(n));
     judge_modes(r, proof);
     proof.null_motion = null_motion();
+    proof.unique_forces = part_.frozen.empty();
+    proof.continuum = proof.strict && proof.delta == 0 && moves(r, contraction, gamma);
     return proof;
   }
 
@@ -154,6 +158,22 @@ class Krawczyk {
     }
   }
 
+  // By how much the slip changes in the box, and its least size there.
+  double slip_reach(const ContactRows& contact, const Vector& radius) const {
+    double reach = 0;
+    for (Index t = 1; t < contact.rows(); ++t) reach = std::hypot(reach, p_.reach(contact.row + t, radius));
+    return reach * widened;
+  }
+  double least_slip(const ContactRows& contact, const Vector& radius) const {
+    const double error = p_.slip_error(contact, point_.x);
+    return (p_.slip(contact, point_.x).hi - error) * (1 - 1e-9) - slip_reach(contact, radius);
+  }
+  // By how much its direction does.
+  double slip_turn(const ContactRows& contact, const Vector& radius) const {
+    const double least = least_slip(contact, radius);
+    return least > 0 ? 2 * (slip_reach(contact, radius) + p_.slip_error(contact, point_.x)) / least : infinity;
+  }
+
   // Bounds |F'(any point of the box) - A| r, A's own rounding included. NaN where a slip may vanish in the box.
   Vector jacobian_spread(const Vector& r) const {
     const Index n = p_.size();
@@ -164,11 +184,9 @@ class Krawczyk {
       const ContactRows& contact = p_.contacts[c];
       const double push = std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi);
       const double push_radius = multiplier_radius(contact.row, r);
-      double reach = 0;
-      for (Index t = 1; t < contact.rows(); ++t) reach = std::hypot(reach, p_.reach(contact.row + t, radius));
-      reach *= widened;
+      const double reach = slip_reach(contact, radius);
       const double error = p_.slip_error(contact, point_.x);
-      const double least = (p_.slip(contact, point_.x).hi - error) * (1 - 1e-9) - reach;
+      const double least = least_slip(contact, radius);
       if (!(least > 0)) return Vector::Constant(r.size(), std::numeric_limits<double>::quiet_NaN());
       // The direction turns by at most reach / least; (I - tau tau')/|s_t| changes by at most 2 reach / least^2.
       const double lost = std::max(0.0, -point_.lambda[static_cast<std::size_t>(contact.row)].hi);
@@ -272,6 +290,32 @@ class Krawczyk {
     const Matrix product = motion * (p_.M * motion.transpose());
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(product, Eigen::EigenvaluesOnly);
     return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
+  }
+
+  // Does z change with a frozen multiplier f? The zero u(f) of F(u; f) in the box is a smooth curve with
+  // du/df = F'^-1 (n; 0), n the column of f. With k = `contraction`, |du/df - R n| <= k / (1 - k) |R n| in the norm
+  // max |v_i| / r_i. Strict modes hold along it, and so do dropped rows that are exact combinations of the others.
+  bool moves(const Vector& r, double contraction, double gamma) const {
+    if (!(contraction < .5)) return false;
+    const Index n = p_.size();
+    for (const Index k : part_.frozen) {
+      Vector column = Vector::Zero(r.size()), error = Vector::Zero(r.size());
+      column.head(n) = system_.N.col(k);
+      const ModeSystem::Row& row = system_.active[static_cast<std::size_t>(k)];
+      if (row.slides) {
+        const ContactRows& contact = p_.contacts[static_cast<std::size_t>(row.contact)];
+        const double turn = contact.mu * (slip_turn(contact, r.head(n)) + gamma);
+        for (Index t = 0; t < contact.rows(); ++t)
+          for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row + t); it; ++it)
+            error[it.col()] += std::abs(it.value()) * (t == 0 ? gamma : turn);
+      }
+      const Vector move = R_ * column;
+      error = (absolute_R_ * (error + gamma * column.cwiseAbs())).eval() * widened;
+      const double size = ((move.cwiseAbs() + error).array() / r.array()).maxCoeff();
+      error += contraction / (1 - contraction) * widened * size * r;
+      if ((move.cwiseAbs() - error).head(n).maxCoeff() > 0) return true;
+    }
+    return false;
   }
 
   const ContactProblem& p_;

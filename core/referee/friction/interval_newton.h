@@ -17,8 +17,10 @@ struct ModeProof {
   ModePoint point = {};
   double radius = std::numeric_limits<double>::infinity();  // |z - z_point|_M / s
   double delta = std::numeric_limits<double>::infinity();
-  bool strict = false;     // every inequality of the modes holds on the whole box with something to spare
-  double null_motion = 0;  // largest |dz|_M of a unit change of multipliers that keeps the equations
+  bool strict = false;         // every inequality of the modes holds on the whole box with something to spare
+  double null_motion = 0;      // largest |dz|_M of a unit change of multipliers that keeps the equations
+  bool unique_forces = false;  // no multipliers are free to change
+  bool continuum = false;      // proven: strict, delta = 0, and z moves as multipliers that are free to change do
 };
 
 // The same from a guess: polished first, and with the modes changed that do not hold.

@@ -90,6 +90,8 @@ MISTAKES = [
     (["bench", "--problems", "empty"], 3, "no *.h5 or *.hdf5"),
     (["bench", "--problems", "box.h5", "nan.h5"], 3, "nan.h5"),
     (["solve", "box.h5"], 2, "--solver"),
+    (["solve", "box.h5", "--solutions"], 2, "no contact with friction"),
+    (["solve", "box.h5", "--solutions", "--solver", "cone"], 2, "neither --solver nor --trace"),
     (["solve", "box.h5", "--solver", "pgz"], 2, "did you mean 'pgs'?"),
     (["solve", "box.h5", "--solver", "pgs", "--tolerance", "0"], 2, "between 0 and 1"),
     (["solve", "box.h5", "--solver", "pgs", "--problem", "bax"], 2, "no problem 'bax'"),
@@ -165,6 +167,19 @@ def check_solve():
         check(f"solve prints {word}", people.returncode == 0 and word in people.stdout, people.stdout + people.stderr)
 
 
+def check_solutions():
+    for scene, proven, complete, continuum in (("ROD", 3, True, False), ("JAM(beyond=1)", 0, True, False),
+                                               ("PUCK", 1, False, True)):
+        run(["export", scene, "--out", "point.h5"])
+        found = json.loads(run(["solve", "point.h5", "--solutions", "--json"]).stdout)
+        said = tuple(found[key] for key in ("proven", "complete", "continuum"))
+        check(f"solutions of {scene}", said == (proven, complete, continuum), str(found))
+    people = run(["solve", "point.h5", "--solutions"]).stdout
+    check("solutions in words", "a continuum: interval Newton" in people and "slide slide" in people, people)
+    convex = run(["solve", "point.h5", "--law", "convex", "--solutions"])
+    check("solutions of the convex law", convex.returncode == 2 and "--law coulomb" in convex.stderr, convex.stderr)
+
+
 def check_export_and_bench():
     out = run(["export", "tower", "--boxes=2", "--out", "tower.h5"])
     check("export", out.returncode == 0, out.stderr)
@@ -201,6 +216,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_help()
     check_absent_solvers()
     check_solve()
+    check_solutions()
     check_export_and_bench()
     os.chdir("/")
 sys.exit(1 if failures else 0)

@@ -5,6 +5,7 @@
 
 #include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/solution_count.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/problem/law.h>
@@ -47,6 +48,63 @@ TEST(FrictionReference, ProvesNothingWhereThereIsNoSolution) {
   EXPECT_FALSE(why.empty());
 }
 
+TEST(FrictionReference, CountsTheSolutionsOfTheExactPoints) {
+  for (const FrictionPoint& point : {rod_point(1), rod_point(1.5), rod_point(2), jam_point(.5, -1), jam_point(1, -1),
+                                     jam_point(1, 1), held_point(.5), held_point(1), pinch_point()}) {
+    const Problem& p = point.instance.problem;
+    const SolutionCount count = count_solutions(p, 60);
+    EXPECT_TRUE(count.by_enumeration);
+    if (point.solutions < 0) {
+      EXPECT_EQ(count.kind, SolutionCount::Kind::continuum) << p.name;
+      for (const CoulombSolution& s : count.solutions) EXPECT_FALSE(s.isolated);
+      continue;
+    }
+    EXPECT_EQ(count.kind, SolutionCount::Kind::all) << p.name;
+    EXPECT_EQ(count.proven, static_cast<std::size_t>(point.solutions)) << p.name << in_words(count);
+    for (const CoulombSolution& s : count.solutions) {
+      EXPECT_TRUE(s.isolated) << p.name;
+      EXPECT_LE(s.bound, 1e-15) << p.name;
+    }
+  }
+}
+
+// Without enumeration: what the searches prove of the rod, and of the puck, whose load may be split in many ways.
+TEST(FrictionReference, CountsWhatItProvesWhereNothingIsEnumerated) {
+  const SolutionCount puck = count_solutions(puck_point().instance.problem, 60);
+  EXPECT_EQ(puck.kind, SolutionCount::Kind::continuum);
+  EXPECT_FALSE(puck.by_enumeration);
+  ASSERT_FALSE(puck.solutions.empty());
+  EXPECT_EQ(puck.solutions[0].modes, std::vector(4, ContactMode::slide));
+  EXPECT_TRUE(puck.solutions[0].free_split && !puck.solutions[0].isolated);
+
+  const Problem rod = rod_point(2).instance.problem;
+  const std::vector<CoulombSolution> found = coulomb_solutions(rod, {.mode_choices = 729, .all = true});
+  EXPECT_EQ(found.size(), 3u);
+  for (const CoulombSolution& s : found) EXPECT_FALSE(s.continuum);
+}
+
+// A load that may be split in many ways without moving anything is no continuum of z.
+TEST(FrictionReference, AFreeSplitOfForcesThatMovesNothingIsOneSolution) {
+  Problem p = rod_point(1).instance.problem;
+  p.z_u[1] = -1;  // pressed on, and the contact stored twice
+  const Index m = p.rows();
+  Matrix J(2 * m, p.size());
+  J << Matrix(p.J), Matrix(p.J);
+  p.J = J.sparseView();
+  p.c.conservativeResize(2 * m);
+  p.mu.conservativeResize(2 * m);
+  for (Index i = 0; i < m; ++i) {
+    p.c[m + i] = p.c[i];
+    p.mu[m + i] = p.mu[i];
+    p.kind.push_back(p.kind[static_cast<std::size_t>(i)]);
+    p.key.push_back({100 + static_cast<std::uint64_t>(i), 0});
+  }
+  const SolutionCount count = count_solutions(p, 60);
+  EXPECT_EQ(count.kind, SolutionCount::Kind::all) << in_words(count);
+  EXPECT_EQ(count.proven, 1u);
+  for (const CoulombSolution& s : count.solutions) EXPECT_FALSE(s.continuum);
+}
+
 // Planar scenes of small integers: what is proven is a solution in rationals, the referee knows each of them, and what
 // is none is never called solved.
 TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
@@ -73,6 +131,11 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
     p.J = J.sparseView();
     const std::optional<PlanarSolutions> exact = enumerate_planar(p);
     if (!exact || exact->continuum) continue;
+    if (scene % 3 == 0) {
+      const SolutionCount count = count_solutions(p, 60);  // throws where the searches contradict enumeration
+      EXPECT_EQ(count.proven, exact->z.size()) << "scene " << scene;
+      for (const CoulombSolution& s : count.solutions) EXPECT_FALSE(s.continuum) << "scene " << scene;
+    }
     ++all;
     several += exact->z.size() > 1;
     for (const CoulombSolution& s : coulomb_solutions(p)) {

@@ -151,7 +151,9 @@ TEST(Reference, IsComputedOnceAndKeptByContent) {
   // A mark in the kept file shows that it is read; the same content under another name finds it.
   Reference marked = *first.reference;
   marked.method = "marked";
+  marked.unique = false;
   write_cached(folder.only_file(), marked);
+  EXPECT_FALSE(read_cached(folder.only_file())->unique);
   instance.problem.name = "another name";
   EXPECT_EQ(reference_for(instance, folder.path, {.second_witness = true}).reference->method, "marked");
   EXPECT_NE(folder.only_file().filename().string().find(reference_sources.substr(0, 16)), std::string::npos);

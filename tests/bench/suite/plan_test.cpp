@@ -48,6 +48,11 @@ TEST(Plan, StatesEachProblemWithFrictionUnderEachLaw) {
   options.laws = parse_laws("pyramid,convex,coulomb");
   const Plan p = make_plan(options, tests::all);
   ASSERT_EQ(p.instances.size(), 4u);
+  const std::string unread = laws_not_read(p, tests::all);
+  EXPECT_TRUE(unread.starts_with("Unsupported: ")) << unread;
+  EXPECT_TRUE(unread.ends_with(
+      " on 1 problem under the law convex and 1 problem under the law coulomb (expected frictionless or pyramid)"))
+      << unread;
   const std::vector<std::string> names = {"tower(boxes=2)", "ROD (pyramid)", "ROD (convex)", "ROD"};
   const std::vector<Law> laws = {Law::frictionless, Law::pyramid, Law::convex, Law::coulomb};
   for (std::size_t i = 0; i < 4; ++i) {

@@ -146,7 +146,8 @@ struct ReadsConvex : ReadsNone {
 TEST(Law, SolversSeeTheLawsTheyRead) {
   AnySolver none = ReadsNone{}, convex = ReadsConvex{};
   EXPECT_EQ(none.solve(block(0.5)).status, Status::unsupported);
-  EXPECT_EQ(none.supports(block(0.5)), "reads no tangent rows under the law 'coulomb'");
+  EXPECT_EQ(none.supports(block(0.5)),
+            "it does not solve problems with friction under the law coulomb (./zwang solvers lists the laws of each)");
   EXPECT_EQ(convex.solve(block(0.5)).status, Status::unsupported);
   EXPECT_EQ(convex.solve(under(Law::convex, block(0.5))).status, Status::solved);
   EXPECT_EQ(none.solve(under(Law::pyramid, block(0.5))).status, Status::solved);

@@ -1,11 +1,14 @@
 // The field's methods on contacts with friction: what they claim holds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
+#include <zwang/solvers/runs_apart.h>
 #include "tests/solvers/friction/friction_problems.h"
 
 namespace zwang {
@@ -62,10 +65,62 @@ INSTANTIATE_TEST_SUITE_P(All, FrictionMethods,
                          testing::Values(Case{"nsgs", Law::coulomb, 30}, Case{"alart_curnier", Law::convex, 15},
                                          Case{"alart_curnier", Law::coulomb, 15}, Case{"admm", Law::convex, 30},
                                          Case{"admm", Law::coulomb, 25}, Case{"cone", Law::convex, 40},
-                                         Case{"cone", Law::coulomb, 39}),
+                                         Case{"cone", Law::coulomb, 39}, Case{"fixed_point", Law::coulomb, 30},
+                                         Case{"fixed_point:inner=alart_curnier", Law::coulomb, 10},
+                                         Case{"fixed_point:inner=cone:finish=off,relaxation=0.5", Law::coulomb, 20}),
                          [](const auto& i) {
-                           return std::string(i.param.name) + (i.param.law == Law::convex ? "_convex" : "_coulomb");
+                           std::string name = i.param.name;
+                           std::ranges::replace_if(name, [](char c) { return std::isalnum(c) == 0; }, '_');
+                           return name + (i.param.law == Law::convex ? "_convex" : "_coulomb");
                          });
+
+std::string refusal(const char* text) {
+  try {
+    make_solver(text);
+  } catch (const std::invalid_argument& wrong) {
+    return wrong.what();
+  }
+  return "";
+}
+
+TEST(FixedPoint, TakesSolversOfTheConvexLawAlone) {
+  EXPECT_NE(refusal("fixed_point:inner=nsgs").find("should be a solver of the convex law: "), std::string::npos);
+  EXPECT_NE(refusal("fixed_point:inner=kone").find("convex law"), std::string::npos);
+  EXPECT_NE(refusal("fixed_point:inner=fixed_point"), "");
+  EXPECT_NE(refusal("fixed_point:inner=cone:finnish=off").find("did you mean 'finish'?"), std::string::npos);
+  EXPECT_NE(refusal("fixed_point:relaxation=0").find("above 0"), std::string::npos);
+  EXPECT_FALSE(runs_apart("fixed_point"));
+  EXPECT_TRUE(runs_apart("fixed_point:max_rounds=3,inner=ipopt"));
+}
+
+// A sliding block meets Coulomb's law in a few rounds: it stays on the ground, where the convex law lifts it.
+TEST(FixedPoint, TakesTheLiftOfTheConvexLawBack) {
+  const Problem p = test::friction_problem(Vector::Ones(3), Vec3(-8, 6, 8),
+                                           {{RowKind::inequality, Vec3(1, 0, 0), 0, 0.5},
+                                            {RowKind::tangent, Vec3(0, 1, 0), 0},
+                                            {RowKind::tangent, Vec3(0, 0, 1), 0}});
+  const Solution s = make_solver("fixed_point").solve(p, {.tolerance = 1e-10});
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE((s.z - Vec3(0, 3.6, 4.8)).norm(), 1e-9);
+  EXPECT_GT(s.iterations, 1);
+  const Solution stopped = make_solver("fixed_point:max_rounds=2").solve(p, {.tolerance = 1e-10});
+  EXPECT_EQ(stopped.status, Status::iteration_limit);
+  EXPECT_NE(stopped.message.find("residual stays"), std::string::npos);
+  EXPECT_EQ(make_solver("fixed_point").solve(p, {.time_limit = 0}).status, Status::time_limit);
+}
+
+// Plates that part along themselves have no convex answer, and many under Coulomb's law.
+TEST(FixedPoint, GoesOnWhereTheConvexLawHasNoAnswer) {
+  const Vector right{{1, 0}}, left{{-1, 0}}, up{{0, 1}};
+  const Problem pinch = test::friction_problem(Vector::Ones(2), Vector{{0, 3}},
+                                               {{RowKind::inequality, right, 0, 1},
+                                                {RowKind::tangent, up, 1},
+                                                {RowKind::inequality, left, 0, 1},
+                                                {RowKind::tangent, up, -1}});
+  const Solution s = make_solver("fixed_point").solve(pinch, {.tolerance = 1e-8});
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE(law_error(pinch, s), 1e-7);
+}
 
 }  // namespace
 }  // namespace zwang

@@ -8,6 +8,7 @@
 #include <zwang/core/problem/cpu_clock.h>
 #include <zwang/solvers/first_order/kkt_check.h>
 #include <zwang/solvers/ipopt/ipopt_method.h>
+#include "tests/solvers/friction/friction_problems.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -173,6 +174,23 @@ TEST(KktResidual, SeesWhatAProductOfMultiplierAndSlackHides) {
   const Vector small = test::vec({1e-5});
   EXPECT_GT(kkt_residual(program, small, small), 1e-6);      // lambda slack = 1e-10, yet both are 1e-5
   EXPECT_GT(kkt_residual(program, small, 2 * small), 1e-6);  // y is not G'lambda
+}
+
+// Contacts with friction as squares. Where contacts stick the squares have no gradient: what is claimed still holds.
+TEST(Ipopt, WhatItClaimsOfConesMeetsTheConvexLaw) {
+  int solved = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto [p, z, lambda] = test::planted(Law::convex, 0.5, 2, 4, seed);
+    const Solution s = solve<Ipopt>(p, {.tolerance = 1e-6});
+    EXPECT_NE(s.status, Status::unsupported) << s.message;
+    if (s.status != Status::solved) continue;
+    ++solved;
+    EXPECT_LE(test::z_error(p, s.z, z), 1e-5) << seed;
+    EXPECT_LE(test::law_error(p, s), 1e-4) << seed;
+  }
+  EXPECT_GE(solved, 10);
+  const Problem coulomb = test::planted(Law::coulomb, 0.5, 2, 4, 0).problem;
+  EXPECT_EQ(solve<Ipopt>(coulomb, {}).status, Status::unsupported);
 }
 
 }  // namespace

@@ -1,0 +1,106 @@
+#include <zwang/bench/references/friction/solution_count.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/witnesses.h>
+
+namespace zwang {
+namespace {
+
+constexpr int random_starts = 40;
+constexpr int mode_choices = 729;  // three modes each of six contacts
+
+// |z - z*|_M / s where each entry of z is that of z* rounded once.
+double rounding_of(const Problem& problem, const Vector& z) {
+  const Vector size = z.cwiseAbs();
+  const auto length = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(problem.M * v))); };
+  const double s = std::max(length(problem.z_u), length(z));
+  Eigen::SparseMatrix<double> M = problem.M.cwiseAbs();
+  return s > 0 ? 0x1p-53 * std::sqrt(size.dot(M * size)) / s * (1 + 1e-9) : 0;
+}
+
+// Of the searches' solutions those that enumeration confirms, and what it knows beyond them.
+std::vector<CoulombSolution> confirmed(const Problem& problem, const PlanarSolutions& exact,
+                                       const std::vector<CoulombSolution>& found) {
+  std::vector<CoulombSolution> all;
+  std::size_t exact_ones = 0;
+  for (const Vector& z : exact.z) {
+    const double rounding = rounding_of(problem, z);
+    const auto same = std::ranges::find_if(found, [&](const CoulombSolution& s) {
+      return relative_distance(problem, s.z, z) <= 2 * (s.bound + s.delta + rounding);
+    });
+    CoulombSolution solution;
+    if (same != found.end()) {
+      solution = *same;
+      exact_ones += same->delta == 0;
+    }
+    solution.z = z;
+    solution.bound = rounding;
+    solution.delta = 0;
+    solution.isolated = true;  // there are finitely many
+    solution.method += solution.method.empty() ? "rationals" : ", rationals";
+    all.push_back(std::move(solution));
+  }
+  if (std::cmp_less(exact_ones, std::ranges::count(found, 0.0, &CoulombSolution::delta)))
+    throw std::logic_error("interval Newton proved a solution that enumeration does not know");
+  return all;
+}
+
+}  // namespace
+
+SolutionCount count_solutions(const Problem& problem, double seconds) {
+  SolutionCount out;
+  const std::optional<PlanarSolutions> exact = enumerate_planar(problem);
+  SolutionSearch search{.random_starts = random_starts, .mode_choices = mode_choices, .all = true};
+  search.deadline = Deadline(seconds);
+  if (exact) search.near = exact->z;
+  out.solutions = coulomb_solutions(problem, search, &out.why_not);
+  out.by_enumeration = exact.has_value();
+  const bool continuum = std::ranges::any_of(out.solutions, &CoulombSolution::continuum);
+  if (exact && !exact->continuum) {
+    out.solutions = confirmed(problem, *exact, out.solutions);
+    out.kind = SolutionCount::Kind::all;
+    out.proven = out.solutions.size();
+    return out;
+  }
+  const auto is_exact = [](const CoulombSolution& s) { return s.delta == 0; };
+  std::ranges::stable_partition(out.solutions, is_exact);
+  out.proven = static_cast<std::size_t>(std::ranges::count_if(out.solutions, is_exact));
+  out.kind = continuum || exact      ? SolutionCount::Kind::continuum
+             : out.solutions.empty() ? SolutionCount::Kind::none_found
+                                     : SolutionCount::Kind::at_least;
+  return out;
+}
+
+std::string in_words(const SolutionCount& count) {
+  const std::string enumerated = "every choice of modes was solved in rationals";
+  std::ostringstream text;
+  switch (count.kind) {
+    case SolutionCount::Kind::all:
+      if (count.proven == 0)
+        text << "none: " << enumerated;
+      else
+        text << count.proven << " and no more: " << enumerated;
+      break;
+    case SolutionCount::Kind::continuum:
+      text << "a continuum: "
+           << (count.by_enumeration ? enumerated : "interval Newton proved that forces are free to change, and move z");
+      break;
+    case SolutionCount::Kind::at_least:
+      if (count.proven == 0)
+        text << "none proven of these rows; those below are exact for rows that are off by delta";
+      else
+        text << "at least " << count.proven << ": those found; all are known only of six planar contacts or fewer";
+      break;
+    case SolutionCount::Kind::none_found:
+      text << "none found: " << count.why_not;
+  }
+  return text.str();
+}
+
+}  // namespace zwang

@@ -1,0 +1,172 @@
+#include <zwang/solvers/friction/fixed_point.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include <zwang/solvers/registry.h>
+
+namespace zwang {
+namespace {
+
+// Of the residual: the tolerance of the next convex problem, between these two.
+constexpr double share = 0.05, loosest = 1e-2, tightest = 1e-13;
+constexpr int widenings = 8;  // of the slips, where the convex problem has no answer
+
+double slip(const Problem& p, Index row, const Vector& z) {
+  double square = 0;
+  for (Index t = 1; t <= p.tangents(row); ++t) {
+    const double s = p.J.row(row + t).dot(z) - p.c[row + t];
+    square += s * s;
+  }
+  return std::sqrt(square);
+}
+
+template <class Visit>
+void each_contact(const Problem& p, Visit visit) {
+  for (Index i = 0; i < p.rows(); ++i)
+    if (!p.is_tangent(i) && !p.is_equality(i) && p.mu[i] > 0 && p.tangents(i) > 0) visit(i);
+}
+
+bool has_answer(const Problem& p, const Solution& s) {
+  return s.z.size() == p.size() && s.lambda.size() == p.rows() && s.z.allFinite() && s.lambda.allFinite();
+}
+
+bool reads_convex(const SolverEntry& entry) { return std::ranges::find(entry.laws, Law::convex) != entry.laws.end(); }
+
+// A solver of the convex law and its settings, or what was expected.
+std::string checked(const std::string& inner) {
+  const SolverEntry* entry = find_solver(inner);
+  if (!entry || !reads_convex(*entry)) {
+    std::string names;
+    for (const SolverEntry& e : solvers())
+      if (reads_convex(e)) names += (names.empty() ? "" : ", ") + e.name;
+    throw std::invalid_argument("a solver of the convex law: " + names);
+  }
+  return inner;
+}
+
+double checked(double relaxation) {
+  if (!(relaxation > 0 && relaxation <= 1)) throw std::invalid_argument("above 0 and at most 1");
+  return relaxation;
+}
+
+}  // namespace
+
+SolverEntry FixedPoint::entry(SolverEntry e) {
+  e = zwang::entry<FixedPoint>(std::move(e));
+  e.settings.insert(e.settings.begin(),
+                    {"inner", "the solver of the convex law, with its own settings: inner=cone:finish=off", "cone"});
+  e.make = [known = e.settings](std::string_view text) -> AnySolver {
+    FixedPoint solver;
+    read_settings(name, text, known, [&](std::string_view key, const std::string& value) {
+      if (key == "inner")
+        solver.inner = checked(value);
+      else if (key == "max_rounds")
+        solver.max_rounds = setting_value<int>(value);
+      else if (key == "relaxation")
+        solver.relaxation = checked(setting_value<double>(value));
+      else
+        return false;
+      return true;
+    });
+    make_solver(solver.inner);  // its own settings
+    return solver;
+  };
+  return e;
+}
+
+std::string FixedPoint::supports(const Problem& problem) const {
+  if (!problem.has_tangents()) return "no contact with friction";
+  Problem convex = problem;
+  convex.law = Law::convex;
+  const std::string reason = make_solver(inner).supports(convex);
+  return reason.empty() ? "" : inner + ": " + reason;
+}
+
+// The convex problem of the slips at hand; they grow where it has no answer.
+bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                               double tolerance, Solution& solution) {
+  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
+  SolveOptions asked{.tolerance = tolerance, .memory_limit = options.memory_limit};
+  asked.warm_start = solution.iterations > 0 ? &warm : options.warm_start;
+  for (int widening = 0; widening <= widenings; ++widening) {
+    each_contact(p, [&](Index i) { shifted.c[i] = p.c[i] - p.mu[i] * sigma[i]; });
+    asked.time_limit = deadline.left();
+    solver->solve(shifted, asked, answer);
+    ++solution.iterations;
+    if (has_answer(p, answer)) return true;
+    if (answer.status != Status::infeasible || deadline.passed()) return false;
+    each_contact(p, [&](Index i) { sigma[i] = std::max(2 * sigma[i], slip(p, i, p.z_u)); });
+    asked.warm_start = nullptr;
+  }
+  return false;
+}
+
+// Of the answer, relative to the motion.
+double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool& accepted) {
+  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
+  program.read(p, answer.z, answer.lambda, v, y);
+  program.slack(v, s);
+  const ConeProgram::Residual own = program.residual(y, s);
+  const double unbalanced = v.isZero(0) && y.isZero(0) ? 0 : program.imbalance(v, y);
+  accepted = unbalanced <= options.tolerance && program.accepts(own, v, options);
+  // `accepts` asks the gap's bound on the distance for ten times the tolerance.
+  const double scale = program.scale(v), apart = std::sqrt(2 * std::max(0.0, own.gap)) / 10;
+  return std::max({own.natural / scale, apart / scale, unbalanced});
+}
+
+void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
+  if (!program.build(p, Law::coulomb, ConeProgram::Want::way_back, options, deadline, solution)) return;
+  if (!solver) solver.emplace(make_solver(inner));
+  shifted = p;
+  shifted.law = Law::convex;
+  warm.key = p.key;
+  s.setZero(program.rows());
+  sigma.setZero(p.rows());
+  const int most = std::min(max_rounds, options.max_iterations);
+  double left = 1, least = std::numeric_limits<double>::infinity();
+  solution.status = Status::iteration_limit;
+  while (solution.iterations < most) {
+    if (deadline.passed()) {
+      solution.status = Status::time_limit;
+      break;
+    }
+    const double tolerance = std::clamp(share * left, tightest, loosest);
+    if (!solve_shifted(p, options, deadline, tolerance, solution)) {
+      solution.status = deadline.passed() ? Status::time_limit : Status::numerical_failure;
+      solution.message = "no answer under the convex law by " + inner + ": ";
+      solution.message += answer.message.empty() ? to_string(answer.status) : answer.message;
+      break;
+    }
+    bool accepted = false;
+    left = residual(p, options, accepted);
+    if (left < least || accepted) {
+      least = left;
+      solution.z = answer.z;
+      solution.lambda = answer.lambda;
+    }
+    if (options.observe) options.observe(solution.iterations, answer.z, answer.lambda);
+    if (accepted) {
+      solution.status = Status::solved;
+      return;
+    }
+    warm.lambda = answer.lambda;
+    each_contact(p, [&](Index i) { sigma[i] += relaxation * (slip(p, i, answer.z) - sigma[i]); });
+  }
+  if (!std::isfinite(least)) {
+    solution.empty_z();
+    solution.empty_lambda();
+  } else if (solution.message.empty()) {
+    std::array<char, 80> text;
+    std::snprintf(text.data(), text.size(), "the residual stays at %.1e of the motion", least);
+    solution.message = text.data();
+  }
+}
+
+}  // namespace zwang
