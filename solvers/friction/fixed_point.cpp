@@ -7,13 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
 
 // Of the residual: the tolerance of the next convex problem, between these two.
-constexpr double share = 0.05, loosest = 1e-2, tightest = 1e-13;
+constexpr double share = 0.05, loosest = 0.01, tightest = tolerances::cone_exact;
 constexpr int widenings = 8;  // of the slips, where the convex problem has no answer
 
 double slip(const Problem& p, Index row, const Vector& z) {

@@ -28,7 +28,8 @@ TEST(AbsentSolvers, AskingForOneSaysInOneLineHowToAddIt) {
 TEST(AbsentSolvers, EachOptionalOneIsEitherBuiltOrAbsentAndHasItsParagraph) {
   std::ifstream file(ZWANG_SOURCE_DIR "/docs/solvers.md");
   const std::string text(std::istreambuf_iterator<char>(file), {});
-  for (const std::string name : {"mujoco_newton", "daqp", "piqp", "osqp", "proxqp", "qpoases"}) {
+  for (const std::string name :
+       {"mujoco_newton", "daqp", "piqp", "osqp", "proxqp", "qpoases", "siconos_nsgs", "siconos_global_ipm"}) {
     const bool absent = std::ranges::count(absent_solvers(), name, &AbsentSolver::name) == 1;
     EXPECT_NE(absent, find_solver(name) != nullptr) << name;
     EXPECT_NE(text.find("\n## " + name + "\n\n"), std::string::npos) << name;

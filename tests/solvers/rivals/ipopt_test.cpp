@@ -190,7 +190,7 @@ TEST(Ipopt, WhatItClaimsOfConesMeetsTheConvexLaw) {
   }
   EXPECT_GE(solved, 10);
   const Problem coulomb = test::planted(Law::coulomb, 0.5, 2, 4, 0).problem;
-  EXPECT_EQ(solve<Ipopt>(coulomb, {}).status, Status::unsupported);
+  EXPECT_EQ(AnySolver(Ipopt()).solve(coulomb).status, Status::unsupported);
 }
 
 }  // namespace
