@@ -17,7 +17,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double still = 1e-8;
 // Of a contact's |lambda| + |s| in doubles: less is zero for a first guess at its mode.
 constexpr double mode_cut = 1e-9;
-// Unknowns and rows up to which the dense proofs are tried.
+// Unknowns and rows up to which the dense proofs are tried; rows for self_bound where there are joints.
 constexpr Index dense_unknowns = 1500, dense_rows = 2000, self_rows = 1200;
 
 double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
@@ -45,6 +45,7 @@ double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, cons
 }
 
 bool small(const ContactProblem& p) { return p.size() <= dense_unknowns && p.rows() <= dense_rows; }
+bool may_bound(const ContactProblem& p) { return small(p) && (p.equalities.empty() || p.rows() <= self_rows); }
 
 // The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
 Vector certificate_in_cone(const Problem& problem, Vector u) {
@@ -75,7 +76,7 @@ Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, co
   if (farkas.proven) return Verdict::infeasible_proven;
   if (reference) return Verdict::infeasible_claimed;
   const ContactProblem p(problem, scaled, s);
-  if (!small(p) || p.rows() > self_rows) return Verdict::infeasible_claimed;
+  if (!may_bound(p)) return Verdict::infeasible_claimed;
   // Coulomb's law has a solution wherever some z opens all contacts that can move to the inside of K*.
   const ExtendedVector still_motion(static_cast<std::size_t>(p.size()));
   Slips slips = slips_at(p, still_motion, problem.law);
@@ -144,7 +145,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   // Z(sigma(z)), or under the convex law its one answer.
   ConvexBound convex;
   double upper = infinity, lower = 0;
-  if (p.rows() <= self_rows) {
+  if (may_bound(p)) {
     if (nearest.proof.proven) guess = nearest.proof.point;
     convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess);
   }

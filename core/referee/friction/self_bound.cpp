@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <zwang/core/referee/exact_rank.h>
-#include <zwang/core/referee/friction/interior_point.h>
+#include <zwang/core/referee/friction/convex_interior_point.h>
 #include <zwang/core/referee/orthogonal_rows.h>
 
 namespace zwang {
@@ -14,8 +15,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double widened = 1 + 1e-9;
 // A bound that is this small is not worth another try.
 constexpr double sharp_enough = 1e-13;
-// Rows up to which the interior point works in double-double, and in FactorReal.
+// One that is this small is not worth Newton's method on the modes, dense in the rows, where they are many.
+constexpr double good_enough = 1e-10;
+// Rows up to which the interior point of jointed problems works in double-double, and in FactorReal.
 constexpr Index double_double_rows = 260, extended_rows = 400;
+constexpr Index polished_rows = 600;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -224,8 +228,15 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   }
   if (!p.exact) return best;
 
-  const RefereeInteriorPoint method(p, equalities);
-  std::vector<InteriorAnswer> inner = method.solve<double>(&sigma, {.keep_iterates = true});
+  // Without joints, in double-double at once; with them, dense in the rows, and wider only where they are few.
+  std::optional<RefereeInteriorPoint> method;
+  std::vector<InteriorAnswer> inner;
+  if (equalities.empty()) {
+    inner = ConvexInteriorPoint(p, sigma).solve({.target = 1e-27});
+  } else {
+    method.emplace(p, equalities);
+    inner = method->solve<double>(&sigma, {.keep_iterates = true});
+  }
   for (InteriorAnswer& iterate : inner) {
     duality.correct(iterate.x);
     best.interior |= duality.strictly_inside(iterate.x);
@@ -259,23 +270,24 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     for (std::size_t j = 0; j < x.size(); ++j) x[j] += DoubleDouble(part) * (target->x[j] - x[j]);
     take(std::move(x));
   };
-  if (guess) {
-    ModePoint point = *guess;
+  const auto as_it_is = [&](const InteriorAnswer& answer) { consider({answer.x, answer.lambda, answer.modes}); };
+  if (!method && !inner.empty()) as_it_is(inner.back());
+  if (!method && p.rows() > polished_rows && best.upper <= good_enough) return best;
+  const auto polished = [&](ModePoint point) {
     polish(p, point, &sigma);
     consider(std::move(point));
-  }
-  const auto polished = [&](const InteriorAnswer& answer) {
-    ModePoint point{answer.x, answer.lambda, answer.modes};
-    polish(p, point, &sigma);
-    consider(std::move(point));
-    consider({answer.x, answer.lambda, answer.modes});
   };
-  if (best.upper > sharp_enough && !inner.empty()) polished(inner.back());
-  if (best.upper > sharp_enough && method.rows() <= extended_rows) {
-    const std::vector<InteriorAnswer> finer = method.rows() <= double_double_rows
-                                                  ? method.solve<DoubleDouble>(&sigma, {.target = 1e-27})
-                                                  : method.solve<FactorReal>(&sigma, {.target = 1e-24});
-    if (!finer.empty()) polished(finer.back());
+  if (guess && best.upper > sharp_enough) polished(*guess);
+  const auto take_both = [&](const InteriorAnswer& answer) {
+    polished({answer.x, answer.lambda, answer.modes});
+    if (method) as_it_is(answer);
+  };
+  if (best.upper > sharp_enough && !inner.empty()) take_both(inner.back());
+  if (best.upper > sharp_enough && method && method->rows() <= extended_rows) {
+    const std::vector<InteriorAnswer> finer = method->rows() <= double_double_rows
+                                                  ? method->solve<DoubleDouble>(&sigma, {.target = 1e-27})
+                                                  : method->solve<FactorReal>(&sigma, {.target = 1e-24});
+    if (!finer.empty()) take_both(finer.back());
   }
   return best;
 }

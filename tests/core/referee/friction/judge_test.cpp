@@ -51,6 +51,27 @@ TEST(FrictionJudge, KnowsASlidingAndAStickingBlock) {
   EXPECT_EQ(judge(block(.25, 1, .5).problem(), vector({0, 0, 0}), vector({1, -.25, 0})).verdict, Verdict::solved);
 }
 
+// A block on 250 copies of its contact, whose right sides disagree in their last digits: only so many digits show which
+// of them carry it.
+TEST(FrictionJudge, BoundsManyRedundantRowsThatDisagree) {
+  const Problem one = block(4, 1, .5).problem();
+  test::SmallFrictional many{.z_u = one.z_u};
+  for (int k = 0; k < 250; ++k) {
+    const double off = k % 7 * 1e-15;
+    many.contact(.5, {{Vector(one.J.row(0).transpose()), one.c[0] - off},
+                      {Vector(one.J.row(1).transpose()), off},
+                      {Vector(one.J.row(2).transpose()), -off}});
+  }
+  for (const Law law : {Law::coulomb, Law::convex}) {
+    const Problem p = many.problem(law);
+    const Vector z = law == Law::coulomb ? vector({3.5, 0, 0}) : vector({2.8, 0, 1.4});
+    const Metrics m = judge(p, z, {}, 1e-12);
+    EXPECT_LE(law == Law::coulomb ? m.friction.self_bound : m.z_bound, 1e-11);
+    EXPECT_NE(m.verdict, Verdict::wrong);
+    EXPECT_NE(m.verdict, Verdict::undecided);
+  }
+}
+
 TEST(FrictionJudge, MeasuresWhatIsOff) {
   const FrictionMetrics f = judge(block(4, 1, .5).problem(), vector({3.5, 0, -.1}), vector({1, .75, 0})).friction;
   const double s = std::sqrt(17);
