@@ -19,22 +19,43 @@ bool hides(const Plane& plane, const TreeNode& node) {
 
 }  // namespace
 
+// A first walk down the nearer children gives a bound; then all that is nearer is looked at. Of triangles that are
+// equally near the first one counts.
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
   const auto hidden_by_any = [&](const auto& test) { return std::any_of(hidden.begin(), hidden.end(), test); };
-  std::optional<NearestPoint> best;
+  const std::span<const TreeNode> nodes = tree.nodes();
+  NearestPoint best{.triangle = tree.size()};
   double least = reach * reach;
-  const auto enter = [&](const TreeNode& node, std::size_t) {
-    return node.distance2(p) < least && !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
+  const auto nearer = [&](double square, std::uint32_t triangle) {
+    return square < least || (square == least && triangle < best.triangle && best.triangle < tree.size());
   };
-  tree.walk(enter, [&](std::uint32_t t, std::uint32_t end) {
+  const auto visit = [&](std::uint32_t t, std::uint32_t end) {
     for (; t < end; ++t) {
       const Vec3 q = nearest_point(tree.triangle(t), p);
       const double square = (q - p).squaredNorm();
-      if (!(square < least) || hidden_by_any([&](const Plane& plane) { return plane.hides(q); })) continue;
+      if (!nearer(square, t) || hidden_by_any([&](const Plane& plane) { return plane.hides(q); })) continue;
       least = square;
-      best = {std::sqrt(square), q, t};
+      best = {0, q, t};
     }
-  });
+  };
+  const auto bound = [&](std::size_t node) {
+    const double square = nodes[node].distance2(p);
+    const Slab* slab = square < least ? tree.slab(node) : nullptr;
+    return slab ? std::max(square, slab->distance2(p)) : square;
+  };
+  std::size_t top = 0;
+  while (!tree.leaf(top)) top = bound(top + 1) <= bound(nodes[top + 1].skip) ? top + 1 : nodes[top + 1].skip;
+  visit(nodes[top].first, tree.range(top).second);
+  const std::size_t seen = top;
+  tree.walk(
+      [&](const TreeNode& node, std::size_t number) {
+        if (number == seen || !nearer(node.distance2(p), node.first)) return false;
+        if (const Slab* slab = tree.slab(number); slab && !nearer(slab->distance2(p), node.first)) return false;
+        return !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
+      },
+      visit);
+  if (best.triangle == tree.size()) return {};
+  best.distance = std::sqrt(least);
   return best;
 }
 

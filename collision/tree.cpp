@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <zwang/collision/halves.h>
 #include <zwang/core/problem/mix_bits.h>
 
 namespace zwang::collision {
@@ -31,7 +32,7 @@ void build(const Mesh& mesh, Model& model) {
   if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
 }
 
-constexpr std::uint64_t magic = 0x3365657274677a0au;  // "\nzgtree3" where bytes run from low to high
+constexpr std::uint64_t magic = 0x3465657274677a0au;  // "\nzgtree4" where bytes run from low to high
 
 // By words, as trees are large.
 std::uint64_t checksum(std::string_view bytes) {
@@ -54,9 +55,19 @@ struct Header {
 Tree::Tree(const Mesh& mesh) {
   if (mesh.triangles.empty()) throw std::invalid_argument("a tree of no triangles");
   if (mesh.triangles.size() > (std::size_t{1} << 28)) throw std::invalid_argument("more than 2^28 triangles");
-  Model model;
-  build(mesh, model);
+  if (mostly_slivers(mesh)) {
+    flatten(mesh, Halves(mesh));
+  } else {
+    Model model;
+    build(mesh, model);
+    flatten(mesh, model);
+  }
+  find_box();
+  find_slabs();
+}
 
+template <class Boxes>
+void Tree::flatten(const Mesh& mesh, const Boxes& model) {
   corners_.reserve(mesh.triangles.size());
   origin_.reserve(mesh.triangles.size());
   std::vector<std::uint32_t> of_leaf;  // vertices of the mesh whose points are in the leaf at hand
@@ -119,8 +130,6 @@ Tree::Tree(const Mesh& mesh) {
   nodes_.push_back({{}, {}, 0, size()});
   nodes_.shrink_to_fit();
   points_.shrink_to_fit();
-
-  find_box();
 }
 
 void Tree::find_box() {
@@ -131,9 +140,55 @@ void Tree::find_box() {
   }
 }
 
+// Where it has a small part of the surface of the box along the axes.
+void Tree::find_slabs() {
+  constexpr std::uint32_t most = 64;  // triangles; above that a subtree of slivers is no strip any more
+  constexpr double small = 0.2;
+  const auto surface = [](const Vec3& w) { return w.x() * w.y() + w.y() * w.z() + w.z() * w.x(); };
+  for (std::size_t k = 0; k < nodes().size(); ++k) {
+    const auto [begin, end] = range(k);
+    if (end - begin > most) continue;
+    const TreeNode& n = nodes_[k];
+    const Slab slab = slab_about(k);
+    if (surface(slab.high - slab.low) >
+        small * surface({n.high[0] - n.low[0], n.high[1] - n.low[1], n.high[2] - n.low[2]}))
+      continue;
+    if (slabs_.empty()) slab_at_.assign(nodes().size(), no_slab);
+    slab_at_[k] = static_cast<std::uint32_t>(slabs_.size());
+    slabs_.push_back(slab);
+  }
+  slabs_.shrink_to_fit();
+}
+
+Slab Tree::slab_about(std::size_t node) const {
+  constexpr double rounding = 1e-12;  // m
+  Vec3 along = Vec3::Zero(), across = Vec3::Zero();
+  const auto [begin, end] = range(node);
+  for (const Triangle& t : triangles(begin, end)) {
+    const auto& [a, b, c] = t.corner;
+    for (const Vec3& edge : {Vec3(b - a), Vec3(c - b), Vec3(a - c)})
+      if (edge.squaredNorm() > along.squaredNorm()) along = edge;
+    const Vec3 normal = (b - a).cross(c - a);
+    across += normal.dot(across) < 0 ? -normal : normal;
+  }
+  Slab slab{Mat3::Identity(), Vec3::Constant(std::numeric_limits<double>::infinity()),
+            Vec3::Constant(-std::numeric_limits<double>::infinity())};
+  slab.axes.col(0) = along.normalized();
+  across -= across.dot(slab.axes.col(0)) * slab.axes.col(0);
+  slab.axes.col(2) = across.squaredNorm() > 0 ? across.normalized() : slab.axes.col(0).unitOrthogonal();
+  slab.axes.col(1) = slab.axes.col(2).cross(slab.axes.col(0));
+  for (const Vec3& p : points(begin, end)) {
+    const Vec3 at = slab.axes.transpose() * p;
+    slab.low = slab.low.cwiseMin(at - Vec3::Constant(rounding));
+    slab.high = slab.high.cwiseMax(at + Vec3::Constant(rounding));
+  }
+  return slab;
+}
+
 double Tree::bytes_per_triangle() const {
   const std::size_t bytes = nodes_.size() * sizeof(TreeNode) + points_.size() * sizeof(Vec3) +
-                            corners_.size() * (sizeof(corners_[0]) + sizeof(origin_[0]));
+                            corners_.size() * (sizeof(corners_[0]) + sizeof(origin_[0])) +
+                            slabs_.size() * sizeof(Slab) + slab_at_.size() * sizeof(slab_at_[0]);
   return static_cast<double>(bytes) / size();
 }
 
@@ -170,6 +225,7 @@ Tree Tree::from_bytes(std::string_view bytes) {
   get(tree.corners_, header.triangles);
   get(tree.origin_, header.triangles);
   tree.find_box();
+  tree.find_slabs();
   return tree;
 }
 

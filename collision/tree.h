@@ -34,10 +34,23 @@ struct TreeNode {
 };
 static_assert(sizeof(TreeNode) == 32);
 
-// The triangles of a mesh in the order of the leaves of a tree of boxes. Built by fcl::BVHModel<AABB> and flattened;
-// small subtrees become one leaf. Corners are stored once per leaf, in the order of the leaves, so the points of a
-// subtree are contiguous. Queries are limited by memory, and three corners per triangle would be twice as many.
-// (CGAL's AABB_tree would be a second tree of each mesh, neither flat nor storable.)
+// An oblique box about the triangles of a subtree. Slivers side by side that run across the axes have boxes along the
+// axes as long as the part in two or three directions, each of which overlaps hundreds of others; these hardly do.
+struct Slab {
+  Mat3 axes;       // columns: unit vectors, the first along the longest edge, the last across the surface
+  Vec3 low, high;  // m, along the axes, rounded outward
+
+  // From p to the box, squared.
+  double distance2(const Vec3& p) const {
+    const Vec3 at = axes.transpose() * p;
+    return (low - at).cwiseMax(at - high).cwiseMax(0).squaredNorm();
+  }
+};
+
+// The triangles of a mesh in the order of the leaves of a tree of boxes. Built by fcl::BVHModel<AABB>, of slivers
+// by Halves, and flattened; small subtrees become one leaf. Corners are stored once per leaf, in the order of the
+// leaves, so the points of a subtree are contiguous. Queries are limited by memory, and three corners per triangle
+// would be twice as many. (CGAL's AABB_tree would be a second tree of each mesh, neither flat nor storable.)
 class Tree {
  public:
   static constexpr int leaf_size = 4;  // triangles; with fewer a box costs as much as the tests it may save
@@ -62,6 +75,10 @@ class Tree {
   // The triangles of a node's subtree, first and end: they are contiguous.
   std::pair<std::uint32_t, std::uint32_t> range(std::size_t node) const {
     return {nodes_[node].first, nodes_[nodes_[node].skip].first};
+  }
+  // Of a subtree of slivers; null for most.
+  const Slab* slab(std::size_t node) const {
+    return slabs_.empty() || slab_at_[node] == no_slab ? nullptr : &slabs_[slab_at_[node]];
   }
   // Depth first: `enter(node, number)` decides whether a node's subtree is visited, `visit(first, end)` gets the
   // triangles of each leaf that was entered.
@@ -94,12 +111,20 @@ class Tree {
   static Tree from_bytes(std::string_view bytes);
 
  private:
+  static constexpr std::uint32_t no_slab = ~std::uint32_t{0};
+
+  template <class Boxes>
+  void flatten(const Mesh& mesh, const Boxes& boxes);
   void find_box();
+  void find_slabs();
+  Slab slab_about(std::size_t node) const;
 
   std::vector<TreeNode> nodes_ = {TreeNode{}};  // and one after the last, whose first triangle is size()
   std::vector<Vec3> points_ = {};
   std::vector<std::array<std::uint32_t, 3>> corners_ = {};  // of each triangle, in points_
   std::vector<std::uint32_t> origin_ = {};
+  std::vector<Slab> slabs_ = {};
+  std::vector<std::uint32_t> slab_at_ = {};  // by node; empty where there are none
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
 };
 

@@ -124,6 +124,7 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach,
   const auto enter = [&](const TreeNode& node, std::size_t number) {
     Region::LocalBox box;
     if (region.misses(node, box)) return false;
+    if (const Slab* slab = tree.slab(number); slab && region.misses(*slab)) return false;
     const auto [begin, end] = tree.range(number);
     Closest c;
     if (shape.core() == Core::hull || end - begin > patch_size ||

@@ -51,6 +51,13 @@ struct Region {
     }
     return false;
   }
+  // Along the slab's axes.
+  bool misses(const Slab& slab) const {
+    const Vec3 half = (local_high - local_low) / 2, middle = a_in_b * Vec3((local_low + local_high) / 2);
+    const Mat3 back = slab.axes.transpose();
+    const Vec3 at = back * middle, wide = (back * a_in_b.rotation).cwiseAbs() * half;
+    return (at + wide - slab.low).minCoeff() < 0 || (slab.high - at + wide).minCoeff() < 0;
+  }
   bool misses(const Triangle& local) const {
     const auto& [a, b, c] = local.corner;
     for (int k = 0; k < 3; ++k)

@@ -274,8 +274,15 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     each(m.next, visit), each(m.step_scale, visit);
     if (reading) c.restore(m);
   });
-  for (Coupling* c : {&*coupling, meeting ? &*coupling_of_both : nullptr})
-    if (c) each(c->memory().hand_speed, visit), each(c->memory().wrench, visit), each(c->memory().part, visit);
+  for (Coupling* c : {&*coupling, meeting ? &*coupling_of_both : nullptr}) {
+    if (!c) continue;
+    each(c->memory().hand_speed, visit), each(c->memory().wrench, visit), each(c->memory().part, visit);
+    for (Grasp& g : c->grasps()) {
+      Grasp::Hold h = g.hold();
+      each(h.motion, visit), each(h.objects, visit);
+      if (reading) g.take(h);
+    }
+  }
   Measures::Memory& seen = measures->memory();
   visit(seen.still);
   for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);

@@ -86,6 +86,20 @@ TEST(Grip, TheHandLiftsABoxBetweenThumbAndIndexFinger) {
   EXPECT_GT(f.grip, weight / 2 / 0.8);
 }
 
+// Half a second of going up. What the hand holds goes with it in the frame after a checkpoint, too.
+TEST(Grip, ACheckpointDoesNotShakeWhatIsHeld) {
+  const Surroundings scene = make_surroundings("box", "");
+  const HandMotion motion = synthetic_motion("lift", scene);
+  Play play(scene, motion, rough(0.8, 250)), stopped(scene, motion, rough(0.8, 250));
+  for (int k = 0; k <= 525; ++k) {
+    const Frame& f = play.step(k);
+    if (k == 500) stopped.simulation().restore(stopped.simulation().checkpoint());
+    const Frame& g = stopped.step(k);
+    ASSERT_NEAR(g.grip, f.grip, 1e-6) << k;  // N
+    ASSERT_NEAR(g.slip, f.slip, 1e-6) << k;  // m/s
+  }
+}
+
 TEST(Grip, TheHandSetsItDownAndLetsGo) {
   const Surroundings scene = make_surroundings("box", "");
   const HandMotion motion = synthetic_motion("lift", scene);

@@ -17,6 +17,7 @@ constexpr double stop_distance = 1e-4;  // m: of the sweeps
 constexpr Filter object_filter{std::uint64_t{1} << 63, ~std::uint64_t{0}};
 constexpr std::size_t most_planes = 4;          // of a sphere against one mesh
 constexpr double small_lift = 2e-8;             // m
+constexpr double rounding = 1e-9;               // m
 constexpr double completion_tolerance = 1e-12;  // m
 const Shape point = Shape::sphere(1);
 
@@ -83,6 +84,7 @@ void Contacts::find_rows(double activation, Choice choice) {
       meet(touches.subspan(first, end - first), activation);
   }
   as_row_ = left_;
+  foot_ = {};
   made_.assign(left_.size(), 0);
   manifold_.reduce(left_, choice != Choice::few);
   add_kept(0);
@@ -180,9 +182,11 @@ void Contacts::make_row(std::size_t left) {
   const Pose<double>&at_a = world_.pose(t.a), &mesh = world_.pose(t.b);
   const Vec3 center = shape.core() == Core::hull ? Vec3(t.point_a + shape.radius() * t.normal)
                                                  : Vec3(at_a * shape.nearest(into(at_a, t.point_b)));
-  if (const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + stop_distance);
-      found && found->distance > 0)
-    t = touch_of(t.a, t.b, center, shape.radius(), mesh * found->point);
+  if (foot_.a != t.a || foot_.b != t.b || foot_.center != center) {
+    const auto found = nearest(*tree, into(mesh, center), (center - t.point_b).norm() + rounding);
+    foot_ = {t.a, t.b, center, found && found->distance > 0, found ? Vec3(mesh * found->point) : Vec3::Zero()};
+  }
+  if (foot_.clear) t = touch_of(t.a, t.b, center, shape.radius(), foot_.point);
 }
 
 // What the manifold has kept from number `from` on.

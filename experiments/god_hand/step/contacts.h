@@ -76,6 +76,13 @@ class Contacts {
   std::vector<collision::Touch> left_;        // that corners do not imply
   std::vector<collision::Touch> as_row_;      // the same, as they are or would be rows, where made_
   std::vector<char> made_;
+  struct Foot {  // of a sphere on a mesh
+    int a = -1, b = -1;
+    Vec3 center = Vec3::Zero();
+    bool clear = false;  // the sphere's centre is not on the mesh
+    Vec3 point = Vec3::Zero();
+  };
+  Foot foot_;  // the last that was looked for: many slivers touch the same end of a finger
   std::vector<Row> rows_;
   std::vector<collision::Plane> planes_;  // m, world; of the pair at hand
   std::size_t raw_ = 0;

@@ -57,7 +57,8 @@ class Coupling {
     std::vector<std::vector<Vec<double, 6>>> part;  // of the wrenches: by cluster, by object
   };
   Memory& memory() { return memory_; }
-  void forget();  // all else
+  std::span<Grasp> grasps() { return grasps_; }  // by cluster; none without friction
+  void forget();                                 // warm starts
 
  private:
   struct Push {

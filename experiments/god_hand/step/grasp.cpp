@@ -74,8 +74,22 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
   return true;
 }
 
-void Grasp::forget() {
+Grasp::Hold Grasp::hold() const {
+  const std::size_t objects = surroundings_->objects.size();
+  Hold hold{motion_, std::vector<double>(objects, 0)};
+  hold.motion.resize(scene_.bodies.size() - objects, Vec<double, 6>::Zero());
+  for (const std::size_t o : held_) hold.objects[o] = 1;
+  return hold;
+}
+
+void Grasp::take(const Hold& hold) {
   let_go();
+  motion_ = hold.motion;
+  for (std::size_t o = 0; o < hold.objects.size(); ++o)
+    if (hold.objects[o] != 0) held_.push_back(o);
+}
+
+void Grasp::forget() {
   warm_ = {};
   solver_ = solver_of(options_);
 }

@@ -41,7 +41,14 @@ class Grasp {
   std::span<const Vec<double, 6>> motion() const { return motion_; }
   std::span<const std::size_t> held() const { return held_; }
   void let_go() { held_.clear(), motion_.clear(); }
-  void forget();  // warm starts, too
+  // The same as numbers, as many each time, for a checkpoint.
+  struct Hold {
+    std::vector<Vec<double, 6>> motion;  // by god object
+    std::vector<double> objects;         // by object: 1 where it is held, else 0
+  };
+  Hold hold() const;
+  void take(const Hold& hold);
+  void forget();  // warm starts
   // The force of a contact row of the cluster on the object and on the god object, about their centres of mass [N; N
   // m].
   void read(std::size_t row, Vec<double, 6>& on_object, Vec<double, 6>& on_god) const;

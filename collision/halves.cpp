@@ -1,0 +1,64 @@
+#include <zwang/collision/halves.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+
+namespace zwang::collision {
+
+Halves::Halves(const Mesh& mesh) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::vector<Vec3> centre;  // times 3
+  for (const auto& [a, b, c] : mesh.triangles) centre.push_back(mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]);
+  std::vector<int> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  nodes_.reserve(2 * order.size());
+  nodes_.push_back({});
+  struct Open {
+    std::size_t node;
+    std::span<int> triangles;
+  };
+  for (std::vector<Open> open{{0, order}}; !open.empty();) {
+    const auto [number, triangles] = open.back();
+    open.pop_back();
+    Vec3 low = Vec3::Constant(infinite), high = -low, first = low, last = high;
+    for (const int t : triangles) {
+      for (const std::uint32_t v : mesh.triangles[static_cast<std::size_t>(t)]) {
+        low = low.cwiseMin(mesh.vertices[v]);
+        high = high.cwiseMax(mesh.vertices[v]);
+      }
+      first = first.cwiseMin(centre[static_cast<std::size_t>(t)]);
+      last = last.cwiseMax(centre[static_cast<std::size_t>(t)]);
+    }
+    const bool leaf = triangles.size() == 1;
+    nodes_[number] = {
+        {low, high}, static_cast<int>(triangles.size()), leaf ? triangles[0] : static_cast<int>(nodes_.size())};
+    if (leaf) continue;
+    Index axis;
+    (last - first).maxCoeff(&axis);
+    const std::size_t half = triangles.size() / 2;
+    std::nth_element(triangles.begin(), triangles.begin() + static_cast<long>(half), triangles.end(),
+                     [&](int a, int b) {
+                       const double at = centre[static_cast<std::size_t>(a)][axis],
+                                    other = centre[static_cast<std::size_t>(b)][axis];
+                       return at < other || (at == other && a < b);
+                     });
+    open.push_back({nodes_.size() + 1, triangles.subspan(half)});
+    open.push_back({nodes_.size(), triangles.first(half)});
+    nodes_.resize(nodes_.size() + 2);
+  }
+}
+
+bool mostly_slivers(const Mesh& mesh) {
+  std::size_t slivers = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 u = mesh.vertices[b] - mesh.vertices[a], v = mesh.vertices[c] - mesh.vertices[a];
+    const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
+    slivers += longest > 20 * u.cross(v).norm();
+  }
+  return 4 * slivers >= mesh.triangles.size();
+}
+
+}  // namespace zwang::collision
