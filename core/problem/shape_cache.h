@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 
 #include <zwang/core/problem/types.h>
 
@@ -51,7 +51,7 @@ class ShapeCache {
     return place.value;
   }
 
-  std::deque<Place> places_;
+  std::list<Place> places_;  // where they are, and nothing before the first
   std::uint64_t clock_ = 0, begun_ = 0;
   std::size_t kept_;
 };

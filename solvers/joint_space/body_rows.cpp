@@ -30,8 +30,8 @@ bool BodyRows::factorize(const Problem& p) {
     std::array<std::array<Pack, 6>, 6> L, X;
     std::array<Pack, 6> z, reciprocal;
     for (std::size_t i = 0; i < 6; ++i) {
-      z[i].setZero();
-      for (std::size_t j = 0; j <= i; ++j) L[i][j].setConstant(i == j);
+      z[i] = Pack(0);
+      for (std::size_t j = 0; j <= i; ++j) L[i][j] = Pack(i == j);
     }
     for (Index lane = 0; lane < count; ++lane)
       for (Index j = 0; j < 6; ++j) {
@@ -39,12 +39,12 @@ bool BodyRows::factorize(const Problem& p) {
         if (!ordinary_or_zero(p.z_u[column])) return false;
         auto own = M[static_cast<std::size_t>(base + lane)].col(j);
         own.setZero();
-        z[static_cast<std::size_t>(j)][lane] = p.z_u[column];
+        z[static_cast<std::size_t>(j)].data()[lane] = p.z_u[column];
         for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, column); it; ++it) {
           const Index i = it.row() - (column - j);
           if (i >= 0 && i < 6) own[i] = it.value();
           if (i >= j && i < 6)
-            L[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)][lane] = it.value();
+            L[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].data()[lane] = it.value();
           else if ((i < 0 || i >= 6) && it.value() != 0)
             return false;
         }
@@ -52,7 +52,8 @@ bool BodyRows::factorize(const Problem& p) {
     for (std::size_t j = 0; j < 6; ++j) {
       Pack d = L[j][j];
       for (std::size_t k = 0; k < j; ++k) d -= L[j][k] * L[j][k];
-      if (!(d > smallest && d < largest).all()) return false;
+      const Eigen::Map<const Eigen::Array<double, lanes, 1>> pivots(d.data());
+      if (!(pivots > smallest && pivots < largest).all()) return false;
       L[j][j] = lanes::root(d);
       reciprocal[j] = 1 / L[j][j];
       for (std::size_t i = j + 1; i < 6; ++i) {
@@ -76,10 +77,10 @@ bool BodyRows::factorize(const Problem& p) {
       auto own = free.col(base + lane);
       own.setZero();
       for (std::size_t j = 0; j < 6; ++j) {
-        own[static_cast<Index>(j)] = z[j][lane];
+        own[static_cast<Index>(j)] = z[j].data()[lane];
         for (std::size_t i = j; i < 6; ++i) {
           const auto above = static_cast<Index>(j), below = static_cast<Index>(i);
-          inverse(below, above) = transposed(above, below) = X[i][j][lane];
+          inverse(below, above) = transposed(above, below) = X[i][j].data()[lane];
         }
       }
     }

@@ -9,33 +9,44 @@ namespace {
 using lanes::at;
 using lanes::round_up;
 using lanes::width;
+using packets::all;
+using packets::load;
+using packets::Packet;
+using packets::store;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double least_of(const double* x, Index padded) {
-  lanes::Lanes least = at(x, 0);
-  for (Index k = width; k < padded; k += width) least = least.cwiseMin(at(x, k));
-  return least.minCoeff();
+// The first j < padded with x_j = value, where there is one.
+Index find(const double* x, Index padded, double value) {
+  Packet place = all(infinity), own;
+  for (Index l = 0; l < packets::width; ++l) own[l] = static_cast<double>(l);
+  for (Index j = 0; j < padded; j += packets::width, own += all(packets::width))
+    place = packets::smaller(place, load(x + j) == all(value) ? own : all(infinity));
+  return static_cast<Index>(packets::smallest(place));
 }
 
 }  // namespace
 
 void DenseDualActiveSet::reset(Index freedom, Index room) {
   freedom_ = freedom;
-  rows_ = padded_rows_ = scanned_ = carried_ = 0;
+  rows_ = padded_rows_ = scanned_ = loaded_ = 0;
   padded_ = std::max(width, round_up(freedom));
   const Index padded_room = std::max(width, round_up(room)), most = std::min(padded_, padded_room);
   if (v_.size() != padded_)
-    for (Vector* part : {&v_, &u_, &rest_}) part->resize(padded_);
+    for (Vector* part : {&v_, &u_, &rest_, &sigma_}) part->setZero(padded_);
   if (A_.rows() != padded_ || A_.cols() < padded_room) A_.resize(padded_, padded_room);
-  if (At_.rows() < padded_room || At_.cols() < padded_) At_.resize(padded_room, padded_);
-  if (AQ_.rows() < padded_room || AQ_.cols() < most) AQ_.resize(padded_room, most);
   if (b_.size() < padded_room)
-    for (Vector* part : {&b_, &magnitude_, &slack_, &along_, &out_, &key_}) part->resize(padded_room);
+    for (Vector* part : {&b_, &magnitude_, &slack_, &out_, &key_}) part->resize(padded_room);
   if (freedom == 0) A_.setZero();  // a caller that writes nothing
+  by_rows_.reset(freedom, room);
+  most_ = most;
   factor_.reset(padded_, most);
+  if (freedom <= exchanged && room >= freedom) basis_.reserve(freedom, padded_);
   state_.clear();
-  active_.clear();
-  retired_.clear();
+  state_.reserve(static_cast<std::size_t>(room));
+  for (std::vector<Index>* list : {&active_, &retired_}) {
+    list->clear();
+    list->reserve(static_cast<std::size_t>(list == &active_ ? most : room));
+  }
   v_.setZero();
   u_.setZero();
   smallest_accepted = 1;
@@ -55,97 +66,124 @@ void DenseDualActiveSet::set(Index j, State state) {
   out_[j] = state == State::resting ? 0 : infinity;
 }
 
-// Slacks of all rows; those admitted since the last time enter A by rows, with rows that always hold up to whole lanes.
-void DenseDualActiveSet::scan() {
-  if (scanned_ < rows_) {
-    for (Index k = 0; k < freedom_; ++k)
-      for (Index j = scanned_; j < rows_; ++j) At_(j, k) = A_(k, j);
-    padded_rows_ = round_up(rows_);
-    for (Index j = rows_; j < padded_rows_; ++j) {
-      b_[j] = -1;
-      magnitude_[j] = 1;
-      out_[j] = 0;
-      At_.row(j).head(freedom_).setZero();
-    }
-    scanned_ = rows_;
+// Rows admitted since the last time enter by_rows_, with rows that always hold up to whole lanes.
+void DenseDualActiveSet::bring_in() {
+  if (loaded_ == rows_) return;
+  by_rows_.take(A_, loaded_, rows_);
+  padded_rows_ = round_up(rows_);
+  for (Index j = rows_; j < padded_rows_; ++j) {
+    b_[j] = -1;
+    magnitude_[j] = 1;
+    out_[j] = 0;
   }
-  for (Index j = 0; j < padded_rows_; j += width) at(slack_.data(), j) = -at(b_.data(), j);
-  lanes::accumulate(At_, freedom_, v_.data(), slack_.data(), 0, padded_rows_);
+  loaded_ = rows_;
 }
 
-// A Q of the rows admitted since the last time, and of all after a warm start: not before a step needs it.
-void DenseDualActiveSet::carry() {
-  if (carried_ == rows_) return;
-  const Index begin = carried_ / width * width;
-  for (Index j = 0; j < size(); ++j) {
-    AQ_.col(j).segment(begin, padded_rows_ - begin).setZero();
-    lanes::accumulate(At_, freedom_, factor_.column(j), AQ_.col(j).data(), begin, padded_rows_);
-  }
-  carried_ = rows_;
+// How the active rows are kept, as long as there are none: with fewer rows than unknowns only few can become active,
+// and a step that costs n^2 is not worth it.
+void DenseDualActiveSet::choose_factor() {
+  if (size() > 0) return;
+  small_ = freedom_ <= exchanged && rows_ >= freedom_;
+  if (small_)
+    basis_.reset(freedom_, padded_);
+  else
+    factor_.reset(padded_, most_);
+}
+
+void DenseDualActiveSet::scan() {
+  bring_in();
+  scanned_ = rows_;
+  for (Index j = 0; j < padded_rows_; j += width) at(slack_.data(), j) = -at(b_.data(), j);
+  by_rows_.accumulate(1, v_.data(), slack_.data());
 }
 
 // Tried: one pass that keeps the worst row so far. Its branches go one way or the other from hand to hand, which costs
 // more than the products: 64 hands took 1 us each more than one hand solved over and over.
 Index DenseDualActiveSet::most_violated() {
   const double length = std::sqrt(fixed_length * fixed_length + lanes::dot(v_.data(), v_.data(), padded_));
-  const double *const slack = slack_.data(), *const size = magnitude_.data(), *const out = out_.data();
   double* const key = key_.data();
-  for (Index j = 0; j < padded_rows_; ++j) {
-    const double own = slack[j] + out[j];
-    key[j] = -slack[j] > violation_tolerance * (size[j] + length) ? own : 0.0;
+  Packet least = all(0);
+  for (Index j = 0; j < padded_rows_; j += packets::width) {
+    const Packet slack = load(slack_.data() + j), terms = load(magnitude_.data() + j);
+    const Packet own =
+        -slack > all(violation_tolerance) * (terms + all(length)) ? slack + load(out_.data() + j) : all(0);
+    store(key + j, own);
+    least = packets::smaller(least, own);
   }
-  if (padded_rows_ == 0) return -1;
-  const double least = least_of(key, padded_rows_);
-  return least < 0 ? std::find(key, key + padded_rows_, least) - key : -1;
+  const double worst = packets::smallest(least);
+  return worst < 0 ? find(key, padded_rows_, worst) : -1;
 }
 
 // Ties go to the steepest.
 Blocking<double> DenseDualActiveSet::blocking() {
   const Index used = round_up(size());
   if (used == 0) return {};
-  const double *const r = factor_.r().data(), *const u = u_.data();
+  const double *const r = this->r(), *const u = u_.data();
   double* const time = rest_.data();
-  lanes::Lanes largest = lanes::Lanes::Ones();
-  for (Index k = 0; k < used; k += width) largest = largest.cwiseMax(at(r, k).cwiseAbs());
-  const double noise = rank_tolerance * largest.maxCoeff();
-  for (Index j = 0; j < used; ++j) {
-    const double falling = r[j] > noise ? r[j] : 1.0, t = u[j] / falling;
-    time[j] = r[j] > noise ? t : infinity;
+  Packet longest = all(1);
+  for (Index k = 0; k < used; k += packets::width) longest = packets::larger(longest, packets::absolute(load(r + k)));
+  const Packet noise = all(rank_tolerance * packets::largest(longest));
+  Packet least = all(infinity);
+  for (Index k = 0; k < used; k += packets::width) {
+    const Packet own = load(r + k), t = own > noise ? load(u + k) / (own > noise ? own : all(1)) : all(infinity);
+    store(time + k, t);
+    least = packets::smaller(least, t);
   }
-  Blocking<double> block{.row = -1, .step = least_of(time, used)};
-  for (Index j = 0; block.step < infinity && j < size(); ++j)
-    if (time[j] == block.step && (block.row < 0 || r[j] > r[block.row])) block.row = j;
-  return block;
+  const double step = packets::smallest(least);
+  if (!(step < infinity)) return {.row = -1, .step = infinity};
+  Packet steepest = all(0);
+  for (Index k = 0; k < used; k += packets::width) {
+    const Packet own = load(time + k) == all(step) ? load(r + k) : all(0);
+    store(time + k, own);
+    steepest = packets::larger(steepest, own);
+  }
+  return {.row = find(time, used, packets::largest(steepest)), .step = step};
 }
 
 double DenseDualActiveSet::split(Index p) {
-  const double* const a = A_.col(p).data();
-  return p < carried_ ? factor_.split_known(a, AQ_.data() + p, AQ_.rows()) : factor_.split(a);
+  return small_ ? basis_.split(by_rows_, p) : factor_.split(A_.col(p).data());
 }
 
 void DenseDualActiveSet::enter(Index p, double multiplier, double length) {
   u_[size()] = multiplier;
-  factor_.append();
+  if (small_)
+    basis_.append();
+  else
+    factor_.append();
   active_.push_back(p);
   set(p, State::active);
   smallest_accepted = std::min(smallest_accepted, length);
 }
 
+// The last row takes the place of the one that leaves, but where the factor is a triangle.
 void DenseDualActiveSet::drop(Index j) {
   set(active_[static_cast<std::size_t>(j)], State::resting);
-  active_.erase(active_.begin() + j);
-  factor_.drop(j);
-  if (carried_ > 0) factor_.follow(AQ_, padded_rows_);
-  for (Index k = j; k < size(); ++k) u_[k] = u_[k + 1];
-  u_[size()] = 0;
+  const Index last = size() - 1;
+  if (small_) {
+    basis_.drop(j);
+    active_[static_cast<std::size_t>(j)] = active_.back();
+    u_[j] = u_[last];
+  } else {
+    factor_.drop(j);
+    std::copy(active_.begin() + j + 1, active_.end(), active_.begin() + j);
+    std::copy(u_.data() + j + 1, u_.data() + last + 1, u_.data() + j);
+  }
+  u_[last] = 0;
+  active_.pop_back();
+}
+
+void DenseDualActiveSet::solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu) {
+  if (small_)
+    basis_.solve(s, sigma, dv, dmu);
+  else
+    factor_.solve(s, sigma, dv, dmu);
 }
 
 // (v, u) afresh from the factor.
 void DenseDualActiveSet::refresh() {
-  for (Index j = 0; j < size(); ++j) u_[j] = b_[active_[static_cast<std::size_t>(j)]];
-  factor_.solve_transposed(u_);
-  factor_.combine(u_, v_);
-  factor_.solve(u_);
+  for (Index j = 0; j < size(); ++j) sigma_[j] = b_[active_[static_cast<std::size_t>(j)]];
+  rest_.setZero();
+  solve(rest_, sigma_, v_, u_);
 }
 
 bool DenseDualActiveSet::restore_dual_feasibility() {
@@ -163,9 +201,14 @@ bool DenseDualActiveSet::restore_dual_feasibility() {
 }
 
 void DenseDualActiveSet::start_from(std::span<const Index> rows) {
+  bring_in();
+  choose_factor();
   for (const Index j : rows) {
     if (size() == freedom_) break;
-    if (const double length = split(j); length > tolerances::warm_share) enter(j, 0, length);
+    const double length = split(j);
+    if (!(length > tolerances::warm_share)) continue;
+    if (small_) basis_.find_remainder();
+    enter(j, 0, length);
   }
   refresh();
   restore_dual_feasibility();
@@ -180,11 +223,7 @@ bool DenseDualActiveSet::accept(const Vector& v, const Vector& u) {
   return clean && most_violated() < 0;
 }
 
-Index DenseDualActiveSet::choose() {
-  const Index p = most_violated();
-  if (p >= 0) carry();
-  return p;
-}
+Index DenseDualActiveSet::choose() { return most_violated(); }
 
 bool DenseDualActiveSet::is_dependent(double length) {
   const bool dependent = !(length > rank_tolerance) || size() == freedom_;
@@ -194,8 +233,7 @@ bool DenseDualActiveSet::is_dependent(double length) {
 
 bool DenseDualActiveSet::is_satisfied(Index p, double violation) const {
   double terms = magnitude_[p];
-  for (Index j = 0; j < size(); ++j)
-    terms += std::abs(factor_.r()[j]) * magnitude_[active_[static_cast<std::size_t>(j)]];
+  for (Index j = 0; j < size(); ++j) terms += std::abs(r()[j]) * magnitude_[active_[static_cast<std::size_t>(j)]];
   return violation <= violation_tolerance * terms;
 }
 
@@ -205,17 +243,14 @@ void DenseDualActiveSet::retire(Index p) {
 }
 
 void DenseDualActiveSet::move(double step, bool dependent) {
-  lanes::add(-step, factor_.r().data(), u_.data(), round_up(size()));
+  lanes::add(-step, r(), u_.data(), round_up(size()));
   if (dependent) return;
-  lanes::add(step, factor_.remainder(), v_.data(), padded_);
-  for (Index j = 0; j < padded_rows_; j += width) at(along_.data(), j).setZero();
-  lanes::accumulate(At_, freedom_, factor_.remainder(), along_.data(), 0, padded_rows_);
-  lanes::add(step, along_.data(), slack_.data(), padded_rows_);
+  const double* const remainder = small_ ? basis_.find_remainder() : factor_.remainder();
+  lanes::add(step, remainder, v_.data(), padded_);
+  by_rows_.accumulate(step, remainder, slack_.data());
 }
 
 void DenseDualActiveSet::append(Index p, double multiplier, double length) {
-  const double reciprocal = 1 / length;
-  for (Index j = 0; j < padded_rows_; j += width) at(AQ_.col(size()).data(), j) = reciprocal * at(along_.data(), j);
   enter(p, multiplier, length);
   for (const Index j : retired_) set(j, State::resting);
   retired_.clear();
@@ -223,6 +258,7 @@ void DenseDualActiveSet::append(Index p, double multiplier, double length) {
 
 Status DenseDualActiveSet::climb(int& iterations, int most_iterations, const Deadline& deadline) {
   scan();
+  choose_factor();
   return dual_climb(*this, iterations, most_iterations, deadline, [] {});
 }
 

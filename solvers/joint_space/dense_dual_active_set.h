@@ -6,6 +6,7 @@
 
 #include <zwang/core/problem/solver.h>
 #include <zwang/solvers/common/dual_climb.h>
+#include <zwang/solvers/joint_space/exchange_basis.h>
 #include <zwang/solvers/joint_space/inverse_factor.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -15,11 +16,11 @@ namespace zwang {
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b   (rows of A at most 1 long)
 //
-// As goldfarb_idnani.h decides, by the same tolerances, in other storage: columns padded to eight lanes; an inverse for
-// a factor (inverse_factor.h); A also by rows, so that the scan over all slacks runs along lanes; A Q carried along,
-// which is what moves the slacks, and the first half of an entering row's split. This is for clear problems: the caller
-// turns to the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row contradicts
-// others.
+// As goldfarb_idnani.h decides, by the same tolerances, in other storage: an inverse of the active rows and of what
+// they leave free (exchange_basis.h; where v is long and n^2 a step too much, inverse_factor.h); A in eights of rows
+// without the columns that none of them meets (row_lanes.h), along which all slacks move. This is for clear problems:
+// the caller turns to the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row
+// contradicts others.
 //
 // Rows may be admitted at any time, and take part from the next climb on: a caller that finds rows violated by the
 // optimum of those it has admitted goes on from there, and is exact at the end (joint_space_active_set.cpp).
@@ -55,12 +56,16 @@ class DenseDualActiveSet {
   const std::vector<Index>& active() const { return active_; }
   bool is_active(Index j) const { return state_[static_cast<std::size_t>(j)] == State::active; }
   bool is_retired(Index j) const { return state_[static_cast<std::size_t>(j)] == State::retired; }
-  const Vector& v() const { return v_; }                   // padded
-  const Vector& u() const { return u_; }                   // first active().size()
-  const InverseFactor& factor() const { return factor_; }  // of the active rows, for the refinement
+  const Vector& v() const { return v_; }  // padded
+  const Vector& u() const { return u_; }  // first active().size()
+  // The dv and dmu with dv - A'dmu = s and A dv = sigma over the active rows; all of padded().
+  void solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu);
   // The length of row j outside the active ones; then how far its multiplier can grow until an active row leaves for it
   // (infinity: none does).
-  double share(Index j) { return factor_.split(A_.col(j).data()); }
+  double share(Index j) {
+    bring_in();
+    return split(j);
+  }
   double longest_step() {
     const Blocking<double> block = blocking();
     return block.row < 0 ? std::numeric_limits<double>::infinity() : block.step;
@@ -84,20 +89,28 @@ class DenseDualActiveSet {
  private:
   enum class State : char { resting, active, retired };
 
-  Index size() const { return factor_.size(); }
+  static constexpr Index exchanged = 128;  // the longest v of an ExchangeBasis
+
+  Index size() const { return static_cast<Index>(active_.size()); }
+  const double* r() const { return small_ ? basis_.r() : factor_.r().data(); }
   void set(Index j, State state);
+  void bring_in();
+  void choose_factor();
   void scan();
-  void carry();
   void enter(Index p, double multiplier, double length);
   void refresh();
   bool restore_dual_feasibility();
   Index most_violated();
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
-  lanes::Columns A_, At_, AQ_;
-  Index scanned_ = 0, carried_ = 0;  // rows that At_ and slack_ hold; rows of A Q
-  InverseFactor factor_;
-  Vector b_, magnitude_, v_, u_, slack_, along_, rest_;
+  bool small_ = false;
+  Index most_ = 0;  // rows that can be active
+  lanes::Columns A_;
+  RowLanes by_rows_;
+  Index loaded_ = 0, scanned_ = 0;  // rows that by_rows_ holds; rows that met a scan
+  ExchangeBasis basis_;             // of the active rows, where v is small
+  InverseFactor factor_;            // elsewhere
+  Vector b_, magnitude_, v_, u_, slack_, rest_, sigma_;
   Vector out_;  // of a row: 0 while it rests, else infinite; what is added to its slack when the worst is looked for
   Vector key_;
   std::vector<Index> active_, retired_;

@@ -16,20 +16,11 @@ void InverseFactor::reset(Index padded, Index most) {
   Q_.resize(padded, most);
   T_.resize(most, most);
   remainder_.resize(padded);
-  for (Vector* part : {&d_, &r_, &again_, &cosine_, &sine_, &x_}) part->setZero(most + width);
+  for (Vector* part : {&d_, &r_, &again_, &cosine_, &sine_}) part->setZero(most + width);
 }
 
 double InverseFactor::split(const double* a) {
   lanes::multiply_transposed(Q_, size_, a, d_.data(), padded_);
-  return split_off(a);
-}
-
-double InverseFactor::split_known(const double* a, const double* d, Index stride) {
-  for (Index j = 0; j < size_; ++j) d_[j] = d[j * stride];
-  return split_off(a);
-}
-
-double InverseFactor::split_off(const double* a) {
   double* const rest = remainder_.data();
   for (Index k = 0; k < padded_; k += width) at(rest, k) = at(a, k);
   lanes::subtract(Q_, size_, d_.data(), rest, 0, padded_);
@@ -60,7 +51,6 @@ void InverseFactor::append() {
 // after each is the length of that part of the row.
 void InverseFactor::drop(Index j) {
   const Index pairs = --size_ - j;
-  dropped_ = j;
   double gathered = T_(j, j), square = gathered * gathered;
   for (Index k = 0; k < pairs; ++k) {
     const double next = T_(j, j + 1 + k);
@@ -78,29 +68,16 @@ void InverseFactor::drop(Index j) {
   }
 }
 
-void InverseFactor::follow(lanes::Columns& AQ, Index rows) const {
-  lanes::rotate(AQ, dropped_, size_ - dropped_, cosine_.data(), sine_.data(), rows);
-}
-
-void InverseFactor::solve_transposed(Vector& x) const {
-  lanes::multiply_transposed(T_, size_, x.data(), x_.data(), round_up(size_));
-  x.head(size_) = x_.head(size_);
-}
-
-void InverseFactor::solve(Vector& x) const {
-  const Index used = round_up(size_);
-  for (Index k = 0; k < used; k += width) at(x_.data(), k).setZero();
-  lanes::accumulate(T_, size_, x.data(), x_.data(), 0, used);
-  x.head(size_) = x_.head(size_);
-}
-
-void InverseFactor::project(const Vector& w, Vector& x) const {
-  lanes::multiply_transposed(Q_, size_, w.data(), x.data(), padded_);
-}
-
-void InverseFactor::combine(const Vector& x, Vector& w) const {
-  w.setZero();
-  lanes::accumulate(Q_, size_, x.data(), w.data(), 0, padded_);
+// dv = Q (T'sigma - Q's) + s, dmu = T (T'sigma - Q's).
+void InverseFactor::solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu) {
+  lanes::multiply_transposed(T_, size_, sigma.data(), d_.data(), round_up(size_));
+  lanes::multiply_transposed(Q_, size_, s.data(), again_.data(), padded_);
+  d_.head(size_) -= again_.head(size_);
+  dv.setZero();
+  lanes::accumulate(Q_, size_, d_.data(), dv.data(), 0, padded_);
+  dv += s;
+  dmu.setZero();
+  lanes::accumulate(T_, size_, d_.data(), dmu.data(), 0, round_up(size_));
 }
 
 }  // namespace zwang

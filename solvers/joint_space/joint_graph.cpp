@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -19,22 +20,52 @@ bool JointGraph::is_known(const BodyRows& rows) const {
   return true;
 }
 
+// So that nothing grows step by step in a first solve.
+void JointGraph::reserve(std::size_t bodies, std::size_t rows) {
+  for (std::vector<Index>* list : {&sorted_, &tree_rows_, &cut_, &known_rows_}) list->reserve(rows);
+  known_.reserve(rows);
+  edges_.reserve(rows);
+  joints_.reserve(bodies);
+  order_.reserve(bodies);
+  group_end_.reserve(bodies);
+}
+
+// Of known_rows_. Rows of a joint mostly follow each other: runs of them are put in order, not rows.
 void JointGraph::find_edges(const BodyRows& rows) {
-  const auto pair = [&](Index i) { return rows.body[static_cast<std::size_t>(i)]; };
-  std::ranges::sort(sorted_, [&](Index i, Index j) { return std::pair(pair(i), i) < std::pair(pair(j), j); });
   const int world = static_cast<int>(rows.bodies());
   edges_.clear();
-  edges_of_.resize(static_cast<std::size_t>(world) + 1);
-  for (std::vector<int>& edges : edges_of_) edges.clear();
-  for (std::size_t k = 0; k < sorted_.size(); ++k) {
-    const auto [a, second] = pair(sorted_[k]);
+  for (std::size_t k = 0; k < known_rows_.size(); ++k) {
+    const auto [a, second] = known_[k];
     const int b = second < 0 ? world : second;
-    if (edges_.empty() || edges_.back().a != a || edges_.back().b != b) {
-      for (const int end : {a, b}) edges_of_[static_cast<std::size_t>(end)].push_back(static_cast<int>(edges_.size()));
+    if (edges_.empty() || edges_.back().a != a || edges_.back().b != b)
       edges_.push_back({.a = a, .b = b, .first = static_cast<Index>(k), .count = 0});
-    }
     ++edges_.back().count;
   }
+  // The world, whose number is the largest, comes first.
+  const auto key = [&](const Edge& e) { return std::tuple(e.a, e.b == world ? -1 : e.b, e.first); };
+  std::ranges::sort(edges_, {}, key);
+  sorted_.clear();
+  edge_begin_.assign(static_cast<std::size_t>(world) + 2, 0);
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge run = edges_[e];
+    if (count == 0 || edges_[count - 1].a != run.a || edges_[count - 1].b != run.b) {
+      for (const int end : {run.a, run.b}) ++edge_begin_[static_cast<std::size_t>(end) + 1];
+      edges_[count++] = {.a = run.a, .b = run.b, .first = static_cast<Index>(sorted_.size()), .count = 0};
+    }
+    edges_[count - 1].count += run.count;
+    const auto begin = known_rows_.begin() + run.first;
+    sorted_.insert(sorted_.end(), begin, begin + run.count);
+  }
+  edges_.resize(count);
+  std::partial_sum(edge_begin_.begin(), edge_begin_.end(), edge_begin_.begin());
+  edges_of_.resize(2 * edges_.size());
+  // Each beginning serves as the place of its next entry, and is put back.
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    for (const int end : {edges_[e].a, edges_[e].b})
+      edges_of_[static_cast<std::size_t>(edge_begin_[static_cast<std::size_t>(end)]++)] = static_cast<int>(e);
+  std::shift_right(edge_begin_.begin(), edge_begin_.end(), 1);
+  edge_begin_.front() = 0;
 }
 
 void JointGraph::span(int world) {
@@ -45,7 +76,7 @@ void JointGraph::span(int world) {
   used_.assign(edges_.size(), 0);
   const auto spread = [&](int from, int position) {
     const auto first = static_cast<int>(joints_.size());
-    for (const int e : edges_of_[static_cast<std::size_t>(from)]) {
+    for (const int e : edges_of(from)) {
       const Edge& edge = edges_[static_cast<std::size_t>(e)];
       const int to = edge.a == from ? edge.b : edge.a;
       if (used_[static_cast<std::size_t>(e)] || reached_[static_cast<std::size_t>(to)]) continue;
@@ -66,7 +97,7 @@ void JointGraph::span(int world) {
   };
   spread(world, -1);
   exhaust();
-  const auto joints_of = [&](int b) { return edges_of_[static_cast<std::size_t>(b)].size(); };
+  const auto joints_of = [&](int b) { return edges_of(b).size(); };
   while (static_cast<int>(joints_.size()) < world) {
     int root = -1;
     for (int b = 0; b < world; ++b)
@@ -130,12 +161,14 @@ Index JointGraph::kind(const Problem& p) {
 void JointGraph::build(const BodyRows& rows) {
   if (is_known(rows)) return;
   known_bodies_ = rows.bodies();
-  sorted_.clear();
-  for (Index i = 0; i < rows.rows(); ++i)
-    if (rows.equality[static_cast<std::size_t>(i)]) sorted_.push_back(i);
-  known_rows_.assign(sorted_.begin(), sorted_.end());
+  reserve(static_cast<std::size_t>(rows.bodies()), static_cast<std::size_t>(std::ranges::count(rows.equality, 1)));
+  known_rows_.clear();
   known_.clear();
-  for (const Index i : sorted_) known_.push_back(rows.body[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (!rows.equality[static_cast<std::size_t>(i)]) continue;
+    known_rows_.push_back(i);
+    known_.push_back(rows.body[static_cast<std::size_t>(i)]);
+  }
   find_edges(rows);
   span(static_cast<int>(rows.bodies()));
   group_joints();

@@ -47,14 +47,20 @@ class JointGraph {
   };
 
   bool is_known(const BodyRows& rows) const;
+  void reserve(std::size_t bodies, std::size_t rows);
   void find_edges(const BodyRows& rows);
+  std::span<const int> edges_of(int body) const {
+    const auto b = static_cast<std::size_t>(body);
+    return std::span(edges_of_).subspan(static_cast<std::size_t>(edge_begin_[b]),
+                                        static_cast<std::size_t>(edge_begin_[b + 1] - edge_begin_[b]));
+  }
   void span(int world);
   void group_joints();
 
   std::vector<Joint> joints_;
   std::vector<Index> tree_rows_, cut_, sorted_;
   std::vector<Edge> edges_;
-  std::vector<std::vector<int>> edges_of_;  // a body; the last entry is the world's
+  std::vector<int> edges_of_, edge_begin_;  // of one body after the other, the world last; where each begins
   std::vector<char> reached_, used_;        // of a body or the world; of an edge
   std::vector<int> order_;                  // positions in joints_
   std::vector<int> height_;                 // of a joint above the tips

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace zwang {
 namespace {
@@ -46,8 +47,23 @@ bool JointSpaceActiveSet::take_violated() {
     violated_.resize(most);
   }
   if (violated_.size() >= pay_for_N) form_.form_basis();
-  for (const auto& [slack, j] : violated_) take(j);
+  order_by_body();
+  for (const Index j : ordered_) take(j);
   return !violated_.empty();
+}
+
+// violated_ as ordered_: neighbours meet the same unknowns, which row_lanes.h makes use of.
+void JointSpaceActiveSet::order_by_body() {
+  const BodyRows& rows = form_.rows();
+  const auto last_body = [&](Index j) {
+    const auto [first, second] = rows.body[static_cast<std::size_t>(form_.inequalities()[static_cast<std::size_t>(j)])];
+    return static_cast<std::size_t>(std::max(first, second));
+  };
+  place_of_body_.assign(static_cast<std::size_t>(rows.bodies()) + 1, 0);
+  for (const auto& [slack, j] : violated_) ++place_of_body_[last_body(j) + 1];
+  std::partial_sum(place_of_body_.begin(), place_of_body_.end(), place_of_body_.begin());
+  ordered_.resize(violated_.size());
+  for (const auto& [slack, j] : violated_) ordered_[place_of_body_[last_body(j)]++] = j;
 }
 
 bool JointSpaceActiveSet::prepare(const Problem& p) {
@@ -58,10 +74,12 @@ bool JointSpaceActiveSet::prepare(const Problem& p) {
   climb_.fixed_length = form_.y_E().norm();
   place_.assign(form_.inequalities().size(), -1);
   taken_.clear();
+  for (std::vector<Index>* list : {&taken_, &ordered_, &start_, &listed_}) list->reserve(place_.size());
+  violated_.reserve(place_.size());
   const Index bodies = form_.rows().bodies(), padded = climb_.padded();
   for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
   for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
-  for (Vector* part : {&mu_, &sigma_I_, &dv_, &s_v_, &v_}) part->setZero(padded);
+  for (Vector* part : {&mu_, &sigma_I_, &dv_, &dmu_, &s_v_, &v_}) part->setZero(padded);
   return true;
 }
 
@@ -230,24 +248,18 @@ double JointSpaceActiveSet::correct() {
   rest_ = rho_ - step_;
   form_.reduce(rest_, s_v_);
   for (Index j = 0; j < q; ++j) sigma_I_[j] -= rows.dot(active_row(j), step_);
-  const InverseFactor& factor = climb_.factor();
-  factor.solve_transposed(sigma_I_);
-  factor.project(s_v_, dv_);
-  for (Index j = 0; j < q; ++j) sigma_I_[j] -= dv_[j];
-  factor.combine(sigma_I_, dv_);
-  dv_ += s_v_;
-  factor.solve(sigma_I_);  // now dmu
+  climb_.solve(s_v_, sigma_I_, dv_, dmu_);
 
   // Multipliers of the equality rows from what the rest leaves of dy - rho.
   form_.expand(dv_, rest_);
   step_ += rest_;
   rest_ = step_ - rho_;
-  for (Index j = 0; j < q; ++j) rows.add(active_row(j), -sigma_I_[j], rest_);
+  for (Index j = 0; j < q; ++j) rows.add(active_row(j), -dmu_[j], rest_);
   form_.multipliers(rest_, mu_E_);
 
   y_ += step_;
-  mu_.head(q) += sigma_I_.head(q);
-  push(mu_E_, sigma_I_);
+  mu_.head(q) += dmu_.head(q);
+  push(mu_E_, dmu_);
   point_.move(rows, step_);
   return std::max(step_.norm(), rho_.norm());
 }

@@ -43,6 +43,7 @@ class JointSpaceActiveSet {
   }
   void take(Index j);
   bool take_violated();
+  void order_by_body();
   bool settle(const SolveOptions& options, const Deadline& deadline, int& iterations);
   void locate();
   void begin_from_climb();
@@ -66,10 +67,12 @@ class JointSpaceActiveSet {
   std::vector<Index> place_;                        // of an inequality row in the climb, or -1
   std::vector<Index> taken_;                        // rows of form_, in the climb's order
   std::vector<std::pair<double, Index>> violated_;  // slack, inequality row
+  std::vector<Index> ordered_;                      // inequality rows
+  std::vector<std::size_t> place_of_body_;          // in ordered_
   std::vector<Index> column_, start_, listed_;      // of a row of form_ among its inequalities; warm rows; active rows
   BodyPoint point_;
   Motion y_, own_y_, step_, rest_, rho_;
-  Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, s_v_;
+  Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, dmu_, s_v_;
   std::string_view reason_;
 };
 

@@ -18,7 +18,7 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
   for (const int j : group) most = std::max(most, joint(j).children);
   if (most == 0) return false;
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < 6; ++j) R[i][j].setConstant(i == j);
+    for (std::size_t j = 0; j < 6; ++j) R[i][j] = Pack(i == j);
   for (int c = 0; c < most;) {
     // As many children as there is room for.
     std::size_t count = 0;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include <zwang/solvers/linalg/multiply_add.h>
+#include <zwang/solvers/linalg/packets.h>
 
 // Products of small dense matrices whose columns are padded to whole vectors of eight doubles. The sums of four such
 // vectors (a hand's 26 unknowns) stay in registers, and none depends on another.
@@ -11,7 +12,6 @@ namespace zwang::lanes {
 
 constexpr Index width = 8;
 using Lanes = Vec<double, width>;
-using Pack = Eigen::Array<double, width, 1>;  // the same number of eight bodies or joints, one a lane
 constexpr Index four = 4 * width;
 using Columns = Matrix;
 
@@ -19,13 +19,60 @@ inline Index round_up(Index size) { return (size + width - 1) / width * width; }
 inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
 inline auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
 
+// The same number of eight bodies or joints, one a lane. Eigen's array of eight would pass through memory between any
+// two operations where a vector of the processor is shorter.
+struct Pack {
+  static constexpr int parts = static_cast<int>(width / packets::width);
+  packets::Packet part[parts];
+
+  Pack() = default;
+  explicit Pack(double x) {
+    for (auto& own : part) own = packets::all(x);
+  }
+  const double* data() const { return reinterpret_cast<const double*>(part); }
+  double* data() { return reinterpret_cast<double*>(part); }
+
+  template <class Operation, class... Others>
+  static Pack each(Operation&& operation, const Others&... x) {
+    Pack out;
+    for (int v = 0; v < parts; ++v) out.part[v] = operation(x.part[v]...);
+    return out;
+  }
+  friend Pack operator+(const Pack& a, const Pack& b) {
+    return each([](auto x, auto y) { return Eigen::internal::padd(x, y); }, a, b);
+  }
+  friend Pack operator-(const Pack& a, const Pack& b) {
+    return each([](auto x, auto y) { return Eigen::internal::psub(x, y); }, a, b);
+  }
+  friend Pack operator*(const Pack& a, const Pack& b) {
+    return each([](auto x, auto y) { return Eigen::internal::pmul(x, y); }, a, b);
+  }
+  friend Pack operator/(const Pack& a, const Pack& b) {
+    return each([](auto x, auto y) { return Eigen::internal::pdiv(x, y); }, a, b);
+  }
+  Pack operator-() const {
+    return each([](auto x) { return Eigen::internal::pnegate(x); }, *this);
+  }
+  friend Pack operator/(double a, const Pack& b) { return Pack(a) / b; }
+  Pack& operator+=(const Pack& b) { return *this = *this + b; }
+  Pack& operator-=(const Pack& b) { return *this = *this - b; }
+  Pack& operator*=(const Pack& b) { return *this = *this * b; }
+  friend Pack multiply_add(const Pack& a, const Pack& b, const Pack& c) {
+    return each([](auto x, auto y, auto z) { return Eigen::internal::pmadd(x, y, z); }, a, b, c);
+  }
+  friend Pack abs(const Pack& a) {
+    return each([](auto x) { return Eigen::internal::pabs(x); }, a);
+  }
+};
+
 // The processor's own roots, where they set no errno: Eigen's of eight doubles are approximations, a digit short.
-template <class Eight>
-Eight root(const Eight& x) {
+inline Pack root(const Pack& x) {
   double entries[width];
   std::memcpy(entries, x.data(), sizeof entries);
   for (double& own : entries) own = std::sqrt(own);
-  return Eigen::Map<const Eight>(entries);
+  Pack out;
+  std::memcpy(out.data(), entries, sizeof entries);
+  return out;
 }
 
 // part<vectors>(k) for four vectors of rows at a time from `begin` to `end`, and for the one, two or three that are

@@ -68,9 +68,8 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   }
   storage_.require(pairs * sizeof(int) / sizeof(double), options);
   Lists near(at(groups));
-  std::vector<int> met;
+  std::vector<int> met, before;
   const auto tie = [&] {
-    sort_unique(met);
     for (const int a : met)
       for (const int b : met)
         if (a != b) near[at(a)].push_back(b);
@@ -78,12 +77,16 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   for (int i = 0; i < rows.rows(); ++i) {
     met.clear();
     for (int p = rows.begin[at(i)]; p < rows.begin[at(i) + 1]; ++p) met.push_back(group_of_[at(rows.column[at(p)])]);
+    sort_unique(met);
+    if (met == before) continue;  // the corners of a contact tie the same bodies
     tie();
+    std::swap(met, before);
   }
   for (Index j = 0; j < M.cols(); ++j)
     for (SparseMatrix::InnerIterator it(M, j); it; ++it) {
       if (it.row() == j) continue;
       met = {group_of_[at(j)], group_of_[at(it.row())]};
+      sort_unique(met);
       tie();
     }
   for (auto& list : near) sort_unique(list);
