@@ -73,6 +73,7 @@ std::vector<SceneEntry> frictionless_and_rough() {
       scene("pile", pile, "spheres heaped into a square pyramid on the ground, rolling apart",
             integer("spheres", 30, 1, 20000, "number of spheres"),
             real("gap", 0x1p-8, 0, 0.125, "largest gap or penetration, as a part of the diameter"),
+            real("mass_ratio", 1, 1, 0x1p20, "of the heaviest sphere to the lightest"),
             seed("of the random draws")),
       scene("arch", arch, "wedge-shaped stones in half a circle, four contacts a joint, no friction",
             integer("stones", 9, 3, 500, "number of stones")),

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include <zwang/bench/scenes/friction/friction.h>
@@ -27,10 +28,11 @@ Instance fall(Scene& scene, double mu = 0) {
 }  // namespace
 
 // Unit spheres as grocers stack oranges: square layers, each in the hollows of the one below. Neighbours at most `gap`
-// apart or inside each other. Always feasible: everything may move away from the middle of the ground.
+// apart or inside each other, of any mass within `mass_ratio`. Always feasible: everything may move away from the
+// middle of the ground.
 Instance pile(const Knobs& knobs) {
   const int spheres = static_cast<int>(knobs.at("spheres"));
-  const double gap = knobs.at("gap");
+  const double gap = knobs.at("gap"), mass_ratio = knobs.at("mass_ratio");
   Draw draw(knobs.at("seed"));
   int side = 1;
   for (int room = 1; room < spheres; room += side * side) ++side;
@@ -47,7 +49,8 @@ Instance pile(const Knobs& knobs) {
       const int x = layer + 2 * (k % (side - layer)), y = layer + 2 * (k / (side - layer));
       Body ball;
       ball.pose.position = Vec3(0.5 * x, 0.5 * y, 0.5 + rise * layer) + draw.cube(gap / 4);
-      ball.inertia *= 0.1;  // 2/5 m r^2
+      if (mass_ratio > 1) ball.mass = std::pow(mass_ratio, draw.uniform(0, 1));
+      ball.inertia *= 0.1 * ball.mass;  // 2/5 m r^2
       ball.velocity = random_velocity(0.125, 1, draw);
       places.push_back({scene.add(ball), layer, x, y});
     }
