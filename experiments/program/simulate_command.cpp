@@ -17,6 +17,7 @@
 #include <zwang/experiments/god_hand/run/run.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/program/commands.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -140,7 +141,8 @@ std::string head_line(const god::Record& record, const god::Setup& setup) {
   const std::string gods = setup.tool ? setup.tool->name : record.hands == 1 ? "hand" : "hands";
   std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) + " " + gods + ", " +
                      std::to_string(size.fixed) + " fixed and " + std::to_string(size.loose) + " loose objects, " +
-                     grouped(size.triangles) + " triangles; " + a.options.solver + " at " +
+                     grouped(size.triangles) + " triangles; " + a.options.solver +
+                     (a.options.mu > 0 ? " at " : ", no friction, at ") +
                      grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) + " Hz";
   if (record.placement.depth > 0) {
     char placed[120];
@@ -178,7 +180,8 @@ int simulate_command(std::vector<std::string> words) {
   } else {
     record = {.command = command, .started = now_iso8601(), .finished = {}, .asked = typed.asked};
     record.asked.options.dt = 1 / typed.rate;
-    if (options.get_option("--mu")->count() == 0) record.asked.options.mu = god::friction_for(typed.asked.motion);
+    const SolverEntry* solver = find_solver(typed.asked.options.solver);
+    if (options.get_option("--mu")->count() == 0 && solver && solver->laws.empty()) record.asked.options.mu = 0;
     if (typed.seconds > 0) {
       const long most = std::max(1l, std::lround(typed.seconds * typed.rate));
       record.asked.frames = record.asked.frames > 0 ? std::min(record.asked.frames, most) : most;

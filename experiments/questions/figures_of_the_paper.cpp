@@ -45,8 +45,8 @@ struct Played {
 Played grasp_in(const char* scene, const Asking& asking) {
   Played p;
   p.surroundings = god::make_surroundings(scene, asking.parts);
-  p.frames = play(p.surroundings, motion_for("grasp", p.surroundings, asking), {.solver = asking.solver, .verify = 0},
-                  asking, scene);
+  p.frames = play(p.surroundings, motion_for("grasp", p.surroundings, asking),
+                  {.solver = asking.solver, .mu = 0, .verify = 0}, asking, scene);
   return p;
 }
 

@@ -74,7 +74,8 @@ Findings side_by_side(const std::string& first_column, const std::vector<Variant
 Findings growth_with_contacts(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::HandMotion motion = motion_for("grasp", scene, asking);
-  const god::Options options{.solver = asking.solver, .reduce_contacts = false, .lazy_contacts = false, .verify = 0};
+  const god::Options options{
+      .solver = asking.solver, .mu = 0, .reduce_contacts = false, .lazy_contacts = false, .verify = 0};
   constexpr std::size_t sampled = 5;
   struct Bin {
     std::vector<double> contacts, assembly;  // s, of all frames
@@ -143,10 +144,10 @@ Findings two_hands(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   const god::HandMotion motion = motion_for("two_hands", scene, asking);
   Findings found = side_by_side("two hands",
-                                {{"two clusters", {.solver = asking.solver, .verify = 0}},
-                                 {"one system", {.solver = asking.solver, .clusters = false, .verify = 0}},
-                                 {"nnls, two clusters", {.solver = "nnls", .verify = 0}},
-                                 {"nnls, one system", {.solver = "nnls", .clusters = false, .verify = 0}}},
+                                {{"two clusters", {.solver = asking.solver, .mu = 0, .verify = 0}},
+                                 {"one system", {.solver = asking.solver, .mu = 0, .clusters = false, .verify = 0}},
+                                 {"nnls, two clusters", {.solver = "nnls", .mu = 0, .verify = 0}},
+                                 {"nnls, one system", {.solver = "nnls", .mu = 0, .clusters = false, .verify = 0}}},
                                 scene, motion, asking);
   found.remarks.push_back(
       "The paper: clusters make computing the accelerations faster by a factor of about 1.7; that is assembly and "
@@ -158,23 +159,24 @@ Findings thinning(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
   return side_by_side(
       "contacts",
-      {{"few, completed after each solve", {.solver = asking.solver, .verify = 0}},
-       {"all that they may be completed by", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}},
-       {"a row for each triangle touched", {.solver = asking.solver, .reduce_contacts = false, .verify = 0}}},
+      {{"few, completed after each solve", {.solver = asking.solver, .mu = 0, .verify = 0}},
+       {"all that they may be completed by", {.solver = asking.solver, .mu = 0, .lazy_contacts = false, .verify = 0}},
+       {"a row for each triangle touched", {.solver = asking.solver, .mu = 0, .reduce_contacts = false, .verify = 0}}},
       scene, motion_for("grasp", scene, asking), asking);
 }
 
 Findings no_more_than_needed(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("simple", asking.parts);
-  return side_by_side("model",
-                      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .verify = 0}},
-                       {"the same with all contacts", {.solver = asking.solver, .lazy_contacts = false, .verify = 0}},
-                       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .maximal = true, .verify = 0}},
-                       {"96 unknowns, 70 joint rows, all contacts",
-                        {.solver = asking.solver, .lazy_contacts = false, .maximal = true, .verify = 0}},
-                       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .verify = 0}},
-                       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .verify = 0}}},
-                      scene, motion_for("grasp", scene, asking), asking);
+  return side_by_side(
+      "model",
+      {{"26 freedoms, contacts thinned and completed", {.solver = asking.solver, .mu = 0, .verify = 0}},
+       {"the same with all contacts", {.solver = asking.solver, .mu = 0, .lazy_contacts = false, .verify = 0}},
+       {"96 unknowns and 70 joint rows", {.solver = asking.solver, .mu = 0, .maximal = true, .verify = 0}},
+       {"96 unknowns, 70 joint rows, all contacts",
+        {.solver = asking.solver, .mu = 0, .lazy_contacts = false, .maximal = true, .verify = 0}},
+       {"nnls on 26 freedoms", {.solver = "nnls:reduce=on", .mu = 0, .verify = 0}},
+       {"nnls on 96 unknowns and 70 joint rows", {.solver = "nnls", .mu = 0, .verify = 0}}},
+      scene, motion_for("grasp", scene, asking), asking);
 }
 
 }  // namespace zwang::questions

@@ -12,7 +12,7 @@ namespace zwang::questions {
 Findings artificial_friction(const Asking& asking) {
   const god::Surroundings scene = god::make_surroundings("wall", asking.parts);
   const auto frames =
-      play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .verify = 0}, asking, "slide");
+      play(scene, motion_for("slide", scene, asking), {.solver = asking.solver, .mu = 0, .verify = 0}, asking, "slide");
   double lost = 0, way = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (!frames[k].touches()) continue;
@@ -55,7 +55,8 @@ Findings rate_of_a_push(const Asking& asking) {
   Chart chart{"rates", "One push of a box at three rates", "time (s)", "way of the box (m)"};
   for (const double rate : {250., 500., 1000.}) {
     const std::string name = number(rate) + " Hz";
-    const auto frames = play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .verify = 0}, asking, name);
+    const auto frames =
+        play(scene, motion, {.dt = 1 / rate, .solver = asking.solver, .mu = 0, .verify = 0}, asking, name);
     const god::Totals all(frames);
     const double fastest = all.most("speed");
     const Vec3 start = frames.front().loose[0].position;
@@ -82,7 +83,8 @@ Findings recordings(const Asking& asking) {
       const god::Surroundings scene = god::make_surroundings(name, asking.parts);
       god::HandMotion motion = god::read_motion(file);
       god::place(motion, scene);
-      const auto frames = play(scene, motion, {.solver = asking.solver, .verify = 0}, asking, file.stem().string());
+      const auto frames =
+          play(scene, motion, {.solver = asking.solver, .mu = 0, .verify = 0}, asking, file.stem().string());
       const god::Totals all(frames);
       const Rates r = rates(frames);
       found.rows.push_back({file.stem().string() + ", " + name, number(static_cast<double>(all.frames())),

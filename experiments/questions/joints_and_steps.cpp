@@ -39,7 +39,7 @@ std::vector<Method> from_paper_to_ours(const std::string& solver) {
   add("and steps bounded");
   o.sub_steps = O{}.sub_steps;
   add("and three sub-steps");
-  o = O{.solver = solver, .verify = 0};
+  o = O{.solver = solver, .mu = 0, .verify = 0};
   o.damped = o.straight = false;
   add("and the commit cycle, limits ahead, 26 unknowns");
   o.damped = o.straight = true;
@@ -54,11 +54,11 @@ Findings separation(const Asking& asking) {
   const god::HandMotion motion = motion_for("grasp", scene, asking);
   using Commit = god::Options::Commit;
   std::vector<Method> variants = from_paper_to_ours(asking.solver);
-  variants.push_back({"zwang's own with the paper's solver", {.solver = "nnls_paper", .verify = 0}});
+  variants.push_back({"zwang's own with the paper's solver", {.solver = "nnls_paper", .mu = 0, .verify = 0}});
   variants.push_back(
-      {"zwang's own with the linear step", {.solver = asking.solver, .commit = Commit::printed, .verify = 0}});
+      {"zwang's own with the linear step", {.solver = asking.solver, .mu = 0, .commit = Commit::printed, .verify = 0}});
   variants.push_back({"zwang's own with the paper's solver and linear step",
-                      {.solver = "nnls_paper", .commit = Commit::printed, .verify = 0}});
+                      {.solver = "nnls_paper", .mu = 0, .commit = Commit::printed, .verify = 0}});
   Findings found{.columns = {"method", "widest gap of a joint", "limits left by", "smallest gap", "from its target",
                              "frames held, stuck", "contacts, most", "frame, median, slowest"}};
   Chart chart{"separation", "Joints of the hand: how far the phalanxes come apart", "time (s)",
@@ -150,7 +150,7 @@ Findings swap_solvers(const god::Options& method, const std::string& chart_name,
 
 }  // namespace
 
-Findings solver_swap(const Asking& asking) { return swap_solvers({}, "solvers", asking); }
+Findings solver_swap(const Asking& asking) { return swap_solvers({.mu = 0}, "solvers", asking); }
 Findings solvers_of_the_paper(const Asking& asking) {
   return swap_solvers(god::paper_method(), "solvers-paper", asking);
 }

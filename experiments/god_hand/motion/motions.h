@@ -19,7 +19,6 @@ HandMotion synthetic_motion(const std::string& name, const Surroundings& about);
 std::vector<std::pair<std::string, std::string>> synthetic_motions();  // name, one line
 // Whether a word is a motion's file: it has a dot or a slash, or there is such a file and no such name.
 bool names_file(const std::string& motion);
-double friction_for(const std::string& motion);                        // mu that it needs; of most, 0
 
 // Moves a recording to where it works: turned and shifted so that it goes on about the focus, and lowered until the
 // hand would be inside an object that stays where it is in `share` of its frames and at some time `depth` [m] deep.

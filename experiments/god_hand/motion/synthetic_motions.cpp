@@ -210,16 +210,14 @@ struct Entry {
   const char* name;
   const char* line;
   std::vector<Track> (*make)(const Site&);
-  double mu = 0;  // that it needs
 };
 constexpr Entry entries[] = {
     {"press", "the flat hand pressed 30 mm into the surface", press},
     {"slide", "pressed 15 mm deep and moved 140 mm forth and back along the surface", slide},
     {"grasp", "the fingers closed about the object at the focus, then the hand up by 100 mm, down again and open",
      grasp},
-    {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift,
-     0.8},
-    {"hold", "the same grip, kept for a minute", hold, 0.8},
+    {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift},
+    {"hold", "the same grip, kept for a minute", hold},
     {"poke", "the index finger put 40 mm through the surface", poke},
     {"fist", "a fist clenched 25 mm inside the object", fist},
     {"swipe", "through the object and back at 5 m/s", swipe},
@@ -242,12 +240,6 @@ bool names_file(const std::string& motion) {
   if (motion.find_first_of("./") != std::string::npos) return true;
   return std::filesystem::is_regular_file(motion) &&
          std::ranges::find(entries, motion, &Entry::name) == std::end(entries);
-}
-
-double friction_for(const std::string& motion) {
-  for (const Entry& e : entries)
-    if (e.name == motion) return e.mu;
-  return 0;
 }
 
 HandMotion synthetic_motion(const std::string& name, const Surroundings& about) {

@@ -102,7 +102,7 @@ class SimulatedHand : public MovingHand {
   std::span<const Pose<double>> obstacle_poses() const override { return obstacle_poses_; }
 
  private:
-  static Options options() { return {.verify = 0}; }
+  static Options options() { return {.mu = 0, .verify = 0}; }
 
   void place_obstacles() {
     obstacle_poses_.clear();

@@ -30,6 +30,8 @@ Setup set_up(Record& record) {
   Asked& asked = record.asked;
   asked.options = chosen(asked.options);
   make_solver(asked.options.solver);  // its complaint comes before the work on a large scene
+  if (asked.options.mu > 0 && find_solver(asked.options.solver)->laws.empty())
+    throw std::invalid_argument(asked.options.solver + " does not read friction: --mu 0, or another solver");
   Setup setup;
   if (asked.god != "hand") setup.tool = make_tool(asked.god);
   record.recorded = names_file(asked.motion);

@@ -11,7 +11,7 @@ struct Options {
   double dt = 1e-3;                                                 // s, a simulated step
   std::string solver = {};                                          // with settings: "nnls:reduce=on"; "": chosen by mu
   double tolerance = 1e-10;                                         // that it is asked for, and checked to
-  double mu = 0;                                                    // of god objects on objects; 0: no friction
+  double mu = 0.8;                                                  // of god objects on objects; 0: no friction
   enum class Friction { coulomb, convex } law = Friction::coulomb;  // how friction is read (core/problem/types.h)
   enum class Limits { predictive, violated } limits = Limits::predictive;  // violated: the paper's rows
   enum class Commit { cycle, printed } commit = Commit::cycle;  // printed: the linear step alone; joints open
@@ -47,6 +47,7 @@ inline Options chosen(Options o) {
 inline Options paper_method() {
   Options o;
   o.solver = "nnls_paper";
+  o.mu = 0;
   o.limits = Options::Limits::violated;
   o.commit = Options::Commit::printed;
   o.toc_twice = o.toc_of_all = o.maximal = true;
@@ -76,11 +77,10 @@ template <class SomeOptions, class Visit>
 void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"dt", nullptr, "", 1e-5, 1}, o.dt);
   visit(OptionText{"solver", "solver",
-                   "NAME:key=value,...; default: dual_active_set, with friction cone (./zwang solvers)"},
+                   "NAME:key=value,...; default: cone, without friction dual_active_set (./zwang solvers)"},
         o.solver);
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", 1e-16, 1}, o.tolerance);
-  visit(OptionText{"mu", "mu", "friction of the hand on objects; default: 0, none; with the motions lift and hold 0.8",
-                   0},
+  visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none", 0},
         o.mu);
   visit(OptionText{"law", "law", "how friction is read (docs/formulation.md)"}, o.law, Words{"coulomb", "convex"});
   visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
@@ -111,7 +111,7 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
         Words{"reduced", "maximal"});
   visit(OptionText{"force_stiffness", "k-f",
-                   "stiffness of the coupling to the engine [1/s^2]; default: 1,000, with friction 10,000", -1},
+                   "stiffness of the coupling to the engine [1/s^2]; default: 10,000, without friction 1,000", -1},
         o.force_stiffness);
   visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep [m]; default: 2e-4", 0, unbounded, true}, o.gap);
