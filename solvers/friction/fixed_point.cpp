@@ -28,8 +28,9 @@ double slip(const Problem& p, Index row, const Vector& z) {
 
 template <class Visit>
 void each_contact(const Problem& p, Visit visit) {
+  if (!p.has_tangents()) return;
   for (Index i = 0; i < p.rows(); ++i)
-    if (!p.is_tangent(i) && !p.is_equality(i) && p.mu[i] > 0 && p.tangents(i) > 0) visit(i);
+    if (!p.is_tangent(i) && p.mu[i] > 0 && p.tangents(i) > 0) visit(i);
 }
 
 bool has_answer(const Problem& p, const Solution& s) {
