@@ -18,11 +18,15 @@ namespace {
 
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path};
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(path))
-    if (entry.path().extension() == ".h5" || entry.path().extension() == ".hdf5") files.push_back(entry.path());
+  std::vector<std::filesystem::path> files, tables;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    const std::filesystem::path kind = entry.path().extension();
+    if (kind == ".h5" || kind == ".hdf5") files.push_back(entry.path());
+    if (kind == ".dat") tables.push_back(entry.path());
+  }
+  if (files.empty()) files = std::move(tables);  // Siconos' own; beside HDF5 files a .dat may be anything
   std::sort(files.begin(), files.end());
-  if (files.empty()) throw BadFile(path.string() + ": no *.h5 or *.hdf5 file in this folder");
+  if (files.empty()) throw BadFile(path.string() + ": no *.h5, *.hdf5 or *.dat file in this folder");
   return files;
 }
 
