@@ -4,7 +4,6 @@
 #include <unistd.h>
 #include <csignal>
 #include <ctime>
-#include <stdexcept>
 #include <system_error>
 
 #include <zwang/bench/timing/wire.h>
@@ -94,12 +93,7 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
   std::string bytes;
   if (!receive_message(socket_, bytes))
     return give_up(Status::crashed, "the solver's process died", seconds_of(CLOCK_MONOTONIC) - wall_start);
-  try {
-    return unpack<SolveReply>(bytes);
-  } catch (const std::runtime_error&) {
-    return give_up(Status::crashed, "the solver's process sent an answer that cannot be read",
-                   seconds_of(CLOCK_MONOTONIC) - wall_start);
-  }
+  return unpack<SolveReply>(bytes);
 }
 
 }  // namespace zwang

@@ -78,7 +78,8 @@ void walk(Wire& wire, T& value) {
     auto count = value.size();
     walk(wire, count);
     if constexpr (receives) {
-      wire.require(static_cast<std::size_t>(count), sizeof(Element));
+      // What is not sent as it lies in memory can be shorter on the wire: a byte at least.
+      wire.require(static_cast<std::size_t>(count), std::is_trivially_copyable_v<Element> ? sizeof(Element) : 1);
       value.resize(count);
     }
     if constexpr (std::is_trivially_copyable_v<Element>)

@@ -87,7 +87,7 @@ MISTAKES = [
     (["report", "foreign"], 3, "results.jsonl line 1"),
     (["bench", "--out", "/dev/full/out"], 3, "/dev/full/out"),
     (["bench", "--problems", "missing.h5"], 3, "missing.h5"),
-    (["bench", "--problems", "empty"], 3, "no *.h5 or *.hdf5"),
+    (["bench", "--problems", "empty"], 3, "no *.h5, *.hdf5 or *.dat"),
     (["bench", "--problems", "box.h5", "nan.h5"], 3, "nan.h5"),
     (["solve", "box.h5"], 2, "--solver"),
     (["solve", "box.h5", "--solutions"], 2, "no contact with friction"),

@@ -56,6 +56,18 @@ TEST(Child, SendsWhatASolutionSaysOfItself) {
   EXPECT_EQ(got.message, "said");
 }
 
+// Such iterates take fewer bytes on the wire than in memory.
+TEST(Child, SendsIteratesOfFewNumbers) {
+  SolveReply sent;
+  for (int i = 1; i <= 40; ++i) sent.iterates.push_back({i, Vector::Constant(i % 2, 0.5), {}});
+  const std::string bytes = pack(sent);
+  const SolveReply got = unpack<SolveReply>(bytes);
+  ASSERT_EQ(got.iterates.size(), 40u);
+  EXPECT_EQ(got.iterates[38].z, Vector::Constant(1, 0.5));
+  EXPECT_EQ(got.iterates[39].iteration, 40);
+  EXPECT_THROW(unpack<SolveReply>(std::string_view(bytes).substr(0, bytes.size() - 1)), std::runtime_error);
+}
+
 TEST(Child, IsKilledAtItsDeadlineAndAnswersAgain) {
   const Problem p = tests::chain(4).problem;
   Child child(make);
