@@ -12,6 +12,8 @@ namespace zwang {
 
 namespace {
 
+bool is_limit(Status status) { return status == Status::iteration_limit || status == Status::time_limit; }
+
 void write_proof(const Problem& problem, const UnitProgram& program, Vector& u, Solution& solution) {
   solution.status = Status::infeasible;
   Sharpening().run(program, u);
@@ -84,6 +86,13 @@ IpoptQuestion& IpoptMethod::ask(const SolveOptions& options, const Deadline& dea
   return question;
 }
 
+const IpoptAnswer& IpoptMethod::run(Solution& solution) {
+  const IpoptAnswer& answer = work.session.open().run();
+  solution.iterations = answer.iterations;
+  solution.message = answer.in_words;
+  return answer;
+}
+
 bool IpoptMethod::holds(const Vector& v, const Vector& y, const SolveOptions& options) {
   ConeProgram& program = work.cones;
   if (v.size() != program.face().unknowns() || !v.allFinite() || !y.allFinite()) return false;
@@ -108,11 +117,9 @@ void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& option
       program.write(problem, v, y, solution);
       options.observe(iteration, solution.z, solution.lambda);
     };
-  const IpoptAnswer& answer = work.session.open().run();
-  solution.iterations = answer.iterations;
-  solution.message = answer.in_words;
+  const IpoptAnswer& answer = run(solution);
   solution.status = answer.status == Status::infeasible ? Status::numerical_failure : answer.status;
-  const bool limited = answer.status == Status::iteration_limit || answer.status == Status::time_limit;
+  const bool limited = is_limit(answer.status);
   if (!limited && holds(answer.y, answer.lambda, options)) {
     solution.status = Status::solved;
     program.write(problem, answer.y, answer.lambda, solution);
@@ -146,9 +153,7 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
       options.observe(iteration, solution.z, solution.lambda);
     };
 
-  const IpoptAnswer& answer = work.session.open().run();
-  solution.iterations = answer.iterations;
-  solution.message = answer.in_words;
+  const IpoptAnswer& answer = run(solution);
   solution.status = answer.status;
   const bool has_point = answer.y.size() == program.size() && answer.y.allFinite();
   if (has_point) {
@@ -157,7 +162,7 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
     solution.empty_z();
     solution.empty_lambda();
   }
-  const bool limited = answer.status == Status::iteration_limit || answer.status == Status::time_limit;
+  const bool limited = is_limit(answer.status);
   if (has_point && !limited) judge(problem, program, answer, options.tolerance, solution);
 }
 

@@ -9,6 +9,7 @@
 namespace zwang {
 
 class IpoptSession;
+struct IpoptAnswer;
 struct IpoptQuestion;
 
 // Ipopt 3.11.9 (Waechter & Biegler 2006), interior point with MUMPS, on the whitened problem with settings a convex QP
@@ -45,6 +46,7 @@ struct IpoptMethod : IpoptSettings {
 
  private:
   IpoptQuestion& ask(const SolveOptions& options, const Deadline& deadline);
+  const IpoptAnswer& run(Solution& solution);
   void solve_cones(const Problem& problem, const SolveOptions& options, Solution& solution);
   bool holds(const Vector& v, const Vector& y, const SolveOptions& options);
 };

@@ -13,7 +13,8 @@ namespace zwang {
 // sparse.
 class ConvexInteriorPoint {
  public:
-  ConvexInteriorPoint(const ContactProblem& problem, const ExtendedVector& sigma);
+  // With `inward`, every cone is moved in by so much of the motion: what solves that is strictly inside the true ones.
+  ConvexInteriorPoint(const ContactProblem& problem, const ExtendedVector& sigma, double inward = 0);
 
   // All iterates, the last the best. `keep_iterates` does not count.
   std::vector<InteriorAnswer> solve(const InteriorOptions& options);

@@ -241,6 +241,15 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     duality.correct(iterate.x);
     best.interior |= duality.strictly_inside(iterate.x);
   }
+  // Iterates may come to the answer along the outside of a cone: then a point inside is looked for.
+  for (const double inward : {1e-3, 1e-6}) {
+    if (best.interior || !equalities.empty()) break;
+    for (InteriorAnswer& iterate : ConvexInteriorPoint(p, sigma, inward).solve({.target = 1e-20}))
+      if (duality.strictly_inside(iterate.x)) {
+        best.interior = true;
+        inner.insert(inner.begin(), std::move(iterate));
+      }
+  }
   const auto consider = [&](ModePoint point) {
     const std::vector<ContactMode> modes = point.modes;
     const auto take = [&](ExtendedVector x) {

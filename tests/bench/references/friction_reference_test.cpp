@@ -182,6 +182,16 @@ TEST(FrictionReference, ConvexLawWithOneTangentIsThePyramid) {
   EXPECT_GE(judged, 45);
 }
 
+// Where the interior point's iterates come to the answer along the outside of a cone.
+TEST(FrictionReference, ConvexAnswersOfBoxesPushedSideways) {
+  for (Instance& made : make_scenes("STKF(boxes=1..8)")) {
+    made.problem.law = Law::convex;
+    const std::optional<Reference> found = convex_reference(made.problem);
+    ASSERT_TRUE(found) << made.problem.name;
+    EXPECT_LE(found->bound, 1e-12) << made.problem.name;
+  }
+}
+
 TEST(FrictionReference, EqualityRowsStayNative) {
   Instance planted = planted_friction({.bodies = 3, .contacts = 6, .mu = .5, .seed = 3});
   Problem& p = planted.problem;
