@@ -182,7 +182,8 @@ Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
   p.c = read_raw(group, "c", m);
   p.M = read_matrix(group, "M", n, n, Storage::columns);
   p.J = read_matrix(group, "J", m, n, Storage::rows);
-  complete_symmetric(group, "M", p.M, instance.notes);
+  complete_symmetric(p.M, instance.notes,
+                     [&](const std::string& place, const std::string& what) { group.fail(place, what); });
 
   for (const std::int64_t kind : group.read<std::int64_t>("kind", static_cast<std::size_t>(m))) {
     if (kind < 0 || kind > 2)

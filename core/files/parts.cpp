@@ -73,30 +73,4 @@ Sparse read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage sto
   return A;
 }
 
-// World inertias R I R' come out symmetric only up to rounding; more than that is another matrix.
-void complete_symmetric(const hdf5::Group& group, const std::string& name, Sparse& M, std::vector<std::string>& notes) {
-  constexpr double rounding = 1e-10;
-  Index lower = 0, upper = 0;
-  double asymmetry = 0;
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (Sparse::InnerIterator it(M, j); it; ++it) {
-      if (it.row() == it.col() || it.value() == 0) continue;
-      ++(it.row() > it.col() ? lower : upper);
-      const double scale = std::sqrt(std::abs(M.coeff(it.row(), it.row()))) * std::sqrt(std::abs(M.coeff(j, j)));
-      asymmetry = std::max(asymmetry, std::abs(it.value() - M.coeff(it.col(), it.row())) / scale);
-    }
-  if (asymmetry == 0) return;
-  std::ostringstream note;
-  if (lower == 0 || upper == 0) {
-    note << "M holds its " << (lower == 0 ? "upper" : "lower") << " triangle only: mirrored";
-  } else if (asymmetry <= rounding) {
-    note << "M is symmetric up to rounding (" << asymmetry << "): its lower triangle was mirrored";
-  } else {
-    note << "not symmetric (relative difference " << asymmetry << "); expected a symmetric matrix";
-    group.fail(name, note.str());
-  }
-  M = lower == 0 ? Sparse(M.selfadjointView<Eigen::Upper>()) : Sparse(M.selfadjointView<Eigen::Lower>());
-  notes.push_back(note.str());
-}
-
 }  // namespace zwang
