@@ -9,13 +9,13 @@
 #include <zwang/bench/references/friction/solution_count.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/referee/friction/contact_islands.h>
 
 namespace zwang {
 namespace {
 
-constexpr double search_seconds = 60;                    // of CPU time, then no further start
-constexpr Index most_unknowns = 1500, most_rows = 2000;  // the search is dense
-constexpr std::size_t few_contacts = 12;                 // whose modes are listed one by one
+constexpr double search_seconds = 60;     // of CPU time, then no further start
+constexpr std::size_t few_contacts = 12;  // whose modes are listed one by one
 constexpr std::array mode_words{"open", "slide", "stick"};
 
 const char* word(ContactMode mode) { return mode_words[static_cast<std::size_t>(mode)]; }
@@ -26,10 +26,10 @@ void require_counted(const Problem& p) {
   if (p.law != Law::coulomb)
     throw std::invalid_argument("--solutions counts those of Coulomb's law (--law coulomb); under the law '" +
                                 std::string(to_string(p.law)) + "' there is one or none");
-  if (p.size() > most_unknowns || p.rows() > most_rows)
+  if (!may_prove(p.size(), p.rows()))
     throw std::invalid_argument("--solutions: " + p.name + " has " + std::to_string(p.size()) + " unknowns and " +
                                 std::to_string(p.rows()) + " rows; the search is dense, up to " +
-                                std::to_string(most_unknowns) + " and " + std::to_string(most_rows));
+                                std::to_string(most_proven_unknowns) + " and " + std::to_string(most_proven_rows));
 }
 
 std::string in_words(const std::vector<ContactMode>& modes) {

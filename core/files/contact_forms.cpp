@@ -6,13 +6,17 @@
 #include <cmath>
 #include <sstream>
 
+#include <zwang/core/problem/disjoint_sets.h>
+
 namespace zwang {
 namespace {
 
 // What W may leave of J J', relative to its largest entry: where nothing but rounding spoils it, and in text of 8
 // digits.
 constexpr double rounded = 1e-8, printed = 1e-6;
-// W is factored dense.
+// Of the largest entry of J: less is what rounding leaves of zeros.
+constexpr double negligible = 1e-25;
+// Rows of W that hang together are factored dense.
 constexpr Index most_rows = 5000;
 
 // Rows of the problem: equality rows first, then each contact's normal row N z >= -w_N and, where mu > 0, a tangent row
@@ -58,16 +62,16 @@ void add_rows(const GlobalForm& form, Instance& instance) {
 
 // W = J J' by Cholesky with diagonal pivoting, stopped where the largest remaining diagonal is rounding: at most
 // size * eps * the largest diagonal of W (LAPACK's xPSTRF rule). An eigen-decomposition would give a dense J too, but
-// would smear each row's zero pattern and scale over all columns. `residual` is max |W - J J'| / max |W|.
+// would smear each row's zero pattern and scale over all columns. `residual` is
+// max |W - J J'| / scale, the largest entry of the whole W.
 struct Factor {
   Matrix J;  // size x rank
   double residual;
 };
 
-Factor rank_revealing_factor(const Matrix& W) {
+Factor rank_revealing_factor(const Matrix& W, double scale) {
   const Index n = W.rows();
   if (n == 0) return {Matrix(0, 0), 0};
-  const double scale = W.cwiseAbs().maxCoeff();
   const double threshold = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * W.diagonal().maxCoeff();
   Matrix J = Matrix::Zero(n, n);
   Vector remaining = W.diagonal();
@@ -88,13 +92,100 @@ Factor rank_revealing_factor(const Matrix& W) {
 }
 
 // Of what is left of W once its negative eigenvalues are taken for 0, as Factor::residual.
-Factor nearest_factor(const Matrix& W) {
+Factor nearest_factor(const Matrix& W, double scale) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(W);
   const double top = eigen.eigenvalues().maxCoeff(),
                threshold = static_cast<double>(W.rows()) * std::numeric_limits<double>::epsilon() * top;
   const Index rank = (eigen.eigenvalues().array() > threshold).count();
   Factor out{eigen.eigenvectors().rightCols(rank) * eigen.eigenvalues().tail(rank).cwiseSqrt().asDiagonal(), 0};
-  out.residual = (W - out.J * out.J.transpose()).cwiseAbs().maxCoeff() / W.cwiseAbs().maxCoeff();
+  out.residual = (W - out.J * out.J.transpose()).cwiseAbs().maxCoeff() / scale;
+  return out;
+}
+
+double largest(const Sparse& A) { return A.nonZeros() > 0 ? A.coeffs().abs().maxCoeff() : 0; }
+
+// [R V'; V W], symmetric, of the equality rows and every step-th row of W.
+Sparse rows_in_use(const LocalForm& form, Index step) {
+  const Index equalities = form.s.size(), used = form.q.size() / step;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](Index i, Index j, double value) {
+    entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+  };
+  const auto add_both = [&](const Sparse& A, Index first, Index every) {
+    const Sparse symmetric = 0.5 * (A + Sparse(A.transpose()));
+    for (Index j = 0; j < symmetric.outerSize(); ++j)
+      for (Sparse::InnerIterator it(symmetric, j); it; ++it)
+        if (it.value() != 0 && it.row() % every == 0 && j % every == 0)
+          add(first + it.row() / every, first + j / every, it.value());
+  };
+  if (equalities > 0) add_both(form.R, 0, 1);
+  add_both(form.W, equalities, step);
+  for (Index j = 0; j < form.V.outerSize(); ++j)
+    for (Sparse::InnerIterator it(form.V, j); it; ++it) {
+      if (it.value() == 0 || it.row() % step != 0) continue;
+      add(equalities + it.row() / step, j, it.value());
+      add(j, equalities + it.row() / step, it.value());
+    }
+  Sparse S(equalities + used, equalities + used);
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
+struct Factors {
+  Sparse J_transposed = {};  // rank x rows
+  double residual = 0;
+  bool replaced = false;  // by the nearest semi-definite matrix
+};
+
+// Rows that share no entry with others are factored apart: J keeps the parts that a scene falls into.
+Factors factor_blocks(const Sparse& S, const Fail& fail) {
+  DisjointSets sets(S.cols());
+  for (Index j = 0; j < S.outerSize(); ++j)
+    for (Sparse::InnerIterator it(S, j); it; ++it) sets.join(it.row(), j);
+  std::vector<std::vector<Index>> blocks;
+  std::vector<Index> block_of(static_cast<std::size_t>(S.cols()), -1), place(static_cast<std::size_t>(S.cols()));
+  for (Index j = 0; j < S.cols(); ++j) {
+    Index& id = block_of[static_cast<std::size_t>(sets.find(j))];
+    if (id < 0) id = std::ssize(blocks), blocks.emplace_back();
+    auto& block = blocks[static_cast<std::size_t>(id)];
+    place[static_cast<std::size_t>(j)] = std::ssize(block);
+    block.push_back(j);
+  }
+  Factors out;
+  const double scale = largest(S);
+  Index rank = 0;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const std::vector<Index>& block : blocks) {
+    const auto size = std::ssize(block);
+    if (size > most_rows)
+      fail("W", "has " + std::to_string(size) + " rows that hang together; they are factored dense, up to " +
+                    std::to_string(most_rows));
+    Matrix W = Matrix::Zero(size, size);
+    for (Index k = 0; k < size; ++k)
+      for (Sparse::InnerIterator it(S, block[static_cast<std::size_t>(k)]); it; ++it)
+        W(place[static_cast<std::size_t>(it.row())], k) = it.value();
+    // Real files are semi-definite up to rounding once symmetric, or to the digits that they were printed with.
+    Factor factor = rank_revealing_factor(W, scale);
+    if (!(factor.residual <= rounded)) {
+      factor = nearest_factor(W, scale);
+      out.replaced = true;
+    }
+    if (!(factor.residual <= printed)) {
+      std::ostringstream text;
+      text << "not positive semi-definite (relative residual " << factor.residual << "); expected a Delassus matrix";
+      fail("W", text.str());
+    }
+    out.residual = std::max(out.residual, factor.residual);
+    const double least = factor.J.size() > 0 ? negligible * factor.J.cwiseAbs().maxCoeff() : 0;
+    for (Index k = 0; k < size; ++k)
+      for (Index r = 0; r < factor.J.cols(); ++r)
+        if (std::abs(factor.J(k, r)) > least)
+          entries.emplace_back(static_cast<int>(rank + r), static_cast<int>(block[static_cast<std::size_t>(k)]),
+                               factor.J(k, r));
+    rank += factor.J.cols();
+  }
+  out.J_transposed.resize(rank, S.cols());
+  out.J_transposed.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
 
@@ -146,55 +237,34 @@ Instance from_global_form(GlobalForm form, const Fail& fail) {
 
 Instance from_local_form(LocalForm form, std::optional<Law> law, const Fail& fail) {
   Instance instance;
-  const Index rows = form.q.size(), E = form.s.size();
-  if (rows + E > most_rows)
-    fail("W", "has " + std::to_string(rows + E) + " rows; it is factored dense, up to " + std::to_string(most_rows));
   GlobalForm global{.dim = form.dim, .sliding = form.dim - 1};
   global.mu = std::move(form.mu);
   const bool slips = law == Law::pyramid || (global.mu.size() > 0 && global.mu.maxCoeff() > 0);
-  const Index step = slips ? 1 : form.dim;
-  std::ostringstream note;
-  Matrix W = form.W;
-  if (const double asymmetry = rows > 0 ? (W - W.transpose()).cwiseAbs().maxCoeff() : 0; asymmetry > 0) {
+  const Index step = slips ? 1 : form.dim, equalities = form.s.size(), used = form.q.size() / step;
+  if (const double asymmetry = largest(form.W - Sparse(form.W.transpose())); asymmetry > 0) {
+    std::ostringstream note;
     note << "W is asymmetric by up to " << asymmetry << ": (W + W')/2 was taken";
     instance.notes.push_back(note.str());
-    W = (0.5 * (W + W.transpose())).eval();
   }
-  const Index used = rows / step;
-  const auto stride = Eigen::seqN(0, used, step);
-  Matrix S(E + used, E + used);
-  S.bottomRightCorner(used, used) = W(stride, stride);
-  global.b = std::move(form.s);
-  if (E > 0) {
-    const Matrix V = form.V, R = form.R;
-    S.topLeftCorner(E, E) = 0.5 * (R + R.transpose());
-    S.bottomLeftCorner(used, E) = V(stride, Eigen::all);
-    S.topRightCorner(E, used) = V(stride, Eigen::all).transpose();
-  }
-  // Real files are semi-definite up to rounding once symmetric, or to the digits that they were printed with.
-  Factor factor = rank_revealing_factor(S);
-  if (!(factor.residual <= rounded)) {
-    factor = nearest_factor(S);
-    note.str("");
-    note << "W has eigenvalues below 0: the nearest matrix without was taken, which differs by " << factor.residual
+  const Sparse S = rows_in_use(form, step);
+  const Factors factors = factor_blocks(S, fail);
+  std::ostringstream note;
+  if (factors.replaced) {
+    note << "W has eigenvalues below 0: the nearest matrix without was taken, which differs by " << factors.residual
          << " of its largest entry";
     instance.notes.push_back(note.str());
+    note.str("");
   }
-  if (!(factor.residual <= printed)) {
-    std::ostringstream text;
-    text << "not positive semi-definite (relative residual " << factor.residual << "); expected a Delassus matrix";
-    fail("W", text.str());
-  }
-  note.str("");
-  note << "Delassus form: M = I, W = J J' of rank " << factor.J.cols() << " of " << S.rows() << " to "
-       << factor.residual;
+  note << "Delassus form: M = I, W = J J' of rank " << factors.J_transposed.rows() << " of " << S.rows() << " to "
+       << factors.residual;
   instance.notes.push_back(note.str());
 
-  const Index n = factor.J.cols();
-  global.G = Matrix(factor.J.topRows(E).transpose()).sparseView(0, 0);
-  global.H = Matrix(factor.J.bottomRows(used).transpose()).sparseView(0, 0);
-  global.w = form.q(stride);
+  global.G = factors.J_transposed.leftCols(equalities);
+  global.H = factors.J_transposed.rightCols(used);
+  global.b = std::move(form.s);
+  global.w = form.q(Eigen::seqN(0, used, step));
   if (!slips) global.dim = 1, global.mu.resize(0);
+  const Index n = factors.J_transposed.rows();
   instance.problem.M.resize(n, n);
   instance.problem.M.setIdentity();
   instance.problem.z_u.setZero(n);

@@ -1,21 +1,9 @@
 #include <zwang/core/referee/island_split.h>
 
-#include <numeric>
+#include <zwang/core/problem/disjoint_sets.h>
 
 namespace zwang {
 namespace {
-
-// Disjoint sets with path halving.
-struct Sets {
-  std::vector<Index> parent;
-  explicit Sets(Index n) : parent(static_cast<std::size_t>(n)) { std::iota(parent.begin(), parent.end(), Index(0)); }
-  Index find(Index i) {
-    while (at(i) != i) i = at(i) = at(at(i));
-    return i;
-  }
-  void join(Index a, Index b) { at(find(a)) = find(b); }
-  Index& at(Index i) { return parent[static_cast<std::size_t>(i)]; }
-};
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
@@ -23,7 +11,7 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 std::vector<IslandPart> split_islands(const ScaledProblem& scaled) {
   const Index n = scaled.size();
-  Sets sets(n);
+  DisjointSets sets(n);
   for (Index j = 0; j < n; ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
       if (it.value() != 0) sets.join(it.row(), j);

@@ -118,11 +118,11 @@ ExtendedVector ScaledProblem::multipliers(const Vector& lambda) const {
 }
 
 double ScaledProblem::to_problem_norm(double norm) const {
-  return std::ldexp(norm, motion_exponent + mass_exponent / 2);
+  return std::ldexp(norm, norm_exponent());
 }
 
 double ScaledProblem::least_scale() const {
-  const double scale = std::ldexp(std::numeric_limits<double>::min(), -motion_exponent - mass_exponent / 2);
+  const double scale = std::ldexp(std::numeric_limits<double>::min(), -norm_exponent());
   return std::max(scale, std::numeric_limits<double>::denorm_min());
 }
 

@@ -36,7 +36,8 @@ class ScaledProblem {
   ExtendedVector multipliers(ExtendedVector lambda) const;
   double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
-  double row_scale(Index i) const;            // J z - c of the problem = row_scale * ours
+  int norm_exponent() const { return motion_exponent + mass_exponent / 2; }  // of two, from these to the problem's
+  double row_scale(Index i) const;  // J z - c of the problem = row_scale * ours
 
   double norm(const ExtendedVector& d) const;                  // sqrt(d' M d)
   double norm_of(const Vector& z) const;                       // the same of z itself, z in the problem's units

@@ -11,15 +11,23 @@ namespace {
 constexpr int most_steps = 60;  // of an interior point from one start
 constexpr int most_modes = 12;  // Newton steps from one iterate
 
+// Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone.
+Index unit_of(const Problem& problem) {
+  constexpr Index body = 6;
+  if (problem.size() % body != 0) return 1;
+  const auto& M = problem.M;
+  const bool identity = M.nonZeros() == M.cols() && (M.diagonal().array() == 1).all();
+  return identity ? 1 : body;
+}
+
 }  // namespace
 
 void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  constexpr Index body = 6;
   works_.begin();
   normals_.begin();
   islands_.solve_apart([this](const Problem& p, const SolveOptions& o,
                               Solution& part) { works_.own(p.size(), p.rows()).solve(*this, p, o, part); },
-                       body, problem, options, solution);
+                       unit_of(problem), problem, options, solution);
 }
 
 void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <sstream>
 
+#include <zwang/core/referee/friction/contact_islands.h>
 #include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/self_bound.h>
@@ -289,7 +291,9 @@ std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const Sol
   return std::move(search.found);
 }
 
-std::optional<Reference> convex_reference(const Problem& problem, std::string* why_not) {
+namespace {
+
+std::optional<Reference> convex_reference_of_one(const Problem& problem, std::string* why_not) {
   const auto give_up = [&](const std::string& reason) {
     if (why_not) *why_not = reason;
     return std::optional<Reference>{};
@@ -316,7 +320,7 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   return out;
 }
 
-std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not) {
+std::optional<Reference> coulomb_reference_of_one(const Problem& problem, std::string* why_not) {
   const std::vector<CoulombSolution> found = coulomb_solutions(problem, {}, why_not);
   if (found.empty()) return {};
   return Reference{.z = found[0].z,
@@ -324,6 +328,48 @@ std::optional<Reference> coulomb_reference(const Problem& problem, std::string* 
                    .bound = found[0].bound,
                    .unique = false,
                    .method = found[0].method + ", proven by interval Newton"};
+}
+
+// Parts that share nothing are known apart. Each part's bound is relative to its own s, and the sum of s^2 over the
+// parts is at most twice that of the whole.
+template <class OfOne>
+std::optional<Reference> by_islands(const Problem& problem, std::string* why_not, OfOne&& of_one) {
+  const std::vector<ContactIsland> islands = split_contacts(problem);
+  const auto too_large = [&](Index unknowns, Index rows) {
+    if (may_prove(unknowns, rows)) return false;
+    if (why_not)
+      *why_not = std::to_string(unknowns) + " unknowns and " + std::to_string(rows) +
+                 " rows that hang together; proofs are dense, up to " + std::to_string(most_proven_unknowns) + " and " +
+                 std::to_string(most_proven_rows);
+    return true;
+  };
+  if (islands.empty()) {
+    if (too_large(problem.size(), problem.rows())) return {};
+    return of_one(problem, why_not);
+  }
+  Reference whole{.z = problem.z_u, .lambda = Vector::Zero(problem.rows())};
+  for (const ContactIsland& island : islands) {
+    if (island.rows.empty()) continue;
+    if (too_large(std::ssize(island.columns), std::ssize(island.rows))) return {};
+    const std::optional<Reference> part = of_one(island.problem, why_not);
+    if (!part) return {};
+    whole.z(island.columns) = part->z;
+    whole.lambda(island.rows) = part->lambda;
+    whole.bound = std::max(whole.bound, part->bound * std::numbers::sqrt2 * (1 + 1e-9));
+    whole.unique &= part->unique;
+    if (whole.method.empty()) whole.method = part->method + ", island by island";
+  }
+  return whole;
+}
+
+}  // namespace
+
+std::optional<Reference> convex_reference(const Problem& problem, std::string* why_not) {
+  return by_islands(problem, why_not, convex_reference_of_one);
+}
+
+std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not) {
+  return by_islands(problem, why_not, coulomb_reference_of_one);
 }
 
 }  // namespace zwang

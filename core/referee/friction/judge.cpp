@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
+#include <zwang/core/referee/friction/contact_islands.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/numbers.h>
 #include <zwang/core/referee/friction/self_bound.h>
@@ -17,8 +19,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double still = 1e-8;
 // Of a contact's |lambda| + |s| in doubles: less is zero for a first guess at its mode.
 constexpr double mode_cut = 1e-9;
-// Unknowns and rows up to which the dense proofs are tried; rows for self_bound where there are joints.
-constexpr Index dense_unknowns = 1500, dense_rows = 2000, self_rows = 1200;
+// Rows for self_bound where there are joints.
+constexpr Index self_rows = 1200;
 
 double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
   for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
@@ -44,8 +46,9 @@ double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, cons
   return p.from_norm(scaled.norm_with_free_motion(p.to_motion(x)));
 }
 
-bool small(const ContactProblem& p) { return p.size() <= dense_unknowns && p.rows() <= dense_rows; }
-bool may_bound(const ContactProblem& p) { return small(p) && (p.equalities.empty() || p.rows() <= self_rows); }
+bool may_bound(const ContactProblem& p) {
+  return may_prove(p.size(), p.rows()) && (p.equalities.empty() || p.rows() <= self_rows);
+}
 
 // The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
 Vector certificate_in_cone(const Problem& problem, Vector u) {
@@ -103,6 +106,91 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
   nearest.proof = std::move(proof);
 }
 
+// What can be proven of an answer, in the units of a ContactProblem, in the M-norm.
+struct Found {
+  Nearest nearest = {};
+  ConvexBound::Rows rows = ConvexBound::Rows::feasible;  // under the answer's slips
+  double upper = 0, lower = 0;                           // bounds on |z - Z(sigma(z))|; infinity: unknown
+  double convex_size = 0, convex_error = 0;              // |Z(sigma(z))|, up to so much
+  double nearest_size = 0;                               // of the proven solution
+
+  // Of two parts that share nothing.
+  void join(const Found& other);
+};
+
+void Found::join(const Found& other) {
+  const auto add = [](double& a, double b) { a = std::hypot(a, b) * (1 + 1e-14); };
+  ModeProof& proof = nearest.proof;
+  proof.proven &= other.nearest.proof.proven;
+  proof.strict &= other.nearest.proof.strict;
+  proof.null_motion = std::max(proof.null_motion, other.nearest.proof.null_motion);
+  add(proof.radius, other.nearest.proof.radius);
+  add(proof.delta, other.nearest.proof.delta);
+  add(nearest.upper, other.nearest.upper);
+  add(upper, other.upper);
+  add(convex_error, other.convex_error);
+  lower = std::hypot(lower, other.lower) * (1 - 1e-14);
+  convex_size = std::hypot(convex_size, other.convex_size);
+  nearest_size = std::hypot(nearest_size, other.nearest_size);
+  if (other.rows == ConvexBound::Rows::infeasible) rows = other.rows;
+}
+
+// Of a part without rows: its answer is z_u, x = 0.
+Found found_free(const ContactProblem& p, const ExtendedVector& x) {
+  const double off = p.norm(x), size = p.free_motion;
+  Found found{.upper = off * (1 + 1e-9), .lower = off * (1 - 1e-9), .convex_size = size, .nearest_size = size};
+  found.nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .strict = true}, .upper = found.upper};
+  return found;
+}
+
+Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
+           const ExtendedVector& lambda, double accepted) {
+  const bool coulomb = problem.law == Law::coulomb, has_lambda = !lambda.empty();
+  const Slips slips = slips_at(p, x, problem.law);
+  ModePoint guess{x, lambda, {}};
+  if (has_lambda) guess.modes = modes_by_size(p, x, lambda, mode_cut);
+  Found found;
+  Nearest& nearest = found.nearest;
+  if (coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
+  // Z(sigma(z)), or under the convex law its one answer.
+  ConvexBound convex;
+  if (may_bound(p)) {
+    if (nearest.proof.proven) guess = nearest.proof.point;
+    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess);
+  }
+  found.rows = convex.rows;
+  found.upper = infinity;
+  if (convex.upper < infinity) {
+    const double off = distance(p, x, convex.x);
+    found.upper = (off + convex.upper) * (1 + 1e-9);
+    found.lower = std::max(0.0, off * (1 - 1e-9) - convex.upper);
+    found.convex_size = norm_of_answer(p, scaled, convex.x);
+    found.convex_error = convex.upper;
+  }
+  if (!coulomb) return found;
+  const bool near_enough =
+      nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta <= accepted;
+  if (!near_enough && convex.upper < infinity) consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
+  if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
+  return found;
+}
+
+// Each part apart, in the units of the whole.
+Found find_apart(const std::vector<ContactIsland>& islands, const ScaledProblem& scaled, const Solution& solution,
+                 bool has_lambda, double scale, double accepted) {
+  std::optional<Found> all;
+  for (const ContactIsland& island : islands) {
+    const ScaledProblem part(island.problem);
+    const ContactProblem p(island.problem, part, std::ldexp(scale, scaled.norm_exponent() - part.norm_exponent()));
+    const ExtendedVector x = p.motion(part.motion(island.columns_of(solution.z)));
+    ExtendedVector lambda;
+    if (has_lambda) lambda = p.multipliers(part.multipliers(island.rows_of(solution.lambda)));
+    const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, part, p, x, lambda, accepted);
+    all ? all->join(found) : void(all = found);
+  }
+  return *all;
+}
+
 }  // namespace
 
 Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
@@ -134,43 +222,28 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     if (problem.law == Law::convex) return by_error(out.z_error, infinity, tolerance);
   }
   if (reference && !reference->feasible) return Verdict::wrong;
-  if (!small(p)) return Verdict::undecided;
-
-  const Slips slips = slips_at(p, x, problem.law);
-  ModePoint guess{x, lambda, {}};
-  if (has_lambda) guess.modes = modes_by_size(p, x, lambda, mode_cut);
-  Nearest nearest;
-  if (problem.law == Law::coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
-
-  // Z(sigma(z)), or under the convex law its one answer.
-  ConvexBound convex;
+  const std::vector<ContactIsland> islands = split_contacts(problem);
+  if (islands.empty() ? !may_prove(p.size(), p.rows()) : !std::ranges::all_of(islands, &ContactIsland::may_prove))
+    return Verdict::undecided;
+  const Found found = islands.empty() ? find(problem, scaled, p, x, lambda, accepted)
+                                      : find_apart(islands, scaled, solution, has_lambda, own_scale, accepted);
+  if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
   double upper = infinity, lower = 0;
-  if (may_bound(p)) {
-    if (nearest.proof.proven) guess = nearest.proof.point;
-    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess);
+  if (found.upper < infinity) {
+    const double least =
+        std::max({p.free_motion, found.convex_size - found.convex_error, p.from_norm(scaled.least_scale())});
+    upper = found.upper / least;
+    lower = found.lower / std::max({p.free_motion, found.convex_size + found.convex_error, p.scale});
   }
-  if (convex.upper < infinity) {
-    const double off = distance(p, x, convex.x), size = norm_of_answer(p, scaled, convex.x);
-    const double least = std::max({p.free_motion, size - convex.upper, p.from_norm(scaled.least_scale())});
-    const double greatest = std::max({p.free_motion, size + convex.upper, p.scale});
-    upper = (off + convex.upper) * (1 + 1e-9) / least;
-    lower = std::max(0.0, off * (1 - 1e-9) - convex.upper) / greatest;
-  }
-  if (convex.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
   if (problem.law == Law::convex) {
     out.z_bound = upper;
     out.bound_method = upper < infinity ? "conic duality" : "";
     return by_error(upper, lower, tolerance);
   }
   out.friction.self_bound = upper;
-  const auto near_enough = [&] {
-    return nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta <= accepted;
-  };
-  if (!near_enough() && convex.upper < infinity)
-    consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
-  if (nearest.proof.proven) {
-    const double size = norm_of_answer(p, scaled, nearest.proof.point.x);
-    const double least = std::max({p.free_motion, size - nearest.proof.radius, p.from_norm(scaled.least_scale())});
+  if (const Nearest& nearest = found.nearest; nearest.proof.proven) {
+    const double least =
+        std::max({p.free_motion, found.nearest_size - nearest.proof.radius, p.from_norm(scaled.least_scale())});
     out.z_bound = nearest.upper / least;
     out.bound_method = "interval Newton";
     out.friction.radius = nearest.proof.radius / least;

@@ -1,0 +1,98 @@
+#include <zwang/core/referee/friction/contact_islands.h>
+
+#include <algorithm>
+
+#include <zwang/core/problem/disjoint_sets.h>
+
+namespace zwang {
+namespace {
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+// The first unknown that each row's block (an equality row, or a contact) meets, or -1. Joins all that it meets.
+std::vector<Index> join_blocks(const Problem& p, DisjointSets& sets) {
+  std::vector<Index> first(static_cast<std::size_t>(p.rows()), -1);
+  for (Index i = 0; i < p.rows();) {
+    const Index end = i + 1 + (p.is_equality(i) ? 0 : p.tangents(i));
+    Index met = -1;
+    for (Index k = i; k < end; ++k)
+      for (SparseRows::InnerIterator it(p.J, k); it; ++it) {
+        if (it.value() == 0) continue;
+        if (met < 0) met = it.col();
+        sets.join(it.col(), met);
+      }
+    for (; i < end; ++i) first[static_cast<std::size_t>(i)] = met;
+  }
+  return first;
+}
+
+// The parts' problems, their columns and rows being known.
+void fill(const Problem& p, const std::vector<Index>& place, ContactIsland& island) {
+  const auto local = [&](Index column) { return static_cast<int>(place[static_cast<std::size_t>(column)]); };
+  const auto size = std::ssize(island.columns), rows = std::ssize(island.rows);
+  Problem& out = island.problem;
+  out.z_u = island.columns_of(p.z_u);
+  out.c = island.rows_of(p.c);
+  out.mu = island.rows_of(p.mu);
+  out.law = p.law;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Index j : island.columns)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+      if (it.value() != 0) entries.emplace_back(local(it.row()), local(j), it.value());
+  out.M.resize(size, size);
+  out.M.setFromTriplets(entries.begin(), entries.end());
+  entries.clear();
+  for (Index k = 0; k < rows; ++k) {
+    const Index i = island.rows[static_cast<std::size_t>(k)];
+    out.kind.push_back(p.kind[static_cast<std::size_t>(i)]);
+    for (SparseRows::InnerIterator it(p.J, i); it; ++it)
+      if (it.value() != 0) entries.emplace_back(static_cast<int>(k), local(it.col()), it.value());
+  }
+  out.J.resize(rows, size);
+  out.J.setFromTriplets(entries.begin(), entries.end());
+  out.key.resize(out.kind.size());
+}
+
+}  // namespace
+
+std::vector<ContactIsland> split_contacts(const Problem& p) {
+  DisjointSets sets(p.size());
+  for (Index j = 0; j < p.size(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+      if (it.value() != 0) sets.join(it.row(), j);
+  const std::vector<Index> first = join_blocks(p, sets);
+
+  std::vector<ContactIsland> islands;
+  std::vector<Index> island_of(static_cast<std::size_t>(p.size()), -1), place(static_cast<std::size_t>(p.size()));
+  std::vector<Index> still;  // rows that meet no unknown
+  for (Index i = 0; i < p.rows(); ++i) {
+    const Index met = first[static_cast<std::size_t>(i)];
+    if (met < 0) {
+      still.push_back(i);
+      continue;
+    }
+    Index& id = island_of[static_cast<std::size_t>(sets.find(met))];
+    if (id < 0) id = std::ssize(islands), islands.emplace_back();
+    islands[static_cast<std::size_t>(id)].rows.push_back(i);
+  }
+  if (islands.empty()) return {};
+  std::vector<Index>& rows = islands.front().rows;
+  rows.insert(rows.end(), still.begin(), still.end());
+  std::ranges::sort(rows);
+  Index rest = -1;  // the part that no row meets
+  for (Index j = 0; j < p.size(); ++j) {
+    Index id = island_of[static_cast<std::size_t>(sets.find(j))];
+    if (id < 0) {
+      if (rest < 0) rest = std::ssize(islands), islands.emplace_back();
+      id = rest;
+    }
+    ContactIsland& island = islands[static_cast<std::size_t>(id)];
+    place[static_cast<std::size_t>(j)] = std::ssize(island.columns);
+    island.columns.push_back(j);
+  }
+  if (islands.size() == 1) return {};
+  for (ContactIsland& island : islands) fill(p, place, island);
+  return islands;
+}
+
+}  // namespace zwang
