@@ -1,7 +1,7 @@
 """Problems in other people's formats, as zwang problems: load(), and save() for what others read.
 
     .h5 .hdf5         zwang's own layout and FCLIB (docs/formats.md)
-    .dat              Siconos' text files of local frictional problems (dense, sparse-block, triplets)
+    .dat              Siconos' text files of frictional problems, local and global (docs/formats.md)
     .mat              Maros-Meszaros: P, q, r, l, u, A with l <= A x <= u
     .npz              qpbenchmark: P, q, G, h, A, b, lb, ub; and what save_qpbenchmark() writes
     .qps .qps.gz      quadratic programs (QUADOBJ, QMATRIX)
@@ -12,7 +12,6 @@ expected.
 """
 import gzip
 import pathlib
-import tempfile
 
 import numpy
 import scipy.io
@@ -21,7 +20,7 @@ import scipy.sparse
 import zwang
 from . import _zwang
 from ._zwang import BadFile
-from .writers import save_fclib, save_matrix_market, save_qpbenchmark, write_triplets  # noqa: F401
+from .writers import save_fclib, save_matrix_market, save_qpbenchmark  # noqa: F401
 
 
 def load(file):
@@ -116,98 +115,6 @@ def _of_test_set(path, parts):
                             equality=equality)
     problem._name_it(str(parts["name"]), "qpbenchmark")
     return [problem]
-
-
-class _Words:
-    """The numbers of a text file, one after another."""
-
-    def __init__(self, path):
-        self.words = path.read_text(encoding="ascii", errors="replace").split()
-        self.at = 0
-
-    def number(self, what, kind=float):
-        if self.at >= len(self.words):
-            raise ValueError(f"ends before {what}")
-        word = self.words[self.at]
-        self.at += 1
-        try:
-            return kind(word)
-        except ValueError:
-            raise ValueError(f"word {self.at} is '{word}'; expected {what}") from None
-
-    def count(self, what):
-        value = self.number(what, int)
-        if not 0 <= value <= len(self.words) + 100000:
-            raise ValueError(f"word {self.at} is {value}; expected {what}")
-        return value
-
-    def numbers(self, count, what, kind=float):
-        return [self.number(what, kind) for _ in range(count)]
-
-
-def _siconos(path):
-    """dimension, contacts, W, q, mu: u = W r + q, [N, T1, T2] a contact. Read through FCLIB's layout, as its local files."""
-    words = _Words(path)
-    dimension = words.count("the dimension, 2 or 3")
-    if dimension not in (2, 3):
-        raise ValueError(f"has dimension {dimension}; expected 2 or 3")
-    contacts = words.count("the number of contacts")
-    size = dimension * contacts
-    storage = words.count("the storage: 0 dense, 1 sparse-block, 2 sparse")
-    if (words.count("the rows of W"), words.count("the columns of W")) != (size, size):
-        raise ValueError(f"W should be {size} x {size}, for {contacts} contacts")
-    if storage == 0:
-        if (words.count("the rows of W"), words.count("the columns of W")) != (size, size):
-            raise ValueError(f"W should be {size} x {size}")
-        W = scipy.sparse.coo_matrix(numpy.reshape(words.numbers(size * size, "an entry of W"), (size, size)))
-    elif storage == 1:
-        W = _blocks(words, size)
-    else:
-        raise ValueError(f"has storage {storage}; expected 0 (dense) or 1 (sparse-block)")
-    q = words.numbers(size, "an entry of q")
-    mu = words.numbers(contacts, "a friction coefficient")
-    import h5py
-    with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / (path.stem + ".hdf5")
-        with h5py.File(file, "w") as out:
-            local = out.create_group("fclib_local")
-            local["spacedim"] = numpy.array([dimension], dtype=numpy.int32)
-            write_triplets(local.create_group("W"), W)
-            vectors = local.create_group("vectors")
-            vectors["q"], vectors["mu"] = numpy.array(q), numpy.array(mu)
-        return _named(_zwang.load(file)[0], path, "siconos")
-
-
-def _blocks(words, size):
-    """Sparse blocks: their count, the cumulative sizes, a compressed-row index, then each block by columns."""
-    count, rows, columns = words.count("the number of blocks"), words.count("rows of blocks"), words.count("columns")
-    row_end = words.numbers(rows, "a cumulative size", int)
-    column_end = words.numbers(columns, "a cumulative size", int)
-    filled, filled_too = words.count("the length of index1"), words.count("the length of index2")
-    first = words.numbers(filled, "an entry of index1", int)
-    column = words.numbers(filled_too, "an entry of index2", int)
-    row_of = numpy.zeros(count, dtype=int)
-    for row in range(min(len(first) - 1, rows)):
-        row_of[first[row]:first[row + 1]] = row
-    if filled_too < count:
-        raise ValueError(f"index2 has {filled_too} entries; expected {count}")
-    data, i, j = [], [], []
-    for _ in range(count):
-        block = words.count("the number of a block")
-        if block >= count or column[block] >= columns or column[block] < 0:
-            raise ValueError(f"word {words.at} is {block}; expected a block below {count}")
-        low = row_end[row_of[block] - 1] if row_of[block] else 0
-        left = column_end[column[block] - 1] if column[block] else 0
-        height, width = row_end[row_of[block]] - low, column_end[column[block]] - left
-        if min(height, width, low, left) < 0 or low + height > size or left + width > size:
-            raise ValueError(f"block {block} lies outside of W")
-        values = numpy.reshape(words.numbers(height * width, "an entry of a block"), (width, height)).T
-        for a in range(height):
-            for b in range(width):
-                data.append(values[a, b])
-                i.append(low + a)
-                j.append(left + b)
-    return scipy.sparse.coo_matrix((data, (i, j)), shape=(size, size))
 
 
 def _qps(path):
@@ -314,4 +221,4 @@ def _matrix_market(folder):
     return problem
 
 
-_readers = {".dat": _siconos, ".mat": _mat, ".npz": _npz, ".qps": _qps, ".qps.gz": _qps}
+_readers = {".mat": _mat, ".npz": _npz, ".qps": _qps, ".qps.gz": _qps}
