@@ -13,7 +13,7 @@ constexpr int most_stalled = 12;
 
 }  // namespace
 
-ConvexInteriorPoint::ConvexInteriorPoint(const ContactProblem& p, const ExtendedVector& sigma)
+ConvexInteriorPoint::ConvexInteriorPoint(const ContactProblem& p, const ExtendedVector& sigma, double inside)
     : p_(p), normal_(p.size()) {
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
@@ -25,6 +25,7 @@ ConvexInteriorPoint::ConvexInteriorPoint(const ContactProblem& p, const Extended
       q[t] = -(p.h[static_cast<std::size_t>(contact.row + t)] * unit[t]);
     }
     if (contact.rows() > 1) q[0] += sigma[c];
+    q[0] -= unit[0] * (inside * contact.unit);
     unit_.push_back(std::move(unit));
     q_.push_back(std::move(q));
   }

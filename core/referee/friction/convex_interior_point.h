@@ -13,7 +13,8 @@ namespace zwang {
 // sparse.
 class ConvexInteriorPoint {
  public:
-  ConvexInteriorPoint(const ContactProblem& problem, const ExtendedVector& sigma);
+  // inside: by how much every contact is to open beyond its cone, in unit rows: answers strictly inside.
+  ConvexInteriorPoint(const ContactProblem& problem, const ExtendedVector& sigma, double inside = 0);
 
   // All iterates, the last the best. `keep_iterates` does not count.
   std::vector<InteriorAnswer> solve(const InteriorOptions& options);

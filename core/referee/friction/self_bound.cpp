@@ -20,6 +20,8 @@ constexpr double good_enough = 1e-10;
 // Rows up to which the interior point of jointed problems works in double-double, and in FactorReal.
 constexpr Index double_double_rows = 260, extended_rows = 400;
 constexpr Index polished_rows = 600;
+// Of the motion: how far inside its cones a contact is asked to be.
+constexpr double narrower = 0x1p-20;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -240,6 +242,15 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   for (InteriorAnswer& iterate : inner) {
     duality.correct(iterate.x);
     best.interior |= duality.strictly_inside(iterate.x);
+  }
+  // Iterates come up to the cones from outside where mu is small. Then one of narrower cones stands for those inside.
+  if (equalities.empty() && !best.interior && !inner.empty()) {
+    std::vector<InteriorAnswer> narrow = ConvexInteriorPoint(p, sigma, narrower).solve({.target = 1e-27});
+    if (!narrow.empty() && duality.strictly_inside(narrow.back().x)) {
+      best.interior = true;
+      narrow.back().complementarity = narrower;
+      inner.insert(inner.begin(), std::move(narrow.back()));
+    }
   }
   const auto consider = [&](ModePoint point) {
     const std::vector<ContactMode> modes = point.modes;
