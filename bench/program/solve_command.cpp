@@ -59,8 +59,8 @@ void print(const Result& r) {
                         scientific(k.gap) + "   (M-norm, unit rows, relative)");
   if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + scientific(k.primal));
   for (const Result::WorstRow& worst : r.worst_by_type)
-    line("", worst.type + ": " + scientific(worst.violation) + " " + worst.unit + ", " + scientific(worst.relative) +
-                 " relative, at " + worst.name);
+    line("", worst.type + ": " + scientific(worst.violation) + (worst.unit.empty() ? "" : " " + worst.unit) + ", " +
+                 scientific(worst.relative) + " relative, at " + worst.name);
   if (!r.conflicting.empty())
     line("conflict", some_of(r.conflicting, 8) + "   (certificate " + scientific(k.farkas) + ")");
   line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
