@@ -154,7 +154,8 @@ std::string to_string(const MeshReport& r) {
   const Vec3 size = 1000 * (r.high - r.low);
   char box[96];
   std::snprintf(box, sizeof box, "%.4g x %.4g x %.4g mm", size.x(), size.y(), size.z());
-  return counted(r.triangles_read - r.degenerate - r.repeated, "triangles") + ", " + box + "; " +
+  const std::size_t left = r.triangles_read - r.degenerate - r.repeated;
+  return counted(left, left == 1 ? "triangle" : "triangles") + ", " + box + "; " +
          counted(r.welded, "vertices welded") + "; " + counted(r.degenerate, "degenerate and ") +
          counted(r.repeated, "repeated triangles dropped") + "; " + counted(r.boundary_edges, "boundary and ") +
          counted(r.non_manifold_edges, "non-manifold edges");

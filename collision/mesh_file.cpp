@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
+#include <cctype>
+#include <cstring>
+#include <sstream>
 
 #include <zwang/core/problem/did_you_mean.h>
 
@@ -21,6 +24,64 @@ namespace fs = std::filesystem;
 std::string without_placeholder(std::string text) {
   const std::size_t at = text.find("$$$___magic___$$$"), end = std::min(text.size(), text.find(' ', at));
   return at == std::string::npos ? text : text.replace(at, end - at, "it");
+}
+
+std::size_t bytes_of_ply(std::string_view type) {
+  for (const std::string_view one : {"char", "uchar", "int8", "uint8"})
+    if (type == one) return 1;
+  for (const std::string_view two : {"short", "ushort", "int16", "uint16"})
+    if (type == two) return 2;
+  return type == "double" || type == "float64" ? 8 : 4;
+}
+
+// assimp takes a first byte of binary data that is the end of a line, such as 0x0A in the float -0.02, for part of the
+// header. Each vertex then gets another byte before it. "": the file as it is.
+std::string with_first_byte_read(const std::string& ply) {
+  const std::size_t end = ply.find("end_header"), data = ply.find('\n', end) + 1;
+  if (ply.find("format binary") > end || data == 0 || data >= ply.size() || (ply[data] != '\n' && ply[data] != '\r'))
+    return {};
+  std::istringstream header(ply.substr(0, end));
+  std::string out, line;
+  std::size_t elements = 0, count = 0, record = 0;
+  while (std::getline(header, line)) {
+    std::istringstream words(line);
+    std::string word, type;
+    words >> word >> type;
+    out += line + '\n';
+    if (word == "element" && ++elements == 1) {
+      words >> count;
+      out += "property uchar first\n";
+    }
+    if (word != "property" || elements != 1) continue;
+    if (type == "list") return {};
+    record += bytes_of_ply(type);
+  }
+  if (count == 0 || record == 0 || count > (ply.size() - data) / record) return {};
+  out += "end_header\n";
+  for (std::size_t k = 0; k < count; ++k) out.append(1, 'x').append(ply, data + k * record, record);
+  return out.append(ply, data + count * record);
+}
+
+// Text in small letters, which are all that assimp knows. "": the file as it is. Refuses what is neither text nor of
+// the size of a binary STL: 80 bytes, the number of triangles, 50 bytes for each.
+std::string in_small_letters(const fs::path& file, const std::string& stl) {
+  std::uint32_t triangles = 0;
+  if (stl.size() >= 84) std::memcpy(&triangles, stl.data() + 80, sizeof triangles);
+  const std::size_t wanted = 84 + 50 * std::size_t{triangles};
+  if (wanted == stl.size()) return {};
+  const auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
+  const std::size_t first = std::min(stl.find_first_not_of(" \t\r\n"), stl.size());
+  std::string word = stl.substr(first, 5);
+  std::ranges::transform(word, word.begin(), lower);
+  if (word != "solid")
+    refuse(file,
+           std::to_string(stl.size()) + " bytes; expected an STL: text that begins with solid, or " +
+               (stl.size() < 84 ? "84 bytes at least"
+                                : std::to_string(wanted) + " bytes for " + std::to_string(triangles) + " triangles"));
+  if (stl.compare(first, 5, word) == 0) return {};
+  std::string text = stl;
+  std::ranges::transform(text, text.begin(), lower);
+  return text;
 }
 
 // Meshes belong to nodes, and each node is placed relative to its parent.
@@ -51,12 +112,16 @@ Mesh parse(const StoredFile& stored, const std::string& kind, const std::string&
   const fs::path& file = stored.path;
   if (kind == ".ply" && bytes.find("end_header") == std::string::npos)
     refuse(file, "cut within its header; expected a line end_header");
+  const std::string sound = kind == ".stl"   ? in_small_letters(file, bytes)
+                            : kind == ".ply" ? with_first_byte_read(bytes)
+                                             : std::string();
+  const std::string& read = sound.empty() ? bytes : sound;
   Assimp::Importer importer;
   constexpr unsigned int steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
   // A glTF's buffers lie in files beside it, so that one is read from its place.
   const bool beside = kind == ".gltf" && !stored.packed();
   const aiScene* scene = beside ? importer.ReadFile(file.string(), steps)
-                                : importer.ReadFileFromMemory(bytes.data(), bytes.size(), steps, kind.c_str() + 1);
+                                : importer.ReadFileFromMemory(read.data(), read.size(), steps, kind.c_str() + 1);
   if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_placeholder(importer.GetErrorString()));
   Mesh mesh;
   append(*scene, *scene->mRootNode, aiMatrix4x4t<double>(), unit, mesh);

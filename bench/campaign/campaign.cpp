@@ -55,7 +55,7 @@ std::string job_script(const Campaign& c) {
   const std::string run = std::string(c.timing ? "$pin " : "") + program + " bench";
   text +=
       "# Two attempts at one part at a time would repeat each other's work.\n"
-      "exec 9>\"$dir/parts/$k.lock\"\n"
+      "exec 9>\"$dir/logs/$k.lock\"\n"
       "flock -n 9 || exit 0\n"
       "if [ -f \"$part/run.json\" ]; then\n"
       "  " +

@@ -71,9 +71,17 @@ EngineKind engine_kind(const std::string& name) {
                               " (slurm, parallel, local)");
 }
 
+void require_engine(EngineKind engine) {
+  if (engine == EngineKind::slurm && shell("command -v sbatch").code != 0)
+    throw std::runtime_error("Slurm is not installed here: there is no sbatch; or use --engine local");
+  if (engine == EngineKind::parallel && shell("command -v parallel").code != 0)
+    throw std::runtime_error("GNU parallel is not installed (Debian: apt install parallel); or use --engine local");
+}
+
 Handle start_tasks(EngineKind engine, const std::filesystem::path& directory, const std::vector<std::size_t>& tasks,
                    std::size_t at_once) {
   const std::string job = quoted((directory / "job.sh").string());
+  require_engine(engine);
   std::string words;
   for (const std::size_t k : tasks) words.append(" ").append(std::to_string(k));
   if (engine == EngineKind::slurm) {
@@ -87,8 +95,6 @@ Handle start_tasks(EngineKind engine, const std::filesystem::path& directory, co
   const std::string most = std::to_string(at_once);
   std::string command;
   if (engine == EngineKind::parallel) {
-    if (shell("command -v parallel").code != 0)
-      throw std::runtime_error("GNU parallel is not installed (Debian: apt install parallel), or use --engine local");
     command = "setsid nohup parallel --joblog " + quoted((directory / "joblog.txt").string()) + " -j " + most + " " +
               job + " :::" + words + " </dev/null";
   } else {

@@ -20,6 +20,9 @@ struct Handle {
   std::string started = {};  // of the process: tells it from a later one of the same id
 };
 
+// Throws std::runtime_error where the engine is not on this machine.
+void require_engine(EngineKind engine);
+
 // Runs DIR/job.sh K for every K of tasks, at most at_once of them at a time. Throws std::runtime_error with the
 // engine's own words.
 Handle start_tasks(EngineKind engine, const std::filesystem::path& directory, const std::vector<std::size_t>& tasks,

@@ -44,6 +44,7 @@ class Model {
 Model::Model(const std::filesystem::path& file, bool friction) : family_(file.stem().string()), friction_(friction) {
   mju_user_error = [](const char* message) { throw std::runtime_error(message); };
   mju_user_warning = [](const char*) {};
+  if (!std::filesystem::exists(file)) throw BadFile(file.string() + ": no such file");
   std::array<char, 1000> error{};
   model_.reset(mj_loadXML(file.c_str(), nullptr, error.data(), error.size()));
   if (!model_) {

@@ -80,6 +80,8 @@ void add_options(CLI::App& options, Asked& asked) {
       ->type_name("DIR");
 }
 
+std::string counted(std::size_t n, const std::string& noun) { return grouped(n) + " " + noun + (n == 1 ? "" : "s"); }
+
 int print_missing(const std::vector<std::filesystem::path>& directories) {
   const CellList cells(directories.front());
   std::vector<CellList> parts(directories.begin(), directories.end());
@@ -158,8 +160,9 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
                         ? make_plan(std::move(asked.suite))
                         : from_record(asked.resume, [&asked] { return make_plan(std::move(asked.suite)); });
   const Conditions c = conditions();
-  std::printf("zwang %s   %s: %zu solvers x %zu problems x %zu tolerances, seed %llu, one core%s\n", c.version.c_str(),
-              plan.title().c_str(), plan.solvers(), plan.problems(), plan.options.tolerances.size(),
+  const std::string runs = counted(plan.solvers(), "solver") + " x " + counted(plan.problems(), "problem") + " x " +
+                           counted(plan.options.tolerances.size(), "tolerance");
+  std::printf("zwang %s   %s: %s, seed %llu, one core%s\n", c.version.c_str(), plan.title().c_str(), runs.c_str(),
               static_cast<unsigned long long>(plan.options.seed),
               plan.shard.of > 1 ? (", part " + plan.options.shard).c_str() : "");
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");

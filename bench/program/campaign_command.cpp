@@ -95,6 +95,7 @@ int campaign_command(std::vector<std::string> words) {
   campaign.suite = {"--suite", suite.empty() ? "standard" : suite};
   std::ranges::move(options.remaining(), std::back_inserter(campaign.suite));
   require_suite(campaign.suite);
+  require_engine(campaign.engine);
   write_campaign(campaign);
   std::printf("%zu tasks, %zu at a time: %s\n", campaign.tasks, campaign.at_once,
               (campaign.directory / "job.sh").c_str());

@@ -27,8 +27,11 @@ int merge_and_report(const std::vector<std::filesystem::path>& parts, const std:
     for (const auto& [machine, runs] : merged.machines)
       std::printf("%s runs on %s\n", grouped(runs).c_str(), machine.c_str());
   if (merged.present < merged.planned)
-    std::printf("%s runs are missing: ./zwang bench --missing %s lists them\n",
-                grouped(merged.planned - merged.present).c_str(), folder.c_str());
+    std::printf("%s: ./zwang bench --missing %s lists them\n",
+                merged.planned == merged.present + 1
+                    ? "1 run is missing"
+                    : (grouped(merged.planned - merged.present) + " runs are missing").c_str(),
+                folder.c_str());
   std::printf("Report: %s\n", report::write_report(out).c_str());
   return merged.disagreeing.empty() ? done : found;
 }

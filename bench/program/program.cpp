@@ -64,22 +64,21 @@ void print_help(std::span<const Command> commands) {
   for (const Command& c : commands) {
     if (c.group != group) std::printf("\n%s:\n", c.group.c_str());
     group = c.group;
-    std::printf("  %-10s %s\n", c.name.c_str(), c.line.c_str());
+    std::printf("  %-11s %s\n", c.name.c_str(), c.line.c_str());
   }
   std::puts(
       "\nThe project itself:\n"
-      "  setup      install what is needed and build\n"
-      "  test       build and run the tests (./zwang test -R PATTERN: some of them)\n"
-      "  python     build the Python module, say how to import it\n"
-      "  docs       build the pages and the API reference as a site that opens offline\n\n"
+      "  setup       install what is needed and build\n"
+      "  test        build and run the tests (./zwang test -R PATTERN: some of them)\n"
+      "  python      build the Python module, say how to import it\n"
+      "  docs        build the pages and the API reference as a site that opens offline\n\n"
       "Examples:\n"
       "  ./zwang bench                    the standard suite, at most ten minutes\n"
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang simulate simple --motion grasp\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
-      "Exit codes: 0 done, 1 fuzzing found a fault or runs are missing, 2 wrong use, 3 a file that cannot be used, 130 "
-      "stopped with "
-      "Ctrl-C.");
+      "Exit codes: 0 done; 1 fuzz or conformance found a fault, or runs are missing or disagree; 2 wrong use; 3 a file "
+      "that cannot be used; 130 stopped with Ctrl-C.");
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {

@@ -54,13 +54,17 @@ void print(const Result& r) {
   else if (!std::isnan(k.z_bound))
     against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
   line("verified", std::string(to_string(k.verdict)) + "   " + against);
+  if (r.claimed == Status::unsupported || r.claimed == Status::bad_input) {  // nothing was solved
+    if (!r.message.empty()) line("message", r.message);
+    return;
+  }
   line("residuals", "primal " + scientific(k.primal) + "   dual " + scientific(k.dual) + "   stationarity " +
                         scientific(k.stationarity) + "   complementarity " + scientific(k.complementarity) + "   gap " +
                         scientific(k.gap) + "   (M-norm, unit rows, relative)");
   if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + scientific(k.primal));
   for (const Result::WorstRow& worst : r.worst_by_type)
-    line("", worst.type + ": " + scientific(worst.violation) + " " + worst.unit + ", " + scientific(worst.relative) +
-                 " relative, at " + worst.name);
+    line("", worst.type + ": " + scientific(worst.violation) + (worst.unit.empty() ? "" : " " + worst.unit) + ", " +
+                 scientific(worst.relative) + " relative, at " + worst.name);
   if (!r.conflicting.empty())
     line("conflict", some_of(r.conflicting, 8) + "   (certificate " + scientific(k.farkas) + ")");
   line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
@@ -87,7 +91,8 @@ void print(const std::vector<TracePoint>& points) {
 }  // namespace
 
 int solve_command(std::vector<std::string> words) {
-  CLI::App options("Solves one problem file (FCLIB or zwang's HDF5) and says whether the answer is right.");
+  CLI::App options(
+      "Solves one problem file (zwang's or FCLIB's HDF5, Siconos' .dat) and says whether the answer is right.");
   introduce(options, "solve",
             "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls --tolerance 1e-8\n"
             "  ./zwang solve H16.h5 --problem h3 --solver ipopt --json\n"
@@ -117,7 +122,7 @@ int solve_command(std::vector<std::string> words) {
     print_solutions(choose(file, read_problems(file, law), name), json);
     return done;
   }
-  if (run.solver.empty()) throw std::invalid_argument("--solver is required (solve --help)");
+  if (run.solver.empty()) throw std::invalid_argument("--solver NAME is required (./zwang solve --help)");
   make_solver(run.solver);
   run.foreign = runs_apart(run.solver);
 

@@ -109,10 +109,14 @@ Table comparison_table(const Run& a, const Run& b) {
   }
   table.explain("Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.",
                 "No solver is in both runs.");
-  std::vector<std::string> added;
-  for (const SolverInfo& s : b.solvers)
-    if (!holds(a, s.name)) added.push_back(s.name);
-  if (!added.empty()) table.note += " Only in run B: " + joined(added) + ".";
+  const auto alone = [&](const Run& run, const Run& other, const char* name) {
+    std::vector<std::string> names;
+    for (const SolverInfo& s : run.solvers)
+      if (!holds(other, s.name)) names.push_back(s.name);
+    if (!names.empty()) table.note += std::string(" Only in run ") + name + ": " + joined(names) + ".";
+  };
+  alone(a, b, "A");
+  alone(b, a, "B");
   return table;
 }
 

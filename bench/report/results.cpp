@@ -48,7 +48,7 @@ Result parse_result(const json& line) {
        r.problem_sha256, "problem_file", r.problem_file, "n", r.n, "m", r.m, "equalities", r.equalities);
   read(line, "solver", r.solver, "tolerance", r.tolerance, "claimed", r.claimed, "verified", r.verified, "reference",
        r.reference, "bound_method", r.bound_method, "message", r.message, "worst_row", r.worst_row, "fallback",
-       r.fallback);
+       r.fallback, "handed_to", r.handed_to);
   read(line, "z_error", r.z_error, "z_bound", r.z_bound, "primal", r.primal, "stationarity", r.stationarity, "gap",
        r.gap, "range_gap", r.range_gap, "law", r.law, "coulomb_error", r.coulomb_error, "self_bound", r.self_bound);
   // Coulomb's law may have several solutions, and the reference is one of them: what counts is the distance to the
@@ -190,7 +190,7 @@ void keep_times_of_one_machine(const std::vector<std::size_t>& machine_of, const
                       " runs were made on other machines, and their times do not compare.");
 }
 
-std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::* field) {
+std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::*field) {
   std::vector<std::string> names;
   for (const Result& r : results)
     if (std::ranges::find(names, r.*field) == names.end()) names.push_back(r.*field);

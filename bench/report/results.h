@@ -25,8 +25,9 @@ struct Result {
   std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
   std::string claimed = {}, verified = {};
   std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
-  std::string law = {};     // of friction
-  std::string replay = {};  // the command that repeats this run; of large runs see replay_of()
+  std::string handed_to = {};  // the solver whose answer and time this is
+  std::string law = {};        // of friction
+  std::string replay = {};     // the command that repeats this run; of large runs see replay_of()
   double knob_value = unknown, tolerance = unknown;
   long n = 0, m = 0, equalities = 0;
   double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;

@@ -75,7 +75,7 @@ std::vector<SceneEntry> frictionless_and_rough() {
             real("gap", 0x1p-8, 0, 0.125, "largest gap or penetration, as a part of the diameter"),
             real("mass_ratio", 1, 1, 0x1p20, "of the heaviest sphere to the lightest"),
             seed("of the random draws")),
-      scene("arch", arch, "wedge-shaped stones in half a circle, four contacts a joint, no friction",
+      scene("arch", arch, "wedge-shaped stones in half a circle, four contacts a joint",
             integer("stones", 9, 3, 500, "number of stones")),
       without_contacts("chain", chain, "links on ball joints, hanging from one end, tumbling",
                        integer("links", 16, 1, 4000, "number of links"),

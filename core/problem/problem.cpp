@@ -98,6 +98,12 @@ std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
   return {};
 }
 
+std::string in_words(double x) {
+  std::ostringstream text;
+  text << x;
+  return text.str();
+}
+
 // Tangent rows stand in ones or twos after the inequality row of their contact, where mu is a number >= 0; a contact
 // with mu > 0 has them.
 std::string bad_friction(const Problem& p) {
@@ -113,7 +119,7 @@ std::string bad_friction(const Problem& p) {
     const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
     if (p.is_equality(i)) continue;
     if (!(p.mu[i] >= 0) || std::isinf(p.mu[i]))
-      return "mu(" + std::to_string(i) + ") is " + std::to_string(p.mu[i]) + "; expected a number >= 0";
+      return "mu(" + std::to_string(i) + ") is " + in_words(p.mu[i]) + "; expected a number >= 0";
     if (tangents > 2) return row(i) + " has " + std::to_string(tangents) + " tangent rows; expected 1 or 2";
     if (tangents == 0 && p.mu[i] > 0) return row(i) + " has mu > 0 and no tangent rows";
     i += tangents;

@@ -108,7 +108,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
   }
 }
 
-// Coulomb's law asks for s_n >= 0 of all contacts, whatever their friction: a proof against that is one against it.
+// Each law asks for s_n >= 0 of all contacts, whatever their friction: a proof against that is one against it.
 bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const SolveOptions& options,
                                     const Deadline& deadline) {
   SolveOptions rest = options;
@@ -162,9 +162,11 @@ bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const Solve
     solution.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
   } else {
     solution.status = Status::numerical_failure;
+    const double left = natural_ / program_.scale(v_);
+    const char* const reason = left <= options.tolerance ? "the natural residual is %.1e of the motion, and proves no z"
+                                                         : "the natural residual stays at %.1e of the motion";
     std::array<char, 80> text;
-    std::snprintf(text.data(), text.size(), "the natural residual stays at %.1e of the motion",
-                  natural_ / program_.scale(v_));
+    std::snprintf(text.data(), text.size(), reason, left);
     solution.message = text.data();
   }
   return accepted;
@@ -194,7 +196,7 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
     return;
   }
   solve_under(coulomb ? Law::coulomb : Law::convex, cone.finish, p, options, deadline, options.warm_start, solution);
-  if (coulomb && solution.status == Status::numerical_failure &&
+  if (solution.status == Status::numerical_failure &&
       contradicts_itself(cone.normals_.own(p.size(), p.rows()), p, options, deadline)) {
     solution.status = Status::infeasible;
     solution.zero_certificate(p.rows()) = of_normals_.certificate;

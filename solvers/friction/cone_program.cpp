@@ -72,13 +72,19 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
   };
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i) || !slips(i) || !std::isfinite(p.c[i])) continue;
-    double trace = 0;
+    double longest = 0, trace = 0;
     for (Index q = 0; q <= p.tangents(i); ++q)
-      if (const Index k = unit_of_[at(i + q)]; k >= 0) trace += rows.row_norm[k] * rows.row_norm[k];
-    if (!(trace > 0)) {
+      if (const Index k = unit_of_[at(i + q)]; k >= 0)
+        longest = std::max(longest, static_cast<double>(rows.row_norm[k]));
+    if (!(longest > 0)) {
       if (!meets_immobile(p, i, p.mu[i], solution)) return false;
       continue;
     }
+    // Squares of rows of 1e200 do not fit a double.
+    const int size = std::ilogb(longest);
+    const auto norm = [&](Index k) { return std::ldexp(static_cast<double>(rows.row_norm[k]), -size); };
+    for (Index q = 0; q <= p.tangents(i); ++q)
+      if (const Index k = unit_of_[at(i + q)]; k >= 0) trace += norm(k) * norm(k);
     const double unit = std::sqrt(3 / trace);
     mu_.push_back(p.mu[i]);
     for (Index q = 0; q < 3; ++q) {
@@ -86,9 +92,9 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
       if (q > p.tangents(i))
         add_row(-1, -1, 0, 0);
       else if (const Index k = unit_of_[at(i + q)]; k >= 0)
-        add_row(i + q, k, own * rows.row_norm[k], own * rows.row_norm[k] * violation(k));
+        add_row(i + q, k, own * norm(k), own * norm(k) * violation(k));
       else
-        add_row(i + q, -1, own, std::ldexp(own * p.c[i + q], -rows.exponent));
+        add_row(i + q, -1, std::ldexp(own, -size), std::ldexp(own * p.c[i + q], -rows.exponent - size));
     }
   }
   for (Index i = 0; i < p.rows(); ++i) {
@@ -230,8 +236,10 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
     out.natural = std::max(
         {out.natural, std::abs(l - normal), std::abs(y[3 * k + 1] - share * b), std::abs(y[3 * k + 2] - share * c)});
     // Where l is so large that l - s is l, the residual is blind: the violation stands beside it.
-    const double violated = std::max(0.0, m * slip - shifted);
+    const double violated = std::max(0.0, is_coulomb() ? -m * s[3 * k] : m * slip - shifted);
     out.natural = std::max(out.natural, violated);
+    // And the normal row as a unit row, where its tangents are much longer or shorter.
+    if (source_unit_[at(3 * k)] >= 0) out.natural = std::max(out.natural, -s[3 * k] / factor_[at(3 * k)]);
     const double pull = std::max(0.0, std::hypot(y[3 * k + 1], y[3 * k + 2]) - m * l);
     out.gap += l * shifted + y[3 * k + 1] * s[3 * k + 1] + y[3 * k + 2] * s[3 * k + 2] + 2 * std::abs(l) * violated +
                2 * pull * (slip + std::abs(shifted));

@@ -18,12 +18,9 @@ constexpr double share = 0.05, loosest = 0.01, tightest = tolerances::cone_exact
 constexpr int widenings = 8;  // of the slips, where the convex problem has no answer
 
 double slip(const Problem& p, Index row, const Vector& z) {
-  double square = 0;
-  for (Index t = 1; t <= p.tangents(row); ++t) {
-    const double s = p.J.row(row + t).dot(z) - p.c[row + t];
-    square += s * s;
-  }
-  return std::sqrt(square);
+  double size = 0;
+  for (Index t = 1; t <= p.tangents(row); ++t) size = std::hypot(size, p.J.row(row + t).dot(z) - p.c[row + t]);
+  return size;
 }
 
 template <class Visit>

@@ -20,7 +20,10 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   cone_.resize(at(nc));
   degree_ = 2 * nc;
   const double first = size * program.start();
-  for (Index k = 0; k < nc; ++k) y[3 * k] = w[3 * k] = first;
+  for (Index k = 0; k < nc; ++k) {
+    y[3 * k] = first * program.tilt(k);
+    w[3 * k] = first * std::max(1.0, 1 / program.tilt(k));
+  }
   for (Index r = 0; r < program.rays(); ++r) {
     if (program.is_equality(r)) continue;
     y[3 * nc + r] = w[3 * nc + r] = first;

@@ -75,15 +75,18 @@ void ModeNewton::linearize(ConeProgram& program) {
   for (Index k = 0; k < nc; ++k) {
     double *D = &D_[at(9 * k)], *next = &next_[3 * k];
     const double *own = &y[3 * k], *slack = &s[3 * k];
+    const double normal_hard = hard * program.tilt(k) * program.tilt(k);  // of the row N / mu
     if (mode_[at(k)] == Mode::stick) {
-      D[0] = D[4] = D[8] = hard;
-      for (Index i = 0; i < 3; ++i) next[i] = own[i] - hard * slack[i];
+      D[0] = normal_hard;
+      D[4] = D[8] = hard;
+      for (Index i = 0; i < 3; ++i) next[i] = own[i] - D[4 * i] * slack[i];
     } else if (mode_[at(k)] == Mode::slide) {
       const auto [u1, u2, size, pressure] = direction_[at(k)];
       const double share = pressure / size;  // < 1: |s_t| = size - pressure
       const double bend = std::min(hard, share / std::max(softness_, 1 - share));
       const double P11 = bend * (1 - u1 * u1), P12 = -bend * u1 * u2, P22 = bend * (1 - u2 * u2);
-      const double n0 = program.is_coulomb() ? hard : 0.5 * hard, n1 = program.is_coulomb() ? 0 : n0 * u1,
+      const double n0 = program.is_coulomb() ? normal_hard : 0.5 * std::min(hard, normal_hard),
+                   n1 = program.is_coulomb() ? 0 : n0 * u1,
                    n2 = program.is_coulomb() ? 0 : n0 * u2;  // D's part of the row that holds
       const double normal = pressure - (n0 * slack[0] + n1 * slack[1] + n2 * slack[2]);
       next[0] = normal;

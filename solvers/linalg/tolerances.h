@@ -132,6 +132,9 @@ inline constexpr double cone_runs_off = 1e4;
 inline constexpr double cone_pivot = 1e-15;
 // The rounding of the rows' push above which no answer is claimed, where less was not asked for.
 inline constexpr double cone_push = 1e-8;
+// A mu above this, or below its inverse, makes the rows N / mu and T of a cone so different that each has its own
+// weight.
+inline constexpr double cone_far = 0x1p10;
 // A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
 inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
 

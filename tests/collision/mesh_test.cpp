@@ -66,6 +66,43 @@ TEST_F(MeshFiles, FormatsGiveTheSameClosedTetrahedron) {
   }
 }
 
+// The float -0.02 begins with 0x0A, a line's end to assimp.
+TEST_F(MeshFiles, BinaryPlyMayBeginWithAnyByte) {
+  for (const std::string newline : {"\n", "\r\n"})
+    for (const float x : {-.02F, .02F}) {
+      std::string ply;
+      for (const char* line :
+           {"ply", "format binary_little_endian 1.0", "element vertex 3", "property float x", "property float y",
+            "property float z", "element face 1", "property list uchar int vertex_indices", "end_header"})
+        ply += line + newline;
+      const std::array<float, 9> points{x, 0, 0, 1, 0, 0, 0, 1, 0};
+      const std::array<std::int32_t, 3> corners{0, 1, 2};
+      ply.append(reinterpret_cast<const char*>(points.data()), sizeof points);
+      ply += '\3';
+      ply.append(reinterpret_cast<const char*>(corners.data()), sizeof corners);
+      const MeshFile read = read_mesh(write("first.ply", ply));
+      EXPECT_EQ(read.report.low.x(), std::min(0.0, static_cast<double>(x)));
+      EXPECT_EQ(read.mesh.triangles.size(), 1u);
+    }
+}
+
+TEST_F(MeshFiles, TextStlMayBeInCapitals) {
+  const fs::path file =
+      write("capitals.stl",
+            "SOLID X\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1.5E0 0 0\nVERTEX 0 1 0\nENDLOOP\n"
+            "ENDFACET\nENDSOLID X\n");
+  EXPECT_EQ(read_mesh(file).report.high, Vec3(1.5, 1, 0));
+}
+
+TEST_F(MeshFiles, AnStlOfTheWrongSizeSaysWhichIsRight) {
+  const std::string whole = binary_stl({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});
+  EXPECT_NE(complaint(write("cut.stl", whole.substr(0, 100)))
+                .find("100 bytes; expected an STL: text that begins with "
+                      "solid, or 184 bytes for 2 triangles"),
+            std::string::npos);
+  EXPECT_NE(complaint(write("short.stl", "hello")).find("or 84 bytes at least"), std::string::npos);
+}
+
 TEST_F(MeshFiles, GzipIsInflatedAndUnitsScale) {
   const fs::path file = folder / "t.obj.gz";
   gzFile out = gzopen(file.c_str(), "wb");

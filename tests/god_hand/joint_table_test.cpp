@@ -87,6 +87,8 @@ TEST(JointTable, AnglesBeyondTheLimitsAreClampedAndMeasured) {
   const Track track = read_motion(written("angles.csv", text(lines))).hands[0];
   EXPECT_NEAR(track.beyond, 1.8 - 1.5707963267948966, 1e-12);
   EXPECT_EQ(track.keys[3].target.angles[4], track.model.range(4).high);
+  EXPECT_EQ(read_motion(written("angles.csv", text(lines))).notes.at(0),
+            "angles up to 0.229 rad beyond the hand's limits: clamped");
   // The whole straight-ish finger swings by 0.229 rad.
   EXPECT_GT(track.misfit_most, 0.01);
   EXPECT_LT(track.misfit_most, 0.02);
@@ -105,6 +107,14 @@ TEST(JointTable, NaNRowsAreHeldOver) {
   EXPECT_FALSE(motion.hands[0].keys[4].target.tracked);
   EXPECT_EQ(motion.hands[0].keys[4].target.palm.position.x(), 0.03);
   EXPECT_EQ(motion.notes.size(), 2u);
+}
+
+TEST(JointTable, AnAngleOfSeveralTurnsIsHeldOver) {
+  Lines lines = table({""});
+  lines[4][12] = "90";
+  const Track track = read_motion(written("angles.csv", text(lines))).hands[0];
+  EXPECT_EQ(track.held_over, 1u);
+  EXPECT_EQ(track.beyond, 0);
 }
 
 TEST(JointTable, ARecordingWhoseFirstPoseCannotBeFollowedBeginsLater) {
@@ -163,6 +173,19 @@ TEST(JointTable, RefusesInOneLine) {
        }),
        "most rows have no time"},
       {changed([](Lines& l) { l[5][0] = "1e7"; }), "more than 10 minutes"},
+      {changed([](Lines& l) {
+         for (std::size_t k = 1; k < l.size(); ++k) l[k][0] = "5";
+       }),
+       "all rows have one time"},
+      {changed([](Lines& l) {
+         for (std::size_t k = 1; k < l.size(); ++k) l[k][12] = "30";
+       }),
+       "an angle more than a turn beyond its limits"},
+      {changed([](Lines& l) {
+         for (std::size_t k = 1; k < l.size(); ++k) l[k][1] = std::to_string(10 * k);
+       }),
+       "the palm goes at 1e+03 m/s"},
+      {"time;palm_x;palm_y\n0;1;2\n1;2;3\n", "line 1: no commas"},
       {"step,FFJ2\n0,1\n1,2\n", "no column 'FFJ3'"},
   };
   for (const auto& [content, expected] : cases) {

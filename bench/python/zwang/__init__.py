@@ -33,11 +33,11 @@ def _numbers(value, name, size=None):
     try:
         if numpy.iscomplexobj(value):
             raise ValueError("it has complex entries")
-        array = numpy.ascontiguousarray(value, dtype=numpy.float64)
+        array = numpy.array(value, dtype=numpy.float64, order="C")
     except (TypeError, ValueError) as bad:
         raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
-    if array.ndim == 0 and size is not None:
-        array = numpy.full(size, float(array))
+    if array.ndim == 0:
+        array = numpy.full(1 if size is None else size, float(array))
     if array.ndim != 1:
         array = array.reshape(-1) if array.ndim == 2 and 1 in array.shape else array
     if array.ndim != 1:
@@ -114,7 +114,12 @@ class Problem(_zwang.Problem):
         slips = numpy.zeros(len(c), dtype=bool) if tangent is None else numpy.asarray(tangent)
         if slips.dtype != bool or slips.shape != c.shape or (slips & mask).any():
             raise ValueError(f"tangent should be {len(c)} booleans, none of them of an equality row")
-        mu = _numbers(mu, "mu", len(c)) if slips.any() else numpy.empty(0)
+        mu = _numbers(mu, "mu", len(c)) if mu is not None or slips.any() else numpy.empty(0)
+        if mu.size not in (0, len(c)):
+            raise ValueError(f"mu should have {len(c)} entries, one a row, or be one number; it has {mu.size}")
+        if not slips.any() and (mu != 0).any():
+            raise ValueError(f"mu({numpy.flatnonzero(mu != 0)[0]}) is not 0, but there are no tangent rows: tangent=")
+        mu = mu if slips.any() else numpy.empty(0)
         if law is None:
             law = "coulomb" if slips.any() else "frictionless"
         super().__init__(_compressed(M, "M", len(z_u), False), z_u, _compressed(J, "J", len(z_u), True), c, mask, slips,
@@ -133,6 +138,7 @@ def _under(problem, law):
 
 _zwang.Problem.under = _under
 _zwang.Problem.__repr__ = lambda p: f"<zwang.Problem {p.name}: {p.size} unknowns, {p.rows} rows>"
+_zwang.Solution.__repr__ = lambda s: f"<zwang.Solution: {s.status}, {s.iterations} iterations>"
 
 
 def scenes():

@@ -26,10 +26,23 @@ namespace {
 
 using nlohmann::json;
 
-std::string counted(std::size_t n, const std::string& noun) {
+std::string grouped(std::size_t n) {
   std::string digits = std::to_string(n);
   for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
-  return digits + " " + noun + (n == 1 ? "" : "s");
+  return digits;
+}
+
+std::string counted(std::size_t n, const std::string& noun) { return grouped(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+// Whose answers and times stand under another solver's name.
+std::string handed_over(const Run& run) {
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> problems;
+  for (const Result& r : run.results)
+    if (!r.handed_to.empty()) problems[{r.solver, r.handed_to}].insert(r.problem);
+  std::vector<std::string> parts;
+  for (const auto& [names, of] : problems)
+    parts.push_back(names.first + " to " + names.second + " on " + counted(of.size(), "problem"));
+  return parts.empty() ? "" : "Answer and time are another solver's where one hands over: " + joined(parts) + ".";
 }
 
 // What a reader must know to compare fairly, beside the run's own notes.
@@ -122,18 +135,18 @@ std::vector<std::string> headline(const Run& run) {
                     blank = verdicts["unsupported"] + verdicts["bad input"];
   const std::size_t failed = run.results.size() - right - near - wrong - consistent - undecided - blank;
   std::string counts = counted(run.results.size(), "run") + " of " + counted(run.solvers.size(), "solver") + " on " +
-                       counted(problems.size(), "problem") + ": " + std::to_string(right) + " right";
+                       counted(problems.size(), "problem") + ": " + grouped(right) + " right";
   for (const auto& [n, what] : {std::pair(near, "near"),
                                 {wrong, "wrong"},
                                 {consistent, "consistent"},
                                 {undecided, "undecided"},
                                 {failed, "without an answer"},
                                 {blank, "not applicable"}})
-    if (n > 0) counts += ", " + std::to_string(n) + " " + what;
+    if (n > 0) counts += ", " + grouped(n) + " " + what;
   std::vector<std::string> lies;
   std::size_t total = 0;
   for (const auto& [solver, n] : liars) {
-    lies.push_back(solver + " " + std::to_string(n));
+    lies.push_back(solver + " " + grouped(n));
     total += n;
   }
   std::vector<std::string> lines = {counts + "."};
@@ -143,6 +156,7 @@ std::vector<std::string> headline(const Run& run) {
     lines.push_back(counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") + " wrong (" +
                     joined(lies) + "): see the table of false claims.");
   if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
+  if (const std::string line = handed_over(run); !line.empty()) lines.push_back(line);
   if (!run.recorded.empty())
     lines.push_back(counted(run.recorded.size(), "recorded answer") + " judged beside the runs, " +
                     std::to_string(std::ranges::count_if(run.recorded, &Result::is_right)) + " right.");

@@ -41,7 +41,7 @@
       'convergence-iteration': 'The run holds no traces of this measure for the solvers shown; ./zwang bench --trace records them.',
       'scaling': 'No family of this run sweeps its size over three values or more, for the solvers shown.',
       'speed-ratios': 'No solver of this family has a time to compare.',
-      'speed-exponents': 'No solver solved three sizes of a family.',
+      'speed-exponents': 'No solver solved three sizes of hands, towers, walls (from 100 boxes) or random rows.',
       'sweep': 'This run holds none of the stability families (docs/stability.md).',
       'range-gap': 'No run shown reports a range gap together with a measured error.',
     };

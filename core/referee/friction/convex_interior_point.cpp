@@ -25,7 +25,7 @@ ConvexInteriorPoint::ConvexInteriorPoint(const ContactProblem& p, const Extended
       q[t] = -(p.h[static_cast<std::size_t>(contact.row + t)] * unit[t]);
     }
     if (contact.rows() > 1) q[0] += sigma[c];
-    q[0] -= unit[0] * (inward * p.row_norm[contact.row]);
+    q[0] -= unit[0] * (inward * contact.unit);
     unit_.push_back(std::move(unit));
     q_.push_back(std::move(q));
   }

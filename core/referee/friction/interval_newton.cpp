@@ -82,7 +82,7 @@ class Krawczyk {
       const Vector image = start * widened + turned;
       if (!image.allFinite()) return proof;
       inside = (image.array() < r.array()).all();
-      contraction = (turned.array() / r.array()).maxCoeff() * widened;
+      if (N > 0) contraction = (turned.array() / r.array()).maxCoeff() * widened;
       if (!inside) r = image.array() * 1.5 + 1e-200;
     }
     if (!inside) return proof;

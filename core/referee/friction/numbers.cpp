@@ -89,9 +89,11 @@ FrictionMetrics friction_residuals(const ContactProblem& p, Law law, const Exten
     for (DoubleDouble& part : l) part *= g / s;
     const double l_t = length(l[1], l[2]).hi;
     grow(out.cone_violation, std::max((length(l[1], l[2]) - l[0] * contact.mu).hi, -l[0].hi));
-    grow(out.complementarity, std::abs(l[0].hi * s_n));
     Block u = slack_of(p, contact, x, law);
     for (DoubleDouble& part : u) part = part / (g * s);
+    // Under the convex law a contact that slides opens, and s_n l_n alone is not 0.
+    grow(out.complementarity,
+         law == Law::convex ? std::abs((l[0] * u[0] + l[1] * u[1] + l[2] * u[2]).hi) : std::abs(l[0].hi * s_n));
     const DoubleDouble slip = length(u[1], u[2]);
     grow(out.dissipation, (l[0] * contact.mu * slip + l[1] * u[1] + l[2] * u[2]).hi);
     Block moved;

@@ -247,6 +247,7 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     for (InteriorAnswer& iterate : ConvexInteriorPoint(p, sigma, inward).solve({.target = 1e-20}))
       if (duality.strictly_inside(iterate.x)) {
         best.interior = true;
+        iterate.complementarity += inward;
         inner.insert(inner.begin(), std::move(iterate));
       }
   }

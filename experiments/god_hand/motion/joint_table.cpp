@@ -1,8 +1,11 @@
 #include <zwang/experiments/god_hand/motion/joint_table.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/did_you_mean.h>
@@ -35,6 +38,28 @@ bool number(std::string_view cell, double& out) {
   if (error == std::errc::invalid_argument || end != cell.data() + cell.size()) return false;
   if (error != std::errc() || !std::isfinite(out)) out = std::numeric_limits<double>::quiet_NaN();
   return true;
+}
+
+// What no hand does: numbers in other units.
+constexpr double full_turn = 6.28, fastest = 20;  // rad beyond a joint's limits, m/s
+
+std::string short_text(double x) {
+  std::ostringstream text;
+  text << std::setprecision(3) << x;
+  return text.str();
+}
+
+// The median of the palm's speed between rows [m/s].
+double usual_speed(const Track& track) {
+  std::vector<double> speeds;
+  for (std::size_t k = 1; k < track.keys.size(); ++k) {
+    const Track::Key &from = track.keys[k - 1], &to = track.keys[k];
+    speeds.push_back((to.target.palm.position - from.target.palm.position).norm() / (to.time - from.time));
+  }
+  if (speeds.empty()) return 0;
+  const auto middle = speeds.begin() + std::ssize(speeds) / 2;
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  return *middle;
 }
 
 }  // namespace
@@ -75,6 +100,8 @@ JointTable parse_table(const std::filesystem::path& file, const std::string& tex
     if (here.empty()) continue;
     const std::vector<std::string_view> cells = split(here);
     if (table.columns.empty()) {
+      if (cells.size() == 1 && here.find_first_of(";\t") != std::string_view::npos)
+        table.refuse("line " + std::to_string(line) + ": no commas; columns are separated by them");
       table.columns.assign(cells.begin(), cells.end());
       continue;
     }
@@ -124,6 +151,7 @@ HandMotion plain_motion(const JointTable& table) {
   HandMotion motion;
   note(motion.notes, timeless, "without a time");
   note(motion.notes, put_in_order(rows), "with the time of another");
+  if (rows.size() < 2) table.refuse("all rows have one time; seconds expected");
   for (std::size_t k = 1; k < rows.size(); ++k)
     if (rows[k].time - rows[k - 1].time > 600) table.refuse("more than 10 minutes between two rows; seconds expected");
   motion.duration = rows.back().time - rows.front().time;
@@ -148,7 +176,7 @@ HandMotion plain_motion(const JointTable& table) {
         beyond = std::max({beyond, limit.low - angle, angle - limit.high});
         if (std::isfinite(angle)) angle = std::clamp(angle, limit.low, limit.high);
       }
-      target.tracked = std::abs(q.norm() - 1) < 0.05;
+      target.tracked = std::abs(q.norm() - 1) < 0.05 && !(beyond > full_turn);
       const std::size_t held = track.held_over;
       append(track, {row.time - rows.front().time, target});
       if (track.held_over > held) continue;
@@ -165,7 +193,15 @@ HandMotion plain_motion(const JointTable& table) {
     }
     const std::size_t sound = rows.size() - track.held_over;
     if (2 * sound < rows.size())
-      table.refuse("most rows have a NaN or a quaternion of another length than 1 among the columns of the hand");
+      table.refuse(
+          "most rows have a NaN, a palm 1000 m away, a quaternion of another length than 1 or an angle more than a "
+          "turn "
+          "beyond its limits among the columns of the hand; metres and radians expected");
+    if (track.beyond > 0)
+      motion.notes.push_back("angles up to " + short_text(track.beyond) + " rad beyond the hand's limits: clamped");
+    if (const double speed = usual_speed(track); speed > fastest)
+      table.refuse("the palm goes at " + short_text(speed) +
+                   " m/s and more in half of the rows; metres and seconds expected");
     track.misfit_mean = sum / (15 * static_cast<double>(sound));
     motion.hands.push_back(std::move(track));
   }

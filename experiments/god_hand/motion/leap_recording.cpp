@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include <zwang/core/files/problem_file.h>
@@ -82,9 +83,11 @@ class Reader {
       for (const auto& f : track.frames)
         if (f.hand) lengths.push_back(f.hand->bone(b / 3, b % 3));
       usual[b] = upper_median(lengths);
-      if (!(usual[b] > 2e-3 && usual[b] < 0.2))
-        refuse("a bone of the " + std::string(finger_name[b / 3]) + " is " + std::to_string(1e3 * usual[b]) +
-               " mm long: millimetres and a hand's bones expected");
+      if (usual[b] > 2e-3 && usual[b] < 0.2) continue;
+      std::ostringstream text;
+      text << "a bone of the " << finger_name[b / 3] << " is " << 1e3 * usual[b]
+           << " mm long: millimetres and a hand's bones expected";
+      refuse(text.str());
     }
     for (auto& f : track.frames)
       for (std::size_t b = 0; b < 15 && f.hand; ++b)

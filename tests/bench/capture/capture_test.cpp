@@ -102,6 +102,15 @@ TEST_F(Capture, KeepsWhatTheFileFormatHolds) {
   std::filesystem::remove(stored);
 }
 
+TEST_F(Capture, AModelThatIsNotThereIsNamed) {
+  try {
+    capture({.model = "nowhere.xml", .steps = 1}, [](int, const Instance&) {});
+    FAIL();
+  } catch (const BadFile& bad) {
+    EXPECT_STREQ(bad.what(), "nowhere.xml: no such file");
+  }
+}
+
 TEST_F(Capture, SaysWhatIsWrongInOneLine) {
   for (const auto& [text, word] :
        {std::pair("<mujoco><worldbody><body><geom/></body></worldboddy></mujoco>", "MuJoCo says"),

@@ -45,6 +45,11 @@ def write_inputs():
     write("sizes.h5", c=np.array([0.0, 1.0]))
     write("indefinite.h5", M=np.diag([2.0, -2.0, 2.0]))
     write("no_c.h5", c=None)
+    contact = {"kind": np.array([1, 2, 2], "u1"), "c": np.zeros(3), "J": np.roll(np.eye(3), 1, 0)}
+    write("block.h5", **contact, mu=np.array([0.25, 0, 0]))
+    write("negative_mu.h5", **contact, mu=np.array([-1e-300, 0, 0]))
+    write("no_unknowns.h5", M=np.zeros((0, 0)), z_u=np.zeros(0), J=np.zeros((2, 0)), c=np.zeros(2),
+          kind=np.array([1, 2], "u1"), mu=np.array([0.5, 0]))
     with open("box.h5", "rb") as whole, open("truncated.h5", "wb") as part:
         part.write(whole.read()[:1500])
     with open("text.h5", "w") as file:
@@ -104,6 +109,7 @@ MISTAKES = [
     (["solve", "sizes.h5", "--solver", "pgs"], 3, "sizes.h5"),
     (["solve", "indefinite.h5", "--solver", "pgs"], 3, "positive definite"),
     (["solve", "no_c.h5", "--solver", "pgs"], 3, "no_c.h5"),
+    (["solve", "negative_mu.h5", "--solver", "cone"], 3, "mu(0) is -1e-300; expected a number >= 0"),
     (["export", "towr", "--out", "t.h5"], 2, "did you mean 'tower'?"),
     (["export", "tower", "--boxs=3", "--out", "t.h5"], 2, "did you mean 'boxes'?"),
     (["export", "tower", "--boxes", "--out", "t.h5"], 2, "boxes"),
@@ -140,6 +146,12 @@ def check_help():
     check("no words at all", run([]).returncode == 2)
     check("scenes lists knobs", "boxes=" in run(["scenes"]).stdout)
     check("solvers lists settings", "max_sweeps=" in run(["solvers"]).stdout)
+    said = run(["solve", "block.h5", "--solver", "pgs"]).stdout
+    check("what is not supported has no numbers", "unsupported" in said and "unknown" not in said.replace("unknowns", ""), said)
+    said = run(["solve", "no_unknowns.h5", "--solver", "cone"])
+    check("no unknowns", said.returncode == 0 and "verified   solved" in said.stdout, said)
+    said = run(["bench", "--problems", "box.h5", "--solvers", "pgs", "--tolerances", "1e-6", "--out", "counted"])
+    check("counts of one", "1 solver x 1 problem x 1 tolerance," in said.stdout, said)
 
 
 def check_absent_solvers():

@@ -74,6 +74,19 @@ class Problems(unittest.TestCase):
             self.assertIn(word, str(raised.exception))
             self.assertEqual(len(str(raised.exception).splitlines()), 1, raised.exception)
 
+    def test_one_number_stands_for_all_entries_and_mu_is_never_dropped(self):
+        rows = {"J": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "c": [0, 0, 0]}
+        block = zwang.Problem(numpy.eye(3), [4, 0, -10], **rows, tangent=[False, True, True], mu=0.25)
+        answer = zwang.solve(block, "cone")
+        self.assertAlmostEqual(answer.z[0], 1.5)
+        self.assertEqual(repr(answer), f"<zwang.Solution: solved, {answer.iterations} iterations>")
+        with self.assertRaisesRegex(ValueError, "no tangent rows"):
+            zwang.Problem(numpy.eye(3), [4, 0, -10], **rows, mu=[0.25, 0, 0])
+        with self.assertRaisesRegex(ValueError, "mu should have 3 entries, one a row"):
+            zwang.Problem(numpy.eye(3), [4, 0, -10], **rows, tangent=[False, True, True], mu=[0.25, 0.25])
+        judged = zwang.judge_qp(numpy.eye(3), [-5.0, 0, 0], lb=0, ub=1, x=[1.0, 0, 0])
+        self.assertEqual(judged.verdict, "solved")
+
     def test_an_unreadable_file_is_one_line(self):
         with tempfile.NamedTemporaryFile(suffix=".h5") as file:
             file.write(b"no file of this kind")

@@ -7,6 +7,7 @@
 
 #include <zwang/bench/report/compare.h>
 #include <zwang/bench/report/page/charts.h>
+#include <zwang/bench/report/page/page.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/work_precision.h>
 #include <zwang/bench/report/wording.h>
@@ -113,19 +114,34 @@ TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
   b.results = {run("p renamed", "s", 1e-8, 1e-9, 1), run("r", "s", 1e-8, 1e-9, 1),
                run("p renamed", "new", 1e-8, 1e-9, 2)};
   a.results[0].problem_sha256 = b.results[0].problem_sha256 = b.results[2].problem_sha256 = "same";
-  a.solvers = {{.name = "s"}};
+  a.solvers = {{.name = "s"}, {.name = "gone"}};
   b.solvers = {{.name = "s"}, {.name = "new"}};
   const report::Run both = merged(a, b);
-  ASSERT_EQ(both.solvers.size(), 3u);
+  ASSERT_EQ(both.solvers.size(), 4u);
   EXPECT_EQ(both.solvers[0].name, "s @A");
   EXPECT_EQ(both.solvers[1].name, "s @B");
-  EXPECT_EQ(both.solvers[2].name, "new");
+  EXPECT_EQ(both.solvers[2].name, "gone");
+  EXPECT_EQ(both.solvers[3].name, "new");
   EXPECT_EQ(both.results[2].problem, "p");
   const Table table = comparison_table(a, b);
   ASSERT_EQ(table.rows.size(), 1u);
   EXPECT_EQ(table.rows[0].cells[1].value, 1);              // one problem in both
   EXPECT_NEAR(table.rows[0].cells[4].value, 0.25, 1e-12);  // B needs a quarter of the time
-  EXPECT_NE(table.note.find("Only in run B: new"), std::string::npos);
+  EXPECT_NE(table.note.find("Only in run A: gone. Only in run B: new."), std::string::npos);
+}
+
+TEST(Headline, SaysWhoseAnswersAndTimesTheyAre) {
+  report::Run all;
+  all.results.assign(1200, run("p", "cone", 1e-8, 1e-9, 1));
+  for (std::size_t k = 0; k < 1200; ++k) all.results[k].problem = std::to_string(k % 600);
+  for (const std::size_t k : {0, 300, 600}) all.results[k].handed_to = "dual_active_set";
+  all.solvers = {{.name = "cone"}};
+  const std::vector<std::string> lines = headline(all);
+  EXPECT_EQ(lines[0], "1,200 runs of 1 solver on 600 problems: 1,200 right.");
+  EXPECT_EQ(lines.back(),
+            "Answer and time are another solver's where one hands over: cone to dual_active_set on 2 problems.");
+  for (Result& r : all.results) r.handed_to.clear();
+  EXPECT_EQ(headline(all).back().find("hands over"), std::string::npos);
 }
 
 TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {

@@ -37,6 +37,10 @@ with tempfile.TemporaryDirectory() as folder:
     assert "72 of 72 runs" in out and os.path.exists("it/result/report.html"), out
     assert_equal("whole", "it/result")
 
+    # The parts are all that stands in parts/.
+    parts = sorted(f"it/parts/{name}" for name in os.listdir("it/parts"))
+    assert "0 of 72 runs are missing" in run([program, "bench", "--missing", *parts]), parts
+
     # Nothing is missing: coming back starts nothing and joins again.
     before = os.path.getmtime("it/parts/0/results.jsonl")
     run([program, "campaign", "--resume", "it"])
@@ -72,4 +76,9 @@ with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, *wrong], capture_output=True, text=True, timeout=60)
         assert done.returncode in (2, 3) and done.stderr.count("\n") == 1, (wrong, done)
         assert not os.path.exists("x"), wrong
+
+    # An engine that is not there leaves no folder behind.
+    for absent in (name for name, word in (("slurm", "sbatch"), ("parallel", "parallel")) if not shutil.which(word)):
+        done = subprocess.run([program, "campaign", "--engine", absent, "--out", "x", *words], capture_output=True, text=True)
+        assert done.returncode == 3 and "not installed" in done.stderr and not os.path.exists("x"), done
     os.chdir("/")

@@ -57,6 +57,18 @@ TEST(Cone, ABlockSticksSlidesAndLifts) {
   EXPECT_LE((convex.z - vec({0.5 * slip, 0.6 * slip, 0.8 * slip})).norm(), 1e-13);
 }
 
+TEST(Cone, WeakAndStrongFriction) {
+  for (const double mu : {1e-10, 1e-8, 1e-4, 1e4, 1e6}) {
+    const double slip = std::max(0.0, 10 - mu * 8), lift = mu < 1 ? mu * slip / (1 + mu * mu) : 0;
+    const Solution coulomb = solve(block(mu, Vec3(-8, 6, 8), Law::coulomb));
+    ASSERT_EQ(coulomb.status, Status::solved) << mu << ": " << coulomb.message;
+    EXPECT_LE((coulomb.z - slip * vec({0, .6, .8})).norm(), 1e-11) << mu;
+    const Solution convex = solve(block(mu, Vec3(-8, 6, 8), Law::convex));
+    ASSERT_EQ(convex.status, Status::solved) << mu << ": " << convex.message;
+    EXPECT_LE((convex.z - (slip / (1 + mu * mu) * vec({0, .6, .8}) + vec({lift, 0, 0}))).norm(), 1e-11) << mu;
+  }
+}
+
 TEST(Cone, PlantedAnswersOfBothLawsAreMet) {
   int solved = 0, planted_one = 0;
   for (unsigned seed = 0; seed < 60; ++seed)

@@ -55,6 +55,34 @@ TEST_P(FrictionMethods, TheSameBitsTwiceAndNothingAllocated) {
       0, std::memcmp(first.lambda.data(), second.lambda.data(), sizeof(double) * static_cast<std::size_t>(p.rows())));
 }
 
+// A block that comes down at 10 and slides at 4, in rows of any size, with any masses and friction: z = (n, t, 0).
+TEST_P(FrictionMethods, NothingIsClaimedOfRowsOfOddSizes) {
+  const auto [name, law, least] = GetParam();
+  struct Odd {
+    double size, mu, mass_n, mass_t;
+  };
+  for (const auto [size, mu, mass_n, mass_t] :
+       {Odd{0x1p1000, .25, 1, 1}, Odd{0x1p-1000, .25, 1, 1}, Odd{1, 1e30, 1, 1}, Odd{1, 1e300, 1, 1},
+        Odd{1, .25, 1e12, 1e-12}, Odd{1, .25, 1e-12, 1e12}}) {
+    Vector masses(3), z_u(3), normal(3), t1(3), t2(3);
+    masses << mass_n, mass_t, mass_t;
+    z_u << -10, 4, 0;
+    normal << size, 0, 0;
+    t1 << 0, size, 0;
+    t2 << 0, 0, size;
+    const Problem p = test::friction_problem(
+        masses, z_u, {{RowKind::inequality, normal, 0, mu}, {RowKind::tangent, t1, 0}, {RowKind::tangent, t2, 0}}, law);
+    const Solution s = make_solver(name).solve(p, {.tolerance = 1e-8});
+    if (s.status != Status::solved) continue;
+    const double heavy = mass_n / mass_t, edge = law == Law::convex ? mu : 0;
+    const double slip = std::max(0.0, 4 - mu * 10 * heavy) / (1 + edge * edge * heavy);
+    Vector z(3);
+    z << (slip > 0 ? edge * slip : 0), slip, 0;
+    const Vector off = s.z - z;
+    EXPECT_LE(std::sqrt(off.dot(p.M * off)), 1e-6 * std::sqrt(z_u.dot(p.M * z_u))) << name << " " << size << " " << mu;
+  }
+}
+
 TEST_P(FrictionMethods, WithoutFrictionTheyAreNotAsked) {
   Problem p = planted(Law::coulomb, 0.5, 1, 2, 0).problem;
   if (GetParam().name == std::string("cone")) GTEST_SKIP() << "it takes them";
@@ -70,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(All, FrictionMethods,
                                          Case{"fixed_point:inner=cone:finish=off,relaxation=0.5", Law::coulomb, 20}),
                          [](const auto& i) {
                            std::string name = i.param.name;
-                           std::ranges::replace_if(name, [](char c) { return std::isalnum(c) == 0; }, '_');
+                           std::ranges::replace_if(
+                               name, [](char c) { return std::isalnum(c) == 0; }, '_');
                            return name + (i.param.law == Law::convex ? "_convex" : "_coulomb");
                          });
 

@@ -88,6 +88,34 @@ TEST(FrictionJudge, ConvexLawHasItsOwnAnswer) {
   EXPECT_EQ(judge(p, vector({3.5, 0, 0}), vector({1, -.5, 0})).verdict, Verdict::wrong);
 }
 
+// A block that slides at v: iterates of the interior point come up to its flat cone from outside.
+TEST(FrictionJudge, ConvexLawIsProvenWhereFrictionIsWeak) {
+  for (const double mu : {.03, 1e-2, 1e-6, 1e-12}) {
+    const Problem p = block(4, 10, mu).problem(Law::convex);
+    const double slip = (4 - mu * 10) / (1 + mu * mu), load = 10 + mu * slip;
+    const Metrics m = judge(p, vector({slip, 0, mu * slip}), vector({load, -mu * load, 0}));
+    EXPECT_EQ(m.verdict, Verdict::solved) << mu;
+    EXPECT_LE(m.z_bound, 1e-12) << mu;
+    EXPECT_LE(m.complementarity, 1e-15) << mu;
+    EXPECT_EQ(judge(p, vector({slip * (1 + 1e-6), 0, mu * slip})).verdict, Verdict::wrong) << mu;
+  }
+}
+
+// So much friction that a slip of rounding lifts the cone as far as it takes: z keeps falling through the floor, and
+// is Z of its own slip to all digits.
+TEST(FrictionJudge, WhatPenetratesIsNotConsistent) {
+  const Metrics m = judge(block(4, 10, 1e30).problem(), vector({4, 0, -10}), vector({0, 0, 0}));
+  EXPECT_LE(m.friction.self_bound, 1e-12);
+  EXPECT_EQ(m.verdict, Verdict::wrong);
+}
+
+TEST(FrictionJudge, JudgesWhatHasNoUnknowns) {
+  for (const double c : {0., 1.}) {
+    const Problem p = test::SmallFrictional{.z_u = Vector(0)}.contact(.5, {{Vector(0), c}, {Vector(0), 0.}}).problem();
+    EXPECT_EQ(judge(p, Vector(0), vector({0, 0})).verdict, c > 0 ? Verdict::wrong : Verdict::solved);
+  }
+}
+
 TEST(FrictionJudge, AcceptsEachOfSeveralSolutions) {
   EXPECT_EQ(judge(rod(2), vector({2, .25, 0})).verdict, Verdict::solved) << "open";
   EXPECT_EQ(judge(rod(2), vector({17. / 12, 17. / 24, -17. / 24})).verdict, Verdict::solved) << "sticks";
