@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"orphaned_tangent", [](Parts& p) { p.kind = {2}, p.mu = {0.5}; },
                 "/zwang: row 0 is a tangent row without an inequality row before it"},
         BadCase{"mu_without_tangents", [](Parts& p) { p.mu = {0.5}; }, "/zwang: row 0 has mu > 0 and no tangent rows"},
-        BadCase{"negative_mu", [](Parts& p) { p.mu = {-0.5}; }, "/zwang: mu(0) is -0.500000; expected a number >= 0"},
+        BadCase{"negative_mu", [](Parts& p) { p.mu = {-0.5}; }, "/zwang: mu(0) is -0.5; expected a number >= 0"},
         BadCase{"short_mu", [](Parts& p) { p.mu = {0, 0}; }, "/zwang/mu: holds 2 numbers; expected 1"},
         BadCase{"unknown_law", [](Parts& p) { p.law = "dry"; },
                 "/zwang/law: no law 'dry'; expected frictionless, pyramid, convex or coulomb"},
