@@ -22,12 +22,24 @@ Index unit_of(const Problem& problem) {
 
 }  // namespace
 
+// A part that hardly moves beside the others may be beyond doubles by itself, and well within them in the whole.
 void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
   works_.begin();
   normals_.begin();
-  islands_.solve_apart([this](const Problem& p, const SolveOptions& o,
-                              Solution& part) { works_.own(p.size(), p.rows()).solve(*this, p, o, part); },
-                       unit_of(problem), problem, options, solution);
+  int parts = 0;
+  const auto one = [&](const Problem& p, const SolveOptions& o, Solution& part) {
+    ++parts;
+    works_.own(p.size(), p.rows()).solve(*this, p, o, part);
+  };
+  islands_.solve_apart(one, unit_of(problem), problem, options, solution);
+  if (parts <= 1 || solution.status != Status::numerical_failure) return;
+  const int iterations = solution.iterations;
+  SolveOptions rest = options;
+  rest.time_limit = deadline.left();
+  one(problem, rest, solution);
+  solution.iterations += iterations;
+  solution.fallback = true;
 }
 
 void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
