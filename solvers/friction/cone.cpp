@@ -10,6 +10,8 @@ namespace {
 
 constexpr int most_steps = 60;  // of an interior point from one start
 constexpr int most_modes = 12;  // Newton steps from one iterate
+// Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
+constexpr int most_rounds = 40, whole_rounds = 24;
 
 // Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone.
 Index unit_of(const Problem& problem) {
@@ -148,6 +150,67 @@ Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool fin
   return end;
 }
 
+// Would another step leave the motion where it is? With very different masses a residual of rounding is far from z.
+bool Cone::Work::modes_stay(const SolveOptions& options) {
+  move_ = modes_.v;
+  if (!modes_.step(program_)) return false;
+  move_ -= modes_.v;
+  pull_.setZero(move_.size());
+  program_.face().mass(move_, pull_);
+  return std::sqrt(std::max(0.0, pull_.dot(move_))) <= accepted_error(options.tolerance) * program_.scale(modes_.v);
+}
+
+// Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
+// hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
+bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                    Solution& solution) {
+  SolveOptions rest = options;
+  rest.observe = nullptr;
+  best_v_ = v_;
+  best_y_ = y_;
+  double least = natural_;
+  bool accepted = false;
+  slips_.setZero(program_.cones());
+  s_.setZero(program_.rows());
+  for (int round = 0; round < most_rounds && !accepted; ++round) {
+    of_convex_.reset(p.size(), p.rows());
+    rest.max_iterations = options.max_iterations - solution.iterations;
+    program_.state(Law::convex, &slips_);
+    natural_ = std::numeric_limits<double>::infinity();
+    const End end = from_inside(true, p, rest, deadline, 1, of_convex_);
+    solution.iterations += of_convex_.iterations;
+    program_.state(Law::coulomb, nullptr);
+    if (end == End::limit) break;
+    if (end == End::infeasible) v_.setZero(program_.face().unknowns());  // the slips of z_u lift the cones enough
+    program_.slack(v_, s_);
+    if (end != End::infeasible) {
+      natural_ = least;
+      modes_.v = v_;
+      modes_.y = y_;
+      modes_.begin(program_);
+      const double goal = tolerances::cone_exact * program_.scale(modes_.v);
+      modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
+                 solution.iterations);
+      v_ = best_v_;
+      y_ = best_y_;
+      accepted = takes(modes_.residual, modes_.v, modes_.y, options);
+      least = natural_;
+      best_v_ = v_;
+      best_y_ = y_;
+      accepted = accepted && modes_stay(options);
+    }
+    for (Index k = 0; k < program_.cones(); ++k) {
+      const double slip = std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
+      const double step = round < whole_rounds ? 1 : 0.5;
+      slips_[k] = end == End::infeasible ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
+    }
+  }
+  v_ = best_v_;
+  y_ = best_y_;
+  natural_ = least;
+  return accepted;
+}
+
 // False where the answer is not to be trusted; solution says so.
 bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
                              const Deadline& deadline, const WarmStart* warm, Solution& solution) {
@@ -163,6 +226,11 @@ bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const Solve
     solution.iterations = before;
     solution.fallback = true;
     end = from_starts(starts, finish, p, options, deadline, nullptr, solution);
+  }
+  if (end == End::failed && program_.is_coulomb() && program_.is_dense() &&
+      by_convex_problems(p, options, deadline, solution)) {
+    solution.fallback = true;
+    end = End::accepted;
   }
   if (end == End::infeasible) return false;
   const bool accepted = end == End::accepted, limited = end == End::limit;

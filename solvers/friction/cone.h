@@ -23,6 +23,10 @@ namespace zwang {
 // redundant contacts that slide can stall. Up to 1000 unknowns it then starts again on dense rows, where the shift is
 // differentiated; Solution::fallback says so.
 //
+// Where no start leads to an answer of Coulomb's law, the convex problem of the slips at hand is solved again and
+// again, as by fixed_point, and Newton's method on the modes tried from each answer (up to 1000 unknowns; a fallback,
+// too).
+//
 // Without friction the problem is a quadratic program: the dual active-set method solves it, or newton where it is
 // large (Solution::handed_to). They judge rows that almost depend on others in extended precision; an interior point
 // of its own, tried first, claimed answers to rows that contradict each other by 1e-10.
@@ -62,6 +66,9 @@ struct Cone {
                     const Deadline& deadline, const WarmStart* warm, Solution& solution);
     End from_inside(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                     double start, Solution& solution);
+    bool by_convex_problems(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                            Solution& solution);
+    bool modes_stay(const SolveOptions& options);
     bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options);
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
                             const Deadline& deadline);
@@ -72,8 +79,9 @@ struct Cone {
     InteriorPoint inside_;
     ModeNewton modes_;
     Vector v_, y_, proof_;  // the best there is
+    Vector best_v_, best_y_, slips_, s_, move_, pull_;
     double natural_ = 0;
-    Solution of_normals_;
+    Solution of_normals_, of_convex_;
     DualActiveSet active_set_;
     Newton newton_;
   };

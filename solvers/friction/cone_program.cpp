@@ -104,6 +104,11 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
     add_row(i, k, 1, violation(k));
   }
   h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
+  measure_start();
+  return true;
+}
+
+void ConeProgram::measure_start() {
   start_ = 0;
   for (Index k = 0; k < cones(); ++k) {
     const double slip = law_ == Law::convex ? std::hypot(h_[3 * k + 1], h_[3 * k + 2]) : 0;
@@ -113,7 +118,15 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
     const double own = h_[3 * cones() + r];
     start_ = std::max(start_, is_equality(r) ? std::abs(own) : own);
   }
-  return true;
+}
+
+void ConeProgram::state(Law law, const Vector* slips) {
+  law_ = law;
+  h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
+  if (slips)
+    for (Index k = 0; k < cones(); ++k) h_[3 * k] -= (*slips)[k];
+  measure_start();
+  if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
 }
 
 void ConeProgram::fill_dense() {

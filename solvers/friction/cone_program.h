@@ -34,6 +34,8 @@ class ConeProgram {
   // every contact for one without friction.
   bool build(const Problem& problem, Law law, Want want, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
+  // The same rows under the other law of cones; with the cones lifted by slips, as if each contact slid so fast.
+  void state(Law law, const Vector* slips);
   static bool can_be_dense(const Problem& problem);
   static constexpr Index few_unknowns = 150;  // dense whatever the rows are
 
@@ -84,6 +86,7 @@ class ConeProgram {
   enum class Form { joints, whitened, sparse };
   template <class Rows>
   bool collect(const Problem& problem, const Rows& rows, Solution& solution);
+  void measure_start();
   void add_row(Index source, Index unit, double factor, double h);
   bool meets_immobile(const Problem& problem, Index row, double mu, Solution& solution) const;
   void fill_dense();

@@ -4,7 +4,9 @@
 #include <cstring>
 #include <limits>
 
+#include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
+#include <zwang/core/referee/measure.h>
 #include <zwang/solvers/friction/cone.h>
 #include "tests/solvers/friction/friction_problems.h"
 
@@ -206,6 +208,19 @@ TEST(Cone, AJamWithoutAnswerIsNotSolved) {
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_LE(s.z.norm(), 1e-10);
   EXPECT_NE(solve(jam(1, -1)).status, Status::solved);
+}
+
+// A box on one that is 2^24 times lighter, on four corners each: no start leads to an answer, convex problems do. From
+// 2^36 on rounding is too far from z for a claim.
+TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
+  for (const char* scene : {"MRF(k=24)", "MRF(k=28)"}) {
+    const Problem p = make_scenes(scene).at(0).problem;
+    const Solution s = solve(p, {}, {.tolerance = 1e-12});
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_TRUE(s.fallback) << scene;
+    EXPECT_EQ(measure(p, s, nullptr, 1e-12).verdict, Verdict::solved) << scene;
+  }
+  EXPECT_NE(solve(make_scenes("MRF(k=40)").at(0).problem, {}, {.tolerance = 1e-12}).status, Status::solved);
 }
 
 TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
