@@ -25,6 +25,8 @@ class Manifold {
   // With `all` every touch is kept.
   void reduce(std::span<const Touch> touches, bool all = false);
   std::span<const std::uint32_t> kept() const { return kept_; }
+  // Not to be added: something else says what this touch says.
+  void pass_over(std::uint32_t touch) { is_kept_[touch] = 1; }
 
   // Lazy completion, after a solve with the kept touches: every touch must have a gap of at least `target` after the
   // motion, to first order; without `push`, of its present gap where that is less. Of each pair of colliders, adds the

@@ -47,9 +47,10 @@ struct HandScene {
   std::string parts;           // "real" or "procedural", and of what
   std::vector<double> speeds;  // m/s, of the target
   double spin = 0;             // rad a frame, of the target
-  int frames = 1000;           // of each run
-  // Makes the scene. What it returns starts a hand in it at one of the speeds, and keeps the scene.
-  using Start = std::function<std::unique_ptr<MovingHand>(double speed)>;
+  int frames = 1000;           // of each run; twice as many with friction
+  // Makes the scene. What it returns starts a hand in it at one of the speeds, with friction or without,
+  // and keeps the scene.
+  using Start = std::function<std::unique_ptr<MovingHand>(double speed, bool friction)>;
   std::function<Start()> load;
 };
 

@@ -51,10 +51,11 @@ double gap_of(World& world) {
 
 }  // namespace
 
-HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, bool audited) {
+HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, HandRun run) {
   HandStudy s{.scene = scene.name, .parts = scene.parts, .speed = speed, .spin = scene.spin};
   const auto begin = std::chrono::steady_clock::now();
-  const std::unique_ptr<MovingHand> hand = start(speed);
+  const bool audited = run != HandRun::timed, friction = run == HandRun::audited_with_friction;
+  const std::unique_ptr<MovingHand> hand = start(speed, friction);
   const std::vector<Shape>& shapes = hand->shapes();
 
   // Bodies and obstacles in a world of their own, for gaps that do not come from the hand itself.
@@ -93,7 +94,7 @@ HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, doub
     });
 
   std::vector<double> times, touching, whole;
-  for (int i = 0; i < scene.frames; ++i) {
+  for (int i = 0; i < (friction ? 2 : 1) * scene.frames; ++i) {
     const HandFrame f = hand->step();
     if (i < 20) continue;  // lists grow
     for (std::size_t b = 0; b < shapes.size(); ++b) world.place(static_cast<int>(b), hand->poses()[b]);

@@ -27,8 +27,10 @@ struct HandStudy {
   double seconds = 0;                             // wall clock, all in
 };
 
-// `audited`: FCL sees every committed pose, and as many between two as keep the steps below a body's radius.
-HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, bool audited);
+// timed: without friction, alone. Else FCL sees every committed pose, and as many between two as keep the steps below a
+// body's radius.
+enum class HandRun { timed, audited, audited_with_friction };
+HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, HandRun run);
 
 // A finger (a capsule) over a bumpy sphere, and motions of 1 mm that start at one gap from it.
 struct PairBench {

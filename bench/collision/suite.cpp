@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include <zwang/bench/collision/study.h>
 #include <zwang/bench/suite/progress.h>
@@ -51,14 +52,19 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
                                              bool& done) {
   done = false;
   fs::create_directories(options.directory);
-  json results = {{"suite", "collision"},   {"command", options.command}, {"conditions", described(conditions())},
-                  {"pairs", json::array()}, {"frames", json::array()},    {"audits", json::array()}};
+  json results = {{"suite", "collision"},
+                  {"command", options.command},
+                  {"conditions", described(conditions())},
+                  {"pairs", json::array()},
+                  {"frames", json::array()},
+                  {"audits", json::array()},
+                  {"audits_with_friction", json::array()}};
   const auto store = [&] { replace_file(options.directory / "collision.json", results.dump(1) + "\n"); };
   std::vector<std::string> lines;
   Progress progress(options.terminal);
   const auto begin = std::chrono::steady_clock::now();
   double steps = 12, finished = 0;
-  for (const HandScene& scene : options.hands) steps += 1.0 + 2.0 * static_cast<double>(scene.speeds.size());
+  for (const HandScene& scene : options.hands) steps += 1.0 + 4.0 * static_cast<double>(scene.speeds.size());
   const auto next = [&](const std::string& what) {
     const double fraction = finished++ / steps;
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -82,18 +88,20 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
     }
 
   // The hands: for time, then audited.
-  Totals all;
+  Totals all, with_friction;
   for (const HandScene& scene : options.hands) {
     if (!next(scene.name + ": loading")) return lines;
     const HandScene::Start start = scene.load();
-    for (const bool audited : {false, true})
+    for (const auto& [run, key, words] :
+         {std::tuple(HandRun::timed, "frames", ""), std::tuple(HandRun::audited, "audits", ": audit"),
+          std::tuple(HandRun::audited_with_friction, "audits_with_friction", ": audit with friction")})
       for (const double speed : scene.speeds) {
-        if (!next(scene.name + (audited ? ": audit" : ""))) return lines;
-        const HandStudy s = study_hand(scene, start, speed, audited);
-        results[audited ? "audits" : "frames"].push_back(s);
+        if (!next(scene.name + words)) return lines;
+        const HandStudy s = study_hand(scene, start, speed, run);
+        results[key].push_back(s);
         store();
-        if (audited)
-          all.add(s);
+        if (run != HandRun::timed)
+          (run == HandRun::audited ? all : with_friction).add(s);
         else if (speed <= 0.5)
           lines.push_back(
               printed("Hand on %s at %.1f m/s: median %.2f ms (touching %.2f), p99 %.2f, worst %.2f; contacts "
@@ -103,12 +111,13 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
       }
   }
   progress.clear();
-  lines.push_back(
-      printed("Audit: %ld penetrations in %s body-frames (%s touching; %s poses checked by FCL), smallest "
-              "gap %.2g um",
-              all.penetrations, grouped(static_cast<std::size_t>(all.body_frames)).c_str(),
-              grouped(static_cast<std::size_t>(all.touching)).c_str(),
-              grouped(static_cast<std::size_t>(all.audited)).c_str(), 1e6 * all.gap));
+  for (const auto& [words, of] : {std::pair("Audit", &all), std::pair("Audit with friction", &with_friction)})
+    lines.push_back(
+        printed("%s: %ld penetrations in %s body-frames (%s touching; %s poses checked by FCL), smallest "
+                "gap %.2g um",
+                words, of->penetrations, grouped(static_cast<std::size_t>(of->body_frames)).c_str(),
+                grouped(static_cast<std::size_t>(of->touching)).c_str(),
+                grouped(static_cast<std::size_t>(of->audited)).c_str(), 1e6 * of->gap));
   results["headline"] = lines;
   store();
   done = true;

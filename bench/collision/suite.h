@@ -17,7 +17,8 @@ struct CollisionSuiteOptions {
 };
 
 // The collision suite: pair queries (zwang, a conservative advancement over fcl::distance, Bullet's convexSweepTest) by
-// triangle count and gap; every run of the hands, once for time and once under audit. Results as collision.json after
+// triangle count and gap; every run of the hands, once for time, once under audit, and
+// with friction, twice as long, under audit. Results as collision.json after
 // every study. Returns what a reader wants first, a line each; false in `done` when interrupted.
 std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& options, const std::atomic<bool>& interrupted,
                                              bool& done);

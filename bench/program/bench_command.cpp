@@ -50,7 +50,7 @@ void add_what_is_run(CLI::App& options, Asked& asked) {
       "--suite", s.suite,
       "quick (a minute), standard (ten minutes, the default), full (hours), atlas (stability, 15 "
       "minutes), speed (ten minutes), big (a million runs), large (twenty thousand, with foreign solvers: "
-      "docs/campaigns.md) or collision (six minutes)");
+      "docs/campaigns.md) or collision (ten minutes)");
   options.add_option("--scenes", s.scenes, "scenes with their knobs, in place of the suite's (./zwang scenes)");
   options.add_option("--families", s.families, "MR,NPE,...: only these families of the problems");
   options.add_option("--problems", s.problems, "problem files (FCLIB or zwang's HDF5), or folders of them")

@@ -9,7 +9,8 @@ namespace zwang {
 namespace {
 
 constexpr int most_steps = 60;  // of an interior point from one start
-constexpr int most_modes = 12;  // Newton steps from one iterate
+constexpr int most_modes = 12;  // Newton steps from an iterate inside the cones
+constexpr int most_warm = 32;   // and from an earlier answer
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
@@ -52,8 +53,9 @@ void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
 }
 
 // Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
-bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options) {
-  const bool accepted = program_.accepts(r, v, options);
+bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options,
+                       bool settled) {
+  const bool accepted = program_.accepts(r, v, options, settled);
   if (accepted) natural_ = std::numeric_limits<double>::infinity();
   keep(v, y, r.natural);
   return accepted;
@@ -67,8 +69,9 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  modes_.run(program_, goal, std::min(most_modes, options.max_iterations), deadline, solution.iterations);
-  return takes(modes_.residual, modes_.v, modes_.y, options);
+  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v), std::min(most_warm, options.max_iterations),
+             deadline, solution.iterations);
+  return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
 }
 
 Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const SolveOptions& options,
@@ -111,9 +114,9 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
     if (finish) {
       modes_.begin(program_, inside_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-      modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
-                 solution.iterations);
-      if (takes(modes_.residual, modes_.v, modes_.y, options)) return End::accepted;
+      modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
+                 std::min(most_modes, options.max_iterations - solution.iterations), deadline, solution.iterations);
+      if (takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled)) return End::accepted;
     } else if (takes(program_.residual(inside_.y, inside_.s), inside_.v, inside_.y, options)) {
       return End::accepted;
     }

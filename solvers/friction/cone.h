@@ -33,7 +33,9 @@ namespace zwang {
 //
 // One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
 // residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
-// where the modes hold to rounding. Coulomb's law may have several answers, or none: this is one of them.
+// where the modes hold to rounding; or where they hold to the tolerance, Newton's method on them has converged to it,
+// and what is left is what rows that depend on each other disagree by. Coulomb's law may have several answers, or none:
+// this is one of them.
 struct Cone {
   static constexpr std::string_view name = "cone";
   static constexpr std::array laws{Law::convex, Law::coulomb};
@@ -69,7 +71,8 @@ struct Cone {
     bool by_convex_problems(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                             Solution& solution);
     bool modes_stay(const SolveOptions& options);
-    bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options);
+    bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options,
+               bool settled = false);
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
                             const Deadline& deadline);
     void keep(const Vector& v, const Vector& y, double natural);

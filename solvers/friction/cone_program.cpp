@@ -270,14 +270,14 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
   return out;
 }
 
-bool ConeProgram::accepts(const Residual& r, const Vector& v, const SolveOptions& options) {
+bool ConeProgram::accepts(const Residual& r, const Vector& v, const SolveOptions& options, bool settled) {
   const double size = scale(v);
   if (is_out_of_reach(v)) return false;
   // Rows that almost contradict each other push so hard that what is left of their sum is rounding.
   if (r.rounding > std::max(accepted_error(options.tolerance), tolerances::cone_push) * size) return false;
   if (r.natural <= tolerances::cone_exact * size) return true;
   return r.natural <= options.tolerance * size &&
-         std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * size;
+         (settled || std::sqrt(2 * std::max(0.0, r.gap)) <= accepted_error(options.tolerance) * size);
 }
 
 double ConeProgram::imbalance(const Vector& v, const Vector& y) {

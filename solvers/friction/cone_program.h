@@ -70,8 +70,9 @@ class ConeProgram {
     double rounding = 0;  // of the sum of what all rows push
   };
   Residual residual(const Vector& y, const Vector& s) const;
-  // Does that answer the problem to the tolerance? What `solved` of the solvers on cones says.
-  bool accepts(const Residual& residual, const Vector& v, const SolveOptions& options);
+  // Does that answer the problem to the tolerance? What `solved` of the solvers on cones says. `settled`: a method that
+  // knows its error, as ModeNewton, has found it below the tolerance.
+  bool accepts(const Residual& residual, const Vector& v, const SolveOptions& options, bool settled = false);
   // What M v and G'y are apart, relative to M v.
   double imbalance(const Vector& v, const Vector& y);
 

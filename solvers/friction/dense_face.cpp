@@ -38,6 +38,7 @@ void DenseFace::reset(Index size, Index cones, Index rays) {
   rows_ = 3 * cones + rays;
   if (G_.rows() != padded_ || G_.cols() < rows_) {
     G_.resize(padded_, rows_);
+    A_.resize(padded_, rows_);
     DG_.resize(padded_, rows_);
   }
   G_.leftCols(rows_).setZero();
@@ -58,26 +59,39 @@ void DenseFace::force(const Vector& l, Vector& f) const {
   lanes::accumulate(G_, rows_, l.data(), f.data(), 0, padded_);
 }
 
-bool DenseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
-  symmetric_ = symmetric;
+// Rows without weight, those of open contacts, add nothing: the others are copied side by side.
+Index DenseFace::pack(const std::vector<double>& D, const Vector& ray_weight) {
+  Index count = 0;
   for (Index k = 0; k < cones_; ++k) {
     const double* d = D.data() + 9 * k;
+    if (std::all_of(d, d + 9, [](double x) { return x == 0; })) continue;
     const double *x = row(3 * k), *y = row(3 * k + 1), *z = row(3 * k + 2);
-    for (Index q = 0; q < 3; ++q) {
-      double* out = DG_.col(3 * k + q).data();
+    for (Index q = 0; q < 3; ++q, ++count) {
+      double* out = DG_.col(count).data();
       for (Index i = 0; i < padded_; i += width)
         lanes::at(out, i) = multiply_add(
             d[q + 6], lanes::at(z, i), multiply_add(d[q + 3], lanes::at(y, i), (d[q] * lanes::at(x, i)).eval()).eval());
+      A_.col(count) = G_.col(3 * k + q);
     }
   }
-  for (Index r = 3 * cones_; r < rows_; ++r) DG_.col(r) = ray_weight[r - 3 * cones_] * G_.col(r);
+  for (Index r = 3 * cones_; r < rows_; ++r) {
+    if (ray_weight[r - 3 * cones_] == 0) continue;
+    DG_.col(count) = ray_weight[r - 3 * cones_] * G_.col(r);
+    A_.col(count++) = G_.col(r);
+  }
+  return count;
+}
+
+bool DenseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
+  symmetric_ = symmetric;
+  const Index rows = pack(D, ray_weight);
   H_.setIdentity();
   constexpr Index block = 96;  // rows whose tiles stay in the first cache
-  for (Index first = 0; first < rows_; first += block) {
-    const Index count = std::min(block, rows_ - first);
+  for (Index first = 0; first < rows; first += block) {
+    const Index count = std::min(block, rows - first);
     for (Index j = 0; j < size_; j += tile)
       for (Index i = symmetric ? j / width * width : 0; i < padded_; i += width)
-        add_tile<1>(&G_(i, first), padded_, &DG_(j, first), padded_, count, &H_(i, j), padded_);
+        add_tile<1>(&A_(i, first), padded_, &DG_(j, first), padded_, count, &H_(i, j), padded_);
   }
   return symmetric ? cholesky() : lu();
 }

@@ -24,13 +24,14 @@ class DenseFace final : public ConeFace {
   void solve(Vector& x) override;
 
  private:
+  Index pack(const std::vector<double>& D, const Vector& ray_weight);
   bool cholesky();
   bool lu();
   void update(Index begin, Index end, bool lower);
 
   Index size_ = 0, padded_ = 0, cones_ = 0, rays_ = 0, rows_ = 0;
-  lanes::Columns G_, DG_, H_, across_;
-  Vector reciprocal_;  // of the pivots
+  lanes::Columns G_, A_, DG_, H_, across_;  // A_, DG_: of the rows that have weight
+  Vector reciprocal_;                       // of the pivots
   std::vector<Index> exchange_;
   bool symmetric_ = true;
 };

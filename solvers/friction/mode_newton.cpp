@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace zwang {
 namespace {
@@ -142,13 +143,71 @@ bool ModeNewton::step(ConeProgram& program) {
   return std::isfinite(last_);
 }
 
-void ModeNewton::run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations) {
+// How far y may go along `way`: to where a contact that pushes comes to the edge of its cone, or a single row to zero,
+// but no farther than to where the rows that hold are violated least. (Of contacts that slide, less load on one may
+// violate it more: then all the way.)
+double ModeNewton::room(const ConeProgram& program, const Vector& way, const Vector& slack_way) const {
+  double along = 0, square = 0, most = std::numeric_limits<double>::infinity();
+  const auto holds = [&](Index i) {
+    along -= s[i] * slack_way[i];
+    square += slack_way[i] * slack_way[i];
+  };
+  const auto stays_positive = [&](Index i) {
+    if (way[i] < 0) most = std::min(most, std::max(0.0, -y[i] / way[i]));
+  };
+  for (Index k = 0; k < program.cones(); ++k) {
+    if (mode_[at(k)] == Mode::open) continue;
+    holds(3 * k);
+    if (mode_[at(k)] == Mode::stick) {
+      holds(3 * k + 1);
+      holds(3 * k + 2);
+      if (soc::smallest(&y[3 * k]) > 0) most = std::min(most, soc::step_to_boundary(&y[3 * k], &way[3 * k]));
+    } else {
+      stays_positive(3 * k);
+    }
+  }
+  for (Index r = 0; r < program.rays(); ++r) {
+    if (!ray_active_[at(r)]) continue;
+    holds(3 * program.cones() + r);
+    if (!program.is_equality(r)) stays_positive(3 * program.cones() + r);
+  }
+  return along > 0 && square > 0 ? std::min(most, along / square) : most;
+}
+
+// On along the last step in y. The softness stays that of the step: where a row lets go the residual is large, and
+// means nothing.
+void ModeNewton::shift(ConeProgram& program) {
+  next_ = y - y_before_;
+  program.face().force(next_, dv_);
+  program.face().slack(dv_, ds_);
+  const double more = room(program, next_, ds_);
+  if (!std::isfinite(more) || more <= 1) return;
+  y += more * next_;
+  program.face().force(y, v);
+  program.slack(v, s);
+}
+
+void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline,
+                     int& iterations) {
+  constexpr int patience = 12;  // steps for which the residual need not halve
   ConeProgram::Residual best = residual;
   if (chosen_) best.natural = std::numeric_limits<double>::infinity();
+  settled = false;
+  double halved = best.natural, moved_before = std::numeric_limits<double>::infinity();
+  int since = 0;
   for (int taken = 0; taken < most && !(best.natural <= goal) && !deadline.passed(); ++taken) {
+    const double before = last_;
+    const bool begins = chosen_ || taken == 0;
+    y_before_ = y;
+    mode_before_ = mode_;
+    ray_before_ = ray_active_;
     if (!step(program)) break;
     ++iterations;
-    if (last_ < best.natural) {
+    const bool same = !begins && mode_ == mode_before_ && ray_active_ == ray_before_;
+    const double moved = dv_.norm(), nothing = tolerances::cone_exact * program.scale(v);
+    settled = same && last_ <= leaves && moved <= leaves && moved <= std::max(0.5 * moved_before, nothing);
+    moved_before = moved;
+    if (last_ < best.natural || settled) {
       best = residual;
       best_v_ = v;
       best_y_ = y;
@@ -156,6 +215,12 @@ void ModeNewton::run(ConeProgram& program, double goal, int most, const Deadline
     } else if (taken >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
       break;
     }
+    if (settled) break;
+    since = last_ < 0.5 * halved ? 0 : since + 1;
+    halved = since == 0 ? last_ : halved;
+    if (since > patience) break;
+    if (same && program.is_dense() && last_ > 0.5 * before && last_ < tolerances::cone_hopeless * program.start())
+      shift(program);
   }
   v = best_v_;
   y = best_y_;

@@ -15,17 +15,25 @@ namespace zwang {
 // with a proximal term in the multipliers, y = y_before - s / softness, so that redundant contacts do no harm: each
 // keeps the share of the load that it had. The matrix is M + G'D G once more. The softness follows the residual down: a
 // row that depends on others to within the residual would else throw the multipliers about.
+//
+// Rows that depend on each other may disagree: by the rounding of what they were written from, or because not all of
+// them carry in the end. Then every step hands on a little of the load among them and nothing moves, for thousands of
+// steps. run() goes all the way at once, to where one of them lets go.
 class ModeNewton {
  public:
   Vector v, y, s;
   ConeProgram::Residual residual;
+  // The last step of run() kept the modes, moved v by no more than it was asked to leave, and by half of the step
+  // before or by rounding only: what is left of the residual is what the rows disagree by.
+  bool settled = false;
   enum class Mode : char { open, stick, slide };
 
   // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
   void begin(ConeProgram& program, const InteriorPoint& from);
   void begin(ConeProgram& program);
-  // Until the natural residual is at `goal` or does not fall any more; keeps the best iterate. Counts its steps.
-  void run(ConeProgram& program, double goal, int most, const Deadline& deadline, int& iterations);
+  // Until the natural residual is at `goal`, or settled with a residual and a step of at most `leaves`, or the residual
+  // does not fall any more; keeps the best iterate. Counts its steps.
+  void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);
   // One of its steps; false on a breakdown.
   bool step(ConeProgram& program);
   bool slides() const;  // does a contact that pushes?
@@ -37,12 +45,14 @@ class ModeNewton {
   void choose(ConeProgram& program);
   void linearize(ConeProgram& program);
   bool solve(ConeProgram& program);
+  double room(const ConeProgram& program, const Vector& way, const Vector& slack_way) const;
+  void shift(ConeProgram& program);
 
-  std::vector<Mode> mode_;
+  std::vector<Mode> mode_, mode_before_;
   std::vector<Direction> direction_;
-  std::vector<char> ray_active_;
+  std::vector<char> ray_active_, ray_before_;
   std::vector<double> D_;
-  Vector ray_weight_, next_, dv_, mass_, ds_, best_v_, best_y_, best_s_;
+  Vector ray_weight_, next_, dv_, mass_, ds_, best_v_, best_y_, best_s_, y_before_;
   double softness_ = 1, last_ = 0;
   bool chosen_ = false;
 };

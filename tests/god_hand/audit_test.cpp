@@ -41,11 +41,11 @@ TEST(Audit, CountsHandsThatCrossApart) {
 }
 
 // The shipped hand, in every scene of the collision suite that needs no files.
-TEST(Audit, NothingPassesWhereverTheHandIsMoved) {
+void expect_nothing_passes(HandRun run, int frames) {
   long touching = 0, bodies = 0;
   for (HandScene scene : collision_scenes({})) {
-    scene.frames = 320;
-    const HandStudy s = study_hand(scene, scene.load(), scene.speeds.back(), true);
+    scene.frames = frames;
+    const HandStudy s = study_hand(scene, scene.load(), scene.speeds.back(), run);
     EXPECT_EQ(s.penetrations, 0) << scene.name;
     EXPECT_EQ(s.overlaps, 0) << scene.name;
     EXPECT_GT(s.gap, 1e-6) << scene.name;
@@ -57,6 +57,10 @@ TEST(Audit, NothingPassesWhereverTheHandIsMoved) {
   }
   EXPECT_GT(touching, bodies / 4);
 }
+
+TEST(Audit, NothingPassesWhereverTheHandIsMoved) { expect_nothing_passes(HandRun::audited, 320); }
+
+TEST(Audit, NothingPassesWithFriction) { expect_nothing_passes(HandRun::audited_with_friction, 160); }
 
 }  // namespace
 }  // namespace zwang::god

@@ -54,8 +54,13 @@ TEST(Rows, SayTheGapOfTheirPointsAndNeverLessThanTheShape) {
   }
 }
 
-// What a motion into a fine surface would cross is given back; all of it are rows that there are where nothing is left
-// out, too.
+bool is_same(const Contacts::Row& a, const Contacts::Row& b) {
+  return a.touch.a == b.touch.a && a.touch.b == b.touch.b && (a.touch.point_a - b.touch.point_a).norm() < 1e-9 &&
+         (a.touch.normal - b.touch.normal).norm() < 1e-9;
+}
+
+// What a motion into a fine surface would cross is given back, none of it twice; all of it are rows that there are
+// where nothing is left out, too.
 TEST(Rows, AreGivenBackAmongAll) {
   Draw draw(5);
   Surroundings s{.name = "part"};
@@ -77,9 +82,10 @@ TEST(Rows, AreGivenBackAmongAll) {
     const std::vector<Contacts::Row> completed(contacts.rows().begin(), contacts.rows().end());
     contacts.find_rows(2e-3, Contacts::Choice::all);
     for (const Contacts::Row& row : completed)
-      EXPECT_TRUE(std::any_of(contacts.rows().begin(), contacts.rows().end(), [&](const Contacts::Row& other) {
-        return other.key == row.key && other.touch.gap == row.touch.gap;
-      }));
+      EXPECT_TRUE(std::any_of(contacts.rows().begin(), contacts.rows().end(),
+                              [&](const Contacts::Row& other) { return is_same(other, row); }));
+    for (std::size_t k = 0; k < completed.size(); ++k)
+      for (std::size_t other = 0; other < k; ++other) EXPECT_FALSE(is_same(completed[k], completed[other]));
   }
   EXPECT_GT(given_back, 0u);
 }

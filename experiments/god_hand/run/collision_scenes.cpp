@@ -62,12 +62,13 @@ Course grip(double time_to_close) {
 
 class SimulatedHand : public MovingHand {
  public:
-  SimulatedHand(const Surroundings& surroundings, Course course, double speed)
+  SimulatedHand(const Surroundings& surroundings, Course course, double speed, bool friction)
       : course_(std::move(course)),
         speed_(speed),
+        options_{.mu = friction ? Options().mu : 0, .verify = 0},
         target_(course_(0, speed)),
         parts_(met_parts(surroundings)),
-        simulation_(surroundings, std::span(&hand::standard(), 1), std::span(&target_, 1), options()),
+        simulation_(surroundings, std::span(&hand::standard(), 1), std::span(&target_, 1), options_),
         shapes_(simulation_.shapes()) {
     for (const MetPart& part : parts_) obstacles_.push_back(part.body);
     place_obstacles();
@@ -83,7 +84,7 @@ class SimulatedHand : public MovingHand {
   }
 
   HandFrame step() override {
-    target_ = course_(static_cast<double>(++frame_) * options().dt, speed_);
+    target_ = course_(static_cast<double>(++frame_) * options_.dt, speed_);
     const Frame& f = simulation_.step(std::span(&target_, 1));
     poses_ = f.god;
     place_obstacles();
@@ -102,8 +103,6 @@ class SimulatedHand : public MovingHand {
   std::span<const Pose<double>> obstacle_poses() const override { return obstacle_poses_; }
 
  private:
-  static Options options() { return {.mu = 0, .verify = 0}; }
-
   void place_obstacles() {
     obstacle_poses_.clear();
     for (const MetPart& part : parts_)
@@ -112,6 +111,7 @@ class SimulatedHand : public MovingHand {
 
   Course course_;
   double speed_;
+  Options options_;
   Target target_;
   std::vector<MetPart> parts_;
   Simulation simulation_;
@@ -158,8 +158,9 @@ std::vector<HandScene> collision_scenes(const std::filesystem::path& data) {
                        double spin = 0) {
     scenes.push_back({std::move(name), std::move(of), std::move(speeds), spin, frames, [make, course] {
                         const auto scene = std::make_shared<const Surroundings>(make());
-                        return [scene, course = course(*scene)](double speed) -> std::unique_ptr<MovingHand> {
-                          return std::make_unique<SimulatedHand>(*scene, course, speed);
+                        return [scene, course = course(*scene)](double speed,
+                                                                bool friction) -> std::unique_ptr<MovingHand> {
+                          return std::make_unique<SimulatedHand>(*scene, course, speed, friction);
                         };
                       }});
   };

@@ -165,9 +165,11 @@ void Cluster::take_solution() {
   share_ = 1;
 }
 
+// Rows that an unfinished solve violates are not missing.
 bool Cluster::solve_lazily(Frame& frame) {
   bool solved = solve(frame);
-  while (solved) {
+  const auto finished = [&] { return !problem_.has_tangents() || solution_.status != Status::iteration_limit; };
+  while (solved && finished()) {
     int added = 0;
     {
       const Lap lap(frame.times.completion);

@@ -87,7 +87,7 @@ void Contacts::find_rows(double activation, Choice choice) {
   foot_ = {};
   made_.assign(left_.size(), 0);
   manifold_.reduce(left_, choice != Choice::few);
-  add_kept(0);
+  add_kept(0, choice == Choice::raw);
 }
 
 // One pair of colliders.
@@ -118,7 +118,7 @@ void Contacts::meet_mesh(int a, std::size_t corner, int b, double activation) {
     const Touch t = touch_of(a, b, center, radius, mesh * found->point);
     planes[k].normal = mesh.rotation.transpose() * t.normal;
     planes[k].offset = planes[k].normal.dot(found->point);
-    rows_.push_back({t, key_of(t, corner, k), small_lift * static_cast<double>(corner)});
+    add_row({t, key_of(t, corner, k), small_lift * static_cast<double>(corner)});
   }
 }
 
@@ -135,7 +135,7 @@ void Contacts::meet_shape(int a, int b, double activation) {
         collision::closest(point, {into(at_b, center), Mat3::Identity()}, {.shape = &theirs}, 0);
     if (c.distance <= 0 || c.distance - apart > activation) continue;
     const Touch t = touch_of(a, b, center, mine.radius(), at_b * c.on_b, theirs.radius());
-    rows_.push_back({t, key_of(t, corner, 0), small_lift * static_cast<double>(corner)});
+    add_row({t, key_of(t, corner, 0), small_lift * static_cast<double>(corner)});
   }
   const std::span<const Vec3> others = theirs.corners();
   for (std::size_t corner = 0; corner < others.size(); ++corner) {
@@ -144,7 +144,7 @@ void Contacts::meet_shape(int a, int b, double activation) {
     if (c.distance <= 0 || c.distance - apart > activation) continue;
     const Touch seen = touch_of(b, a, center, theirs.radius(), at_a * c.on_b, mine.radius());
     const Touch t{a, b, 0, seen.gap, -seen.normal, seen.point_b, seen.point_a};
-    rows_.push_back({t, key_of(t, corners.size() + corner, 0), small_lift * static_cast<double>(corner + 8)});
+    add_row({t, key_of(t, corners.size() + corner, 0), small_lift * static_cast<double>(corner + 8)});
   }
 }
 
@@ -189,11 +189,23 @@ void Contacts::make_row(std::size_t left) {
   if (foot_.clear) t = touch_of(t.a, t.b, center, shape.radius(), foot_.point);
 }
 
+bool Contacts::is_said(const Touch& t) const {
+  return std::ranges::any_of(rows_, [&](const Row& row) {
+    return row.touch.a == t.a && row.touch.b == t.b &&
+           (row.touch.point_a - t.point_a).squaredNorm() < rounding * rounding &&
+           (row.touch.normal - t.normal).squaredNorm() < rounding * rounding;
+  });
+}
+
+void Contacts::add_row(const Row& row) {
+  if (!is_said(row.touch)) rows_.push_back(row);
+}
+
 // What the manifold has kept from number `from` on.
-void Contacts::add_kept(std::size_t from) {
+void Contacts::add_kept(std::size_t from, bool repeat) {
   for (const std::uint32_t i : manifold_.kept().subspan(from)) {
     make_row(i);
-    rows_.push_back({as_row_[i], key_of(as_row_[i], 1 << 10, left_[i].feature), 0});
+    if (repeat || !is_said(as_row_[i])) rows_.push_back({as_row_[i], key_of(as_row_[i], 1 << 10, left_[i].feature), 0});
   }
 }
 
@@ -206,11 +218,13 @@ int Contacts::complete(std::span<const Vec<double, 6>> motion, double gap, bool 
     const Touch& t = left_[i];
     const Vec<double, 6>& way = motion_[static_cast<std::size_t>(t.a)];
     const Vec3 path = way.head<3>() + way.tail<3>().cross(t.point_a - world_.pose(t.a).position);
-    if (t.gap + t.normal.dot(path) < gap) make_row(i);
+    if (t.gap + t.normal.dot(path) >= gap) continue;
+    make_row(i);
+    if (is_said(as_row_[i])) manifold_.pass_over(static_cast<std::uint32_t>(i));
   }
   const std::size_t before = manifold_.kept().size();
   const int added = manifold_.complete(as_row_, world_, motion_, gap, completion_tolerance, push);
-  add_kept(before);
+  add_kept(before, false);
   return added;
 }
 

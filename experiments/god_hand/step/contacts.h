@@ -24,7 +24,9 @@ namespace zwang::god {
 // contact ends; every point of the core is a mean of them, so that their rows imply those of all touches with the same
 // plane. Against a mesh each sphere has the nearest point of all, then the nearest that the first one's plane does not
 // hide, and so on. Of the touches that are left, those that the manifold keeps are each replaced by a sphere at that
-// point of the core. Sweeps do not use any of this: they use the shapes.
+// point of the core, unless there is a row for that one: of many triangles the same point of the core is nearest, and a
+// row that is there several times leaves open which of them carries. Sweeps do not use any of this: they use the
+// shapes.
 class Contacts {
  public:
   Contacts(const GodObjects& objects, const Surroundings& surroundings);
@@ -67,7 +69,9 @@ class Contacts {
   void meet_shape(int a, int b, double activation);
   void find_planes(int a, int b, std::size_t first_row, double activation);
   void make_row(std::size_t left);
-  void add_kept(std::size_t from);
+  void add_kept(std::size_t from, bool repeat);
+  bool is_said(const collision::Touch& touch) const;
+  void add_row(const Row& row);
 
   collision::World world_;
   collision::Manifold manifold_;

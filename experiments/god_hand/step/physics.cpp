@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include <zwang/experiments/god_hand/step/tree_shape.h>
+
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built and used in double precision");
 
 namespace zwang::god {
@@ -11,60 +13,6 @@ namespace {
 
 using collision::Core;
 using collision::Shape;
-
-btVector3 vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 vector(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-btTransform transform(const Pose<double>& pose) {
-  const Mat3& R = pose.rotation;
-  const btMatrix3x3 basis(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2));
-  return btTransform(basis, vector(pose.position));
-}
-
-Pose<double> pose_of(const btTransform& t) {
-  Pose<double> pose{vector(t.getOrigin()), {}};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) pose.rotation(i, j) = t.getBasis()[i][j];
-  return pose;
-}
-
-// A mesh as the engine sees it: the triangles of the tree that collision/ holds already. A btBvhTriangleMeshShape would
-// build and keep a tree of its own, which for a million triangles takes longer than all the rest of a scene. (The
-// engine takes CUSTOM_CONCAVE_SHAPE_TYPE for a signed distance field; this type is free, and treated like any mesh.)
-class TreeShape : public btConcaveShape {
- public:
-  explicit TreeShape(std::shared_ptr<const collision::Tree> tree) : tree_(std::move(tree)) {
-    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
-    setMargin(0);
-  }
-
-  void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override {
-    const auto enter = [&](const collision::TreeNode& node, std::size_t) {
-      bool meets = true;
-      for (std::size_t k = 0; k < 3; ++k)
-        meets = meets && node.low[k] <= high.m_floats[k] && node.high[k] >= low.m_floats[k];
-      return meets;
-    };
-    tree_->walk(enter, [&](std::uint32_t t, std::uint32_t end) {
-      for (; t < end; ++t) {
-        const auto [a, b, c] = tree_->triangle(t).corner;
-        btVector3 corners[3] = {vector(a), vector(b), vector(c)};
-        callback->processTriangle(corners, 0, static_cast<int>(t));
-      }
-    });
-  }
-  void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override {
-    btTransformAabb(vector(tree_->low()), vector(tree_->high()), 0, t, low, high);
-  }
-  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
-  void setLocalScaling(const btVector3&) override {}
-  const btVector3& getLocalScaling() const override { return scaling_; }
-  const char* getName() const override { return "zwang tree"; }
-
- private:
-  std::shared_ptr<const collision::Tree> tree_;
-  btVector3 scaling_ = {1, 1, 1};
-};
 
 std::unique_ptr<btCollisionShape> convex(const Shape& shape) {
   switch (shape.core()) {
@@ -99,13 +47,21 @@ struct Physics::World {
 
   // What the engine builds up as it runs.
   struct Engine {
-    btDefaultCollisionConfiguration configuration;
+    btDefaultCollisionConfiguration configuration{with_room_for_trees()};
+    TreeAlgorithm::Create create{false}, create_swapped{true};
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broad_phase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world{&dispatcher, &broad_phase, &solver, &configuration};
     std::vector<std::unique_ptr<btRigidBody>> bodies;
 
+    Engine() {
+      for (const int convex :
+           {SPHERE_SHAPE_PROXYTYPE, CAPSULE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
+        dispatcher.registerCollisionCreateFunc(convex, FAST_CONCAVE_MESH_PROXYTYPE, &create);
+        dispatcher.registerCollisionCreateFunc(FAST_CONCAVE_MESH_PROXYTYPE, convex, &create_swapped);
+      }
+    }
     ~Engine() {
       for (const auto& body : bodies) world.removeRigidBody(body.get());
     }
@@ -120,6 +76,11 @@ struct Physics::World {
   btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
     return shapes.emplace_back(std::move(shape)).get();
   }
+  btCollisionShape* keep_convex(const Shape& shape) {
+    btCollisionShape* kept = keep(convex(shape));
+    kept->setUserPointer(const_cast<Shape*>(&shape));  // for TreeShape::Narrowed
+    return kept;
+  }
   btCollisionShape* shape_for(const Object& object);
   void build(const std::vector<State>& states);
   void put(std::size_t object, const State& state);
@@ -133,10 +94,10 @@ struct Physics::World {
 
 btCollisionShape* Physics::World::shape_for(const Object& object) {
   if (object.pieces.empty()) return keep(std::make_unique<TreeShape>(object.mesh));
-  if (object.pieces.size() == 1 && at_origin(object.pieces[0].at)) return keep(convex(object.pieces[0].shape));
+  if (object.pieces.size() == 1 && at_origin(object.pieces[0].at)) return keep_convex(object.pieces[0].shape);
   auto compound = std::make_unique<btCompoundShape>();
   for (const Object::Piece& piece : object.pieces)
-    compound->addChildShape(transform(piece.at), keep(convex(piece.shape)));
+    compound->addChildShape(transform(piece.at), keep_convex(piece.shape));
   return keep(std::move(compound));
 }
 

@@ -254,6 +254,31 @@ TEST(Cone, AWarmStartTakesFewerFactorizations) {
   }
 }
 
+// A finger tip on a surface of fine triangles: eight contacts at one place whose normals and gaps are almost the same.
+// An earlier answer says that all of them carry; one or two do.
+TEST(Cone, LoadGoesOverToTheRowsThatCarry) {
+  for (const Law law : {Law::convex, Law::coulomb})
+    for (const double tilt : {1e-3, 1e-5, 1e-7}) {
+      std::vector<test::FrictionRow> rows;
+      WarmStart warm;
+      for (int k = 0; k < 8; ++k) {
+        const double a = tilt * (k - 3.3), b = tilt * ((5 * k) % 8 - 3.1);
+        const Vec3 n = Vec3(1, a, b).normalized(), t = n.cross(Vec3::UnitZ()).normalized(), u = n.cross(t);
+        rows.push_back({inequality, n, 1e-6 * tilt * ((3 * k) % 8), 0.5});
+        rows.push_back({tangent, t, 0});
+        rows.push_back({tangent, u, 0});
+      }
+      const Problem p = friction_problem(vec({1, 1, 1}), Vec3(-8, 6, 2), rows, law);
+      warm.key = p.key;
+      warm.lambda.setZero(p.rows());
+      for (Index i = 0; i < p.rows(); i += 3) warm.lambda[i] = 1, warm.lambda[i + 1] = 0.4;
+      const Solution s = solve(p, {}, {.warm_start = &warm});
+      ASSERT_EQ(s.status, Status::solved) << tilt << ' ' << s.message;
+      EXPECT_LE(s.iterations, 32) << tilt;  // without an interior point
+      EXPECT_LE(law_error(p, s), 1e-11) << tilt;
+    }
+}
+
 TEST(Cone, LimitsEndTheSolveWithAnIterate) {
   const Problem p = planted(Law::coulomb, 0.5, 4, 8, 7).problem;
   EXPECT_EQ(solve(p, {}, {.max_iterations = 2}).status, Status::iteration_limit);
