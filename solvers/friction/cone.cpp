@@ -192,7 +192,7 @@ bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& option
       modes_.y = y_;
       modes_.begin(program_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-      modes_.run(program_, goal, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
+      modes_.run(program_, goal, 0, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
                  solution.iterations);
       v_ = best_v_;
       y_ = best_y_;
