@@ -193,7 +193,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
   ConeProgram::Residual best = residual;
   if (chosen_) best.natural = std::numeric_limits<double>::infinity();
   settled = false;
-  double halved = best.natural, moved_before = std::numeric_limits<double>::infinity();
+  double halved = best.natural;
   int since = 0;
   for (int taken = 0; taken < most && !(best.natural <= goal) && !deadline.passed(); ++taken) {
     const double before = last_;
@@ -205,8 +205,8 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     ++iterations;
     const bool same = !begins && mode_ == mode_before_ && ray_active_ == ray_before_;
     const double moved = dv_.norm(), nothing = tolerances::cone_exact * program.scale(v);
-    settled = same && last_ <= leaves && moved <= leaves && moved <= std::max(0.5 * moved_before, nothing);
-    moved_before = moved;
+    const bool stays = last_ > 0.5 * before;  // while it falls, the last digits are still to come
+    settled = same && stays && last_ <= leaves && moved <= nothing;
     if (last_ < best.natural || settled) {
       best = residual;
       best_v_ = v;

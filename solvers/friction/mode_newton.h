@@ -23,15 +23,15 @@ class ModeNewton {
  public:
   Vector v, y, s;
   ConeProgram::Residual residual;
-  // The last step of run() kept the modes, moved v by no more than it was asked to leave, and by half of the step
-  // before or by rounding only: what is left of the residual is what the rows disagree by.
+  // The last step of run() kept the modes, moved v by no more than rounding, and did not halve the residual: what is
+  // left of it is what the rows disagree by.
   bool settled = false;
   enum class Mode : char { open, stick, slide };
 
   // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
   void begin(ConeProgram& program, const InteriorPoint& from);
   void begin(ConeProgram& program);
-  // Until the natural residual is at `goal`, or settled with a residual and a step of at most `leaves`, or the residual
+  // Until the natural residual is at `goal`, or settled with a residual of at most `leaves`, or the residual
   // does not fall any more; keeps the best iterate. Counts its steps.
   void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);
   // One of its steps; false on a breakdown.
