@@ -29,6 +29,7 @@ class Group {
   bool has_data(const std::string& name) const;
   Group group(const std::string& name) const;
   std::vector<std::string> groups() const;  // names of the groups inside, numbers in their natural order
+  std::vector<std::string> links() const;   // names of all that is inside
   std::vector<std::size_t> shape(const std::string& dataset) const;
 
   // The numbers of a dataset (row by row), converted to T: double, std::int64_t, std::uint64_t. BadFile unless there
@@ -69,8 +70,7 @@ class Group {
   struct File;
   struct Dataset;
   static Group open_here(const std::filesystem::path& file);
-  void rehearse(int depth) const;          // reads all that is inside, so many groups deep
-  std::vector<std::string> links() const;  // names of all that is inside
+  void rehearse(int depth) const;  // reads all that is inside, so many groups deep
   Group(std::shared_ptr<const File> file, std::shared_ptr<const Handle> id, std::string path)
       : file_(std::move(file)), id_(std::move(id)), path_(std::move(path)) {}
   std::string path_to(const std::string& name) const;

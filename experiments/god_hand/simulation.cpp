@@ -285,6 +285,7 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
   }
   Measures::Memory& seen = measures->memory();
   visit(seen.still);
+  each(seen.late, visit);
   for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
   each(object, visit);
   for (std::size_t o = 0; physics && o < object.size(); ++o) {

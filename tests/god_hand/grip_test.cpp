@@ -70,6 +70,35 @@ TEST(Grip, SlipsBelowTheLeastFrictionThatHolds) {
   EXPECT_GT(slips.fallen, 10 * sag);
 }
 
+// The pads' targets go apart: nothing presses any more from the next frame on, at any rate. While they hold, and where
+// one comes to rest inside, nothing is late.
+TEST(Grip, LetsGoInTheNextFrame) {
+  for (const double rate : {250.0, 1000.0}) {
+    Surroundings air{.name = "air"};
+    air.objects.push_back(loose_box(Vec3::Zero()));
+    std::vector<GodObjects> clusters(1);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 widths(0.02, 0.03, 0.03);
+      clusters[0].add(box_body(widths, pad_mass, {side * (0.04 + 2e-4), 0, 0}),
+                      collision::Shape::rounded_box(widths, 0.002));
+    }
+    Simulation s(air, std::move(clusters), rough(0.8, rate));
+    const auto step = [&](double deep) {
+      const std::vector<Pose<double>> target = {at(deep - 0.04, 0, 0), at(0.04 - deep, 0, 0)};
+      return s.step(target);
+    };
+    for (int k = 0; k < rate / 2; ++k) {
+      const Frame f = step(inside);
+      EXPECT_EQ(f.late, 0) << k;
+      EXPECT_TRUE(k < rate / 4 || f.grip > squeeze / 2) << k;
+    }
+    double late = 0;
+    for (int k = 0; k < rate / 10; ++k) late = std::max(late, step(-0.01).late);
+    EXPECT_LE(late, 1 / rate);
+    EXPECT_EQ(step(-0.01).grip, 0);
+  }
+}
+
 TEST(Grip, TheHandLiftsABoxBetweenThumbAndIndexFinger) {
   const Surroundings scene = make_surroundings("box", "");
   const HandMotion motion = synthetic_motion("lift", scene);

@@ -22,6 +22,7 @@ constexpr std::array all_columns = {
     Column{"friction", "1", &Frame::friction_used},
     Column{"slip", "m/s", &Frame::slip},
     Column{"creep", "m/s", &Frame::creep},
+    Column{"late", "s", &Frame::late},
     Column{"rows", "1", &Frame::rows},
     Column{"raw", "1", &Frame::raw},
     Column{"kept", "1", &Frame::kept},

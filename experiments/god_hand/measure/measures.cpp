@@ -23,6 +23,7 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
   sight_.add(collision::Shape::sphere(speck));
   scenery_ = Scenery(sight_, surroundings, [](const Object&) { return Scenery::Role{}; });
   for (const Object& o : surroundings.objects) loose_.push_back(o.loose());
+  memory_.late.assign(loose_.size(), 0);
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
   for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
 }
@@ -124,6 +125,7 @@ void Measures::measure_grip(std::span<const Pose<double>> objects, const Options
   const bool rests = std::equal(frame.target.begin(), frame.target.end(), memory_.target[1].begin(), same);
   memory_.still = rests ? memory_.still + options.dt : 0;
   pressed_.assign(objects.size(), 0);
+  wanted_.assign(objects.size(), 0);
   for (const FrameContact& c : frame.contacts) {
     if (c.object < 0 || !loose_[static_cast<std::size_t>(c.object)] || c.push <= nothing) continue;
     const auto body = static_cast<std::size_t>(c.body), object = static_cast<std::size_t>(c.object);
@@ -132,6 +134,13 @@ void Measures::measure_grip(std::span<const Pose<double>> objects, const Options
     frame.slip = std::max(frame.slip, (apart - c.normal.dot(apart) * c.normal).norm() / options.dt);
     frame.friction_used = std::max(frame.friction_used, c.friction.norm() / (options.mu * c.push));
     frame.grip = std::max(frame.grip, (pressed_[object] += c.push) / 2);
+    const Pose<double>&now = frame.god[body], &target = frame.target[body];
+    const Vec3 wanted = target * Vec3(now.rotation.transpose() * (c.point - now.position));
+    if (c.normal.dot(wanted - c.point) < 0) wanted_[object] = 1;
+  }
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    memory_.late[o] = pressed_[o] > 0 && wanted_[o] == 0 ? memory_.late[o] + options.dt : 0;
+    frame.late = std::max(frame.late, memory_.late[o]);
   }
   if (memory_.still >= settled) frame.creep = frame.slip;
 }

@@ -25,7 +25,8 @@ class Measures {
   // What is kept from frame to frame: god objects and targets of the last two frames.
   struct Memory {
     std::vector<Pose<double>> god[2], target[2];
-    double still = 0;  // s, since when no target has moved
+    double still = 0;          // s, since when no target has moved
+    std::vector<double> late;  // s, by object: since when it is pressed though no target presses it
   };
   Memory& memory() { return memory_; }
 
@@ -44,6 +45,7 @@ class Measures {
   std::vector<Pose<double>> start_object_;  // of the objects
   std::vector<bool> loose_;                 // by object
   std::vector<double> pressed_;             // N, by object
+  std::vector<char> wanted_;                // by object: a target presses it
   Memory memory_;
 };
 

@@ -217,6 +217,10 @@ FrameReader::FrameReader(const std::filesystem::path& directory)
       bodies_(size_of("god")),
       loose_(size_of("loose")),
       datasets_(datasets(bodies_, loose_)) {
+  // Names have no checksum; a list of poses that is not there would count as empty.
+  for (const std::string& name : file_.links())
+    if (std::ranges::none_of(datasets_, [&](const Dataset& d) { return d.name == name; }))
+      file_.fail(name, "not a dataset of a run");
   std::size_t frames = ~std::size_t{0}, contacts = frames;
   for (const Dataset& d : datasets_) {
     std::size_t& least = d.of_contacts ? contacts : frames;

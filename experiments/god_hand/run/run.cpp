@@ -7,6 +7,7 @@
 #include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/experiments/god_hand/measure/disturbance.h>
 #include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay.h>
@@ -108,8 +109,16 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   const auto planned = static_cast<double>(record.asked.frames);
   const FrameReader reader(directory);
   ShownFrames shown(reader.frames());
+  Held held;
+  double hardest = 0;
+  long held_in = -1;
   reader.each([&](const Frame& frame) {
     out.summary.add(frame);
+    hardest = std::max(hardest, frame.grip);
+    if (frame.grip > 0 && 2 * frame.grip >= hardest) {
+      held = held_hardest(frame, setup.surroundings);
+      held_in = frame.number;
+    }
     shown.add(frame);
     if (!record.asked.audit) return;
     const std::vector<Pose<double>> objects = object_poses(setup.surroundings, frame);
@@ -119,6 +128,8 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     progress(static_cast<double>(out.summary.frames()) / planned, "FCL looks at every frame");
   });
   if (record.asked.audit) out.summary.set_audit(audit.checked(), audit.found(), first, audit.crossed());
+  if (held_in >= 0)
+    out.summary.set_disturbance(largest_disturbance(held.contacts, held.weight, record.asked.options.mu), held_in);
   out.lines = out.summary.lines(record);
   replace_file(directory / "summary.json", out.summary.json(record));
   if (out.summary.frames() > 0)

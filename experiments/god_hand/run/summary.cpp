@@ -121,7 +121,10 @@ std::vector<std::string> Summary::lines(const Record& record) const {
     out.push_back("Loose objects are held with up to " + text("%.3g N", most("grip")) + " (mu " +
                   text("%.3g", record.asked.options.mu) + "); once the target rests, contacts creep by " +
                   text("%.2g um/s", 1e6 * most("creep")) + " at most; momentum balanced to " +
-                  text("%.1e", most("impulse")));
+                  text("%.1e", most("impulse")) + "; let go within " + milliseconds(most("late")) +
+                  (disturbance_at_ < 0 ? ""
+                                       : "; in frame " + std::to_string(disturbance_at_) + " the hold withstands " +
+                                             text("%.3g N", disturbance_) + " in the worst direction"));
   std::string origins;
   for (std::size_t k = 0; k < origins_.size(); ++k)
     if (origins_[k] > 0)
@@ -186,6 +189,9 @@ std::string Summary::json(const Record& record) const {
       {"friction_used", most("friction")},
       {"slip_m_s", most("slip")},
       {"creep_um_s", 1e6 * most("creep")},
+      {"release_latency_s", most("late")},
+      {"disturbance_held_n", disturbance_at_ < 0 ? Json(nullptr) : Json(disturbance_)},
+      {"disturbance_frame", disturbance_at_ < 0 ? Json(nullptr) : Json(disturbance_at_)},
       {"step_s",
        {{"median", quantile(totals_, 0.5)},
         {"p99", quantile(totals_, 0.99)},

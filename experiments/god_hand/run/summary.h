@@ -16,6 +16,8 @@ class Summary {
   explicit Summary(double dt) : dt_(dt) {}
   void add(const Frame& frame);
   // What an audit (audit.h) of all frames came to.
+  // What the last firm hold of the run withstands (measure/disturbance.h) [N], and in which frame that was.
+  void set_disturbance(double force, long frame) { disturbance_ = force, disturbance_at_ = frame; }
   void set_audit(long looked, long found, long first, long crossed);
 
   long frames() const { return columns_.frames(); }
@@ -33,6 +35,8 @@ class Summary {
   std::array<double, 6> stages_ = {};  // s, of all frames
   std::array<long, origin_names.size()> origins_ = {};
   long broken_ = 0;
+  double disturbance_ = 0;
+  long disturbance_at_ = -1;
   long audited_ = 0, overlaps_ = 0, first_overlap_ = -1, crossed_ = 0;
   std::vector<double> raw_ = {}, kept_ = {};  // of the frames with contacts
   std::map<std::string, long> claimed_ = {}, verified_ = {};

@@ -64,6 +64,7 @@ struct Frame {
   double friction_used = 0;  // of the largest that a contact with a loose object could have: 1 where it slides
   double slip = 0;           // m/s, fastest of those contacts, along the surface
   double creep = 0;          // m/s, the same once all targets have stood still for half a second; else 0
+  double late = 0;           // s, for which a loose object has been pressed though no target presses it any more
   std::vector<Vec<double, 6>> device = {};              // N, N m: what a haptic device would show at each god object
   Vec<double, 6> palm_wrench = Vec<double, 6>::Zero();  // the first of them
   int rows = 0, raw = 0, kept = 0, completed = 0, sub_steps = 0, returned = 0;  // returned: objects put back
