@@ -1,10 +1,12 @@
 #include <zwang/experiments/god_hand/step/physics.h>
 
+#include <BulletCollision/CollisionDispatch/btConvexConcaveCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <stdexcept>
 
-#include <zwang/experiments/god_hand/step/tree_shape.h>
+#include <zwang/collision/narrow_phase/closest.h>
+#include <zwang/collision/narrow_phase/patch.h>
 
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built and used in double precision");
 
@@ -13,6 +15,135 @@ namespace {
 
 using collision::Core;
 using collision::Shape;
+
+btVector3 vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 vector(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+btTransform transform(const Pose<double>& pose) {
+  const Mat3& R = pose.rotation;
+  const btMatrix3x3 basis(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2));
+  return btTransform(basis, vector(pose.position));
+}
+
+Pose<double> pose_of(const btTransform& t) {
+  Pose<double> pose{vector(t.getOrigin()), {}};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) pose.rotation(i, j) = t.getBasis()[i][j];
+  return pose;
+}
+
+// A mesh as the engine sees it: the triangles of the tree that collision/ holds already. A btBvhTriangleMeshShape would
+// build and keep a tree of its own, which for a million triangles takes longer than all the rest of a scene. (The
+// engine takes CUSTOM_CONCAVE_SHAPE_TYPE for a signed distance field; this type is free, and treated like any mesh.)
+//
+// The engine asks for the triangles in a box along the mesh's axes. About a can that leans on a part of 30,000
+// triangles that is 3,600 of them, each of which it then measures. While a Narrowed lives they are those in the box
+// along the can's own axes.
+class TreeShape : public btConcaveShape {
+ public:
+  explicit TreeShape(std::shared_ptr<const collision::Tree> tree) : tree_(std::move(tree)) {
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
+    setMargin(0);
+  }
+
+  void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override {
+    const auto enter = [&](const collision::TreeNode& node, std::size_t) {
+      bool meets = true;
+      for (std::size_t k = 0; k < 3; ++k)
+        meets = meets && node.low[k] <= high.m_floats[k] && node.high[k] >= low.m_floats[k];
+      return meets && (!narrowed_ || narrowed_->meets(node));
+    };
+    tree_->walk(enter, [&](std::uint32_t t, std::uint32_t end) {
+      for (; t < end; ++t) {
+        if (narrowed_ && !narrowed_->meets(tree_->triangle(t))) continue;
+        const auto [a, b, c] = tree_->triangle(t).corner;
+        btVector3 corners[3] = {vector(a), vector(b), vector(c)};
+        callback->processTriangle(corners, 0, static_cast<int>(t));
+      }
+    });
+  }
+  void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override {
+    btTransformAabb(vector(tree_->low()), vector(tree_->high()), 0, t, low, high);
+  }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  void setLocalScaling(const btVector3&) override {}
+  const btVector3& getLocalScaling() const override { return scaling_; }
+  const char* getName() const override { return "zwang tree"; }
+
+  // No triangle beyond its reach gives the convex body a contact. The body's shape points to that of collision/.
+  class Narrowed {
+   public:
+    Narrowed(const btCollisionObjectWrapper& convex, const btCollisionObjectWrapper& mesh)
+        : tree_(*static_cast<const TreeShape*>(mesh.getCollisionShape())),
+          reach_(static_cast<const collision::Shape*>(convex.getCollisionShape()->getUserPointer())->radius() +
+                 convex.getCollisionShape()->getContactBreakingThreshold(gContactBreakingThreshold)),
+          region_(*static_cast<const collision::Shape*>(convex.getCollisionShape()->getUserPointer()),
+                  pose_of(mesh.getWorldTransform().inverseTimes(convex.getWorldTransform())), reach_) {
+      tree_.narrowed_ = this;
+    }
+    ~Narrowed() { tree_.narrowed_ = nullptr; }
+    Narrowed(const Narrowed&) = delete;
+    Narrowed& operator=(const Narrowed&) = delete;
+
+    bool meets(const collision::TreeNode& node) const {
+      collision::Region::LocalBox seen;
+      return !region_.misses(node, seen);
+    }
+    bool meets(const collision::Triangle& triangle) const {
+      const Pose<double>& at = region_.a_in_b;
+      collision::Triangle local;
+      for (std::size_t k = 0; k < 3; ++k)
+        local.corner[k] = at.rotation.transpose() * (triangle.corner[k] - at.position);
+      const auto [p, q, r] = local.corner;
+      return (p.cwiseMin(q).cwiseMin(r).array() <= region_.local_high.array()).all() &&
+             (p.cwiseMax(q).cwiseMax(r).array() >= region_.local_low.array()).all() &&
+             collision::closest(region_.shape, local, reach_).distance < reach_;
+    }
+
+   private:
+    const TreeShape& tree_;
+    double reach_;  // m, of the body's core
+    collision::Region region_;
+  };
+
+ private:
+  std::shared_ptr<const collision::Tree> tree_;
+  btVector3 scaling_ = {1, 1, 1};
+  mutable const Narrowed* narrowed_ = nullptr;
+};
+
+// Convex bodies against a TreeShape.
+class TreeAlgorithm : public btConvexConcaveCollisionAlgorithm {
+ public:
+  TreeAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a,
+                const btCollisionObjectWrapper* b, bool swapped)
+      : btConvexConcaveCollisionAlgorithm(info, a, b, swapped), swapped_(swapped) {}
+
+  void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
+                        const btDispatcherInfo& info, btManifoldResult* result) override {
+    const TreeShape::Narrowed narrowed(swapped_ ? *b : *a, swapped_ ? *a : *b);
+    btConvexConcaveCollisionAlgorithm::processCollision(a, b, info, result);
+  }
+
+  struct Create : btCollisionAlgorithmCreateFunc {
+    explicit Create(bool swapped) { m_swapped = swapped; }
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* a,
+                                                   const btCollisionObjectWrapper* b) override {
+      void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(TreeAlgorithm));
+      return new (memory) TreeAlgorithm(info, a, b, m_swapped);
+    }
+  };
+
+ private:
+  bool swapped_;
+};
+
+btDefaultCollisionConstructionInfo with_room_for_trees() {
+  btDefaultCollisionConstructionInfo info;
+  info.m_customCollisionAlgorithmMaxElementSize = sizeof(TreeAlgorithm);
+  return info;
+}
 
 std::unique_ptr<btCollisionShape> convex(const Shape& shape) {
   switch (shape.core()) {
@@ -48,7 +179,8 @@ struct Physics::World {
   // What the engine builds up as it runs.
   struct Engine {
     btDefaultCollisionConfiguration configuration{with_room_for_trees()};
-    TreeAlgorithm::Create create{false}, create_swapped{true};
+    std::unique_ptr<btCollisionAlgorithmCreateFunc> create = std::make_unique<TreeAlgorithm::Create>(false),
+                                                    create_swapped = std::make_unique<TreeAlgorithm::Create>(true);
     btCollisionDispatcher dispatcher{&configuration};
     btDbvtBroadphase broad_phase;
     btSequentialImpulseConstraintSolver solver;
@@ -58,8 +190,8 @@ struct Physics::World {
     Engine() {
       for (const int convex :
            {SPHERE_SHAPE_PROXYTYPE, CAPSULE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
-        dispatcher.registerCollisionCreateFunc(convex, FAST_CONCAVE_MESH_PROXYTYPE, &create);
-        dispatcher.registerCollisionCreateFunc(FAST_CONCAVE_MESH_PROXYTYPE, convex, &create_swapped);
+        dispatcher.registerCollisionCreateFunc(convex, FAST_CONCAVE_MESH_PROXYTYPE, create.get());
+        dispatcher.registerCollisionCreateFunc(FAST_CONCAVE_MESH_PROXYTYPE, convex, create_swapped.get());
       }
     }
     ~Engine() {
