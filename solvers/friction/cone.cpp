@@ -14,12 +14,15 @@ constexpr int most_warm = 32;   // and from an earlier answer
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
-// Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone.
+// Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone; without
+// friction the solver that is handed the problem looks for parts itself.
 Index unit_of(const Problem& problem) {
   constexpr Index body = 6;
+  if (!problem.has_tangents()) return body;
   if (problem.size() % body != 0) return 1;
   const auto& M = problem.M;
-  const bool identity = M.nonZeros() == M.cols() && (M.diagonal().array() == 1).all();
+  if (M.nonZeros() != M.cols()) return body;
+  const bool identity = std::all_of(M.valuePtr(), M.valuePtr() + M.nonZeros(), [](double mass) { return mass == 1; });
   return identity ? 1 : body;
 }
 

@@ -9,21 +9,15 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/problem/law.h>
-#include <zwang/core/referee/measure.h>
+#include "tests/core/referee/friction/small_frictional.h"
 
 namespace zwang {
 namespace {
 
+using test::judge;
+
 bool among(const Problem& p, const Vector& z, const std::vector<Vector>& all, double within) {
   return std::ranges::any_of(all, [&](const Vector& other) { return relative_distance(p, other, z) <= within; });
-}
-
-Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}) {
-  Solution s;
-  s.status = Status::solved;
-  s.z = z;
-  s.lambda = lambda;
-  return measure(p, s, nullptr, 1e-13);
 }
 
 TEST(FrictionReference, FindsAndProvesAllThreeSolutionsOfTheRod) {

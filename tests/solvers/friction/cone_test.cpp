@@ -240,6 +240,37 @@ TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
   }
 }
 
+// Two blocks without any more unknowns, as a Delassus matrix gives them: seven unknowns are no bodies.
+TEST(Cone, PartsOfAProblemWithoutBodiesAreSolvedApart) {
+  const Problem slides = block(0.5, Vec3(-1, 3, 0), Law::coulomb), sticks = block(0.5, Vec3(-2, 0.5, 0), Law::coulomb);
+  Problem both = slides;
+  both.z_u = Vector::Zero(7);
+  both.z_u << slides.z_u, sticks.z_u, 2;
+  both.M.resize(7, 7);
+  both.M.setIdentity();
+  Matrix J = Matrix::Zero(6, 7);
+  J.topLeftCorner(3, 3) = Matrix(slides.J);
+  J.block(3, 3, 3, 3) = Matrix(sticks.J);
+  both.J = J.sparseView();
+  both.c = Vector::Zero(6);
+  both.mu = Vector::Zero(6);
+  both.mu[0] = both.mu[3] = 0.5;
+  for (Index i = 0; i < 3; ++i) both.kind.push_back(both.kind[static_cast<std::size_t>(i)]);
+  for (std::uint64_t i = 0; i < 3; ++i) both.key.push_back({100 + i, 0});
+  AnySolver solver = Cone();
+  Solution s;
+  solver.solve(both, {}, s);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_EQ(s.z.head(3), solve(slides).z);
+  EXPECT_EQ(s.z.segment(3, 3), solve(sticks).z);
+  EXPECT_EQ(s.z[6], 2);
+  EXPECT_FALSE(s.fallback);
+  solver.solve(both, {}, s);
+  const long before = allocations();
+  solver.solve(both, {}, s);
+  EXPECT_EQ(allocations() - before, 0);
+}
+
 TEST(Cone, AWarmStartTakesFewerFactorizations) {
   for (const Law law : {Law::convex, Law::coulomb}) {
     Problem p = planted(law, 0.5, 3, 6, 3).problem;

@@ -11,6 +11,7 @@ namespace zwang {
 namespace {
 
 using test::block;
+using test::judge;
 using test::vector;
 
 // Two blocks that slide and stick, and an unknown that nothing meets; their unknowns are shuffled.
@@ -38,14 +39,6 @@ struct TwoBlocks {
     all.contact(one.mu[0], {row(0), row(1), row(2)});
   }
 };
-
-Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}) {
-  Solution s;
-  s.status = Status::solved;
-  s.z = z;
-  s.lambda = lambda;
-  return measure(p, s, nullptr, 1e-13);
-}
 
 TEST(ContactIslands, ContactsStayWholeAndTheRestIsOnePart) {
   const TwoBlocks two;

@@ -10,18 +10,11 @@ namespace zwang {
 namespace {
 
 using test::block;
+using test::judge;
 using test::pinch;
 using test::rod;
 using test::vector;
 using test::wedge;
-
-Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}, double tolerance = 1e-13) {
-  Solution s;
-  s.status = Status::solved;
-  s.z = z;
-  s.lambda = lambda;
-  return measure(p, s, nullptr, tolerance);
-}
 
 Metrics judge_claim(const Problem& p, const Vector& certificate) {
   Solution s;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
+#include <zwang/core/referee/measure.h>
 
 namespace zwang::test {
 
@@ -81,6 +82,15 @@ inline Problem pinch() {
 inline SmallFrictional block(double slip, double load, double mu) {
   return SmallFrictional{.z_u = vector({slip, 0, -load})}.contact(
       mu, {{vector({0, 0, 1}), 0}, {vector({1, 0, 0}), 0}, {vector({0, 1, 0}), 0}});
+}
+
+// Of z as a solver's claim, without a reference.
+inline Metrics judge(const Problem& p, const Vector& z, const Vector& lambda = {}, double tolerance = 1e-13) {
+  Solution s;
+  s.status = Status::solved;
+  s.z = z;
+  s.lambda = lambda;
+  return measure(p, s, nullptr, tolerance);
 }
 
 }  // namespace zwang::test
