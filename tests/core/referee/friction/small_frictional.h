@@ -49,7 +49,7 @@ struct SmallFrictional {
     p.mu.resize(J.rows());
     for (Index i = 0; i < J.rows(); ++i) {
       const Row& row = rows[static_cast<std::size_t>(i)];
-      J.row(i) = row.entries;
+      if (n > 0) J.row(i) = row.entries;
       p.c[i] = row.c;
       p.mu[i] = row.mu;
       p.kind.push_back(row.kind);
