@@ -84,7 +84,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
   double target = tolerances::cone_regime, looked_at = tolerances::cone_runs_off * unit;
   for (int step = 0;;) {
     const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
-    bool stuck = step >= most_steps;
+    bool stuck = step >= most_steps || target < tolerances::cone_deepest;
     if (!in_regime && !stuck) {
       if (deadline.passed() || solution.iterations >= options.max_iterations) {
         keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
@@ -114,6 +114,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
       }
     }
     keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+    if (deadline.passed()) return End::limit;
     if (finish) {
       modes_.begin(program_, inside_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
