@@ -14,8 +14,8 @@ enum class Side : signed char { lower = 1, upper = -1 };
 // Counting from the bound instead of from zero keeps the jump of the angle half a turn away from where the row works.
 // A row is written only while the range is left (value < reach; reach = 0: violated). For the second angle of a
 // universal joint swap the bodies. Nor is one written from `farthest` beyond the bound on: of a range wider than half a
-// turn, that is where the other bound is nearer. Where the direction points along the axis the angle has no gradient; the row is then
-// the limit for a direction that leaves the axis at a right angle to the bound: a turn about the axis.
+// turn, that is where the other bound is nearer. Where the direction points along the axis the angle has no gradient;
+// the row is then the limit for a direction that leaves the axis at a right angle to the bound: a turn about the axis.
 struct JointLimit {
   static constexpr auto name = "joint_limit";
   static constexpr int rows = 1;

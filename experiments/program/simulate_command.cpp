@@ -67,7 +67,8 @@ void add_options(CLI::App& options, Typed& typed) {
       ->type_name("FILE|NAME");
   add("What is simulated", "--god", a.god,
       "what is tracked: hand, a tool by name (below), mesh files as its convex pieces: a.stl@mm,b.obj, or a jointed "
-      "mechanism: a scene file (.json), an MJCF or URDF model (.xml, .urdf; hand.xml@x-z: its x axis along the fingers, "
+      "mechanism: a scene file (.json), an MJCF or URDF model (.xml, .urdf; hand.xml@x-z: its x axis along the "
+      "fingers, "
       "its -z out of the back of the hand); default: hand")
       ->type_name("FILE|NAME");
   add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")

@@ -144,6 +144,7 @@ Tool read_mechanism(const std::string& name) {
   const auto [file, axes] = parts_of_name(name);
   const std::optional<Mat3> turn = axes.empty() ? std::nullopt : std::optional(palm_axes(name, axes));
   Tool tool = is_scene(file) ? of_scene_file(file) : of_model(file);
+  tool.name = std::filesystem::path(file).stem().string();
   if (!turn) return tool;
   for (Body& body : tool.objects.scene.bodies) body.pose = {*turn * body.pose.position, *turn * body.pose.rotation};
   for (Tool::Drive& drive : tool.drives) drive.axis = *turn * drive.axis, drive.at = *turn * drive.at;

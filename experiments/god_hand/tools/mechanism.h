@@ -23,8 +23,8 @@ Tool of_model(const std::filesystem::path& file);  // MuJoCo reads it
 struct HingeDrive {
   std::string name;
   BodyId body;
-  double scale;        // rad per rad, about the axis of the joint's first body
-  double rest = 0;     // as Tool::Drive
+  double scale;     // rad per rad, about the axis of the joint's first body
+  double rest = 0;  // as Tool::Drive
 };
 // What is left once bodies, shapes, joints and limits are there: joints are closed, hinges get their drives, and bodies
 // that are joined or overlap at rest pass each other.

@@ -18,8 +18,8 @@ namespace {
 
 using collision::Shape;
 
-constexpr double closed = 1.5;   // rad of the closing angle: hinges are at the end of their range
-constexpr double pivot = 1e-3;   // m, radius of a body that the model gives no geom
+constexpr double closed = 1.5;     // rad of the closing angle: hinges are at the end of their range
+constexpr double pivot = 1e-3;     // m, radius of a body that the model gives no geom
 constexpr double lightest = 1e-4;  // kg, of a body
 
 struct DeleteData {
@@ -32,9 +32,9 @@ Mat3 mat3(const mjtNum* x) { return Eigen::Map<const Eigen::Matrix<double, 3, 3,
 // A geom as a convex shape.
 struct ConvexGeom {
   Shape shape;
-  Pose<double> pose;    // in the model, at rest
-  Vec3 widths;          // m, of the box about it
-  double volume;        // m^3
+  Pose<double> pose;  // in the model, at rest
+  Vec3 widths;        // m, of the box about it
+  double volume;      // m^3
 };
 
 class FromModel {
@@ -59,8 +59,8 @@ class FromModel {
   std::unique_ptr<mjModel, DeleteModel> model_;
   std::unique_ptr<mjData, DeleteData> data_;
   int root_ = 0;
-  Pose<double> frame_;        // of the root body in the model
-  std::vector<BodyId> main_;  // by body of the model: the part that joints hold; -1: none yet
+  Pose<double> frame_;            // of the root body in the model
+  std::vector<BodyId> main_;      // by body of the model: the part that joints hold; -1: none yet
   std::vector<int> body_, geom_;  // by part; geom -1: a pivot
   std::vector<HingeDrive> hinges_;
   Tool tool_;
@@ -99,7 +99,8 @@ int FromModel::root() const {
   int found = 0;
   for (int b = 1; b < model_->nbody; ++b) {
     if (model_->body_parentid[b] != 0 || !moves(b)) continue;
-    if (found != 0) refuse(mjOBJ_BODY, b, "one tree of bodies that move, and it is not joined to " + name(mjOBJ_BODY, found));
+    if (found != 0)
+      refuse(mjOBJ_BODY, b, "one tree of bodies that move, and it is not joined to " + name(mjOBJ_BODY, found));
     found = b;
   }
   if (found == 0 && model_->nbody > 1) found = 1;
@@ -156,12 +157,14 @@ ConvexGeom FromModel::convex(int geom) const {
       const int mesh = m.geom_dataid[geom];
       const float* from = m.mesh_vert + 3 * m.mesh_vertadr[mesh];
       std::vector<Vec3> vertices;
-      for (int v = 0; v < m.mesh_vertnum[mesh]; ++v) vertices.emplace_back(from[3 * v], from[3 * v + 1], from[3 * v + 2]);
+      for (int v = 0; v < m.mesh_vertnum[mesh]; ++v)
+        vertices.emplace_back(from[3 * v], from[3 * v + 1], from[3 * v + 2]);
       const Hull hull = hull_of(vertices);
       pose.position = pose * hull.middle;
       return {hull.shape, pose, hull.widths, hull.widths.prod()};
     }
-    default: refuse(mjOBJ_GEOM, geom, "a sphere, capsule, box, cylinder, ellipsoid or mesh on a body that moves");
+    default:
+      refuse(mjOBJ_GEOM, geom, "a sphere, capsule, box, cylinder, ellipsoid or mesh on a body that moves");
   }
 }
 
@@ -178,8 +181,7 @@ BodyId FromModel::add_part(int body, const Shape& shape, const Pose<double>& pos
 }
 
 BodyId FromModel::add_pivot(int body, const Vec3& at, double mass, double inertia) {
-  const BodyId id =
-      add_part(body, Shape::sphere(pivot), {at, Mat3::Identity()}, mass, inertia * Mat3::Identity());
+  const BodyId id = add_part(body, Shape::sphere(pivot), {at, Mat3::Identity()}, mass, inertia * Mat3::Identity());
   for (BodyId other = 0; other < id; ++other) tool_.objects.pass(other, id);
   return id;
 }
@@ -190,15 +192,18 @@ void FromModel::add_joint(int joint, BodyId on, BodyId part) {
   Scene& scene = tool_.objects.scene;
   const Vec3 at = vec3(data_->xanchor + 3 * joint) - frame_.position, axis = vec3(data_->xaxis + 3 * joint);
   const Pose<double>&a = scene.bodies[static_cast<std::size_t>(on)].pose,
-              &b = scene.bodies[static_cast<std::size_t>(part)].pose;
-  const Vec3 anchor_a = a.rotation.transpose() * (at - a.position), anchor_b = b.rotation.transpose() * (at - b.position);
+        &b = scene.bodies[static_cast<std::size_t>(part)].pose;
+  const Vec3 anchor_a = a.rotation.transpose() * (at - a.position),
+             anchor_b = b.rotation.transpose() * (at - b.position);
   if (m.jnt_type[joint] == mjJNT_BALL) {
     scene.add(BallJoint{{on, part}, anchor_a, anchor_b});
     return;
   }
   if (m.jnt_type[joint] != mjJNT_HINGE)
-    refuse(mjOBJ_JOINT, joint, "a hinge or a ball; a body slides or is free at the root alone, which follows the motion");
-  scene.add(RevoluteJoint{{on, part}, anchor_a, anchor_b, a.rotation.transpose() * axis, b.rotation.transpose() * axis});
+    refuse(mjOBJ_JOINT, joint,
+           "a hinge or a ball; a body slides or is free at the root alone, which follows the motion");
+  scene.add(
+      RevoluteJoint{{on, part}, anchor_a, anchor_b, a.rotation.transpose() * axis, b.rotation.transpose() * axis});
   const double rest = m.qpos0[m.jnt_qposadr[joint]], low = m.jnt_range[2 * joint], high = m.jnt_range[2 * joint + 1];
   std::string called = name(mjOBJ_JOINT, joint);
   if (called.front() == '\'') called = called.substr(1, called.size() - 2);
@@ -256,7 +261,7 @@ void FromModel::add_body(int body) {
       if (k == 0 && (joints > 0 || parent < 0)) continue;
       const BodyId rigid = k == 0 ? parent : main_[at];
       const Pose<double>&a = tool_.objects.scene.bodies[static_cast<std::size_t>(rigid)].pose,
-                  &b = tool_.objects.scene.bodies[static_cast<std::size_t>(part)].pose;
+            &b = tool_.objects.scene.bodies[static_cast<std::size_t>(part)].pose;
       tool_.objects.scene.add(Weld{{rigid, part},
                                    a.rotation.transpose() * (b.position - a.position),
                                    Vec3::Zero(),

@@ -5,7 +5,8 @@
 namespace zwang::god {
 
 Tool of_model(const std::filesystem::path& file) {
-  throw std::invalid_argument(file.string() + ": MJCF and URDF models need MuJoCo, which this program was built without");
+  throw std::invalid_argument(file.string() +
+                              ": MJCF and URDF models need MuJoCo, which this program was built without");
 }
 
 }  // namespace zwang::god

@@ -85,7 +85,8 @@ void FromScene::add_joints() {
       char &a = reached[static_cast<std::size_t>(joint.bodies[0])],
            &b = reached[static_cast<std::size_t>(joint.bodies[1])];
       if (done[k] || (!a && !b)) continue;
-      if (a && b) joint.written.fail("no loop: '" + joint.name + "' joins bodies of a god object that are joined already");
+      if (a && b)
+        joint.written.fail("no loop: '" + joint.name + "' joins bodies of a god object that are joined already");
       add(joint, !a);
       a = b = done[k] = 1;
       more = true;

@@ -132,7 +132,8 @@ Tool make_tool(const std::string& name) {
   }
   if (name.find_first_of(".,@/") == std::string::npos)
     throw std::invalid_argument("no god object '" + name + "'" + did_you_mean(name, names));
-  Tool tool = is_mechanism(name) ? read_mechanism(name) : of_meshes(name);
+  if (is_mechanism(name)) return read_mechanism(name);
+  Tool tool = of_meshes(name);
   tool.name = name;
   return tool;
 }

@@ -13,19 +13,20 @@ namespace zwang::god {
 struct Tool {
   static constexpr int closing = 4;  // of hand::Angles: the index finger's base, which every grasp bends
 
-  // A hinge's target: what is behind it turns about an axis by so much of the motion's closing angle, or as a path says.
+  // A hinge's target: what is behind it turns about an axis by so much of the motion's closing angle, or as a path
+  // says.
   struct Drive {
-    std::string name;            // of the hinge
-    double scale;                // rad per rad
-    Vec3 axis, at;               // unit, m; at rest, in the palm's axes
-    std::vector<BodyId> behind;  // all that turn with it
-    double rest = 0;             // rad: what a path calls the angle at rest
+    std::string name;                     // of the hinge
+    double scale;                         // rad per rad
+    Vec3 axis, at;                        // unit, m; at rest, in the palm's axes
+    std::vector<BodyId> behind;           // all that turn with it
+    double rest = 0;                      // rad: what a path calls the angle at rest
     double least = -1e300, most = 1e300;  // rad from rest; beyond these the other bound of its range would be nearer
   };
 
   std::string name = {};
-  GodObjects objects = {};          // at rest, about the palm
-  std::vector<Drive> drives = {};   // a hinge behind another one comes before it
+  GodObjects objects = {};         // at rest, about the palm
+  std::vector<Drive> drives = {};  // a hinge behind another one comes before it
 
   std::vector<Pose<double>> poses(const Target& at) const;
 };

@@ -18,7 +18,8 @@ Target closed(double angle, const Pose<double>& palm = {}) {
 }
 
 std::string model(const std::string& bodies, const std::string& more = "") {
-  return "<mujoco><compiler angle=\"radian\" autolimits=\"true\"/>" + more + "<worldbody>" + bodies + "</worldbody></mujoco>";
+  return "<mujoco><compiler angle=\"radian\" autolimits=\"true\"/>" + more + "<worldbody>" + bodies +
+         "</worldbody></mujoco>";
 }
 
 // A palm at (1, 0, 0) with a finger of two phalanxes along y.
@@ -47,7 +48,8 @@ TEST(ModelMechanism, BodiesGeomsAndHinges) {
   EXPECT_LE((bodies[1].pose.position - Vec3(0, 0.05, 0)).norm(), 1e-12);
   EXPECT_LE((bodies[2].pose.position - Vec3(0, 0.09, 0)).norm(), 1e-12);
   EXPECT_LE((bodies[3].pose.position - Vec3(0, 0.11, 0)).norm(), 1e-12);
-  EXPECT_NEAR(bodies[0].mass, 8 * 0.03 * 0.02 * 0.01 * 1000 + 4 * M_PI / 3 * 0.05 * 0.05 * 0.05 * 1000, 1e-9);  // MuJoCo's
+  EXPECT_NEAR(bodies[0].mass, 8 * 0.03 * 0.02 * 0.01 * 1000 + 4 * M_PI / 3 * 0.05 * 0.05 * 0.05 * 1000,
+              1e-9);  // MuJoCo's
   EXPECT_NEAR(bodies[1].mass, 0.05, 1e-12);
   EXPECT_LE((bodies[1].pose.rotation * bodies[1].inertia * bodies[1].pose.rotation.transpose() -
              Vec3(1e-5, 2e-5, 3e-5).asDiagonal().toDenseMatrix())
@@ -63,8 +65,8 @@ TEST(ModelMechanism, BodiesGeomsAndHinges) {
   const auto poses = tool.poses(closed(1.5));
   EXPECT_NEAR(angle_of(tool, "base", poses), -1.2, 1e-12);
   EXPECT_NEAR(angle_of(tool, "end", poses), -1.4, 1e-12);
-  const Vec3 expected = Vec3(0, 0.03, 0) + 0.04 * Vec3(0, std::cos(1.2), -std::sin(1.2)) +
-                        0.02 * Vec3(0, std::cos(2.6), -std::sin(2.6));
+  const Vec3 expected =
+      Vec3(0, 0.03, 0) + 0.04 * Vec3(0, std::cos(1.2), -std::sin(1.2)) + 0.02 * Vec3(0, std::cos(2.6), -std::sin(2.6));
   EXPECT_LE((poses[2].position - expected).norm(), 1e-12);
 }
 
@@ -107,7 +109,8 @@ TEST(ModelMechanism, SeveralJointsABodyWithoutGeomsAndOneWithoutJoints) {
           </body>
         </body>
       </body>
-    </body>)"), ".xml");
+    </body>)"),
+                            ".xml");
   // root, two pivots, hip, shin, sole, toe.
   ASSERT_EQ(tool.objects.shapes.size(), 7u);
   Scene scene = tool.objects.scene;
@@ -118,7 +121,8 @@ TEST(ModelMechanism, SeveralJointsABodyWithoutGeomsAndOneWithoutJoints) {
   const Written file("time,x,y,z,qw,qx,qy,qz,t\n0,0,0,0.5,1,0,0,0,-0.1\n1,0,0,0.5,1,0,0,0,-1.1\n", ".csv");
   EXPECT_THROW(read_path(file.path, tool), BadFile);  // a ball is no hinge
   Target target;
-  for (const Tool::Drive& drive : tool.drives) target.hinges.push_back(drive.name == "x" ? 0.3 : drive.name == "y" ? 0.4 : 0.5);
+  for (const Tool::Drive& drive : tool.drives)
+    target.hinges.push_back(drive.name == "x" ? 0.3 : drive.name == "y" ? 0.4 : 0.5);
   const auto poses = tool.poses(target);
   const Mat3 turned = rotation({0.3, 0, 0}) * rotation({0, 0.4, 0}) * rotation({0, 0, 0.5});
   EXPECT_LE((poses[4].rotation - turned * tool.objects.scene.bodies[4].pose.rotation).norm(), 1e-12);
@@ -145,13 +149,15 @@ TEST(ModelMechanism, WhatItCannotBeIsRefusedInOneLine) {
     return model("<body name=\"palm\"><geom type=\"sphere\" size=\"0.02\"/>" + inside + "</body>" + beside, more);
   };
   const auto part = [](const std::string& name, const std::string& joint, const std::string& geom = "type=\"sphere\"") {
-    return "<body name=\"" + name + "\" pos=\"0 0.1 0\">" + joint + "<geom " + geom + " size=\"0.01 0.01 0.01\"/></body>";
+    return "<body name=\"" + name + "\" pos=\"0 0.1 0\">" + joint + "<geom " + geom +
+           " size=\"0.01 0.01 0.01\"/></body>";
   };
   const std::string hinge = "<joint name=\"h\" axis=\"0 0 1\"/>";
   std::string many;
   for (int k = 0; k < 70; ++k) many += "<geom type=\"sphere\" size=\"0.01\"/>";
   const std::string loop =
-      "</worldbody><equality><connect name=\"ring\" body1=\"a\" body2=\"palm\" anchor=\"0 0 0\"/></equality><worldbody>";
+      "</worldbody><equality><connect name=\"ring\" body1=\"a\" body2=\"palm\" anchor=\"0 0 "
+      "0\"/></equality><worldbody>";
   const struct {
     std::string text, expected;
   } cases[] = {
@@ -179,7 +185,8 @@ TEST(ModelMechanism, PartsMeetAsInTheModel) {
       <body name="b" pos="0 0.05 0"><joint axis="0 0 1"/><geom type="sphere" size="0.01"/>
         <body name="b2" pos="0 0.05 0"><joint axis="0 0 1"/><geom type="sphere" size="0.01"/></body></body>
       <body name="c" pos="0.04 0.05 0"><joint axis="0 0 1"/><geom type="sphere" size="0.01" contype="2" conaffinity="2"/></body>
-    </body></worldbody><contact><exclude body1="b2" body2="a"/></contact><worldbody>)"), ".xml");
+    </body></worldbody><contact><exclude body1="b2" body2="a"/></contact><worldbody>)"),
+                            ".xml");
   ASSERT_EQ(tool.objects.shapes.size(), 5u);
   const auto meet = [&](std::size_t a, std::size_t b) {
     const auto &f = tool.objects.filters[a], &g = tool.objects.filters[b];

@@ -11,8 +11,8 @@ const std::filesystem::path examples = std::filesystem::path(ZWANG_SOURCE_DIR) /
 const std::string fingers = (examples / "scenes/fingers.json").string();
 
 std::string scene(const std::string& bodies, const std::string& joints, const std::string& limits = "") {
-  return "{\"format\": \"zwang scene 1\",\n\"bodies\": [" + bodies + "],\n\"joints\": [" + joints + "],\n\"limits\": [" +
-         limits + "]}";
+  return "{\"format\": \"zwang scene 1\",\n\"bodies\": [" + bodies + "],\n\"joints\": [" + joints +
+         "],\n\"limits\": [" + limits + "]}";
 }
 
 // Rods along y, the first one's middle at (0, 0.05, 0), each hung on the end of the one before.
@@ -74,14 +74,15 @@ TEST(SceneMechanism, MotionsOfAHandBendIt) {
 
 // The end of a finger turns with its base: its target is where both have taken it.
 TEST(SceneMechanism, DrivesComposeAlongTheTree) {
-  const std::string joints = hinge("h", "a", "b", 0.1, ", \"drive\": 0.5") + "," + hinge("i", "b", "c", 0.2, ", \"drive\": 0.25");
+  const std::string joints =
+      hinge("h", "a", "b", 0.1, ", \"drive\": 0.5") + "," + hinge("i", "b", "c", 0.2, ", \"drive\": 0.25");
   const Tool tool = tool_of(scene(rods, joints), ".json");
   const std::vector<Pose<double>> poses = tool.poses(closed(1, at(1, 2, 3)));
   EXPECT_NEAR(angle_of(tool, "h", poses), 0.5, 1e-14);
   EXPECT_NEAR(angle_of(tool, "i", poses), 0.25, 1e-14);
   // From the root's middle: 50 mm to the first hinge, 100 mm to the second, 50 mm to the middle of the last rod.
-  const Vec3 expected = Vec3(1, 2.05, 3) + 0.1 * Vec3(-std::sin(0.5), std::cos(0.5), 0) +
-                        0.05 * Vec3(-std::sin(0.75), std::cos(0.75), 0);
+  const Vec3 expected =
+      Vec3(1, 2.05, 3) + 0.1 * Vec3(-std::sin(0.5), std::cos(0.5), 0) + 0.05 * Vec3(-std::sin(0.75), std::cos(0.75), 0);
   EXPECT_LE((poses[2].position - expected).norm(), 1e-14);
   EXPECT_LE((poses[0].position - Vec3(1, 2, 3)).norm(), 1e-15);
 }
@@ -91,8 +92,9 @@ TEST(SceneMechanism, JointsMayBeWrittenDownTheOtherWay) {
   const std::string limits = "{\"joint\": \"h\", \"low\": -0.2, \"high\": 0.3}";
   const auto read = [&](const std::string& first, const std::string& second, double sign) {
     const std::string drive = ", \"drive\": " + std::to_string(sign);
-    return tool_of(scene(rods, first == "ab" ? hinge("h", "a", "b", 0.1, drive) + "," + hinge("i", "b", "c", 0.2)
-                                             : hinge("i", "c", "b", 0.2) + "," + hinge("h", "b", "a", 0.1, drive),
+    return tool_of(scene(rods,
+                         first == "ab" ? hinge("h", "a", "b", 0.1, drive) + "," + hinge("i", "b", "c", 0.2)
+                                       : hinge("i", "c", "b", 0.2) + "," + hinge("h", "b", "a", 0.1, drive),
                          second),
                    ".json");
   };
@@ -208,16 +210,21 @@ TEST(SceneMechanism, WhatItCannotBeIsRefusedInOneLine) {
   std::string many, chain;
   for (int k = 0; k < 63; ++k) {
     many += (k ? ",\n" : "") + rod("r" + std::to_string(k), k);
-    if (k) chain += (k > 1 ? ",\n" : "") + hinge("h" + std::to_string(k), "r" + std::to_string(k - 1), "r" + std::to_string(k), 0.1 * k);
+    if (k)
+      chain += (k > 1 ? ",\n" : "") +
+               hinge("h" + std::to_string(k), "r" + std::to_string(k - 1), "r" + std::to_string(k), 0.1 * k);
   }
-  const std::string bare = R"({"name": "c", "mass": 0.1})", fixed = R"({"name": "c", "motion": "fixed", "shape": {"sphere": 0.1}})";
+  const std::string bare = R"({"name": "c", "mass": 0.1})",
+                    fixed = R"({"name": "c", "motion": "fixed", "shape": {"sphere": 0.1}})";
   const struct {
     std::string text, expected;
   } cases[] = {
       {scene(rods, joints), ""},
       {with("slider"), ", line 6: /joints/1/type: expected ball, hinge, universal or weld in a god object"},
-      {with("distance", ", \"length\": 1"), ", line 6: /joints/1/type: expected ball, hinge, universal or weld in a god object"},
-      {with("rope", ", \"length\": 1"), ", line 6: /joints/1/type: expected ball, hinge, universal or weld in a god object"},
+      {with("distance", ", \"length\": 1"),
+       ", line 6: /joints/1/type: expected ball, hinge, universal or weld in a god object"},
+      {with("rope", ", \"length\": 1"),
+       ", line 6: /joints/1/type: expected ball, hinge, universal or weld in a god object"},
       {with("ball", ", \"drive\": 1"), ", line 6: /joints/1/drive: expected a hinge beside it"},
       {scene(rods, joints + ",\n" + hinge("j", "c", "a", 0.3)),
        ", line 7: /joints/2: expected no loop: 'j' joins bodies of a god object that are joined already"},

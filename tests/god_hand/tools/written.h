@@ -1,11 +1,13 @@
 #pragma once
 
 #include <unistd.h>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
+#include <zwang/constraints/revolute_joint.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/tools/path.h>
 #include "tests/god_hand/tracked.h"
