@@ -68,8 +68,7 @@ void add_options(CLI::App& options, Typed& typed) {
   add("What is simulated", "--god", a.god,
       "what is tracked: hand, a tool by name (below), mesh files as its convex pieces: a.stl@mm,b.obj, or a jointed "
       "mechanism: a scene file (.json), an MJCF or URDF model (.xml, .urdf; hand.xml@x-z: its x axis along the "
-      "fingers, "
-      "its -z out of the back of the hand); default: hand")
+      "fingers, its -z out of the back of the hand); default: hand")
       ->type_name("FILE|NAME");
   add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")
       ->type_name("FOLDER");
@@ -173,7 +172,7 @@ int simulate_command(std::vector<std::string> words) {
             "  ./zwang simulate engine --motion recording.json --solver nnls --rate 500 --audit\n"
             "  ./zwang simulate gear.stl@mm --motion press --seconds 2 --out gear\n"
             "  ./zwang simulate box --motion slide --method paper\n"
-            "  ./zwang simulate box --god docs/examples/scenes/fingers.json --motion grasp\n"
+            "  ./zwang simulate box --god fingers.json --motion grasp\n"
             "  ./zwang simulate box --motion slide --method paper --solver dual_active_set\n"
             "  ./zwang simulate --resume gear\n" +
                 names());

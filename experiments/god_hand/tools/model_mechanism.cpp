@@ -10,6 +10,7 @@
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/weld.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/tools/hull.h>
 #include <zwang/experiments/god_hand/tools/mechanism.h>
 
@@ -45,6 +46,7 @@ class FromModel {
  private:
   [[noreturn]] void refuse(int kind, int id, const std::string& expected) const;
   std::string name(int kind, int id) const;
+  bool is_urdf() const;
   int root() const;
   bool moves(int body) const;
   void add_body(int body);
@@ -76,12 +78,19 @@ FromModel::FromModel(const std::filesystem::path& file) : file_(file), model_(lo
 
 std::string FromModel::name(int kind, int id) const {
   const char* given = mj_id2name(model_.get(), kind, id);
-  return given ? "'" + std::string(given) + "'" : "number " + std::to_string(id);
+  std::string text = given ? "'" : "number ";
+  text += given ? given : std::to_string(id);
+  return given ? text + "'" : text;
 }
 
 void FromModel::refuse(int kind, int id, const std::string& expected) const {
   const char* what = kind == mjOBJ_BODY ? "body " : kind == mjOBJ_JOINT ? "joint " : kind == mjOBJ_GEOM ? "geom " : "";
   throw BadFile(file_.string() + ": " + what + name(kind, id) + ": expected " + expected);
+}
+
+bool FromModel::is_urdf() const {
+  const std::string text = read_stored(file_).bytes;
+  return text.find("<robot") < text.find("<mujoco");
 }
 
 // Of all that hang on the body, or the body itself.
@@ -95,7 +104,9 @@ bool FromModel::moves(int body) const {
 }
 
 // The first body on the world that moves, or carries what does. Others stand for surroundings; none of them may move.
+// Of a URDF model, MuJoCo makes the base link part of the world.
 int FromModel::root() const {
+  if (is_urdf()) return 0;
   int found = 0;
   for (int b = 1; b < model_->nbody; ++b) {
     if (model_->body_parentid[b] != 0 || !moves(b)) continue;
