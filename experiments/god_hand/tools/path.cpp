@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include <zwang/constraints/joint_limit.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
 
