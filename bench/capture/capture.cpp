@@ -8,14 +8,14 @@
 #include <memory>
 #include <stdexcept>
 
+#include <zwang/bench/capture/model_file.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 namespace {
 
-struct FreeModel {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
+struct DeleteData {
   void operator()(mjData* data) const { mj_deleteData(data); }
 };
 
@@ -35,23 +35,14 @@ class Model {
 
   std::string family_;
   bool friction_;
-  std::unique_ptr<mjModel, FreeModel> model_;
-  std::unique_ptr<mjData, FreeModel> data_;
+  std::unique_ptr<mjModel, DeleteModel> model_;
+  std::unique_ptr<mjData, DeleteData> data_;
   std::vector<int> condim_, pair_dim_;  // as the model has them
 };
 
 // Frictionless in MuJoCo's own run, and as exact as its Newton solver goes.
-Model::Model(const std::filesystem::path& file, bool friction) : family_(file.stem().string()), friction_(friction) {
-  mju_user_error = [](const char* message) { throw std::runtime_error(message); };
-  mju_user_warning = [](const char*) {};
-  if (!std::filesystem::exists(file)) throw BadFile(file.string() + ": no such file");
-  std::array<char, 1000> error{};
-  model_.reset(mj_loadXML(file.c_str(), nullptr, error.data(), error.size()));
-  if (!model_) {
-    std::string text(error.data());
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    throw BadFile(file.string() + ": MuJoCo says: " + text);
-  }
+Model::Model(const std::filesystem::path& file, bool friction)
+    : family_(file.stem().string()), friction_(friction), model_(load_model(file)) {
   mjModel& m = *model_;
   if (m.nv == 0) throw BadFile(file.string() + ": nothing in this model moves; expected a body with a joint");
   condim_.assign(m.geom_condim, m.geom_condim + m.ngeom);

@@ -23,6 +23,8 @@
 namespace zwang {
 namespace {
 
+constexpr double full_turn = 6.283185307179586;  // rad
+
 Vec3 vector3(const JsonValue& v) {
   const std::vector<double> x = v.numbers(3);
   return {x[0], x[1], x[2]};
@@ -90,10 +92,15 @@ Outside outside(const JsonValue& v, const std::filesystem::path& folder) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file), document_(file) {}
-  Instance read();
+  explicit Reader(const std::filesystem::path& file)
+      : file_(file), document_(std::make_shared<const JsonDocument>(file)), root_(*document_) {
+    read();
+  }
+  Instance problem();
+  WrittenScene written();
 
  private:
+  void read();
   void body(const JsonValue& v);
   void joint(const JsonValue& v);
   void limit(const JsonValue& v);
@@ -111,14 +118,17 @@ class Reader {
   };
 
   std::filesystem::path file_;
-  JsonDocument document_;
+  std::shared_ptr<const JsonDocument> document_;
+  JsonValue root_;
   Scene scene_;
   std::vector<std::string> names_;
   std::vector<Outside> outside_;
+  std::vector<WrittenScene::Joint> joints_;
   std::set<std::pair<BodyId, BodyId>> joined_;  // by a joint that holds a point: such shapes overlap by design
   std::vector<Vec<double, 6>> force_;
   std::vector<Pose<double>> target_;
   std::map<std::string, Hinge> hinges_;
+  std::map<std::string, std::size_t> count_;  // of joints, by type
 };
 
 BodyId Reader::body_named(const JsonValue& v) const {
@@ -165,7 +175,7 @@ void Reader::body(const JsonValue& v) {
 }
 
 void Reader::joint(const JsonValue& v) {
-  v.only({"name", "type", "a", "b", "at", "at_b", "axis", "axis_b", "length"});
+  v.only({"name", "type", "a", "b", "at", "at_b", "axis", "axis_b", "length", "drive"});
   const std::string type = v["type"].word({"ball", "hinge", "universal", "slider", "weld", "distance", "rope"});
   const BodyId a = body_named(v["a"]), b = body_named(v["b"]);
   if (a == b) v["b"].fail("another body than a");
@@ -176,6 +186,8 @@ void Reader::joint(const JsonValue& v) {
   const Mat3 relative = at(a).rotation.transpose() * at(b).rotation;
   const auto axis = [&] { return direction(v["axis"]); };
   if (type != "distance" && type != "rope") joined_.insert(std::minmax(a, b));
+  if (type != "hinge" && v.has("drive")) v["drive"].fail("a hinge beside it");
+  joints_.push_back({text, type, {a, b}, count_[type]++, v.has("drive") ? v["drive"].number() : 0, v});
   if (type == "ball") {
     scene_.add(BallJoint{.bodies = {a, b}, .anchor_a = anchor_a, .anchor_b = anchor_b}, text);
   } else if (type == "weld") {
@@ -227,24 +239,16 @@ void Reader::limit(const JsonValue& v) {
     v["joint"].fail("the name of a hinge" + did_you_mean(name, names));
   }
   const Hinge& h = found->second;
-  const Vec3 across = h.axis.unitOrthogonal();
-  JointLimit limit{.bodies = {h.a, h.b},
-                   .axis = local_turn(h.a, h.axis),
-                   .zero = local_turn(h.a, across),
-                   .direction = local_turn(h.b, across),
-                   .reach = 10};  // rad: the row is always there
   if (!v.has("low") && !v.has("high")) v.fail("a member 'low' or 'high' (rad)");
-  if (v.has("low")) {
-    limit.bound = v["low"].number();
-    limit.side = Side::lower;
-    scene_.add(limit, name + ", low");
+  HingeRange range;
+  if (v.has("low")) range.low = v["low"].number();
+  if (v.has("high")) range.high = v["high"].number();
+  if (range.low && range.high) {
+    if (*range.low > *range.high) v["high"].fail("no less than low");
+    if (!(*range.high - *range.low < full_turn)) v["high"].fail("less than a turn above low (rad)");
   }
-  if (v.has("high")) {
-    limit.bound = v["high"].number();
-    limit.side = Side::upper;
-    if (v.has("low") && v["low"].number() > limit.bound) v["high"].fail("no less than low");
-    scene_.add(limit, name + ", high");
-  }
+  for (const JointLimit& limit : hinge_limits(scene_, {h.a, h.b}, h.axis, range))
+    scene_.add(limit, name + (limit.side == Side::lower ? ", low" : ", high"));
 }
 
 void Reader::contact(const JsonValue& v) {
@@ -285,35 +289,75 @@ void Reader::detect(const JsonValue& v) {
   }
 }
 
-Instance Reader::read() {
-  const JsonValue root(document_);
-  root.only({"format", "name", "mode", "dt", "gravity", "bodies", "joints", "limits", "contacts", "detect"});
-  root["format"].word({"zwang scene 1"});
-  const std::string mode = root.has("mode") ? root["mode"].word({"dynamic", "quasi-static"}) : "dynamic";
-  const AssembleOptions options{.dt = root.has("dt") ? root["dt"].positive() : 1e-3,
+void Reader::read() {
+  root_.only({"format", "name", "mode", "dt", "gravity", "bodies", "joints", "limits", "contacts", "detect"});
+  root_["format"].word({"zwang scene 1"});
+  for (const JsonValue& v : root_["bodies"].items()) body(v);
+  if (root_.has("joints"))
+    for (const JsonValue& v : root_["joints"].items()) joint(v);
+  if (root_.has("limits"))
+    for (const JsonValue& v : root_["limits"].items()) limit(v);
+}
+
+Instance Reader::problem() {
+  const std::string mode = root_.has("mode") ? root_["mode"].word({"dynamic", "quasi-static"}) : "dynamic";
+  const AssembleOptions options{.dt = root_.has("dt") ? root_["dt"].positive() : 1e-3,
                                 .mode = mode == "dynamic" ? Mode::dynamic : Mode::quasi_static};
-  for (const JsonValue& v : root["bodies"].items()) body(v);
-  if (root.has("joints"))
-    for (const JsonValue& v : root["joints"].items()) joint(v);
-  if (root.has("limits"))
-    for (const JsonValue& v : root["limits"].items()) limit(v);
-  if (root.has("contacts"))
-    for (const JsonValue& v : root["contacts"].items()) contact(v);
-  if (root.has("detect")) detect(root["detect"]);
+  if (root_.has("contacts"))
+    for (const JsonValue& v : root_["contacts"].items()) contact(v);
+  if (root_.has("detect")) detect(root_["detect"]);
   Vector z_u;
   if (options.mode == Mode::dynamic)
-    move_freely(scene_, root.has("gravity") ? vector3(root["gravity"]) : gravity, force_, z_u);
+    move_freely(scene_, root_.has("gravity") ? vector3(root_["gravity"]) : gravity, force_, z_u);
   else
     couple_to_targets(scene_, target_, reaching_stiffness(options.dt), z_u);
-  if (z_u.size() == 0) root["bodies"].fail("a free body among them");
+  if (z_u.size() == 0) root_["bodies"].fail("a free body among them");
   Instance out = to_instance(scene_, z_u, options);
-  out.problem.name = root.has("name") ? root["name"].text() : file_.stem().string();
+  out.problem.name = root_.has("name") ? root_["name"].text() : file_.stem().string();
   out.family = file_.stem().string();
+  return out;
+}
+
+WrittenScene Reader::written() {
+  WrittenScene out{.document = document_, .root = root_, .scene = scene_, .joints = joints_};
+  const std::vector<JsonValue> bodies = root_["bodies"].items();
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    out.parts.push_back({names_[b], outside_[b].shape, outside_[b].mesh, bodies[b]});
   return out;
 }
 
 }  // namespace
 
-Instance read_scene_file(const std::filesystem::path& file) { return Reader(file).read(); }
+Instance read_scene_file(const std::filesystem::path& file) { return Reader(file).problem(); }
+
+WrittenScene read_written_scene(const std::filesystem::path& file) { return Reader(file).written(); }
+
+// A direction that is beyond the bound by more than half of what the range leaves free is nearer to the other bound.
+std::vector<JointLimit> hinge_limits(const Scene& scene, std::array<BodyId, 2> bodies, const Vec3& axis,
+                                     const HingeRange& range) {
+  const auto turned = [&](BodyId b, const Vec3& d) -> Vec3 {
+    return scene.bodies[static_cast<std::size_t>(b)].pose.rotation.transpose() * d;
+  };
+  const Vec3 across = axis.unitOrthogonal();
+  JointLimit limit{.bodies = bodies,
+                   .axis = turned(bodies[0], axis),
+                   .zero = turned(bodies[0], across),
+                   .direction = turned(bodies[1], across),
+                   .reach = 10};  // rad: the row is always there
+  if (range.low && range.high) limit.farthest = (full_turn - (*range.high - *range.low)) / 2;
+  std::vector<JointLimit> limits;
+  if (!(limit.farthest > 0)) return limits;
+  if (range.low) {
+    limit.bound = *range.low;
+    limit.side = Side::lower;
+    limits.push_back(limit);
+  }
+  if (range.high) {
+    limit.bound = *range.high;
+    limit.side = Side::upper;
+    limits.push_back(limit);
+  }
+  return limits;
+}
 
 }  // namespace zwang

@@ -347,7 +347,8 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
   s.build(std::move(clusters), easy);
 }
 
-Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options)
+Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options,
+                       std::vector<Pose<double>> easy)
     : state_(std::make_unique<State>(std::move(surroundings), options)) {
   if (clusters.empty()) throw std::invalid_argument("no god objects");
   for (const GodObjects& objects : clusters) {
@@ -356,7 +357,9 @@ Simulation::Simulation(Surroundings surroundings, std::vector<GodObjects> cluste
           counts(objects.scene.bodies.size(), " god objects, ", objects.shapes.size(), " shapes"));
     for (const Body& body : objects.scene.bodies) state_->target.push_back(body.pose);
   }
-  const std::vector<Pose<double>> easy = state_->target;
+  if (easy.empty()) easy = state_->target;
+  if (easy.size() != state_->target.size())
+    throw std::invalid_argument(counts(state_->target.size(), " god objects, ", easy.size(), " easy poses"));
   state_->build(std::move(clusters), easy);
 }
 

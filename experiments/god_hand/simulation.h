@@ -22,8 +22,10 @@ class Simulation {
   // std::invalid_argument for a solver there is not.
   Simulation(Surroundings surroundings, std::span<const hand::Model> models, std::span<const Target> start,
              const Options& options);
-  // The same for any god objects, starting where their scenes have them (sections 3 and 4).
-  Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options);
+  // The same for any god objects, starting where their scenes have them (sections 3 and 4); `easy`: where they do not
+  // touch each other, should they do so there.
+  Simulation(Surroundings surroundings, std::vector<GodObjects> clusters, const Options& options,
+             std::vector<Pose<double>> easy = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 

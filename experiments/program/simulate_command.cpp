@@ -16,6 +16,7 @@
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/run/run.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/tools/mechanism.h>
 #include <zwang/experiments/program/commands.h>
 #include <zwang/solvers/registry.h>
 
@@ -65,8 +66,9 @@ void add_options(CLI::App& options, Typed& typed) {
       "a name (below), or a file: Leap recording (.json, .gz), angles or the path of a tool (.csv)")
       ->type_name("FILE|NAME");
   add("What is simulated", "--god", a.god,
-      "what is tracked: hand, a tool by name (below), or mesh files as its convex pieces: a.stl@mm,b.obj; default: "
-      "hand")
+      "what is tracked: hand, a tool by name (below), mesh files as its convex pieces: a.stl@mm,b.obj, or a jointed "
+      "mechanism: a scene file (.json), an MJCF or URDF model (.xml, .urdf; hand.xml@x-z: its x axis along the "
+      "fingers, its -z out of the back of the hand); default: hand")
       ->type_name("FILE|NAME");
   add("What is simulated", "--parts", a.parts, "folder of real parts for the scenes simple and engine")
       ->type_name("FOLDER");
@@ -108,6 +110,7 @@ std::string names() {
   text += "\nGod objects (--god):\n";
   add("hand", "16 bodies; two where the motion has two");
   for (const auto& [name, line] : god::tools()) add(name, line);
+  add("FILE", "meshes, or a mechanism (docs/god-hand.md)");
   text += "\nMotions:\n";
   for (const auto& [name, line] : god::synthetic_motions()) add(name, line);
   return text;
@@ -132,7 +135,13 @@ void make_absolute(Asked& asked) {
   };
   absolute(asked.parts, !asked.parts.empty());
   absolute(asked.motion, god::names_file(asked.motion));
-  absolute(asked.god, asked.god.find_first_of("./") != std::string::npos);
+  if (god::is_mechanism(asked.god)) {
+    auto [file, axes] = god::parts_of_name(asked.god);
+    absolute(file, true);
+    asked.god = file + axes;
+  } else {
+    absolute(asked.god, asked.god.find_first_of("./") != std::string::npos);
+  }
 }
 
 std::string head_line(const god::Record& record, const god::Setup& setup) {
@@ -163,6 +172,7 @@ int simulate_command(std::vector<std::string> words) {
             "  ./zwang simulate engine --motion recording.json --solver nnls --rate 500 --audit\n"
             "  ./zwang simulate gear.stl@mm --motion press --seconds 2 --out gear\n"
             "  ./zwang simulate box --motion slide --method paper\n"
+            "  ./zwang simulate box --god fingers.json --motion grasp\n"
             "  ./zwang simulate box --motion slide --method paper --solver dual_active_set\n"
             "  ./zwang simulate --resume gear\n" +
                 names());
@@ -192,9 +202,12 @@ int simulate_command(std::vector<std::string> words) {
   const god::Record stored = record;
   const god::Setup setup =
       resume ? from_record(directory, [&record] { return god::set_up(record); }) : god::set_up(record);
-  if (resume && (stored.motion != record.motion || stored.surroundings != record.surroundings))
-    throw BadFile(directory.string() + " cannot go on: its " + (stored.motion != record.motion ? "motion" : "scene") +
-                  " is no longer what it was");
+  const char* changed = stored.motion != record.motion               ? "motion"
+                        : stored.surroundings != record.surroundings ? "scene"
+                        : stored.god != record.god                   ? "god object"
+                                                                     : nullptr;
+  if (resume && changed)
+    throw BadFile(directory.string() + " cannot go on: its " + changed + " is no longer what it was");
   std::printf("%s\n", head_line(record, setup).c_str());
   std::fflush(stdout);
 

@@ -33,8 +33,8 @@ Mat3 allowed(const UniversalJoint& j, const Mat3& parent, const Mat3& child) {
 void hold(const JointLimit& limit, BodyId child, std::span<Pose<double>> poses) {
   const auto [a, b] = limit.bodies;
   const Pose<double>&of_a = poses[static_cast<std::size_t>(a)], &of_b = poses[static_cast<std::size_t>(b)];
-  const double beyond = -limit.value(of_a, of_b)[0];
-  if (beyond <= 0) return;
+  const double beyond = limit.beyond(of_a, of_b);
+  if (beyond == 0) return;
   const double back = (b == child ? 1 : -1) * static_cast<int>(limit.side) * beyond;
   Mat3& R = poses[static_cast<std::size_t>(child)].rotation;
   R = rotation(back * of_a.turn(limit.axis)) * R;
@@ -103,8 +103,8 @@ double Skeleton::excess(std::span<const Pose<double>> poses) const {
   double most = 0;
   for (const Link& link : links_)
     for (const JointLimit& limit : link.limits)
-      most = std::max(most, -limit.value(poses[static_cast<std::size_t>(limit.bodies[0])],
-                                         poses[static_cast<std::size_t>(limit.bodies[1])])[0]);
+      most = std::max(most, limit.beyond(poses[static_cast<std::size_t>(limit.bodies[0])],
+                                         poses[static_cast<std::size_t>(limit.bodies[1])]));
   return most;
 }
 

@@ -12,6 +12,8 @@ struct Target {
   Pose<double> palm = {};    // m, world
   hand::Angles angles = {};  // rad
   bool tracked = true;       // false: the last pose that was tracked is held over
+  // rad, by the hinge of a tool, where a path sets it; NaN: the tool's own drive does.
+  std::vector<double> hinges = {};
 };
 
 // One hand over time. Between two tracked keys the palm goes along the screw from one to the next and angles linearly.

@@ -21,6 +21,8 @@ Target Track::at(double time) const {
   between.palm = retract(between.palm, Vec<double, 6>(s * twist_between(between.palm, next->target.palm)));
   for (std::size_t k = 0; k < between.angles.size(); ++k)
     between.angles[k] += s * (next->target.angles[k] - before.target.angles[k]);
+  for (std::size_t k = 0; k < between.hinges.size(); ++k)
+    between.hinges[k] += s * (next->target.hinges[k] - before.target.hinges[k]);
   return between;
 }
 

@@ -37,7 +37,7 @@ Setup set_up(Record& record) {
   if (asked.god != "hand") setup.tool = make_tool(asked.god);
   record.recorded = names_file(asked.motion);
   std::optional<HandMotion> path;
-  if (record.recorded && setup.tool) path = read_path(asked.motion);
+  if (record.recorded && setup.tool) path = read_path(asked.motion, *setup.tool);
   if (path) asked.share = 0;  // it says itself where it is
   if (record.recorded) setup.motion = path ? std::move(*path) : read_motion(asked.motion);
   setup.surroundings = make_surroundings(asked.scene, asked.parts);
@@ -47,6 +47,7 @@ Setup set_up(Record& record) {
   record.title = record.recorded ? std::filesystem::path(asked.motion).stem().string() : asked.motion;
   record.motion = fingerprint(setup.motion);
   record.surroundings = fingerprint(setup.surroundings);
+  record.god = setup.tool ? fingerprint(*setup.tool) : 0;
   record.hands = setup.motion.hands.size();
   record.bodies = setup.tool ? setup.tool->objects.shapes.size() : record.hands * hand::bodies;
   record.loose =

@@ -6,7 +6,7 @@
 
 #include <zwang/experiments/god_hand/run/run_record.h>
 #include <zwang/experiments/god_hand/run/summary.h>
-#include <zwang/experiments/god_hand/run/tool.h>
+#include <zwang/experiments/god_hand/tools/path.h>
 
 namespace zwang::god {
 

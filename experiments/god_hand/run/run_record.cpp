@@ -6,6 +6,11 @@
 
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/constraints/revolute_joint.h>
+#include <zwang/constraints/universal_joint.h>
+#include <zwang/constraints/weld.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
 
@@ -42,6 +47,7 @@ void each_entry(SomeRecord& r, const Visit& visit) {
   visit("/placement/depth", r.placement.depth);
   visit.hexadecimal("/fingerprints/motion", r.motion);
   visit.hexadecimal("/fingerprints/surroundings", r.surroundings);
+  visit.hexadecimal("/fingerprints/god", r.god);
 }
 
 using Place = Json::json_pointer;
@@ -104,6 +110,10 @@ class Fingerprint {
     add(pose.position);
     for (const double number : pose.rotation.reshaped()) add(number);
   }
+  void add(const collision::Shape& shape) {
+    add(shape.radius());
+    for (const Vec3& corner : shape.corners()) add(corner);
+  }
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -151,6 +161,7 @@ std::uint64_t fingerprint(const HandMotion& motion) {
       f.add(key.time);
       f.add(key.target.palm);
       for (const double angle : key.target.angles) f.add(angle);
+      for (const double angle : key.target.hinges) f.add(angle);
       f.add(std::uint64_t{key.target.tracked});
     }
   }
@@ -170,9 +181,45 @@ std::uint64_t fingerprint(const Surroundings& surroundings) {
         for (const Vec3& corner : triangle.corner) f.add(corner);
     for (const Object::Piece& piece : object.pieces) {
       f.add(piece.at);
-      f.add(piece.shape.radius());
-      for (const Vec3& corner : piece.shape.corners()) f.add(corner);
+      f.add(piece.shape);
     }
+  }
+  return f.hash();
+}
+
+// At rest all joints are closed: each anchor of a second body, and where it is.
+std::uint64_t fingerprint(const Tool& tool) {
+  Fingerprint f;
+  GodObjects objects = tool.objects;
+  for (std::size_t b = 0; b < objects.shapes.size(); ++b) {
+    const Body& body = objects.scene.bodies[b];
+    f.add(body.pose);
+    f.add(body.mass);
+    for (const double number : body.inertia.reshaped()) f.add(number);
+    f.add(objects.shapes[b]);
+    f.add(objects.filters[b].mask);
+  }
+  const auto add_joints = [&]<class J>(const ConstraintListOf<J>& list) {
+    f.add(std::uint64_t{list.all.size()});
+    for (const J& joint : list.all) {
+      for (const BodyId b : joint.bodies) f.add(static_cast<std::uint64_t>(b));
+      f.add(joint.anchor_b);
+      if constexpr (requires { joint.axis_b; }) f.add(joint.axis_b);
+    }
+  };
+  add_joints(objects.scene.list_of<BallJoint>());
+  add_joints(objects.scene.list_of<RevoluteJoint>());
+  add_joints(objects.scene.list_of<UniversalJoint>());
+  add_joints(objects.scene.list_of<Weld>());
+  for (const JointLimit& limit : objects.scene.list_of<JointLimit>().all) {
+    for (const BodyId b : limit.bodies) f.add(static_cast<std::uint64_t>(b));
+    f.add(limit.bound);
+    f.add(std::uint64_t{limit.side == Side::lower});
+  }
+  for (const Tool::Drive& drive : tool.drives) {
+    f.add(drive.scale);
+    f.add(drive.rest);
+    f.add(fnv1a(drive.name));
   }
   return f.hash();
 }

@@ -7,6 +7,7 @@
 
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/simulation.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 
 namespace zwang::god {
 
@@ -23,7 +24,7 @@ struct Asked {
 struct Record {
   std::string command = {}, started = {}, finished = {};  // ISO 8601, UTC; finished is "" until the run is complete
   Asked asked = {};
-  std::uint64_t motion = 0, surroundings = 0;                   // fingerprints of what the run began with
+  std::uint64_t motion = 0, surroundings = 0, god = 0;          // fingerprints of what the run began with
   std::string title = {};                                       // of the motion
   std::size_t hands = 0, bodies = 0, loose = 0, held_over = 0;  // bodies: god objects
   std::vector<std::string> notes = {};                          // on the motion, one line each
@@ -41,5 +42,6 @@ void require_same_program(const std::filesystem::path& directory);
 // 64 bits that are others when a number is another.
 std::uint64_t fingerprint(const HandMotion& motion);
 std::uint64_t fingerprint(const Surroundings& surroundings);
+std::uint64_t fingerprint(const Tool& tool);
 
 }  // namespace zwang::god

@@ -1,4 +1,4 @@
-#include <zwang/experiments/god_hand/run/tool.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 
 #include <unistd.h>
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/tools/path.h>
 #include "tests/god_hand/tracked.h"
 
 namespace zwang::god {
@@ -90,18 +91,18 @@ TEST(Tool, AGripperClosesAsFarAsThereIsRoom) {
 TEST(Tool, FollowsAPathFromATable) {
   const auto file = std::filesystem::temp_directory_path() / ("zwang-path-" + std::to_string(getpid()) + ".csv");
   std::ofstream(file) << "time,x,y,z,qw,qx,qy,qz\n5,0,0,0.1,1,0,0,0\n6,0.2,0,0.1,2,0,0,0\n";
-  const std::optional<HandMotion> motion = read_path(file);
+  const Tool tool = make_tool("sphere");
+  const std::optional<HandMotion> motion = read_path(file, tool);
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->duration, 1);
   EXPECT_NEAR(motion->hands[0].at(0.5).palm.position.x(), 0.1, 1e-12);
-  const Tool tool = make_tool("sphere");
   ToolPlay play({.name = "nothing"}, *motion, tool, unverified());
   for (long k = 0; k < 500; ++k) play.step(k);
   EXPECT_NEAR(play.step(500).god[0].position.x(), 0.1, 1e-9);
   std::ofstream(file) << "time,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n";
-  EXPECT_THROW(read_path(file), BadFile);
+  EXPECT_THROW(read_path(file, tool), BadFile);
   std::ofstream(file) << "time,palm_x\n1,0\n2,0\n";
-  EXPECT_FALSE(read_path(file));
+  EXPECT_FALSE(read_path(file, tool));
   std::filesystem::remove(file);
   EXPECT_THROW(make_tool("pig"), std::invalid_argument);
 }

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+struct mjModel_;
+
+namespace zwang {
+
+struct DeleteModel {
+  void operator()(mjModel_* model) const;
+};
+
+// An MJCF or URDF model as MuJoCo reads it. From then on MuJoCo's own complaints are exceptions. Throws BadFile with
+// MuJoCo's message.
+std::unique_ptr<mjModel_, DeleteModel> load_model(const std::filesystem::path& file);
+
+}  // namespace zwang

@@ -1,0 +1,105 @@
+#include <zwang/experiments/god_hand/tools/path.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <zwang/constraints/joint_limit.h>
+#include <zwang/core/files/stored_file.h>
+#include <zwang/experiments/god_hand/motion/joint_table.h>
+
+namespace zwang::god {
+namespace {
+
+constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+
+// By hinge of the tool: its column.
+std::vector<std::optional<std::size_t>> columns_of(const Tool& tool, const JointTable& table) {
+  std::vector<std::optional<std::size_t>> column;
+  for (const Tool::Drive& drive : tool.drives) {
+    column.emplace_back();
+    if (table.has(drive.name)) column.back() = table.column(drive.name);
+  }
+  const bool any = std::ranges::any_of(column, [](const auto& c) { return c.has_value(); });
+  return any ? column : std::vector<std::optional<std::size_t>>();
+}
+
+}  // namespace
+
+std::optional<HandMotion> read_path(const std::filesystem::path& file, const Tool& tool) {
+  const StoredFile stored = read_stored(file);
+  if (stored.kind() != ".csv") return std::nullopt;
+  const JointTable table = parse_table(file, unpacked(stored, std::size_t{1} << 30));
+  if (!table.has("qw")) return std::nullopt;
+  std::vector<std::string> names = {"time", "x", "y", "z", "qw", "qx", "qy", "qz", "close"};
+  for (const Tool::Drive& drive : tool.drives) names.push_back(drive.name);
+  table.only(names);
+  std::array<std::size_t, 8> column;
+  for (std::size_t k = 0; k < column.size(); ++k) column[k] = table.column(names[k]);
+  const auto hinges = columns_of(tool, table);
+  HandMotion motion{.name = file.stem().string(), .hands = {Track{.model = hand::standard()}}};
+  double last = -1e300, begin = 0;
+  for (const JointTable::Row& row : table.rows) {
+    const auto value = [&](std::size_t k) { return row.values[column[k]]; };
+    if (motion.hands[0].keys.empty()) begin = value(0);
+    if (!std::isfinite(value(0)) || value(0) <= last)
+      table.refuse("line " + std::to_string(row.line) + ": times that grow expected");
+    last = value(0);
+    Target target;
+    const Eigen::Quaterniond q(value(4), value(5), value(6), value(7));
+    target.palm = {{value(1), value(2), value(3)}, q.normalized().toRotationMatrix()};
+    if (table.has("close")) target.angles[Tool::closing] = row.values[table.column("close")];
+    target.tracked = target.palm.position.allFinite() && target.palm.rotation.allFinite() && q.norm() > 0.5 &&
+                     std::isfinite(target.angles[Tool::closing]);
+    for (const auto& hinge : hinges) {
+      target.hinges.push_back(hinge ? row.values[*hinge] : nowhere);
+      target.tracked = target.tracked && (!hinge || std::isfinite(target.hinges.back()));
+    }
+    append(motion.hands[0], {value(0) - begin, target});
+  }
+  if (motion.hands[0].keys.empty()) table.refuse("no line with a pose");
+  motion.duration = motion.hands[0].keys.back().time;
+  motion.hands[0].patience = std::max(motion.hands[0].patience, motion.duration);
+  return motion;
+}
+
+namespace {
+
+const Target& first_of(const HandMotion& motion) {
+  if (motion.hands.size() != 1) throw std::invalid_argument("a tool follows one hand, and the motion has two");
+  const auto& keys = motion.hands[0].keys;
+  const auto seen = std::ranges::find_if(keys, [](const Track::Key& key) { return key.target.tracked; });
+  if (seen == keys.end()) throw std::invalid_argument("the motion has a pose at no time");
+  return seen->target;
+}
+
+std::vector<GodObjects> started(Tool tool, const Target& at, const Options& options) {
+  const std::vector<Pose<double>> poses = tool.poses(at);
+  for (std::size_t b = 0; b < poses.size(); ++b) tool.objects.scene.bodies[b].pose = poses[b];
+  for (JointLimit& limit : tool.objects.scene.list_of<JointLimit>().all)
+    limit.reach = options.limits == Options::Limits::predictive ? 0.25 : 0;  // rad, as of a hand
+  std::vector<GodObjects> clusters;
+  clusters.push_back(std::move(tool.objects));
+  return clusters;
+}
+
+// With every hinge as the tool is made: there it does not touch itself.
+std::vector<Pose<double>> at_rest(const Tool& tool, const Target& at) {
+  std::vector<Pose<double>> poses;
+  for (const Body& body : tool.objects.scene.bodies) poses.push_back(placed(at.palm, body.pose));
+  return poses;
+}
+
+}  // namespace
+
+ToolPlay::ToolPlay(const Surroundings& surroundings, const HandMotion& motion, const Tool& tool, const Options& options)
+    : motion_(motion),
+      tool_(tool),
+      dt_(options.dt),
+      simulation_(surroundings, started(tool, first_of(motion), options), options, at_rest(tool, first_of(motion))) {}
+
+const Frame& ToolPlay::step(long number) {
+  return simulation_.step(tool_.poses(motion_.hands[0].at(static_cast<double>(number) * dt_)));
+}
+
+}  // namespace zwang::god
