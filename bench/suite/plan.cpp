@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <iterator>
 #include <map>
 #include <sstream>
@@ -24,7 +25,12 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
     if (kind == ".h5" || kind == ".hdf5") files.push_back(entry.path());
     if (kind == ".dat") tables.push_back(entry.path());
   }
-  if (files.empty()) files = std::move(tables);  // Siconos' own; beside HDF5 files a .dat may be anything
+  // Siconos' own; beside HDF5 files a .dat may be anything.
+  if (files.empty())
+    files = std::move(tables);
+  else if (!tables.empty())
+    std::fprintf(stderr, "%s: %zu .dat files beside HDF5 files are left out; name them to have them read\n",
+                 path.c_str(), tables.size());
   std::sort(files.begin(), files.end());
   if (files.empty()) throw BadFile(path.string() + ": no *.h5, *.hdf5 or *.dat file in this folder");
   return files;

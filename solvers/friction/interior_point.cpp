@@ -8,6 +8,8 @@ namespace {
 
 namespace soc = second_order_cone;
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+// Of the slacks of a start, in units of its size: far below where their squares overflow.
+constexpr double farthest = 1 / tolerances::cone_deepest;
 
 }  // namespace
 
@@ -28,7 +30,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
     Y[0] = first * program.tilt(k);
     W[0] = first * std::max(1.0, 1 / program.tilt(k));
     if (program.is_coulomb()) slack[0] += soc::tangential(slack);
-    if (!(soc::smallest(slack) > W[0] && soc::largest(slack) < tolerances::cone_farthest * first)) continue;
+    if (!(soc::smallest(slack) > W[0] && soc::largest(slack) < farthest * first)) continue;
     const double share = Y[0] * (W[0] / soc::determinant(slack));
     for (int i = 0; i < 3; ++i) {
       W[i] = slack[i];
@@ -38,7 +40,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     if (program.is_equality(r)) continue;
-    w[i] = std::clamp(s[i], first, tolerances::cone_farthest * first);
+    w[i] = std::clamp(s[i], first, farthest * first);
     y[i] = first * (first / w[i]);
     ++degree_;
   }

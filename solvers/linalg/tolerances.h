@@ -123,8 +123,6 @@ inline constexpr double newton_part = 1e-9;
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
 // Interior point: the share of the way to the boundary, the least centring, and the part of the gap that rounds |s_t|.
 inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_slip_rounding = 0.01;
-// Slacks that an interior point starts from, in units of its start: the squares of longer ones overflow.
-inline constexpr double cone_farthest = 1e100;
 // The proximal term of Newton's method on the modes: at least the first, where the digits of a slack end, at most the
 // second, and between them this many times the residual.
 inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften = 100;

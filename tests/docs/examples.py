@@ -62,6 +62,7 @@ shorter = [
     (r"(./zwang bench --scenes) \"tower.*", r'\1 "tower(boxes=10),hand(contacts=64,seed=1..2)" --solvers nnls,dual_active_set,ipopt '
                                             r"--tolerances 1e-6 --out own"),
     (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out problems"),
+    (r"(./zwang bench --problems) FOLDER (.*)", r"\1 first.h5 \2 --out folder"),
     (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),
     (r"(./zwang report DIR) --figures (svg,pdf|pdf)", r"\1 --figures svg"),
