@@ -10,7 +10,7 @@ namespace {
 
 constexpr int most_steps = 60;  // of an interior point from one start
 constexpr int most_modes = 8;   // Newton steps from an iterate inside the cones
-constexpr int most_warm = 16;   // and from an earlier answer
+constexpr int most_warm = 32;   // and from an earlier answer
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
