@@ -109,6 +109,21 @@ TEST(FrictionJudge, JudgesWhatHasNoUnknowns) {
   }
 }
 
+// A body at rest, beside a belt that cannot move it: no motion to measure errors by.
+TEST(FrictionJudge, RestIsAnAnswerWhereNoRowAsksForMotion) {
+  const Vector none = vector({0, 0}), left = vector({-1, 0}), up = vector({0, 1});
+  for (const double room : {0., .5, -.5}) {
+    const Problem p = test::SmallFrictional{.z_u = none, .mass = vector({2, 2})}
+                          .equality(vector({1, -1}), 0)
+                          .contact(.125, {{left, 0.}, {left, 0.}, {none, 0.}})
+                          .contact(.125, {{none, 0.}, {none, 0.}, {none, -1.}})
+                          .contact(.25, {{left, -room}, {up, 0.}, {left, 1.}})
+                          .problem();
+    const Verdict verdict = judge(p, none, Vector(Vector::Zero(p.rows()))).verdict;
+    EXPECT_EQ(verdict, room < 0 ? Verdict::wrong : Verdict::solved) << room;
+  }
+}
+
 TEST(FrictionJudge, AcceptsEachOfSeveralSolutions) {
   EXPECT_EQ(judge(rod(2), vector({2, .25, 0})).verdict, Verdict::solved) << "open";
   EXPECT_EQ(judge(rod(2), vector({17. / 12, 17. / 24, -17. / 24})).verdict, Verdict::solved) << "sticks";
