@@ -59,7 +59,7 @@ bool World::may_meet(int a, int b) const {
   const Collider &x = at(a), &y = at(b);
   if (x.scenery && y.scenery) return false;
   if (shape(b) && b <= a) return false;  // two shapes are one pair
-  return (x.filter.group & y.filter.mask) != 0 && (y.filter.group & x.filter.mask) != 0;
+  return x.filter.meets(y.filter);
 }
 
 BodyMotion World::body_motion(int collider) const {

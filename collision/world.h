@@ -17,6 +17,8 @@ struct Region;
 // Two colliders are tested against each other when each one's mask has a bit of the other's group.
 struct Filter {
   std::uint64_t group = 1, mask = ~std::uint64_t{0};
+
+  bool meets(const Filter& other) const { return (group & other.mask) != 0 && (other.group & mask) != 0; }
 };
 
 // A contact or near contact: the nearest points of two colliders and their distance.

@@ -190,15 +190,12 @@ TEST(ModelMechanism, PartsMeetAsInTheModel) {
     </body></worldbody><contact><exclude body1="b2" body2="a"/></contact><worldbody>)"),
                             ".xml");
   ASSERT_EQ(tool.objects.shapes.size(), 5u);
-  const auto meet = [&](std::size_t a, std::size_t b) {
-    const auto &f = tool.objects.filters[a], &g = tool.objects.filters[b];
-    return (f.group & g.mask) != 0 && (g.group & f.mask) != 0;
-  };
-  EXPECT_TRUE(meet(1, 2));
-  EXPECT_FALSE(meet(0, 1));
-  EXPECT_TRUE(meet(0, 3));
-  EXPECT_FALSE(meet(1, 3));
-  for (std::size_t b = 0; b < 4; ++b) EXPECT_FALSE(meet(b, 4));
+  const std::vector<collision::Filter>& filters = tool.objects.filters;
+  EXPECT_TRUE(filters[1].meets(filters[2]));
+  EXPECT_FALSE(filters[0].meets(filters[1]));
+  EXPECT_TRUE(filters[0].meets(filters[3]));
+  EXPECT_FALSE(filters[1].meets(filters[3]));
+  for (std::size_t b = 0; b < 4; ++b) EXPECT_FALSE(filters[b].meets(filters[4]));
 }
 
 // Through a grasp in a scene, with FCL as a witness.

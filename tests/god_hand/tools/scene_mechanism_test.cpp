@@ -251,14 +251,11 @@ TEST(SceneMechanism, ItDoesNotTouchItselfAtRestAndMeetsItselfElsewhere) {
   for (const auto& [a, b, y] : {std::tuple{"a", "b", 0.1}, {"b", "c", 0.2}, {"c", "d", 0.3}, {"b", "e", 0.2}})
     joints += (joints.empty() ? "" : ",") + hinge(std::string("h") + b, a, b, y, ", \"drive\": 1");
   const Tool tool = tool_of(scene(bodies, joints), ".json");
-  const auto meet = [&](std::size_t a, std::size_t b) {
-    const auto &f = tool.objects.filters[a], &g = tool.objects.filters[b];
-    return (f.group & g.mask) != 0 && (g.group & f.mask) != 0;
-  };
-  EXPECT_FALSE(meet(0, 1));
-  EXPECT_TRUE(meet(0, 2));
-  EXPECT_TRUE(meet(0, 3));
-  EXPECT_FALSE(meet(2, 4));  // they overlap
+  const std::vector<collision::Filter>& filters = tool.objects.filters;
+  EXPECT_FALSE(filters[0].meets(filters[1]));
+  EXPECT_TRUE(filters[0].meets(filters[2]));
+  EXPECT_TRUE(filters[0].meets(filters[3]));
+  EXPECT_FALSE(filters[2].meets(filters[4]));  // they overlap
   // All hinges by 2 rad: the chain curls up into itself.
   HandMotion motion{.name = "curl", .hands = {Track{.model = hand::standard()}}, .duration = 1};
   motion.hands[0].patience = 2;
