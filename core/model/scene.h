@@ -203,7 +203,7 @@ class Scene {
     require_bodies(C::name, constraint.bodies.data(), arity<C>);
     auto& list = list_of<C>();
     if (label.empty()) label = std::to_string(list.all.size());
-    if (key == 0) key = fnv1a(std::string(C::name) + "/" + label);
+    if (key == 0) key = fnv1a(std::string(C::name).append("/").append(label));
     list.all.push_back(std::move(constraint));
     list.labels.push_back(std::move(label));
     list.keys.push_back(key);

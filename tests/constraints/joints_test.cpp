@@ -16,6 +16,8 @@
 #include <zwang/constraints/universal_joint.h>
 #include <zwang/constraints/weld.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 namespace {
 
@@ -127,7 +129,7 @@ TEST(TargetCoupling, ValueTakesTheTargetToTheGodObject) {
 }
 
 TEST(Guide, TheConstraintOfTheGuideHasAtMostFifteenLines) {
-  std::ifstream guide(ZWANG_SOURCE_DIR "/docs/add-a-constraint.md");
+  std::ifstream guide(source_dir() / "docs/add-a-constraint.md");
   ASSERT_TRUE(guide.is_open());
   int lines = 0;
   bool inside = false;

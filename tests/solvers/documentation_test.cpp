@@ -7,10 +7,12 @@
 
 #include <zwang/solvers/registry.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 
 TEST(Documentation, EverySolverHasItsParagraph) {
-  std::ifstream file(ZWANG_SOURCE_DIR "/docs/solvers.md");
+  std::ifstream file(source_dir() / "docs/solvers.md");
   std::stringstream text;
   text << file.rdbuf();
   for (const SolverEntry& entry : solvers()) {
@@ -25,9 +27,9 @@ TEST(Guide, TheSolverOfTheGuideIsTheOneThatIsBuilt) {
     std::ifstream in(file);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  const std::string code = read(ZWANG_SOURCE_DIR "/solvers/first_order/projected_gradient.h");
+  const std::string code = read(source_dir() / "solvers/first_order/projected_gradient.h");
   ASSERT_FALSE(code.empty());
-  EXPECT_NE(read(ZWANG_SOURCE_DIR "/docs/add-a-solver.md").find("```cpp\n" + code + "```"), std::string::npos);
+  EXPECT_NE(read(source_dir() / "docs/add-a-solver.md").find("```cpp\n" + code + "```"), std::string::npos);
   std::istringstream text(code.substr(code.find("struct ")));
   int lines = 0;
   for (std::string line; std::getline(text, line) && line != "};";) lines += !line.empty();

@@ -16,10 +16,12 @@
 #include <zwang/bench/timing/batch.h>
 #include <zwang/core/referee/measure.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 namespace {
 
-const std::filesystem::path stored_table = ZWANG_SOURCE_DIR "/tests/data/atlas_break_points.tsv";
+const std::filesystem::path stored_table = source_dir() / "tests/data/atlas_break_points.tsv";
 constexpr double broken = 1e-6;
 
 // Every point with its truth: computed once, 5 s. Not the longest chains and stacks, where the time limit would decide.

@@ -11,10 +11,12 @@
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/registry.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 namespace {
 
-const std::filesystem::path crane = std::filesystem::path(ZWANG_SOURCE_DIR) / "docs/examples/scenes/crane.json";
+const std::filesystem::path crane = source_dir() / "docs/examples/scenes/crane.json";
 
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);

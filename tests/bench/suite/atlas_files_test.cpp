@@ -14,6 +14,8 @@
 #include <zwang/bench/suite/plan.h>
 #include <zwang/core/files/problem_file.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 namespace {
 
@@ -30,7 +32,7 @@ std::set<std::string> lines(const std::filesystem::path& file) {
 }
 
 const std::set<std::string>& stored() {
-  static const std::set<std::string> all = lines(ZWANG_SOURCE_DIR "/tests/data/atlas_points.tsv");
+  static const std::set<std::string> all = lines(source_dir() / "tests/data/atlas_points.tsv");
   return all;
 }
 

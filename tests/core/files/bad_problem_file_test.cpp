@@ -2,6 +2,7 @@
 #include <random>
 
 #include <zwang/core/files/hdf5.h>
+#include "tests/folders.h"
 #include "tests/core/files/problem_files.h"
 
 // The HDF5 library loses memory of its own when it gives up on a damaged file.
@@ -101,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // HDF5 1.10.8 crashes on this one (a few flipped bits).
 TEST_F(ProblemFile, AFileThatCrashesTheLibraryIsRefused) {
-  const fs::path file = fs::path(ZWANG_SOURCE_DIR) / "tests/data/crashes_hdf5.h5";
+  const fs::path file = source_dir() / "tests/data/crashes_hdf5.h5";
   EXPECT_EQ(complaint(file), file.string() + ": its reader crashed; expected an undamaged file");
 }
 
@@ -123,7 +124,7 @@ TEST_F(ProblemFile, DamagedFilesReadOrAreRefused) {
     return text;
   };
   for (const char* name : {"fclib_global.hdf5", "fclib_local.hdf5"})
-    fs::copy_file(fs::path(ZWANG_SOURCE_DIR) / "tests/data" / name, path(name));
+    fs::copy_file(source_dir() / "tests/data" / name, path(name));
   for (const char* name : {"one.h5", "three.h5", "parts.h5", "fclib_global.hdf5", "fclib_local.hdf5"}) {
     const std::string whole = bytes(path(name));
     for (std::size_t k = 0; k < 200; ++k) EXPECT_NE(try_bytes(whole.substr(0, k * whole.size() / 200)), "") << k;

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <zwang/core/files/hdf5.h>
+#include "tests/folders.h"
 #include "tests/core/files/problem_files.h"
 
 namespace zwang {
@@ -182,7 +183,7 @@ TEST_F(ProblemFile, ReplacesAFileOnlyWhenComplete) {
 }
 
 TEST_F(ProblemFile, GoldenFileStillReads) {
-  const auto golden = read_problems(fs::path(ZWANG_SOURCE_DIR) / "tests/data/awkward.h5");
+  const auto golden = read_problems(source_dir() / "tests/data/awkward.h5");
   ASSERT_EQ(golden.size(), 1u);
   // Written before rows had units.
   Instance expected = awkward();

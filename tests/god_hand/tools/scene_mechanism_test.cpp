@@ -2,12 +2,13 @@
 #include <zwang/experiments/god_hand/run/run.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/god_hand/tools/mechanism.h>
+#include "tests/folders.h"
 #include "tests/god_hand/tools/written.h"
 
 namespace zwang::god {
 namespace {
 
-const std::filesystem::path examples = std::filesystem::path(ZWANG_SOURCE_DIR) / "docs/examples";
+const std::filesystem::path examples = source_dir() / "docs/examples";
 const std::string fingers = (examples / "scenes/fingers.json").string();
 
 std::string scene(const std::string& bodies, const std::string& joints, const std::string& limits = "") {

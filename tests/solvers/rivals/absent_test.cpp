@@ -9,6 +9,8 @@
 
 #include <zwang/solvers/registry.h>
 
+#include "tests/folders.h"
+
 namespace zwang {
 namespace {
 
@@ -26,7 +28,7 @@ TEST(AbsentSolvers, AskingForOneSaysInOneLineHowToAddIt) {
 }
 
 TEST(AbsentSolvers, EachOptionalOneIsEitherBuiltOrAbsentAndHasItsParagraph) {
-  std::ifstream file(ZWANG_SOURCE_DIR "/docs/solvers.md");
+  std::ifstream file(source_dir() / "docs/solvers.md");
   const std::string text(std::istreambuf_iterator<char>(file), {});
   for (const std::string name :
        {"mujoco_newton", "daqp", "piqp", "osqp", "proxqp", "qpoases", "siconos_nsgs", "siconos_global_ipm"}) {

@@ -1,0 +1,42 @@
+# zwang_heat(hot|cold|test TARGET...): how hard the compiler works on TARGET. Hot is what an answer waits for (-O3); cold
+# is what reads, writes, asks and draws (-O1, half the time to compile), and so are tests.
+# Each level has one precompiled header of the standard library, Eigen and JSON, nothing of the project's own. g++ takes
+# the level from that header, not from the command line, and refuses it where a flag differs: one set of flags for all
+# files of a level, libraries and programs alike. A file with flags of its own goes without (SKIP_PRECOMPILE_HEADERS).
+option(ZWANG_PRECOMPILED "precompile the headers of others" ON)
+
+function(zwang_heat LEVEL)
+  foreach(target ${ARGN})
+    zwang_level(${LEVEL} ${target})
+    if(ZWANG_PRECOMPILED)
+      target_precompile_headers(${target} REUSE_FROM zwang_${LEVEL}_headers)
+    endif()
+  endforeach()
+endfunction()
+
+function(zwang_level LEVEL TARGET)
+  set_target_properties(${TARGET} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(${TARGET} PRIVATE -fPIC)
+  if(NOT LEVEL STREQUAL "hot")
+    target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+endfunction()
+
+# zwang_precompile(LEVEL HEADER...): the precompiled header of LEVEL, of what all levels have and HEADERs.
+function(zwang_precompile LEVEL)
+  if(NOT ZWANG_PRECOMPILED)
+    return()
+  endif()
+  find_package(nlohmann_json REQUIRED)
+  set(source ${PROJECT_BINARY_DIR}/${LEVEL}_headers.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// Headers are precompiled as part of a library, and a library has a source.\n")
+  add_library(zwang_${LEVEL}_headers OBJECT ${source})
+  target_link_libraries(zwang_${LEVEL}_headers PRIVATE zwang_options nlohmann_json::nlohmann_json)
+  zwang_level(${LEVEL} zwang_${LEVEL}_headers)
+  target_precompile_headers(zwang_${LEVEL}_headers PRIVATE
+    <algorithm> <array> <atomic> <bit> <charconv> <chrono> <cmath> <cstdint> <cstdio> <cstdlib> <cstring> <filesystem>
+    <fstream> <functional> <limits> <map> <memory> <numbers> <numeric> <optional> <set> <span> <sstream> <stdexcept>
+    <string> <string_view> <thread> <tuple> <type_traits> <utility> <variant> <vector>
+    <Eigen/Core> <Eigen/Cholesky> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SparseCholesky>
+    <Eigen/SparseCore> <nlohmann/json.hpp> ${ARGN})
+endfunction()
