@@ -1,10 +1,12 @@
 # Writes OUTPUT, which registers every case of the GoogleTest program PROGRAM with ctest as "NAME.Suite.Case", in the
 # words of GoogleTest's own names. gtest_discover_tests would add what the program prints about parameters: for a named
 # type all of "# TypeParam = ...", for a struct its bytes, which differ from run to run. Suites named "...Slow" get the
-# label slow.
+# label slow, and cases that tests/thorough.txt lists the label thorough.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed TIMEOUT 60 COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE " +#[^\n]*" "" listed "${listed}")
 string(REGEX MATCHALL "[^\n]+" lines "${listed}")
+file(STRINGS ${THOROUGH} long REGEX "^${NAME}\\.")
+set(found "")
 set(script "")
 foreach(line ${lines})
   if(line MATCHES "^([^ ]+)\\.$")
@@ -14,9 +16,21 @@ foreach(line ${lines})
     set(labels "")
     if(suite MATCHES "Slow$")
       set(labels "LABELS slow TIMEOUT 1800")
+    else()
+      foreach(start ${long})
+        string(FIND "${NAME}.${case}" "${start}" at)
+        if(at EQUAL 0)
+          set(labels "LABELS thorough")
+          list(APPEND found ${start})
+        endif()
+      endforeach()
     endif()
     string(APPEND script "add_test([==[${NAME}.${case}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${case}]==])\n"
       "set_tests_properties([==[${NAME}.${case}]==] PROPERTIES RUN_SERIAL ${ALONE} ${labels} SKIP_REGULAR_EXPRESSION [==[\\[  SKIPPED \\]]==])\n")
   endif()
+endforeach()
+list(REMOVE_ITEM long "" ${found})
+foreach(start ${long})
+  string(APPEND script "add_test([==[tests/thorough.txt: no case is named ${start}...]==] [==[no such case]==])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${script}")

@@ -241,16 +241,4 @@ ConformanceSolve conformance_solve(ConformanceSolve solver, Law* stated) {
   };
 }
 
-ConformanceSolve conformance_solve(const AnySolver& solver, double tolerance, Law* stated) {
-  const auto own = std::make_shared<AnySolver>(solver);
-  return conformance_solve(
-      [own, tolerance](const Problem& problem) {
-        Solution s;
-        s.message = own->supports(problem);
-        s.status = Status::unsupported;
-        return s.message.empty() ? own->solve(problem, {.tolerance = tolerance}) : s;
-      },
-      stated);
-}
-
 }  // namespace zwang

@@ -37,6 +37,5 @@ inline constexpr double conformance_accepted = 1e-6;
 // the first of convex, pyramid and frictionless that it does not call unsupported, and the difference is what that law
 // is off by. `stated`, where given, is that law: the nearest to Coulomb's that it answered under so far.
 ConformanceSolve conformance_solve(ConformanceSolve solver, Law* stated = nullptr);
-ConformanceSolve conformance_solve(const AnySolver& solver, double tolerance, Law* stated = nullptr);
 
 }  // namespace zwang

@@ -1,3 +1,4 @@
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -6,15 +7,19 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/bench/suite/phenomena.h>
 #include <zwang/bench/suite/plan.h>
+#include <zwang/bench/suite/progress.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
+#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {
 
 struct Marks {
   double tolerance = 1e-10, accepted = conformance_accepted;
+  double time_limit = 2;  // s of CPU time, of a check
 };
 
 std::string verdict(const ConformanceResult& result, double accepted) {
@@ -23,38 +28,55 @@ std::string verdict(const ConformanceResult& result, double accepted) {
   return std::isnan(result.off) ? "no answer" : "off by " + report::scientific(result.off);
 }
 
+// Every check on one solver: each(check, result). Returns the law that it reads.
+template <class Each>
+Law each_check(const std::string& solver, const Marks& marks, const Each& each) {
+  const Run run{.solver = solver, .foreign = runs_apart(solver), .tolerance = marks.tolerance};
+  Dispatcher desk([](std::string_view text) { return make_solver(text); });
+  Law law = Law::coulomb;
+  SolveTime time;
+  const ConformanceSolve solve = conformance_solve(run, desk, time, &law);
+  for (const ConformanceCheck& check : conformance_checks()) {
+    time = {.left = marks.time_limit};
+    each(check, check.run(solve));
+  }
+  return law;
+}
+
 // How many checks do not pass.
 int run_checks(const std::string& solver, const Marks& marks) {
-  const ConformanceSolve solve = conformance_solve(make_solver(solver), marks.tolerance);
   int failed = 0, all = 0;
-  for (const ConformanceCheck& check : conformance_checks()) {
-    const ConformanceResult result = check.run(solve);
+  each_check(solver, marks, [&](const ConformanceCheck& check, const ConformanceResult& result) {
     std::printf("%-16s %-16s %s%s\n", check.name.c_str(), verdict(result, marks.accepted).c_str(),
                 check.expected.c_str(), result.note.empty() ? "" : ("   (" + result.note + ")").c_str());
+    std::fflush(stdout);
     failed += !result.passes(marks.accepted);
     ++all;
-  }
+  });
   std::printf("\n%d of %d pass\n", all - failed, all);
   return failed;
 }
 
 // A line a solver, and what it is off by.
 int map_of(const std::vector<std::string>& solvers, const Marks& marks) {
+  Progress bar(isatty(STDERR_FILENO) == 1);
+  const double start = wall_seconds(), checks = static_cast<double>(conformance_checks().size());
   int failed = 0;
+  double made = 0;
   for (const std::string& solver : solvers) {
-    Law law = Law::coulomb;
-    const ConformanceSolve solve = conformance_solve(make_solver(solver), marks.tolerance, &law);
     int passed = 0, applies = 0;
     std::string off;
-    for (const ConformanceCheck& check : conformance_checks()) {
-      const ConformanceResult result = check.run(solve);
+    const Law law = each_check(solver, marks, [&](const ConformanceCheck& check, const ConformanceResult& result) {
+      const double share = ++made / (checks * static_cast<double>(solvers.size()));
+      bar.show(share, solver + "   " + check.name, (wall_seconds() - start) * (1 / share - 1));
       const bool passes = result.passes(marks.accepted);
       passed += passes;
       applies += result.applies;
-      if (passes || !result.applies) continue;
+      if (passes || !result.applies) return;
       const std::string by = std::isnan(result.off) ? "no answer" : report::scientific(result.off);
       off.append(off.empty() ? "; " : ", ").append(check.name).append(" ").append(by);
-    }
+    });
+    bar.clear();
     std::printf("%-19s %-12s %2d of %2d pass%s\n", solver.c_str(), std::string(to_string(law)).c_str(), passed, applies,
                 off.c_str());
     std::fflush(stdout);
@@ -83,12 +105,14 @@ int conformance_command(std::vector<std::string> words) {
   options.add_option("--solver", names, "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
   options.add_option("--tolerance", marks.tolerance, "asked of the solver; default: 1e-10")->check(above(0));
   options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6")->check(above(0));
+  options.add_option("--time-limit", marks.time_limit, "s of CPU time, for each check; default: 2")->check(above(0));
   if (!read(options, std::move(words))) return done;
   std::vector<std::string> chosen = split_solvers(names);
   if (names.empty()) {
     chosen.clear();
     for (const SolverEntry& entry : solvers()) chosen.push_back(entry.name);
   }
+  for (const std::string& solver : chosen) make_solver(solver);
   const int failed = chosen.size() == 1 ? run_checks(chosen[0], marks) : map_of(chosen, marks);
   return failed == 0 ? done : found;
 }

@@ -1,5 +1,6 @@
 #include <zwang/bench/suite/phenomena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,8 +13,8 @@
 namespace zwang {
 namespace {
 
-// s of CPU time a solve, and of a solver on all phenomena: the problems have at most six unknowns.
-constexpr double time_limit = 0.2, patience = 1.5;
+// s of CPU time: of a solver on all phenomena, and of a solve. The problems have at most six unknowns.
+constexpr SolveTime patience{.left = 1.5, .longest = 0.2};
 
 std::string line_of(const Run& run, Law law, const ConformanceCheck& check, const ConformanceResult& result) {
   return nlohmann::ordered_json{
@@ -30,6 +31,24 @@ std::string line_of(const Run& run, Law law, const ConformanceCheck& check, cons
 
 }  // namespace
 
+ConformanceSolve conformance_solve(const Run& run, Dispatcher& desk, SolveTime& time, Law* stated,
+                                   const std::atomic<bool>* interrupted) {
+  return conformance_solve(
+      [&run, &desk, &time, interrupted](const Problem& problem) {
+        Solution late;
+        late.status = Status::time_limit;
+        late.message = "stopped: its time was over";
+        if (time.left <= 0) return late;
+        desk.child.load(problem);
+        const double limit = std::min(time.left, time.longest);
+        SolveReply reply = desk.run(problem, run, {.time_limit = limit, .fresh = true}, interrupted);
+        // One that the child had to stop has used up what it was given, whatever it says.
+        time.left -= reply.solution.status == Status::time_limit ? std::max(reply.seconds, limit) : reply.seconds;
+        return std::move(reply.solution);
+      },
+      stated);
+}
+
 void write_phenomena(const std::filesystem::path& directory, std::span<const Run> runs, Dispatcher& desk,
                      const std::atomic<bool>& interrupted) {
   std::map<std::string, Run> tightest;
@@ -44,19 +63,8 @@ void write_phenomena(const std::filesystem::path& directory, std::span<const Run
   for (const std::string& solver : order) {
     const Run& run = tightest[solver];
     Law law = Law::coulomb;
-    double spent = 0;
-    const ConformanceSolve solve = conformance_solve(
-        [&](const Problem& problem) {
-          Solution late;
-          late.status = Status::time_limit;
-          late.message = "stopped: its time for all phenomena was over";
-          if (spent > patience) return late;
-          desk.child.load(problem);
-          SolveReply reply = desk.run(problem, run, {.time_limit = time_limit, .fresh = true}, &interrupted);
-          spent += reply.seconds;
-          return std::move(reply.solution);
-        },
-        &law);
+    SolveTime time = patience;
+    const ConformanceSolve solve = conformance_solve(run, desk, time, &law, &interrupted);
     for (const ConformanceCheck& check : conformance_checks()) {
       if (interrupted) return;
       const ConformanceResult result = check.run(solve);

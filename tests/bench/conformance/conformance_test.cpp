@@ -5,6 +5,9 @@
 #include <zwang/bench/conformance/conformance.h>
 #include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/suite/phenomena.h>
+
+#include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
 namespace {
@@ -94,6 +97,22 @@ TEST(Conformance, ASolverIsJudgedUnderTheNearestLawThatItReads) {
     EXPECT_FALSE(check.run(refuse).passes(1e9)) << check.name;
   }
   EXPECT_EQ(law, Law::pyramid);
+}
+
+// Once its time is over a solver is stopped, and what comes after is answered at once.
+TEST(Conformance, ASolverThatNeverEndsIsStoppedAndSaidToHaveNoAnswer) {
+  Dispatcher desk([](std::string_view) { return AnySolver(tests::Hangs{}); });
+  const zwang::Run run{.solver = "hangs", .foreign = true};
+  SolveTime time{.left = 0.05};
+  const ConformanceSolve solve = conformance_solve(run, desk, time);
+  for (const ConformanceCheck& check : conformance_checks()) {
+    const ConformanceResult result = check.run(solve);
+    if (check.name == "JAM beyond") continue;  // where no answer is right
+    EXPECT_TRUE(std::isnan(result.off)) << check.name;
+    EXPECT_EQ(result.note.find("time limit: stopped"), 0u) << check.name << ": " << result.note;
+  }
+  EXPECT_LE(time.left, 0);
+  EXPECT_GE(time.left, -0.5);
 }
 
 }  // namespace

@@ -5,9 +5,16 @@
 #include <sys/un.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <thread>
+
+#include <zwang/experiments/god_hand/step/options.h>
+
+#include "tests/folders.h"
 
 namespace zwang::god {
 namespace {
@@ -169,6 +176,17 @@ TEST(Stream, TakesTheNewestTargetsAndNothingElse) {
   EXPECT_EQ(said[1],
             "a reader sent 176 bytes that are not targets for 2 god objects (docs/stream.md): disconnected at frame 0, "
             "which missed 0 frames");
+}
+
+// `live` has no option for it: docs/stream.md names the value that it takes.
+TEST(Stream, ThePageNamesTheStiffnessOfTheForceThatIsSent) {
+  std::ifstream in(source_dir() / "docs/stream.md");
+  const std::string page(std::istreambuf_iterator<char>(in), {}), before = "`force_stiffness`, ";
+  const auto begin = page.find(before);
+  ASSERT_NE(begin, std::string::npos);
+  std::string number = page.substr(begin + before.size(), page.find(" / s^2", begin) - begin - before.size());
+  std::erase(number, ',');
+  EXPECT_EQ(number, std::to_string(std::lround(chosen({}).force_stiffness)));
 }
 
 }  // namespace
