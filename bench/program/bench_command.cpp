@@ -114,7 +114,7 @@ void require_suite(std::vector<std::string> words) {
   for (const std::string& text : split_solvers(asked.suite.solvers)) make_solver(text);
 }
 
-int bench_command(std::vector<std::string> words, std::vector<HandScene> (*collision_hands)()) {
+int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
   introduce(options, "bench",
             "  ./zwang bench\n"
@@ -129,13 +129,13 @@ int bench_command(std::vector<std::string> words, std::vector<HandScene> (*colli
   Asked asked;
   add_options(options, asked);
   const std::string command = command_line("bench", words);
+  const std::vector<std::string> typed = words;
   if (!read(options, std::move(words))) return done;
   if (!asked.missing.empty()) return print_missing(asked.missing);
   if (asked.suite.suite == "collision") {
     if (!asked.suite.shard.empty()) throw std::invalid_argument("the collision suite takes minutes and has no parts");
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");
-    return bench_collision(new_directory(asked.out, ""), command,
-                           collision_hands ? collision_hands() : std::vector<HandScene>(), stop_on_interrupt());
+    return collision ? collision(new_directory(asked.out, ""), command) : continue_as_whole_program("bench", typed);
   }
   if (!asked.tolerances.empty()) asked.suite.tolerances = numbers("--tolerances", asked.tolerances);
 

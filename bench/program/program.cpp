@@ -6,10 +6,13 @@
 // `report` from stored results to charts.
 #include <zwang/bench/program/program.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <new>
 #include <span>
@@ -18,41 +21,56 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/bench/timing/instruction_set.h>
+#include <zwang/core/files/other_program.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/solvers/linalg/library_memory.h>
 
 namespace zwang {
 namespace {
 
-const std::array own_commands = {
-    Command{"report", "Compare solvers", "charts of stored results, as a page or for a paper; two runs side by side",
-            report_command},
-    Command{"campaign", "Compare solvers", "a suite in many tasks: Slurm, GNU parallel, or this machine",
-            campaign_command},
-    Command{"merge", "Compare solvers", "join the parts of a suite (bench --shard) into one run", merge_command},
-    Command{"fuzz", "Compare solvers", "small problems with exact answers: whose claims are not true", fuzz_command},
-    Command{"conformance", "Compare solvers", "one solver on phenomena of friction with exact answers",
-            conformance_command},
-    Command{"solve", "Look at one problem", "solve one problem file and say whether the answer is right",
-            solve_command},
-    Command{"capture", "Look at one problem", "step a MuJoCo model (MJCF, URDF) and write the problem of each step",
-            capture_command},
-    Command{"export", "Look at one problem", "write a scene's problem to a file", export_command},
-    Command{"mesh", "Look at one mesh", "load a mesh file and say what is in it", mesh_command},
-    Command{"scenes", "What there is", "the scenes and their knobs", scenes_command},
-    Command{"solvers", "What there is", "the solvers, their settings, and what each cannot do", solvers_command},
+// Of commands.def.
+struct Word {
+  std::string_view name, program, group, line;
+};
+constexpr std::array words_of_zwang = {
+#define COMMAND(word, program, group, line) Word{#word, #program, group, line},
+#include <zwang/bench/program/commands.def>
+#undef COMMAND
 };
 
-// The extensions' commands behind the comparison's.
+std::vector<Command> own_commands(const Extensions& extensions) {
+  return {{"bench",
+           [collision = extensions.collision](std::vector<std::string> words) {
+             return bench_command(std::move(words), collision);
+           }},
+          {"report", report_command},
+          {"merge", merge_command},
+          {"fuzz", fuzz_command},
+          {"conformance", conformance_command},
+          {"solve", solve_command},
+          {"export", export_command},
+          {"mesh", mesh_command},
+          {"scenes", scenes_command},
+          {"solvers", solvers_command}};
+}
+
+// Those of commands.def, then the host's own. Where this program does not hold a command, zwang-all does.
 std::vector<Command> all_commands(const Extensions& extensions) {
-  const auto bench = [hands = extensions.collision_hands](std::vector<std::string> words) {
-    return bench_command(std::move(words), hands);
-  };
-  std::vector<Command> all(own_commands.begin(), own_commands.end());
-  all.insert(all.begin(),
-             {"bench", all[0].group, "run solvers on scenes or problem files, write results and a report", bench});
-  const auto behind = std::ranges::find_if(all, [&](const Command& c) { return c.group != all[0].group; });
-  all.insert(behind, extensions.commands.begin(), extensions.commands.end());
+  std::vector<Command> given = own_commands(extensions), all;
+  given.insert(given.end(), extensions.commands.begin(), extensions.commands.end());
+  for (const Word& word : words_of_zwang) {
+    if (word.program == "script") continue;
+    const std::string name(word.name);
+    const auto own = std::ranges::find(given, name, &Command::name);
+    all.push_back({name,
+                   own != given.end() ? own->run
+                                      : [name](const std::vector<std::string>& words) {
+                                          return continue_as_whole_program(name, words);
+                                        },
+                   std::string(word.group), std::string(word.line)});
+    if (own != given.end()) given.erase(own);
+  }
+  std::ranges::move(given, std::back_inserter(all));
   return all;
 }
 
@@ -66,13 +84,13 @@ void print_help(std::span<const Command> commands) {
     group = c.group;
     std::printf("  %-11s %s\n", c.name.c_str(), c.line.c_str());
   }
+  for (const Word& word : words_of_zwang) {
+    if (word.program != "script") continue;
+    if (word.group != group) std::printf("\n%s:\n", (group = word.group).c_str());
+    std::printf("  %-11s %s\n", word.name.data(), word.line.data());
+  }
   std::puts(
-      "\nThe project itself:\n"
-      "  setup       install what is needed and build\n"
-      "  test        build and run the tests (./zwang test -R PATTERN: some of them)\n"
-      "  python      build the Python module, say how to import it\n"
-      "  docs        build the pages and the API reference as a site that opens offline\n\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ./zwang bench                    the standard suite, at most ten minutes\n"
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang simulate simple --motion grasp\n"
@@ -82,15 +100,27 @@ void print_help(std::span<const Command> commands) {
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {
-  std::vector<std::string> names = {"setup", "test", "python", "docs"};
+  std::vector<std::string> names;
   for (const Command& c : commands) {
     if (c.name == word) return c.run(std::move(rest));
     names.push_back(c.name);
   }
+  for (const Word& known : words_of_zwang)
+    if (known.program == "script") names.emplace_back(known.name);
   throw std::invalid_argument("no command '" + word + "'" + did_you_mean(word, names) + " (./zwang --help lists all)");
 }
 
 }  // namespace
+
+int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words) {
+  const std::string file = find_program("zwang-all").string();
+  if (file.empty()) throw std::invalid_argument("'" + word + "' is a command of zwang-all, which is not built: ./zwang setup all");
+  std::vector<const char*> arguments = {file.c_str(), word.c_str()};
+  for (const std::string& w : words) arguments.push_back(w.c_str());
+  arguments.push_back(nullptr);
+  execv(file.c_str(), const_cast<char**>(arguments.data()));
+  throw std::runtime_error(file + ": " + std::strerror(errno));
+}
 
 int program(int count, char** arguments, const Extensions& extensions) {
   check_instruction_set();

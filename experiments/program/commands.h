@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,5 +10,10 @@ int simulate_command(std::vector<std::string> words);
 int experiment_command(std::vector<std::string> words);
 int live_command(std::vector<std::string> words);
 int hand_command(std::vector<std::string> words);
+int campaign_command(std::vector<std::string> words);
+int capture_command(std::vector<std::string> words);
+
+// `bench --suite collision`.
+int bench_collision(const std::filesystem::path& directory, const std::string& command);
 
 }  // namespace zwang

@@ -8,6 +8,7 @@
 #include <zwang/bench/program/options.h>
 #include <zwang/core/files/isolated.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/experiments/program/commands.h>
 
 namespace zwang {
 namespace {

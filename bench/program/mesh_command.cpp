@@ -3,26 +3,12 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <zwang/bench/collision/suite.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/report.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/collision/load.h>
 
 namespace zwang {
-
-int bench_collision(const std::filesystem::path& directory, const std::string& command, std::vector<HandScene> hands,
-                    const std::atomic<bool>& interrupted) {
-  bool whole = false;
-  const std::vector<std::string> lines = run_collision_suite(
-      {.directory = directory, .hands = std::move(hands), .command = command, .terminal = isatty(STDERR_FILENO) == 1},
-      interrupted, whole);
-  for (const std::string& line : lines) std::printf("%s\n", line.c_str());
-  if (!whole) std::printf("Stopped. What was finished is in %s\n", (directory / "collision.json").c_str());
-  std::printf("Report: %s\n", report::write_report(directory).c_str());
-  return whole ? done : stopped;
-}
 
 int mesh_command(std::vector<std::string> words) {
   CLI::App options("Loads a mesh as the simulation would, and says what is in it and what was mended.");

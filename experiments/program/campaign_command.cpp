@@ -12,6 +12,7 @@
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/experiments/program/commands.h>
 
 namespace zwang {
 namespace {
