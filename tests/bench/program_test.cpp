@@ -18,7 +18,7 @@ struct Other : std::exception {
 template <class Thrown>
 std::pair<int, std::string> of_a_command_that_throws(const Thrown& thrown) {
   const Extensions extensions{
-      .commands = {{"fail", "Fails", "fails", [&](std::vector<std::string>) -> int { throw thrown; }}}};
+      .commands = {{"fail", [&](std::vector<std::string>) -> int { throw thrown; }, "Fails", "fails"}}};
   std::string program_name = "zwang", word = "fail";
   char* arguments[] = {program_name.data(), word.data(), nullptr};
   testing::internal::CaptureStderr();
