@@ -14,7 +14,7 @@ namespace zwang {
 namespace {
 
 // The atlas of problems that the measured figures refer to, where it is at hand.
-class Atlas : public testing::Test {
+class SameAsAtlas : public testing::Test {
  protected:
   void SetUp() override {
     const std::filesystem::path file = test::recorded_data() / "problems/atlas.h5";
@@ -33,7 +33,7 @@ Instance our_version(const Instance& point) {
   return make_scenes(point.family + "(k=" + std::to_string(static_cast<int>(k)) + feasible).at(0);
 }
 
-TEST_F(Atlas, FullyDeterminedFamiliesAreTheSameProblems) {
+TEST_F(SameAsAtlas, FullyDeterminedFamiliesAreTheSameProblems) {
   int compared = 0;
   for (const Instance& point : all) {
     const std::string& f = point.family;
@@ -62,7 +62,7 @@ TEST_F(Atlas, FullyDeterminedFamiliesAreTheSameProblems) {
   EXPECT_EQ(compared, 12 + 12 + 16 + 7 + 17 + 33 + 17);
 }
 
-TEST_F(Atlas, DrawnFamiliesHaveTheSameShape) {
+TEST_F(SameAsAtlas, DrawnFamiliesHaveTheSameShape) {
   int compared = 0;
   for (const Instance& point : all) {
     const std::array families = {"NPE", "NPI", "WEAK", "MRC", "UNIT", "ROW", "HUGE", "ANI"};
