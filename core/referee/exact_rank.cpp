@@ -1,15 +1,16 @@
 #include <zwang/core/referee/exact_rank.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <vector>
 
 namespace zwang {
 namespace {
 
 __extension__ using Wide = unsigned __int128;
-
-constexpr std::uint64_t primes[] = {1342415056300749617u, 1764951674671456009u};
 
 // The integers modulo p.
 struct Field {
@@ -36,6 +37,36 @@ struct Field {
     return x < 0 ? minus(0, value) : value;
   }
 };
+
+// Miller and Rabin; these bases leave no composite below 2^64 (Sorenson & Webster 2017).
+bool is_prime(std::uint64_t n) {
+  const Field f{n};
+  const int twos = std::countr_zero(n - 1);
+  for (const std::uint64_t base : {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37}) {
+    std::uint64_t x = f.power(base, (n - 1) >> twos);
+    bool passes = x == 1;
+    for (int k = 0; k < twos && !passes; ++k, x = f.times(x, x)) passes = x == n - 1;
+    if (!passes) return false;
+  }
+  return true;
+}
+
+// Two of 61 bits, drawn by each process: no problem can be made so that they divide its minors.
+const std::array<std::uint64_t, 2>& primes() {
+  static const std::array<std::uint64_t, 2> drawn = [] {
+    std::random_device device;
+    const auto draw = [&] {
+      for (;;) {
+        const std::uint64_t bits = (static_cast<std::uint64_t>(device()) << 32 | device()) >> 4;
+        if (const std::uint64_t n = bits | std::uint64_t{1} << 60 | 1; is_prime(n)) return n;
+      }
+    };
+    const std::uint64_t first = draw();
+    for (;;)
+      if (const std::uint64_t second = draw(); second != first) return std::array{first, second};
+  }();
+  return drawn;
+}
 
 using Row = std::vector<std::uint64_t>;
 
@@ -82,7 +113,7 @@ class Elimination {
 
 Consistency exact_consistency(const RowMatrix& J, const Vector& c, std::span<const Index> basis,
                               std::span<const Index> more) {
-  for (const std::uint64_t prime : primes) {
+  for (const std::uint64_t prime : primes()) {
     Elimination elimination(J, c, prime);
     for (const Index i : basis)
       if (elimination.add(i) != Consistency::independent) return Consistency::independent;
@@ -94,7 +125,7 @@ Consistency exact_consistency(const RowMatrix& J, const Vector& c, std::span<con
 
 ExactBasis exact_basis(const RowMatrix& J, const Vector& c, std::span<const Index> rows) {
   ExactBasis basis;
-  Elimination elimination(J, c, primes[0]), again(J, c, primes[1]);
+  Elimination elimination(J, c, primes()[0]), again(J, c, primes()[1]);
   for (const Index i : rows) {
     const Consistency found = elimination.add(i), second = again.add(i);
     if (found == Consistency::independent) basis.rows.push_back(i);

@@ -8,9 +8,9 @@
 namespace zwang {
 
 // Rank questions about rows of J z = c. The stored doubles are integers times powers of two, so these questions have
-// exact answers; they are found by elimination modulo two primes of 61 bits. Rows found independent are independent.
-// The odds that a prime divides the deciding minor of dependent ones are below 1e-13 for each prime.
-// O(rows rank columns) modular products.
+// exact answers; they are found by elimination modulo two primes of 61 bits, drawn at random by each process. Rows
+// found independent are independent. The odds that a prime divides the deciding minor of others are below 1e-13 for
+// each. O(rows rank columns) modular products.
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 

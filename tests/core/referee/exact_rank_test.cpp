@@ -32,6 +32,14 @@ TEST(ExactRank, TellsTheThreeCasesApart) {
   EXPECT_EQ(rows.ask({}, {}), Consistency::consistent);
 }
 
+// Four integer rows whose determinant is the product of two primes of 61 bits, which were once the only ones asked.
+TEST(ExactRank, PrimesThatSomebodyKnowsProveNothing) {
+  constexpr double x = 0x1p40;
+  const Rows rows(
+      Matrix{{x, -1, 0, 0, 0}, {0, x, -1, 0, 0}, {0, 0, x, -1, 0}, {164241046457, 41332614815, 860325496455, 1, 0}});
+  EXPECT_EQ(rows.ask({0, 1, 2}, {3}), Consistency::independent);
+}
+
 // Doubles count as they are stored: three times 0.1 is not 0.3, half of it is, at any power of two.
 TEST(ExactRank, TakesDoublesAsTheyAreStored) {
   EXPECT_EQ(Rows(Matrix{{.1, 1, 1}, {.3, 3, 3}}).ask({0}, {1}), Consistency::independent);
