@@ -53,14 +53,16 @@ Sparse read_matrix(const hdf5::Group& group, const std::string& name, Index rows
   return Matrix(Eigen::Map<const RowMajor>(values.data(), rows, cols)).sparseView(0, 0);
 }
 
-Reference read_reference(const hdf5::Group& group, Index n, Index m) {
-  Reference r;
+// `one`: the law has one answer, whatever the file says.
+Reference read_reference(const hdf5::Group& group, Index n, Index m, bool one) {
+  Reference r{.hearsay = true};
   r.feasible = group.read_one<std::int64_t>("feasible") != 0;
   if (group.has_data("z")) r.z = read_vector(group, "z", static_cast<std::size_t>(n));
   if (group.has_data("lambda")) r.lambda = read_vector(group, "lambda", static_cast<std::size_t>(m));
   if (group.has_data("certificate")) r.certificate = read_vector(group, "certificate", static_cast<std::size_t>(m));
   if (r.feasible && !group.has_data("z")) group.fail("z", "missing; expected a dataset, for the problem is feasible");
   r.bound = group.has_data("bound") ? group.read_one<double>("bound") : 0;
+  r.unique = one || (group.has_data("unique") && group.read_one<std::int64_t>("unique") != 0);
   r.method = text_or(group, "method", "file");
   return r;
 }
@@ -214,7 +216,8 @@ Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
   std::ranges::move(texts_or_none(group, "notes"), std::back_inserter(instance.notes));
   if (const std::string stored = text_or(group, "sha256", ""); !stored.empty() && stored != problem_sha256(p))
     group.fail("sha256", "not that of its contents; the file is damaged, or was changed by hand");
-  if (group.has_group("reference")) instance.reference = read_reference(group.group("reference"), n, m);
+  if (group.has_group("reference"))
+    instance.reference = read_reference(group.group("reference"), n, m, p.law != Law::coulomb);
   if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
   if (group.has_group("friction") && law != Law::frictionless) insert_friction(group.group("friction"), instance);
   return instance;
@@ -265,6 +268,7 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   if (r.lambda.size() > 0) write_vector(reference, "lambda", r.lambda);
   if (r.certificate.size() > 0) write_vector(reference, "certificate", r.certificate);
   reference.write_one("bound", r.bound);
+  reference.write_one("unique", static_cast<std::uint8_t>(r.unique));
   write_text(reference, "method", r.method);
 }
 

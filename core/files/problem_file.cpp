@@ -25,7 +25,7 @@ void read_truth(const hdf5::Group& group, Instance& instance) {
   const auto status = truth.read_one<std::int64_t>("status");
   if (status != 0 && status != 1)
     truth.fail("status", "is " + std::to_string(status) + "; expected 0 (solved) or 1 (infeasible)");
-  Reference reference;
+  Reference reference{.hearsay = true};
   reference.feasible = status == 0;
   reference.method = "file";
   if (reference.feasible) reference.z = read_vector(truth, "z", static_cast<std::size_t>(instance.problem.size()));

@@ -50,6 +50,7 @@ void expect_same(const Instance& a, const Instance& b) {
   expect_same_bits(a.reference->lambda, b.reference->lambda);
   expect_same_bits(a.reference->certificate, b.reference->certificate);
   EXPECT_EQ(a.reference->bound, b.reference->bound);
+  EXPECT_EQ(a.reference->unique, b.reference->unique);
   EXPECT_EQ(a.reference->method, b.reference->method);
 }
 
