@@ -50,6 +50,8 @@ struct Result {
   // Claims an answer (or that there is none) that the referee refutes.
   bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }
   bool is_right() const { return verified == "solved" || verified == "infeasible, proven"; }
+  // Proven neither right nor wrong.
+  bool is_open() const { return verified == "undecided" || verified == "consistent" || verified == "rows off"; }
   bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
 };
 

@@ -163,6 +163,7 @@ void Tally::count(std::string_view solver, Status claimed, Verdict verdict) {
         return wrong;
       case Verdict::undecided:
       case Verdict::consistent:
+      case Verdict::rows_off:
       case Verdict::infeasible_claimed:
         return undecided;
       case Verdict::unsupported:
@@ -209,7 +210,7 @@ Stored load_results(const std::filesystem::path& file) {
     const Json record = is_intact(line) ? Json::parse(line, nullptr, false) : Json();
     try {
       const Status claimed = named(record.at("claimed"), Status::crashed);
-      const Verdict verdict = named(record.at("verified"), Verdict::unsupported);
+      const Verdict verdict = named(record.at("verified"), last_verdict);
       if (stored.finished.insert(record.at("cell")).second)
         stored.tally.count(record.at("solver").get_ref<const std::string&>(), claimed, verdict);
     } catch (const std::exception&) {

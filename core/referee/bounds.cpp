@@ -20,6 +20,7 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   DistanceBound bound;
   ExtendedVector lambda = given;
   DoubleDouble weighted_slack;
+  double rounding = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
     DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
     if (!scaled.counts(i)) {
@@ -28,12 +29,17 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
       continue;
     }
     const DoubleDouble slack = scaled.slack(i, d);
-    if (scaled.is_equality(i) ? !(slack == DoubleDouble(0)) : slack.hi < 0) return bound;
+    const double error = scaled.rounding(i, d) * scaled.row_norm[i];
+    const bool above = !scaled.is_equality(i) && slack.hi >= error;
+    if (!above && !(slack == DoubleDouble(0) && scaled.slack_vanishes(i, d))) return bound;
     if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;
     weighted_slack += weight * slack;
+    rounding += std::abs(weight.hi) * (error + referee::rounding * slack.hi);
   }
-  const double residual = scaled.dual_norm(scaled.force_residual(d, lambda));
-  bound.upper = std::sqrt(std::max(0.0, residual * residual + 2 * weighted_slack.hi));
+  const double residual =
+      scaled.dual_norm(scaled.force_residual(d, lambda)) * referee::widened_sum + scaled.force_rounding(d, lambda);
+  bound.upper =
+      std::sqrt(residual * residual + 2 * (std::max(0.0, weighted_slack.hi) + rounding)) * (1 + referee::widened);
   bound.least_norm = std::max(0.0, scaled.norm_with_free_motion(d) - bound.upper);
   bound.greatest_norm = scaled.norm_with_free_motion(d) + bound.upper;
   bound.method = "gap";

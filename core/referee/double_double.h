@@ -1,5 +1,9 @@
 #pragma once
 
+#ifdef __FAST_MATH__
+#error "double-double arithmetic is wrong under -ffast-math: compile what includes it without"
+#endif
+
 #include <cmath>
 #include <compare>
 #include <limits>

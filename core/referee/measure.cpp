@@ -9,6 +9,7 @@
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/friction/judge.h>
 #include <zwang/core/referee/scaled_problem.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -64,8 +65,8 @@ Verdict judge_infeasible(const ScaledProblem& scaled, const Solution& solution, 
   return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
-Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Reference* reference, double tolerance,
-                Metrics& out) {
+Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
+                const Reference* reference, double tolerance, Metrics& out) {
   const Index n = scaled.size(), m = scaled.rows();
   const bool known = reference && reference->feasible && fits(reference->z, n);
   const ExtendedVector d = scaled.motion(solution.z);
@@ -77,11 +78,14 @@ Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Ref
                              or_infinity(scaled.norm_of(known ? reference->z : solution.z)), scaled.least_scale()});
   out.scale = scaled.to_problem_norm(s);
   take_residuals(scaled, d, given, s, out);
+  ErrorBounds proven;
   if (known) {
     ExtendedVector error = scaled.motion(reference->z);
     for (std::size_t i = 0; i < error.size(); ++i) error[i] = d[i] - error[i];
     out.z_error = or_infinity(scaled.norm(error) / s);
-    return by_error(out.z_error, infinity, tolerance);
+    proven = error_bounds(problem, *reference, out.z_error);
+    const Verdict verdict = by_error(proven.upper, proven.lower, tolerance);
+    if (verdict == by_error(out.z_error, out.z_error, tolerance)) return verdict;  // its own bound changes nothing
   }
   if (reference && !reference->feasible) return Verdict::wrong;
 
@@ -92,11 +96,20 @@ Verdict judge_z(const ScaledProblem& scaled, const Solution& solution, const Ref
   out.z_bound = bound.upper / least_s;
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;
-  if (bound.rows == DistanceBound::Rows::infeasible) return Verdict::wrong;
-  return by_error(out.z_bound, bound.lower / greatest_s, tolerance);
+  if (bound.rows == DistanceBound::Rows::infeasible) return known ? Verdict::undecided : Verdict::wrong;
+  proven.upper = std::min(proven.upper, out.z_bound);
+  proven.lower = std::max(proven.lower, bound.lower / greatest_s);
+  if (proven.lower > proven.upper) return Verdict::undecided;
+  return by_error(proven.upper, proven.lower, tolerance);
 }
 
 }  // namespace
+
+ErrorBounds error_bounds(const Problem& problem, const Reference& reference, double z_error) {
+  const double off = reference.bound + referee::measured;
+  const bool one = reference.unique || problem.law != Law::coulomb || !problem.has_tangents();
+  return {z_error * (1 + referee::measured) + off, one ? std::max(z_error * (1 - referee::measured) - off, 0.0) : 0};
+}
 
 Verdict by_error(double upper, double lower, double tolerance) {
   const double accepted = accepted_error(tolerance);
@@ -106,7 +119,7 @@ Verdict by_error(double upper, double lower, double tolerance) {
 }
 
 std::string_view to_string(Verdict verdict) {
-  static constexpr std::array<std::string_view, 12> words{"solved",
+  static constexpr std::array<std::string_view, 13> words{"solved",
                                                           "near",
                                                           "wrong",
                                                           "infeasible, proven",
@@ -117,7 +130,9 @@ std::string_view to_string(Verdict verdict) {
                                                           "crashed",
                                                           "bad input",
                                                           "unsupported",
-                                                          "consistent"};
+                                                          "consistent",
+                                                          "rows off"};
+  static_assert(words.size() == static_cast<std::size_t>(last_verdict) + 1);
   const auto k = static_cast<std::size_t>(verdict);
   return k < words.size() ? words[k] : "unknown verdict";
 }
@@ -141,7 +156,7 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   if (stopped && !has_z) return with(Verdict::timeout);
   if (!bad_input(problem).empty()) return with(Verdict::wrong);
   const ScaledProblem scaled(problem);
-  if (!scaled.definite) return with(Verdict::wrong);
+  if (!scaled.definite) return with(Verdict::undecided);
   if (problem.has_tangents()) {
     if (solution.status != Status::infeasible && !has_z) return with(Verdict::wrong);
     const Verdict verdict = judge_friction(problem, scaled, solution, reference, tolerance, out);
@@ -150,7 +165,7 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   }
   if (solution.status == Status::infeasible) return with(judge_infeasible(scaled, solution, reference, out));
   if (!has_z) return with(Verdict::wrong);
-  const Verdict verdict = judge_z(scaled, solution, reference, tolerance, out);
+  const Verdict verdict = judge_z(problem, scaled, solution, reference, tolerance, out);
   const bool close = verdict == Verdict::solved || verdict == Verdict::near;
   return with(stopped && !close ? Verdict::timeout : verdict);
 }

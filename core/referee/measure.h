@@ -26,10 +26,54 @@ enum class Verdict {
   unsupported,
   consistent,  // Coulomb's law: z is the convex answer for its own slip to the tolerance, but no solution is proven
                // near
+  rows_off,    // Coulomb's law: what was proven near z is a solution of rows that are off by `delta`, not of these
 };
+inline constexpr Verdict last_verdict = Verdict::rows_off;
+
+// How bad a verdict is: a total order. Of several verdicts the worst stands for all. An infeasibility that is proven is
+// no fault: rows that push out of a wedge may contradict each other.
+constexpr int severity(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::solved:
+      return 0;
+    case Verdict::infeasible_proven:
+      return 1;
+    case Verdict::near:
+      return 2;
+    case Verdict::rows_off:
+      return 3;
+    case Verdict::consistent:
+      return 4;
+    case Verdict::undecided:
+      return 5;
+    case Verdict::infeasible_claimed:
+      return 6;
+    case Verdict::no_answer:
+      return 7;
+    case Verdict::unsupported:
+      return 8;
+    case Verdict::timeout:
+      return 9;
+    case Verdict::crashed:
+      return 10;
+    case Verdict::bad_input:
+      return 11;
+    case Verdict::wrong:
+      break;
+  }
+  return 12;
+}
+constexpr Verdict worse(Verdict a, Verdict b) { return severity(a) < severity(b) ? b : a; }
 
 // Of a z whose error lies in [lower, upper], relative to s.
 Verdict by_error(double upper, double lower, double tolerance);
+
+// What a reference proves of a z at z_error from it: the distance to the nearest solution lies in [lower, upper],
+// relative to s. Under Coulomb's law lower is 0 where the reference is not known to be the only one.
+struct ErrorBounds {
+  double upper = std::numeric_limits<double>::infinity(), lower = 0;
+};
+ErrorBounds error_bounds(const Problem& problem, const Reference& reference, double z_error);
 
 std::string_view to_string(Verdict verdict);  // "solved", "infeasible, proven", "infeasible, claimed only", ...
 

@@ -23,15 +23,17 @@ class ScaledProblem {
   Index size() const { return z_u.size(); }
   Index rows() const { return c.size(); }
   bool is_equality(Index i) const { return equality[static_cast<std::size_t>(i)] != 0; }
-  // A row that says nothing (c = -Inf), and a row of zeros.
-  bool is_vacuous(Index i) const { return !std::isfinite(c[i]); }
+  // A row that says nothing (c = -Inf, or beyond all doubles in these units), and a row of zeros, which holds by the c
+  // that was stored or not at all.
+  bool is_vacuous(Index i) const { return !std::isfinite(is_zero(i) ? stored_c[i] : c[i]); }
   bool is_zero(Index i) const { return row_norm[i] == 0; }
   bool counts(Index i) const { return !is_vacuous(i) && !is_zero(i); }
-  bool zero_row_holds(Index i) const { return is_equality(i) ? c[i] == 0 : c[i] <= 0; }
+  bool zero_row_holds(Index i) const { return is_equality(i) ? stored_c[i] == 0 : stored_c[i] <= 0; }
 
   // From the problem's units to these, and back.
   ExtendedVector motion(const Vector& z) const;            // d = z - z_u
-  ExtendedVector multipliers(const Vector& lambda) const;  // so that M d = J' lambda stays true
+  // So that M d = J' lambda stays true; 0 on rows that say nothing, which cannot push.
+  ExtendedVector multipliers(const Vector& lambda) const;
   ExtendedVector motion_of(ExtendedVector d) const;        // of a d in the problem's units
   ExtendedVector multipliers(ExtendedVector lambda) const;
   double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
@@ -45,6 +47,7 @@ class ScaledProblem {
   double norm_with_free_motion(ExtendedVector d) const;        // |z_u + d|_M
   double dual_norm(const ExtendedVector& r) const;             // sqrt(r' M^-1 r)
   DoubleDouble slack(Index i, const ExtendedVector& d) const;  // J_i (z_u + d) - c_i, not divided by |G_i|
+  bool slack_vanishes(Index i, const ExtendedVector& d) const;  // exactly
   double unit_slack(Index i, const ExtendedVector& d) const { return slack(i, d).hi / row_norm[i]; }
   DoubleDouble violation(Index i) const;                             // h_i = c_i - J_i z_u
   VectorX<FactorReal> unit_row(Index i) const;                       // G_i / |G_i|, n, permuted as Q = L'P
@@ -56,10 +59,10 @@ class ScaledProblem {
 
   using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<FactorReal>>;
 
-  bool definite = true;  // M is positive definite; if not, row_norm and the dual norm mean nothing
+  bool definite = true;  // M is proven positive definite; if not, row_norm and the dual norm mean nothing
   Eigen::SparseMatrix<double> M;
   Eigen::SparseMatrix<double, Eigen::RowMajor> J;
-  Vector z_u, c, row_norm;
+  Vector z_u, c, row_norm, stored_c;
   std::vector<char> equality;
   Factor factor;
   std::vector<int> row_exponent;
@@ -67,6 +70,7 @@ class ScaledProblem {
 
  private:
   void weigh_rows();
+  bool proven_definite() const;
 };
 
 }  // namespace zwang

@@ -32,9 +32,12 @@ inline constexpr FactorReal reaches = 0.5L;
 inline constexpr double touched = 1e-9;
 inline constexpr double touched_by_guess = 1e-6;
 
-// Double-double errs by 2^-102 an operation: 2^-98 of the terms of a row or a force covers 16 of them, and leaves what
-// they do not use for the condition of M's blocks.
+// Double-double errs by 3 2^-106 a sum and 5 2^-106 a product, a row or a force of k terms by (6 k + 5) 2^-106 of them:
+// 2^-98 covers 16 terms, and leaves what they do not use for the condition of M's blocks. It grows with their number.
 inline constexpr double rounding = 0x1p-98;
+inline constexpr double rounding_of(Index terms) {
+  return terms > 16 ? rounding / 16 * static_cast<double>(terms) : rounding;
+}
 // A row outside the basis is violated from this many of its rounding bounds on.
 inline constexpr double violated = 16;
 // A row may hold with equality up to this many of them, and of the distance to the exact point.
@@ -51,6 +54,8 @@ inline constexpr FactorReal no_coefficient = 1e-15L;
 
 // A bound that is this small, of the motion, is not worth a second try by moving inward.
 inline constexpr double sharp_enough = 1e-14;
+// Of s and the distance: the rounding of a distance that was measured in double-double, and its rounding to double.
+inline constexpr double measured = 1e-15;
 // What bounds are widened by for the rounding of their own few operations in double.
 inline constexpr double widened = 1e-12;
 // The same for sums of many terms and singular values in FactorReal.

@@ -130,15 +130,16 @@ std::vector<std::string> headline(const Run& run) {
     if (r.lies()) ++liars[r.solver];
   }
   const std::size_t right = verdicts["solved"] + verdicts["infeasible, proven"], near = verdicts["near"],
-                    wrong = verdicts["wrong"], consistent = verdicts["consistent"],
+                    wrong = verdicts["wrong"], consistent = verdicts["consistent"], rows_off = verdicts["rows off"],
                     undecided = verdicts["undecided"] + verdicts["infeasible, claimed only"],
                     blank = verdicts["unsupported"] + verdicts["bad input"];
-  const std::size_t failed = run.results.size() - right - near - wrong - consistent - undecided - blank;
+  const std::size_t failed = run.results.size() - right - near - wrong - consistent - rows_off - undecided - blank;
   std::string counts = counted(run.results.size(), "run") + " of " + counted(run.solvers.size(), "solver") + " on " +
                        counted(problems.size(), "problem") + ": " + grouped(right) + " right";
   for (const auto& [n, what] : {std::pair(near, "near"),
                                 {wrong, "wrong"},
                                 {consistent, "consistent"},
+                                {rows_off, "right for rows that are off"},
                                 {undecided, "undecided"},
                                 {failed, "without an answer"},
                                 {blank, "not applicable"}})

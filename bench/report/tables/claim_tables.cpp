@@ -160,7 +160,7 @@ Table verdict_table(const Run& run) {
   Table table("verdicts", "solver; claimed");
   std::vector<std::string> columns;
   for (const char* verdict : {"solved", "near", "wrong", "infeasible, proven", "infeasible, claimed only", "undecided",
-                              "consistent", "no answer", "timeout", "crashed", "bad input", "unsupported"})
+                              "consistent", "rows off", "no answer", "timeout", "crashed", "bad input", "unsupported"})
     if (std::ranges::find(run.results, verdict, &Result::verified) != run.results.end()) {
       columns.push_back(verdict);
       table.columns.push_back({verdict, true});

@@ -34,7 +34,7 @@ std::string sweep_state(const Result& r) {
   if (r.lies()) return "lies";
   const bool answer = std::isfinite(r.z_error);
   if (answer && r.claims_solved()) return "lies";  // wrong by more than 1e-6 and says solved, at the tightest tolerance
-  if (!answer && (r.verified == "undecided" || r.verified == "consistent")) return "undecided";
+  if (!answer && r.is_open()) return "undecided";
   if (r.verified == "infeasible, claimed only" && r.feasible == std::optional(false)) return "undecided";
   if (!answer && (r.verified == "solved" || r.verified == "near")) return r.z_bound <= broken ? "right" : "undecided";
   return "fails";

@@ -21,7 +21,7 @@ std::string drawn_as(const Result& r) {
   if (r.lies()) return "wrong";
   if (r.verified == "solved") return std::isfinite(r.error()) ? "ok" : "";
   if (std::isfinite(r.z_error)) return "missed";
-  if (r.verified == "undecided" || r.verified == "consistent" || r.verified == "near") return "undecided";
+  if (r.is_open() || r.verified == "near") return "undecided";
   return "failed";
 }
 

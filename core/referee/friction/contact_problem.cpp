@@ -65,6 +65,9 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
       move(it.valueRef(),
            -column_shift_[static_cast<std::size_t>(j)] - column_shift_[static_cast<std::size_t>(it.row())]);
   h.resize(static_cast<std::size_t>(m));
+  z_u = scaled.z_u;
+  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[static_cast<std::size_t>(j)] - shift);
+  c = scaled.c;
   for (Index i = 0; i < m; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const int e = row_shift_[k];
@@ -75,7 +78,8 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
       move(it.valueRef(), -e - column_shift_[static_cast<std::size_t>(it.col())]);
     }
     row_norm[i] = std::ldexp(row_norm[i], -e);
-    if (scaled.is_vacuous(i)) continue;
+    if (scaled.is_vacuous(i) || !std::isfinite(scaled.c[i])) continue;  // the latter of zeros
+    c[i] = std::ldexp(c[i], -e - shift);
     h[k] = scaled.violation(i).scaled(-e - shift);
     h_error[i] = std::ldexp(rounding_of(terms) * sum, -e - shift) + 1e-290;
     if (!std::isfinite(h_error[i])) exact = false;
@@ -104,7 +108,12 @@ ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const {
 
 ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
   ExtendedVector l(lambda.size());
-  for (std::size_t i = 0; i < l.size(); ++i) l[i] = lambda[i].scaled(row_shift_[i] - shift);
+  const auto take = [&](Index first, Index count) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(first + count); ++i)
+      l[i] = lambda[i].scaled(row_shift_[i] - shift);
+  };
+  for (const Index i : equalities) take(i, 1);
+  for (const ContactRows& contact : contacts) take(contact.row, 1 + contact.tangents);
   return l;
 }
 

@@ -28,7 +28,7 @@ class ContactProblem {
   Index size() const { return M.cols(); }
   Index rows() const { return J.rows(); }
 
-  // From the scaled problem's units, and back.
+  // From the scaled problem's units, and back. What is left out pushes nothing: its multipliers are 0.
   ExtendedVector motion(const ExtendedVector& d) const;
   ExtendedVector multipliers(const ExtendedVector& lambda) const;
   ExtendedVector to_motion(const ExtendedVector& x) const;
@@ -57,6 +57,7 @@ class ContactProblem {
   Eigen::SparseMatrix<double, Eigen::RowMajor> J;
   ExtendedVector h;
   Vector h_error;
+  Vector z_u, c;    // J (z_u + x) = c, as stored: without rounding, save where a power of two over- or underflowed
   Vector row_norm;  // |G_i|
   std::vector<ContactRows> contacts;
   std::vector<Index> equalities;

@@ -16,10 +16,10 @@ struct FrictionMetrics {
   double eta = unknown;              // |lambda - P_K(lambda - R u)| / |lambda|, u as in natural from lambda alone
   double self_bound = unknown;       // upper bound on |z - Z(sigma(z))|_M / s
   double radius = unknown;           // of the ball that holds a solution, |.|_M / s; z_bound is from z to its far side
-  double delta = unknown;            // that solution is exact for a c (or z_u) this far from the problem's
+  double delta = unknown;            // > 0: it solves a c (or z_u) this far from the problem's, not these rows
   double null_motion = unknown;      // largest |dz|_M of a unit change of multipliers that keeps its equations
   bool strict = false;               // all modes of that solution hold with something to spare
-  bool isolated = false;             // it is the only one nearby: proven, strict, null_motion below 1e-8
+  bool isolated = false;             // it is the only one nearby: strict, and no force is free to change
 };
 
 }  // namespace zwang

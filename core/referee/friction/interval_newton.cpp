@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <zwang/core/referee/exact_rank.h>
 
@@ -18,7 +19,12 @@ constexpr int refinements = 12;
 // How often modes that do not hold are changed, and how small a step has to become before a proof is tried.
 constexpr int mode_changes = 12;
 constexpr double polished = 1e-12;
-constexpr double good_delta = 1e-12;
+// Relative to the motion: what rounding of dependent rows leaves of modes that hold. Where such modes solve other rows
+// only, it is worth to change some by the last digits that there are.
+constexpr double holds = 1e-13;
+constexpr int mode_changes_by_last_digits = 2;
+// Of mu l_n: a part of the friction that may be zero exactly.
+constexpr double aligned = 1e-20;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -33,7 +39,7 @@ Part independent_part(const ModeSystem& system, const Eigen::LLT<Matrix>& mass, 
   if (count == 0) return part;
   Eigen::FullPivLU<Matrix> lu;
   lu.setThreshold(threshold);
-  lu.compute(system.S * mass.solve(system.N));
+  lu.compute(system.coupling(mass));
   const Index rank = lu.rank();
   for (Index k = 0; k < count; ++k) {
     // P A Q = L U: row k of P A is row i of A with P.indices()[i] = k.
@@ -56,6 +62,10 @@ class Krawczyk {
     if (mass.info() != Eigen::Success) return proof;
     part_ = independent_part(system_, mass, threshold);
     const Index n = p_.size(), rank = static_cast<Index>(part_.rows.size()), N = n + rank;
+    for (const Index k : part_.frozen) {  // a double, so that its value has a place among exact equations
+      DoubleDouble& l = point_.lambda[static_cast<std::size_t>(system_.active[static_cast<std::size_t>(k)].row)];
+      l = l.hi;
+    }
     R_ = derivative().partialPivLu().inverse();
     if (!R_.allFinite()) return proof;
     Vector value(N), value_error(N);
@@ -88,10 +98,10 @@ class Krawczyk {
     if (!inside) return proof;
     proof.proven = true;
     proof.radius = p_.norm_bound(r.head(n));
-    judge_modes(r, proof);
+    const bool by_rows = judge_modes(r, proof);
     proof.null_motion = null_motion();
     proof.unique_forces = part_.frozen.empty();
-    proof.continuum = proof.strict && proof.delta == 0 && moves(r, contraction, gamma);
+    proof.continuum = proof.strict && proof.delta == 0 && by_rows && moves(r, contraction, gamma);
     return proof;
   }
 
@@ -208,71 +218,184 @@ class Krawczyk {
     return out;
   }
 
-  // What the modes ask for beside their equations, on the whole box.
-  void judge_modes(const Vector& r, ModeProof& proof) const {
+  // A condition of the modes that the box leaves open. It holds where it is met with equality: where these are zero.
+  struct Doubt {
+    std::vector<Index> slacks = {};                                  // s_i
+    std::vector<std::vector<std::pair<Index, double>>> forces = {};  // sums of multipliers of rows times numbers
+    double off = 0;
+    bool of_force = false;
+  };
+
+  // What the modes ask for beside their equations, on the whole box. Returns whether the rows that are left out follow
+  // from those that are imposed, whatever the forces.
+  bool judge_modes(const Vector& r, ModeProof& proof) const {
     const Vector radius = r.head(p_.size());
     proof.strict = true;
-    proof.delta = 0;
-    const auto off = [&](double amount) { proof.delta = std::max(proof.delta, safe(amount) * widened); };
-    if (p_.fixed_contradiction) off(infinity);
-    const auto unit = [&](const ContactRows& contact) { return contact.unit > 0 ? contact.unit : 1.0; };
+    std::vector<Doubt> doubts;
+    double off_rows = 0, off_forces = 0;
+    const auto off = [&](const Doubt& doubt) {
+      if (doubt.of_force)
+        off_forces += safe(doubt.off);
+      else
+        off_rows = std::hypot(off_rows, safe(doubt.off));
+    };
+    // value +- spread should not be negative.
+    const auto ask = [&](double value, double spread, Doubt doubt) {
+      const double least = value - spread;
+      if (!(least > 0)) proof.strict = false;
+      if (least >= 0) return;
+      doubt.off *= -least;
+      if (value + spread >= 0)
+        doubts.push_back(std::move(doubt));
+      else
+        off(doubt);
+    };
+    if (p_.fixed_contradiction) off({.off = infinity});
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       const ContactRows& contact = p_.contacts[c];
       const auto row = static_cast<std::size_t>(contact.row);
       if (point_.modes[c] == ContactMode::open) {
-        // With J_i = 0 the slack is exact: it holds or not.
-        const double spread =
-            contact.unit > 0 ? p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius) : 0;
-        const double least = p_.slack(contact.row, point_.x).hi - spread * widened;
-        if (contact.unit == 0 ? least < 0 : !(least > 0)) proof.strict = false;
-        if (least < 0) off(-least / unit(contact));
+        const double slack = p_.slack(contact.row, point_.x).hi;
+        if (contact.unit == 0) {  // exact: it holds or not
+          if (!scaled_.zero_row_holds(contact.row)) off({.off = infinity});
+          continue;
+        }
+        const double spread = (p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius)) * widened;
+        ask(slack, spread, {.slacks = {contact.row}, .off = 1 / contact.unit});
         continue;
       }
       double weight = 0;  // |J_i'| in the dual norm, of any unit force of the contact
       for (Index t = 0; t < contact.rows(); ++t) weight = std::hypot(weight, p_.row_norm[contact.row + t]);
-      const double least = point_.lambda[row].hi * (1 - 1e-15) - multiplier_radius(contact.row, r) - 1e-280;
-      if (point_.modes[c] == ContactMode::slide || contact.rows() == 1) {
-        if (!(least > 0)) proof.strict = false;
-        if (point_.lambda[row].hi - multiplier_radius(contact.row, r) < 0)
-          off((multiplier_radius(contact.row, r) - point_.lambda[row].hi) * (1 + contact.mu) * weight);
-        continue;
-      }
-      DoubleDouble tangential;
-      double spread = 0;
-      for (Index t = 1; t < contact.rows(); ++t) {
-        const DoubleDouble l = point_.lambda[row + static_cast<std::size_t>(t)];
-        tangential += l * l;
-        spread = std::hypot(spread, multiplier_radius(contact.row + t, r));
-      }
-      tangential = sqrt(tangential);
-      const double rounding = 0x1p-98 * (std::abs(tangential.hi) + std::abs(contact.mu * point_.lambda[row].hi));
-      const double inside = (DoubleDouble(contact.mu) * point_.lambda[row] - tangential).hi - rounding -
-                            (spread + contact.mu * multiplier_radius(contact.row, r)) * widened;
-      if (!(inside > 0) || !(least > 0)) proof.strict = false;
-      if (inside < 0) off(-inside * weight);
-      if (point_.lambda[row].hi - multiplier_radius(contact.row, r) < 0)
-        off((multiplier_radius(contact.row, r) - point_.lambda[row].hi) * (1 + contact.mu) * weight);
+      const double normal = point_.lambda[row].hi, normal_radius = multiplier_radius(contact.row, r);
+      ask(normal, normal_radius + 1e-15 * std::abs(normal) * (normal_radius > 0),
+          {.forces = {{{contact.row, 1}}}, .off = (1 + contact.mu) * weight, .of_force = true});
+      if (point_.modes[c] == ContactMode::slide || contact.rows() == 1) continue;
+      ask_cone(contact, r, weight, ask);
     }
-    if (!part_.dropped_rows.empty() && !dropped_rows_hold()) {
+    Doubt dropped;
+    for (const Index k : part_.dropped_rows) {
+      const ModeSystem::Row& row = system_.active[static_cast<std::size_t>(k)];
+      dropped.slacks.push_back(row.row);
+      dropped.off = std::hypot(dropped.off, (std::abs(p_.slack(row.row, point_.x).hi) +
+                                             p_.slack_error(row.row, point_.x) + p_.reach(row.row, radius)) /
+                                                system_.row_size[k]);
+    }
+    const bool by_rows = dropped.slacks.empty() || met_with_equality({dropped}, false);
+    if (!by_rows) doubts.push_back(std::move(dropped));
+    const bool may_hold = !doubts.empty() && !(off_rows + off_forces > 0);
+    if (may_hold && (met_with_equality(doubts, true) || met_with_equality(doubts, false))) doubts.clear();
+    for (const Doubt& doubt : doubts) {
       proof.strict = false;
-      for (const Index k : part_.dropped_rows) {
-        const ModeSystem::Row& row = system_.active[static_cast<std::size_t>(k)];
-        const double g =
-            row.contact < 0 ? p_.row_norm[row.row] : unit(p_.contacts[static_cast<std::size_t>(row.contact)]);
-        off((std::abs(p_.slack(row.row, point_.x).hi) + p_.slack_error(row.row, point_.x) + p_.reach(row.row, radius)) /
-            g);
-      }
+      off(doubt);
     }
+    proof.delta = (off_rows + off_forces) * widened;
+    return by_rows;
   }
 
-  bool dropped_rows_hold() const {
-    const double work = static_cast<double>(system_.active.size()) * static_cast<double>(part_.rows.size()) *
-                        static_cast<double>(p_.size());
+  // mu l_n >= |l_t|.
+  template <class Ask>
+  void ask_cone(const ContactRows& contact, const Vector& r, double weight, const Ask& ask) const {
+    const auto row = static_cast<std::size_t>(contact.row);
+    const DoubleDouble edge = DoubleDouble(contact.mu) * point_.lambda[row];
+    DoubleDouble squares;
+    double spread = contact.mu * multiplier_radius(contact.row, r);
+    std::vector<std::pair<Index, double>> sum{{contact.row, contact.mu}};
+    Doubt doubt{.off = weight, .of_force = true};
+    for (Index t = 1; t < contact.rows(); ++t) {
+      const DoubleDouble l = point_.lambda[row + static_cast<std::size_t>(t)];
+      squares += l * l;
+      spread += multiplier_radius(contact.row + t, r);
+      if (std::abs(l.hi) > aligned * edge.hi)
+        sum.emplace_back(contact.row + t, l.hi > 0 ? -1 : 1);
+      else
+        doubt.forces.push_back({{contact.row + t, 1}});
+    }
+    const DoubleDouble tangential = sqrt(squares);
+    const double rounding = squares == DoubleDouble(0) && edge == DoubleDouble(0)
+                                ? 0
+                                : 0x1p-98 * (std::abs(tangential.hi) + std::abs(edge.hi)) + 1e-150;
+    if (sum.size() <= 2) doubt.forces.push_back(std::move(sum));  // else the edge is not linear
+    if (doubt.forces.size() < static_cast<std::size_t>(contact.rows() - 1)) doubt.forces = {{}};
+    ask((edge - tangential).hi, rounding + spread * widened, std::move(doubt));
+  }
+
+  // Are all of these exactly zero at the solution in the box? In integers modulo primes, from the equations that are
+  // linear: the stored rows that are imposed; `with_forces` also M d = J'lambda, the forces that are frozen, and the
+  // friction of contacts with one tangent that slide.
+  bool met_with_equality(const std::vector<Doubt>& doubts, bool with_forces) const {
+    const Index n = p_.size();
+    std::vector<Index> place(static_cast<std::size_t>(p_.rows()), -1);
+    Index unknowns = 2 * n;
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c)
+      for (Index t = 0; t < p_.contacts[c].rows() && point_.modes[c] != ContactMode::open; ++t)
+        place[static_cast<std::size_t>(p_.contacts[c].row + t)] = unknowns++;
+    for (const Index i : p_.equalities) place[static_cast<std::size_t>(i)] = unknowns++;
+    const auto imposed = static_cast<double>(part_.rows.size()), size = static_cast<double>(unknowns);
+    const auto more = static_cast<double>(part_.dropped_rows.size() + doubts.size());
+    const double work = with_forces ? size * size * size : (imposed + more) * imposed * static_cast<double>(n);
     if (work > exact_products) return false;
-    std::vector<Index> basis, more;
-    for (const Index k : part_.rows) basis.push_back(system_.active[static_cast<std::size_t>(k)].row);
-    for (const Index k : part_.dropped_rows) more.push_back(system_.active[static_cast<std::size_t>(k)].row);
-    return exact_consistency(scaled_.J, scaled_.c, basis, more) == Consistency::consistent;
+
+    // Columns: z, d = z - z_u, lambda.
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<double> right;
+    bool exact = true;
+    const auto put = [&](Index column, double value) {
+      entries.emplace_back(static_cast<int>(right.size()), static_cast<int>(column), value);
+    };
+    const auto close = [&](double value) {
+      exact &= value == 0 || (std::abs(value) > 1e-280 && std::abs(value) < 1e280);
+      right.push_back(value);
+    };
+    const auto add_stored = [&](Index row) {
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, row); it; ++it)
+        put(it.col(), it.value());
+      exact &= (p_.c[row] == 0) == (scaled_.c[row] == 0);
+      close(p_.c[row]);
+    };
+    for (const Index k : part_.rows) add_stored(system_.active[static_cast<std::size_t>(k)].row);
+    if (with_forces) {
+      Eigen::SparseMatrix<double, Eigen::RowMajor> M = p_.M, transposed = p_.J.transpose();
+      for (Index j = 0; j < n; ++j) {
+        put(j, 1);
+        put(n + j, -1);
+        exact &= (p_.z_u[j] == 0) == (scaled_.z_u[j] == 0);
+        close(p_.z_u[j]);
+        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(M, j); it; ++it)
+          put(n + it.col(), it.value());
+        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(transposed, j); it; ++it)
+          if (const Index at = place[static_cast<std::size_t>(it.col())]; at >= 0) put(at, -it.value());
+        close(0);
+      }
+      for (const Index k : part_.frozen) {
+        const auto row = static_cast<std::size_t>(system_.active[static_cast<std::size_t>(k)].row);
+        put(place[row], 1);
+        close(point_.lambda[row].hi);
+      }
+      for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
+        const ContactRows& contact = p_.contacts[c];
+        if (point_.modes[c] != ContactMode::slide || contact.rows() != 2) continue;
+        put(place[static_cast<std::size_t>(contact.row + 1)], 1);
+        put(place[static_cast<std::size_t>(contact.row)], system_.direction[c][0] > 0 ? contact.mu : -contact.mu);
+        close(0);
+      }
+    }
+    const std::size_t basis = right.size();
+    for (const Doubt& doubt : doubts) {
+      for (const Index row : doubt.slacks) add_stored(row);
+      for (const auto& sum : doubt.forces) {
+        if (!with_forces || sum.empty()) return false;
+        for (const auto& [row, factor] : sum) put(place[static_cast<std::size_t>(row)], factor);
+        close(0);
+      }
+    }
+    if (!exact) return false;
+    RowMatrix equations(static_cast<Index>(right.size()), with_forces ? unknowns : n);
+    equations.setFromTriplets(entries.begin(), entries.end());
+    std::vector<Index> rows(right.size());
+    std::iota(rows.begin(), rows.end(), Index{0});
+    const std::span all(rows);
+    return exact_consistency(equations, Eigen::Map<const Vector>(right.data(), std::ssize(right)), all.first(basis),
+                             all.subspan(basis)) == Consistency::consistent;
   }
 
   double null_motion() const {
@@ -331,6 +454,7 @@ class Krawczyk {
 ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess) {
   ModeProof best{.point = guess};
   std::vector<std::vector<ContactMode>> tried;
+  int last_digits = mode_changes_by_last_digits;
   for (int round = 0; round < mode_changes; ++round) {
     if (std::ranges::find(tried, guess.modes) != tried.end()) break;
     tried.push_back(guess.modes);
@@ -338,9 +462,12 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
     if (left < polished) {
       ModeProof proof = prove_modes(problem, scaled, guess);
       if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
-      if (best.proven && best.delta <= good_delta) break;
+      if (best.proven && best.delta == 0) break;
     }
-    if (!change_modes(problem, guess)) break;
+    if (change_modes(problem, guess, holds)) continue;
+    if (!best.proven || --last_digits < 0) break;
+    guess = best.point;
+    if (!change_modes(problem, guess, 0)) break;
   }
   return best;
 }
@@ -350,7 +477,7 @@ ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled
   for (const double threshold : {1e-11, 1e-8, 1e-13}) {
     ModeProof proof = Krawczyk(problem, scaled, point).prove(threshold);
     if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
-    if (best.proven && best.delta <= good_delta) break;
+    if (best.proven && best.delta == 0) break;
   }
   return best;
 }

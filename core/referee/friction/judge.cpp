@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <zwang/core/problem/law.h>
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/friction/contact_islands.h>
@@ -15,8 +16,6 @@ namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Unit changes of multipliers that move z by less leave it isolated.
-constexpr double still = 1e-8;
 // Of a contact's |lambda| + |s| in doubles: less is zero for a first guess at its mode.
 constexpr double mode_cut = 1e-9;
 // Rows for self_bound where there are joints.
@@ -90,6 +89,14 @@ Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, co
   return feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
+// Do the normal and equality rows contradict each other? Every solution meets them. Found by the proofs without
+// friction, from z.
+bool rows_contradict(const Problem& problem, const Vector& z) {
+  const Problem rows = under(Law::frictionless, problem);
+  const ScaledProblem scaled(rows);
+  return bound_distance(scaled, scaled.motion(z), nullptr).rows == DistanceBound::Rows::infeasible;
+}
+
 // A proven solution of Coulomb's law near x, from each guess until one is near enough.
 struct Nearest {
   ModeProof proof;
@@ -101,7 +108,12 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
   ModeProof proof = prove_near(p, scaled, std::move(guess));
   if (!proof.proven) return;
   const double upper = (distance(p, x, proof.point.x) + proof.radius) * (1 + 1e-9);
-  if (!(upper + proof.delta < nearest.upper + (nearest.proof.proven ? nearest.proof.delta : infinity))) return;
+  // A solution of these rows comes before one of others, however near.
+  const bool exact = proof.delta == 0, exact_before = nearest.proof.proven && nearest.proof.delta == 0;
+  const auto off = [](const ModeProof& by, double far) { return far + by.delta; };
+  if (nearest.proof.proven &&
+      (exact != exact_before ? exact_before : !(off(proof, upper) < off(nearest.proof, nearest.upper))))
+    return;
   nearest.upper = upper;
   nearest.proof = std::move(proof);
 }
@@ -110,7 +122,7 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
 struct Found {
   Nearest nearest = {};
   ConvexBound::Rows rows = ConvexBound::Rows::feasible;  // under the answer's slips
-  double upper = 0, lower = 0;                           // bounds on |z - Z(sigma(z))|; infinity: unknown
+  double upper = 0, lower = 0;                           // |z - Z(sigma(z))| is at most, |z - any solution| at least
   double convex_size = 0, convex_error = 0;              // |Z(sigma(z))|, up to so much
   double nearest_size = 0;                               // of the proven solution
 
@@ -123,6 +135,7 @@ void Found::join(const Found& other) {
   ModeProof& proof = nearest.proof;
   proof.proven &= other.nearest.proof.proven;
   proof.strict &= other.nearest.proof.strict;
+  proof.unique_forces &= other.nearest.proof.unique_forces;
   proof.null_motion = std::max(proof.null_motion, other.nearest.proof.null_motion);
   add(proof.radius, other.nearest.proof.radius);
   add(proof.delta, other.nearest.proof.delta);
@@ -139,8 +152,16 @@ void Found::join(const Found& other) {
 Found found_free(const ContactProblem& p, const ExtendedVector& x) {
   const double off = p.norm(x), size = p.free_motion;
   Found found{.upper = off * (1 + 1e-9), .lower = off * (1 - 1e-9), .convex_size = size, .nearest_size = size};
-  found.nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .strict = true}, .upper = found.upper};
+  found.nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .strict = true, .unique_forces = true},
+                   .upper = found.upper};
   return found;
+}
+
+// With d = |z - z*|, |Z(sigma(z)) - z*| <= sqrt(2 C d) (self_bound.h), and so off <= d + sqrt(2 C d).
+double distance_to_solutions(double off, double turn) {
+  if (!(turn < infinity)) return 0;
+  const double root = 2 * off / (std::sqrt(2 * turn + 4 * off) + std::sqrt(2 * turn));
+  return root * root * (1 - 1e-9);
 }
 
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
@@ -164,12 +185,15 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
     const double off = distance(p, x, convex.x);
     found.upper = (off + convex.upper) * (1 + 1e-9);
     found.lower = std::max(0.0, off * (1 - 1e-9) - convex.upper);
+    if (coulomb) {
+      const bool far = found.lower > 1000 * accepted * p.scale;
+      found.lower = far ? distance_to_solutions(found.lower, bound_turn(p, scaled)) : 0;
+    }
     found.convex_size = norm_of_answer(p, scaled, convex.x);
     found.convex_error = convex.upper;
   }
   if (!coulomb) return found;
-  const bool near_enough =
-      nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta <= accepted;
+  const bool near_enough = nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta == 0;
   if (!near_enough && convex.upper < infinity) consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
   if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
   return found;
@@ -228,9 +252,12 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     out.stationarity = or_infinity(p.dual_norm(p.force_residual(x, lambda)) / p.scale);
   }
   const double accepted = accepted_error(tolerance);
+  ErrorBounds from_reference;
   if (known) {
     out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.scale;
-    if (problem.law == Law::convex) return by_error(out.z_error, infinity, tolerance);
+    from_reference = error_bounds(problem, *reference, out.z_error);
+    const Verdict verdict = by_error(from_reference.upper, from_reference.lower, tolerance);
+    if (problem.law == Law::convex && verdict != Verdict::undecided) return verdict;
   }
   if (reference && !reference->feasible) return Verdict::wrong;
   if (has_lambda && rests_exactly(problem, solution)) {
@@ -249,12 +276,13 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     const double least =
         std::max({p.free_motion, found.convex_size - found.convex_error, p.from_norm(scaled.least_scale())});
     upper = found.upper / least;
-    lower = found.lower / std::max({p.free_motion, found.convex_size + found.convex_error, p.scale});
+    // The larger of |z| and |z_u| is p.scale, and the solution may be longer by its distance.
+    lower = found.lower / (p.scale + found.lower);
   }
   if (problem.law == Law::convex) {
     out.z_bound = upper;
     out.bound_method = upper < infinity ? "conic duality" : "";
-    return by_error(upper, lower, tolerance);
+    return by_error(std::min(upper, from_reference.upper), std::max(lower, from_reference.lower), tolerance);
   }
   out.friction.self_bound = upper;
   if (const Nearest& nearest = found.nearest; nearest.proof.proven) {
@@ -266,16 +294,21 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     out.friction.delta = nearest.proof.delta / least;
     out.friction.null_motion = nearest.proof.null_motion;
     out.friction.strict = nearest.proof.strict;
-    out.friction.isolated = nearest.proof.strict && nearest.proof.null_motion < still;
-    const double error = std::max(out.z_bound, out.friction.delta);
-    if (error <= accepted) return Verdict::solved;
-    if (!(upper <= accepted) && error <= 1000 * accepted) return Verdict::near;
+    out.friction.isolated = nearest.proof.strict && nearest.proof.unique_forces;
+    const Verdict verdict = by_error(out.z_bound, 0, tolerance);
+    const bool exact = nearest.proof.delta == 0;
+    // Proofs that contradict each other prove nothing.
+    if (exact && std::max(lower, from_reference.lower) > out.z_bound) return Verdict::undecided;
+    if (exact && (verdict == Verdict::solved || (verdict == Verdict::near && !(upper <= accepted)))) return verdict;
   }
+  if (!known && rows_contradict(problem, solution.z)) return Verdict::wrong;
   // Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it.
-  lower = std::max(lower, std::min(1.0, out.primal) / 2 * (1 - 1e-9));
+  lower = std::max({lower, from_reference.lower, std::min(1.0, out.primal) / 2 * (1 - 1e-9)});
+  if (lower > from_reference.upper) return Verdict::undecided;
+  if (const Verdict near = by_error(from_reference.upper, 0, tolerance); near != Verdict::undecided) return near;
+  if (lower <= accepted && std::max(out.z_bound, out.friction.delta) <= accepted) return Verdict::rows_off;
   if (upper <= accepted && lower <= accepted) return Verdict::consistent;
-  const bool refuted = known && reference->unique && out.z_error - reference->bound > 1000 * accepted;
-  return refuted || lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
 }
 
 }  // namespace zwang

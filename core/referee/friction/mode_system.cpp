@@ -90,11 +90,13 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
   }
   const auto count = static_cast<Index>(active.size());
   S = Matrix::Zero(count, p.size());
+  row_size = column_size = Vector::Ones(count);
   Matrix columns = Matrix::Zero(count, p.size());
   for (Index k = 0; k < count; ++k) {
     const Row& row = active[static_cast<std::size_t>(k)];
     add_row(S, k, p, row.row, 1);
     add_row(columns, k, p, row.row, 1);
+    if (p.row_norm[row.row] > 0) row_size[k] = column_size[k] = p.row_norm[row.row];
     if (!row.slides) continue;
     const auto c = static_cast<std::size_t>(row.contact);
     const ContactRows& contact = p.contacts[c];
@@ -106,6 +108,8 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     for (Index t = 1; t < contact.rows(); ++t) {
       direction[c][static_cast<std::size_t>(t - 1)] = (p.slack(contact.row + t, point.x) / slip).hi;
       add_row(columns, k, p, contact.row + t, -contact.mu * direction[c][static_cast<std::size_t>(t - 1)]);
+      column_size[k] = std::hypot(
+          column_size[k], contact.mu * direction[c][static_cast<std::size_t>(t - 1)] * p.row_norm[contact.row + t]);
     }
     if (contact.rows() < 3) continue;
     // (I - tau tau') = nu nu' in two dimensions, nu = (-tau_2, tau_1).
@@ -117,7 +121,14 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     H += weight * across.transpose() * across;
   }
   N = columns.transpose();
-  if (sigma) S = columns;
+  if (sigma) {
+    S = columns;
+    row_size = column_size;
+  }
+}
+
+Matrix ModeSystem::coupling(const Eigen::LLT<Matrix>& mass) const {
+  return row_size.cwiseInverse().asDiagonal() * (S * mass.solve(N)) * column_size.cwiseInverse().asDiagonal();
 }
 
 DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) const {
@@ -129,8 +140,7 @@ DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) c
   return s + DoubleDouble(contact.mu) * (row.slides ? lift - problem->slip(contact, x) : lift);
 }
 
-bool change_modes(const ContactProblem& p, ModePoint& point) {
-  constexpr double holds = 1e-13;  // relative to the motion: what rounding of dependent rows leaves
+bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
   bool changed = false;
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
@@ -145,10 +155,14 @@ bool change_modes(const ContactProblem& p, ModePoint& point) {
       mode = ContactMode::open;
       for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
     } else if (mode == ContactMode::stick && contact.rows() > 1) {
-      double l_t = 0;
-      for (Index t = 1; t < contact.rows(); ++t)
-        l_t = std::hypot(l_t, point.lambda[row + static_cast<std::size_t>(t)].hi);
-      if (l_t > contact.mu * l_n + holds) {
+      DoubleDouble squares;
+      for (Index t = 1; t < contact.rows(); ++t) {
+        const DoubleDouble& l = point.lambda[row + static_cast<std::size_t>(t)];
+        squares += l * l;
+      }
+      const DoubleDouble tangential = sqrt(squares);
+      const double l_t = tangential.hi;
+      if ((tangential - DoubleDouble(contact.mu) * point.lambda[row]).hi > holds) {
         mode = ContactMode::slide;
         // A first slip against the force, by a push on the contact alone.
         ExtendedVector push(static_cast<std::size_t>(p.rows()));
@@ -182,13 +196,15 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
       if (!system->usable) break;
       mass.compute(system->H);
       if (mass.info() != Eigen::Success) break;
-      if (!system->active.empty()) rows.compute(system->S * mass.solve(system->N));
+      if (!system->active.empty()) rows.compute(system->coupling(mass));
     }
     const Residual r = residual_of(*system, point);
     if (!r.finite) break;
     const Vector free = mass.solve(r.force);
     Vector change = Vector::Zero(r.rows.size());
-    if (change.size() > 0) change = rows.solve(system->S * free - r.rows);
+    if (change.size() > 0)
+      change =
+          rows.solve((system->S * free - r.rows).cwiseQuotient(system->row_size)).cwiseQuotient(system->column_size);
     const Vector move = mass.solve(system->N * change) - free;
     // The step says how far the equations are from holding; rows that contradict each other by rounding do not count.
     last = std::max(move.size() > 0 ? move.lpNorm<Eigen::Infinity>() : 0,

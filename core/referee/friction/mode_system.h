@@ -44,7 +44,10 @@ struct ModeSystem {
   Matrix N;                                      // n x active
   Matrix S;                                      // active x n
   std::vector<std::array<double, 2>> direction;  // tau of each contact that slides
+  Vector row_size, column_size;                  // |S_k| and |N_k| in the dual norm of M, 1 for 0
   bool usable = true;                            // no contact slides at |s_t| = 0
+
+  Matrix coupling(const Eigen::LLT<Matrix>& mass) const;  // S H^-1 N of unit rows and columns, active x active
 
   DoubleDouble row_residual(const Row& row, const ExtendedVector& x) const;
 };
@@ -53,8 +56,9 @@ struct ModeSystem {
 // relative to the motion; infinity where it breaks down. Slide keeps l_t on the cone's edge against the slip.
 double polish(const ContactProblem& problem, ModePoint& point, const ExtendedVector* sigma = nullptr);
 
-// Gives the contacts whose modes do not hold at the point the modes that would; false where all hold.
-bool change_modes(const ContactProblem& problem, ModePoint& point);
+// Gives the contacts whose modes are off by more than `holds` at the point the modes that would hold; false where all
+// do.
+bool change_modes(const ContactProblem& problem, ModePoint& point, double holds);
 
 // Sets l_t = -mu l_n s_t / |s_t| where a contact slides, and lambda = 0 where it is open. False at |s_t| = 0.
 bool settle_forces(const ContactProblem& problem, ModePoint& point);

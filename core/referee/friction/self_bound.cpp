@@ -28,6 +28,7 @@ class Duality {
   Duality(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& sigma,
           const Vector& sigma_error, std::vector<Index> equalities)
       : p_(problem),
+        scaled_(scaled),
         sigma_(sigma),
         sigma_error_(sigma_error),
         equalities_(std::move(equalities)),
@@ -46,9 +47,9 @@ class Duality {
     if (rows.rows() > 0) gram_.compute(rows * rows.transpose());
   }
 
-  // Moves x onto the equality rows, by refinement.
+  // Moves x onto the equality rows, by refinement; not where factors cannot tell them apart.
   void correct(ExtendedVector& x) const {
-    if (equalities_.empty()) return;
+    if (equalities_.empty() || !(sigma_min_ > 0)) return;
     for (int round = 0; round < 4; ++round) {
       Vector slack(static_cast<Index>(equalities_.size()));
       for (Index k = 0; k < slack.size(); ++k) {
@@ -91,6 +92,22 @@ class Duality {
     return s.hi - (error + reach * off) * widened - std::abs(s.hi) * 1e-15;
   }
 
+  // C of bound_turn(), by x.
+  double turn(const ExtendedVector& x) const {
+    const double distance = off(x), size = p_.norm(x) + distance;
+    double worst = 0;
+    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
+      const ContactRows& contact = p_.contacts[c];
+      if (contact.unit == 0 || contact.rows() == 1) continue;
+      const double room = margin(c, x, distance);
+      if (!(room > 0)) return infinity;
+      double slip = 0;
+      for (Index t = 1; t < contact.rows(); ++t) slip = std::hypot(slip, p_.row_norm[contact.row + t]);
+      worst = std::max(worst, contact.mu * slip / room);
+    }
+    return safe(worst * size * size / 4 * widened);
+  }
+
   bool feasible(const ExtendedVector& x) const {
     const double distance = off(x);
     if (distance == infinity) return false;
@@ -107,15 +124,20 @@ class Duality {
     return true;
   }
 
-  // J_i = 0: s = -h, exactly.
+  // J_i = 0: s = -c, as stored; sigma is |s_t| itself, or 0.
   bool fixed_holds(std::size_t c) const {
     const ContactRows& contact = p_.contacts[c];
-    const DoubleDouble s = -p_.h[static_cast<std::size_t>(contact.row)];
-    const bool lifted = sigma_error_[static_cast<Index>(c)] > 0;  // by sigma = |s_t| itself
-    if (contact.rows() == 1 || lifted) return s.hi >= 0;
-    const ExtendedVector still(static_cast<std::size_t>(p_.size()));
-    const DoubleDouble slip = DoubleDouble(contact.mu) * (p_.slip(contact, still) - sigma_[c]);
-    return (s - slip).hi >= -0x1p-90 * (std::abs(s.hi) + std::abs(slip.hi));  // on the edge: it holds
+    const bool lifted = sigma_error_[static_cast<Index>(c)] > 0;
+    if (contact.rows() == 1 || lifted) return scaled_.zero_row_holds(contact.row);
+    const auto c_of = scaled_.stored_c.segment(contact.row, contact.rows());
+    const double top = c_of.lpNorm<Eigen::Infinity>();
+    if (top == 0) return true;
+    DoubleDouble squares;
+    for (Index t = 1; t < contact.rows(); ++t)
+      squares += DoubleDouble(c_of[t]).scaled(-std::ilogb(top)) * DoubleDouble(c_of[t]).scaled(-std::ilogb(top));
+    const DoubleDouble slip = DoubleDouble(contact.mu) * sqrt(squares),
+                       s = -DoubleDouble(c_of[0]).scaled(-std::ilogb(top));
+    return (s - slip).hi >= -0x1p-90 * (std::abs(s.hi) + slip.hi);  // on the edge: it holds
   }
 
   // The part of the way to `inner` that brings x inside, or infinity.
@@ -197,6 +219,7 @@ class Duality {
   }
 
   const ContactProblem& p_;
+  const ScaledProblem& scaled_;
   const ExtendedVector& sigma_;
   const Vector& sigma_error_;
   std::vector<Index> equalities_;
@@ -211,6 +234,28 @@ std::vector<Index> independent_equalities(const ContactProblem& p, const ScaledP
   const ExactBasis basis = exact_basis(scaled.J, scaled.c, p.equalities);
   contradictory = !basis.contradictory.empty();
   return basis.rows;
+}
+
+double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
+  bool contradictory = p.fixed_contradiction;
+  const std::vector<Index> equalities = independent_equalities(p, scaled, contradictory);
+  if (contradictory || !p.exact) return infinity;
+  const ExtendedVector none(p.contacts.size());
+  Vector error = Vector::Zero(std::ssize(p.contacts));
+  for (std::size_t c = 0; c < p.contacts.size(); ++c)
+    if (p.contacts[c].unit == 0) error[static_cast<Index>(c)] = 1;  // nothing pushes there
+  const Duality duality(p, scaled, none, error, equalities);
+  double least = infinity;
+  const auto consider = [&](ExtendedVector x) {
+    duality.correct(x);
+    if (duality.feasible(x)) least = std::min(least, duality.turn(x));
+  };
+  const std::vector<InteriorAnswer> iterates =
+      equalities.empty()
+          ? ConvexInteriorPoint(p, none).solve({.target = 1e-3})
+          : RefereeInteriorPoint(p, equalities).solve<double>(&none, {.target = 1e-3, .keep_iterates = true});
+  for (const InteriorAnswer& iterate : iterates) consider(iterate.x);
+  return least;
 }
 
 ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& sigma,

@@ -27,6 +27,18 @@ struct ConvexBound {
 ConvexBound bound_convex(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& sigma,
                          const Vector& sigma_error, const ModePoint* guess);
 
+// C, so that |Z(sigma) - Z(sigma')|^2 <= 2 C d for all slips sigma, sigma' >= 0 of motions that are d apart; infinity
+// where no motion is found that brings every contact with friction to the inside of K*.
+//
+// With x, lambda of Z(sigma) and x', lambda' of Z(sigma'), complementarity and both cones leave
+//
+//   |x - x'|^2 = (lambda - lambda')'(s - s') <= sum_i mu_i |sigma_i - sigma'_i| max(lambda_n, lambda'_n)_i,
+//
+// |sigma_i - sigma'_i| <= |G_t,i| d, and a motion x0 that meets the equality rows with s_n - mu |s_t| >= m_i > 0 bounds
+// every such lambda: sum m_i lambda_n,i <= lambda's~(x0) = x'M (x0 - x) <= |x0|^2 / 4. So C = max_i (mu_i |G_t,i| /
+// m_i) |x0|^2 / 4.
+double bound_turn(const ContactProblem& problem, const ScaledProblem& scaled);
+
 // Independent equality rows, exactly; `contradictory` where they cannot all hold.
 std::vector<Index> independent_equalities(const ContactProblem& problem, const ScaledProblem& scaled,
                                           bool& contradictory);

@@ -74,7 +74,7 @@ Dataset dataset_of(const char* name, const char* unit, const T& value, Stored re
   else if constexpr (std::is_same_v<T, Status>)
     d.type = Stored::integer, d.meaning = names_of(Status::crashed);
   else if constexpr (std::is_same_v<T, std::optional<Verdict>>)
-    d.type = Stored::integer, d.meaning = "-1 not looked at, " + names_of(Verdict::consistent);
+    d.type = Stored::integer, d.meaning = "-1 not looked at, " + names_of(last_verdict);
   else if constexpr (std::is_same_v<T, StageTimes>)
     d.meaning = "physics, resolution, assembly, solve, search, completion, sweep, other";
   else if constexpr (std::is_same_v<T, Poses>)

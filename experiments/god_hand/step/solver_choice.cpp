@@ -1,7 +1,6 @@
 #include <zwang/experiments/god_hand/step/solver_choice.h>
 
 #include <algorithm>
-#include <array>
 
 #include <zwang/core/problem/dense.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
@@ -75,15 +74,6 @@ Status worse(Status a, Status b) {
   const auto rank = [](Status s) {
     return s == Status::solved ? 0 : s == Status::unsolved ? 1 : 1 + static_cast<int>(s);
   };
-  return rank(a) < rank(b) ? b : a;
-}
-
-Verdict worse(Verdict a, Verdict b) {
-  constexpr std::array order{
-      Verdict::solved,    Verdict::infeasible_proven, Verdict::near,    Verdict::undecided, Verdict::infeasible_claimed,
-      Verdict::no_answer, Verdict::unsupported,       Verdict::timeout, Verdict::crashed,   Verdict::bad_input,
-      Verdict::wrong};
-  const auto rank = [&](Verdict v) { return std::find(order.begin(), order.end(), v); };
   return rank(a) < rank(b) ? b : a;
 }
 

@@ -27,7 +27,5 @@ bool has_answer(const Problem& problem, const Solution& solution);
 void complete_multipliers(const Problem& problem, Solution& solution);
 
 Status worse(Status a, Status b);
-// An infeasibility that is proven is no fault: rows that push out of a wedge may contradict each other.
-Verdict worse(Verdict a, Verdict b);
 
 }  // namespace zwang::god

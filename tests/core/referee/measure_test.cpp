@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace zwang {
 namespace {
@@ -118,6 +119,14 @@ TEST(Verdict, InfeasibleSaidOfAFeasibleProblemIsWrong) {
 TEST(Verdict, AnyZOfAnInfeasibleProblemIsWrong) {
   const Reference none{.feasible = false};
   EXPECT_EQ(measure(floor_problem(), answer(Vec3::Zero(), {}), &none, 1e-10).verdict, Verdict::wrong);
+}
+
+TEST(Verdict, SeverityIsATotalOrder) {
+  std::set<int> places;
+  for (int k = 0; k <= static_cast<int>(last_verdict); ++k) places.insert(severity(static_cast<Verdict>(k)));
+  EXPECT_EQ(places.size(), static_cast<std::size_t>(last_verdict) + 1);
+  EXPECT_EQ(worse(Verdict::consistent, Verdict::wrong), Verdict::wrong);
+  EXPECT_EQ(worse(Verdict::solved, Verdict::rows_off), Verdict::rows_off);
 }
 
 }  // namespace
