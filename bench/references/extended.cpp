@@ -27,38 +27,48 @@ std::optional<Reference> extended_reference(const Problem& problem) {
 }
 
 // `rounded`: what rounding a right z to doubles once may add to a bound.
-Standing check_stored(const Problem& problem, const Reference& reference) {
+StoredTruth check_stored(const Problem& problem, const Reference& reference) {
   constexpr double rounded = 1e-14;
-  if (!bad_input(problem).empty()) return Standing::refuted;
+  const double stated = reference.bound + rounded;
+  if (!bad_input(problem).empty()) return {Standing::refuted};
   if (problem.has_tangents()) {
     Solution stored;
     stored.status = reference.feasible ? Status::solved : Status::infeasible;
     stored.z = reference.z;
     stored.lambda = reference.lambda;
     stored.certificate = reference.certificate;
-    const Verdict verdict = measure(problem, stored, nullptr, std::max(reference.bound, rounded)).verdict;
-    if (verdict == Verdict::wrong) return Standing::refuted;
-    const bool certified = verdict == Verdict::solved || verdict == Verdict::infeasible_proven;
-    return certified ? Standing::certified : Standing::open;
+    const Metrics m = measure(problem, stored, nullptr, std::max(reference.bound, rounded));
+    if (m.verdict == Verdict::wrong) return {Standing::refuted};
+    if (m.verdict == Verdict::infeasible_proven) return {Standing::certified};
+    if (m.verdict == Verdict::solved && m.z_bound <= stated) return {Standing::certified, m.z_bound};
+    return {};
   }
   const ScaledProblem scaled(problem);
-  if (!scaled.definite) return Standing::refuted;
+  if (!scaled.definite) return {};
   const double free = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
   if (!reference.feasible) {
-    if (judge_certificate(scaled, reference.certificate, free).proven) return Standing::certified;
+    if (judge_certificate(scaled, reference.certificate, free).proven) return {Standing::certified};
     const ExtendedVector still(static_cast<std::size_t>(problem.size()));
     const bool feasible = bound_distance(scaled, still, nullptr).rows == DistanceBound::Rows::feasible;
-    return feasible ? Standing::refuted : Standing::open;
+    return {feasible ? Standing::refuted : Standing::open};
   }
-  if (reference.z.size() != problem.size() || !reference.z.allFinite()) return Standing::refuted;
+  if (reference.z.size() != problem.size() || !reference.z.allFinite()) return {Standing::refuted};
   ExtendedVector lambda;
   const bool has_lambda = reference.lambda.size() == problem.rows() && reference.lambda.allFinite();
   if (has_lambda) lambda = scaled.multipliers(reference.lambda);
   const DistanceBound bound = bound_distance(scaled, scaled.motion(reference.z), has_lambda ? &lambda : nullptr);
-  if (bound.rows == DistanceBound::Rows::infeasible) return Standing::refuted;
-  const double stated = reference.bound + rounded;
-  if (bound.upper <= stated * std::max(free, bound.least_norm)) return Standing::certified;
-  return bound.lower > stated * std::max(free, bound.greatest_norm) ? Standing::refuted : Standing::open;
+  if (bound.rows == DistanceBound::Rows::infeasible) return {Standing::refuted};
+  const double upper = bound.upper / std::max(free, bound.least_norm);
+  if (upper <= stated) return {Standing::certified, upper};
+  return {bound.lower > stated * std::max(free, bound.greatest_norm) ? Standing::refuted : Standing::open};
+}
+
+double rounding_of(const Problem& problem, const Vector& z) {
+  const Vector size = z.cwiseAbs();
+  const auto length = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(problem.M * v))); };
+  const double s = std::max(length(problem.z_u), length(z));
+  const Eigen::SparseMatrix<double> M = problem.M.cwiseAbs();
+  return s > 0 ? 0x1p-53 * std::sqrt(size.dot(M * size)) / s * (1 + 1e-9) : 0;
 }
 
 double relative_distance(const Problem& p, const Vector& a, const Vector& b) {

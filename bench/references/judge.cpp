@@ -56,20 +56,28 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
     out.text = "wrong: no " + std::string(variable) + " meets all rows; proof: " + out.proof;
     return out;
   }
-  // With a reference: |z - z*| is z_error up to the reference's own bound and what m rounds. Without: the bound alone.
-  if (!std::isnan(m.z_bound)) {
+  // A solution of rows that are off by delta bounds no distance to one of these.
+  if (!std::isnan(m.z_bound) && !(m.friction.delta > 0)) {
     out.at_most = m.z_bound + rounding;
     out.proof = "the referee's bound (" + m.bound_method + ")";
   }
   if (truth.reference && !std::isnan(m.z_error)) {
-    const double off = truth.reference->bound + rounding + 1e-15 * (1 + m.z_error);
-    out.at_least = std::max(m.z_error - off, 0.0);
-    if (!(out.at_most <= m.z_error + off)) {
-      out.at_most = m.z_error + off;
+    const ErrorBounds known = error_bounds(p, *truth.reference, m.z_error);
+    out.at_least = std::max(known.lower - rounding, 0.0);
+    if (!(out.at_most <= known.upper + rounding)) {
+      out.at_most = known.upper + rounding;
       out.proof = truth.reference->method;
     }
   }
-  if (z.allFinite()) out.verdict = by_error(out.at_most, out.at_least, tolerance);
+  // What contradicts itself proves nothing.
+  if (out.at_least > out.at_most) {
+    out.verdict = Verdict::undecided;
+    out.at_least = 0;
+    out.at_most = Metrics::unknown;
+    out.proof = "";
+  }
+  // The referee does not know that z_u was rounded.
+  if (rounding > 0 && std::isfinite(out.at_most)) out.verdict = by_error(out.at_most, out.at_least, tolerance);
   const Vector& answer = truth.reference ? truth.reference->z : z;
   if (answer.allFinite()) {
     const double size = std::sqrt(std::max(answer.dot(p.M * answer), 0.0));

@@ -8,8 +8,8 @@
 
 namespace zwang {
 
-// What is proven of somebody's z: its distance to the solution z* lies in [at_least, at_most], relative to
-// s = max(|z_u|_M, |z*|_M), in the M-norm.
+// What is proven of somebody's z: its distance to the solution z* (under Coulomb's law the nearest of them) lies in
+// [at_least, at_most], relative to s = max(|z_u|_M, |z*|_M), in the M-norm. The verdict is measure()'s.
 struct Judgement {
   Verdict verdict = Verdict::undecided;
   Metrics metrics = {};  // the referee's residuals, from the problem and z (and lambda) alone
@@ -22,8 +22,8 @@ struct Judgement {
 
 // Judges z, whoever found it. lambda may be empty. The truth is the instance's reference, or one that is found and
 // certified here (docs/references.md); without any the verdict rests on the referee's own bound. z is right where the
-// distance is at most max(10 tolerance, 1e-12), near up to 1000 times that. Throws std::invalid_argument where sizes do
-// not fit.
+// distance is at most max(10 tolerance, 1e-12), near up to 1000 times that; of a reference that is one of several
+// solutions at_least is 0. Throws std::invalid_argument where sizes do not fit.
 Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance,
                 const std::filesystem::path& cache = {});
 

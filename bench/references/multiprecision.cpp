@@ -12,6 +12,20 @@ namespace {
 namespace mp = boost::multiprecision;
 using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::et_off>;
 
+// |z - z*|_M / s of z* and its doubles.
+double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, const Vector& z) {
+  const auto squared = [&](const VectorX<Hundred>& v) {
+    Hundred sum(0);
+    for (Index j = 0; j < problem.M.outerSize(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(problem.M, j); it; ++it)
+        sum += v[it.row()] * Hundred(it.value()) * v[j];
+    return sum;
+  };
+  const Hundred lost = squared(exact - z.cast<Hundred>());
+  const Hundred s = std::max(squared(exact), squared(problem.z_u.cast<Hundred>()));
+  return lost > 0 ? static_cast<double>(sqrt(Hundred(lost / s))) * (1 + 1e-9) : 0;
+}
+
 }  // namespace
 
 std::optional<Reference> multiprecision_reference(const Problem& problem, std::string* why_not) {
@@ -38,6 +52,7 @@ std::optional<Reference> multiprecision_reference(const Problem& problem, std::s
     return found;
   }
   found.z = method.z().cast<double>();
+  found.bound = lost_by_rounding(problem, method.z(), found.z);
   found.lambda = method.lambda().cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
     if (!problem.is_equality(i)) found.lambda[i] = std::max(0.0, found.lambda[i]);

@@ -1,7 +1,10 @@
 #include <zwang/bench/references/reference.h>
 
+#include <algorithm>
+
 #include <zwang/bench/references/cache.h>
 #include <zwang/bench/references/friction/coulomb.h>
+#include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/islands.h>
@@ -18,7 +21,7 @@ FoundReference compute(const Problem& problem, bool second_witness);
 // to its own scale, so the largest holds for the whole. Solvers split problems by the same code, so the referee, which
 // has its own, looks at the whole.
 FoundReference compute_by_islands(const Problem& problem, std::span<const Island> islands, bool second_witness) {
-  const auto refuted = [&](const Reference& r) { return check_stored(problem, r) == Standing::refuted; };
+  const auto refuted = [&](const Reference& r) { return check_stored(problem, r).standing == Standing::refuted; };
   const FoundReference split_wrong{.note = "the referee refutes what the islands' references are together"};
   Reference whole{.z = Vector::Zero(problem.size()), .lambda = Vector::Zero(problem.rows())};
   for (const Island& island : islands) {
@@ -42,11 +45,34 @@ FoundReference compute_by_islands(const Problem& problem, std::span<const Island
   return refuted(whole) ? split_wrong : FoundReference{.reference = whole};
 }
 
+// Interval Newton, and enumeration where the problem is planar and small: it knows all solutions, and shares nothing
+// with the other.
+FoundReference under_coulomb(const Problem& problem) {
+  FoundReference found;
+  found.reference = coulomb_reference(problem, &found.note);
+  const std::optional<PlanarSolutions> all = enumerate_planar(problem);
+  if (!all || all->continuum) return found;
+  const std::string method = "every choice of modes in rationals";
+  if (!found.reference) {
+    if (all->z.empty()) return {.reference = Reference{.feasible = false, .method = method}};
+    found.reference = Reference{.z = all->z[0], .bound = rounding_of(problem, all->z[0]), .method = method};
+  } else {
+    const Reference& own = *found.reference;
+    if (std::ranges::none_of(all->z, [&](const Vector& z) {
+          return relative_distance(problem, own.z, z) <= 2 * (own.bound + rounding_of(problem, z));
+        }))
+      return {.note = "interval Newton and enumeration disagree"};
+    found.reference->method += ", " + method;
+  }
+  found.reference->unique = all->z.size() == 1;
+  return found;
+}
+
 FoundReference compute(const Problem& problem, bool second_witness) {
   if (problem.has_tangents()) {
+    if (problem.law == Law::coulomb) return under_coulomb(problem);
     FoundReference found;
-    found.reference =
-        problem.law == Law::coulomb ? coulomb_reference(problem, &found.note) : convex_reference(problem, &found.note);
+    found.reference = convex_reference(problem, &found.note);
     return found;
   }
   if (problem.size() > multiprecision_limit) {
@@ -74,12 +100,24 @@ FoundReference compute(const Problem& problem, bool second_witness) {
   return found;
 }
 
-// A closed form, a known answer or a file's truth: kept unless the referee refutes it, or the 100-digit method
-// disagrees.
+// A closed form or a known answer: kept unless the referee refutes it, or the 100-digit method disagrees. A file's
+// truth: kept where the referee proves it, otherwise found anew.
 FoundReference confirm(const Problem& problem, Reference own, bool second_witness) {
-  if (problem.size() <= multiprecision_limit) {
-    const Standing standing = check_stored(problem, own);
+  if (own.hearsay || problem.size() <= multiprecision_limit) {
+    const auto [standing, bound] = check_stored(problem, own);
     if (standing == Standing::refuted) return {.note = "the referee refutes the " + own.method};
+    const bool coulomb = problem.law == Law::coulomb && problem.has_tangents();
+    if (own.hearsay && standing == Standing::open) {
+      FoundReference found = compute(problem, second_witness);
+      if (!found.reference) found.note = "nothing proves the " + own.method + "; " + found.note;
+      return found;
+    }
+    if (standing == Standing::certified) own.bound = std::max(own.bound, bound);
+    if (own.hearsay && own.unique && coulomb) {
+      const std::optional<PlanarSolutions> all = enumerate_planar(problem);
+      own.unique = all && !all->continuum && all->z.size() == 1;
+    }
+    own.hearsay = false;
     if (standing == Standing::certified && own.method.find("certified") == std::string::npos)
       own.method += ", certified by the referee";
   }

@@ -22,9 +22,17 @@ std::optional<Reference> extended_reference(const Problem& problem);
 std::optional<Reference> rational_reference(const Problem& problem);
 extern const bool has_rational_reference;
 
-// What the referee proves of a reference's stored doubles, without any reference.
+// What the referee proves of a reference's stored doubles, without any reference. certified: z is within `bound` of a
+// solution, relative to s; that is at most what the reference states and its rounding.
 enum class Standing { certified, refuted, open };
-Standing check_stored(const Problem& problem, const Reference& reference);
+struct StoredTruth {
+  Standing standing = Standing::open;
+  double bound = 0;
+};
+StoredTruth check_stored(const Problem& problem, const Reference& reference);
+
+// Bounds |z - z*|_M / s where each entry of z is that of z* rounded once.
+double rounding_of(const Problem& problem, const Vector& z);
 
 // |a - b|_M / max(|z_u|_M, |a|_M), in long double.
 double relative_distance(const Problem& problem, const Vector& a, const Vector& b);

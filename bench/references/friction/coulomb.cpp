@@ -213,7 +213,12 @@ class Search {
   double nearest = std::numeric_limits<double>::infinity();  // delta of the best that was not good enough
 
  private:
-  bool more(const SolutionSearch& search) const { return (search.all || found.empty()) && !search.deadline.passed(); }
+  // Looks on behind a solution of rows that are off by delta, where that is cheap.
+  bool more(const SolutionSearch& search) const {
+    const bool exact = std::ranges::count(found, 0.0, &CoulombSolution::delta) > 0;
+    const bool enough = exact || (!found.empty() && p_.rows() > extended_rows);
+    return (search.all || !enough) && !search.deadline.passed();
+  }
 
   bool take(const InteriorAnswer& answer, const char* method) {
     if (keep(prove_near(p_, scaled_, {answer.x, answer.lambda, answer.modes}), method)) return true;
@@ -322,12 +327,16 @@ std::optional<Reference> convex_reference_of_one(const Problem& problem, std::st
 
 std::optional<Reference> coulomb_reference_of_one(const Problem& problem, std::string* why_not) {
   const std::vector<CoulombSolution> found = coulomb_solutions(problem, {}, why_not);
-  if (found.empty()) return {};
-  return Reference{.z = found[0].z,
-                   .lambda = found[0].lambda,
-                   .bound = found[0].bound,
+  const auto exact = std::ranges::find(found, 0.0, &CoulombSolution::delta);
+  if (exact == found.end()) {
+    if (why_not && !found.empty()) *why_not = "what was proven solves rows that are off, not these";
+    return {};
+  }
+  return Reference{.z = exact->z,
+                   .lambda = exact->lambda,
+                   .bound = exact->bound,
                    .unique = false,
-                   .method = found[0].method + ", proven by interval Newton"};
+                   .method = exact->method + ", proven by interval Newton"};
 }
 
 // Parts that share nothing are known apart. Each part's bound is relative to its own s, and the sum of s^2 over the

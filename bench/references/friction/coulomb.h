@@ -15,7 +15,7 @@ struct CoulombSolution {
   Vector z = {}, lambda = {};
   double bound = 0;                     // |z - solution|_M / s, its rounding to doubles included
   double radius = 0;                    // of the proof alone, |.|_M / s
-  double delta = 0;                     // the solution is exact for a c (or z_u) this far from the problem's
+  double delta = 0;                     // > 0: it solves a c (or z_u) this far from the problem's, not these rows
   bool strict = false;                  // all modes hold with something to spare
   bool isolated = false;                // proven: strict and of unique forces, so that no other z lies arbitrarily near
   bool free_split = false;              // forces that are free to change move z
@@ -44,7 +44,7 @@ struct SolutionSearch {
 std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const SolutionSearch& search = {},
                                                std::string* why_not = nullptr);
 
-// The first of them as a reference that is one of possibly several.
+// The first of them with delta = 0 as a reference that is one of possibly several.
 std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not = nullptr);
 
 // The one answer of the convex law, with what duality proves of it; empty where that is more than 1e-9.

@@ -15,15 +15,6 @@ namespace {
 constexpr int random_starts = 40;
 constexpr int mode_choices = 729;  // three modes each of six contacts
 
-// |z - z*|_M / s where each entry of z is that of z* rounded once.
-double rounding_of(const Problem& problem, const Vector& z) {
-  const Vector size = z.cwiseAbs();
-  const auto length = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(problem.M * v))); };
-  const double s = std::max(length(problem.z_u), length(z));
-  Eigen::SparseMatrix<double> M = problem.M.cwiseAbs();
-  return s > 0 ? 0x1p-53 * std::sqrt(size.dot(M * size)) / s * (1 + 1e-9) : 0;
-}
-
 // Of the searches' solutions those that enumeration confirms, and what it knows beyond them.
 std::vector<CoulombSolution> confirmed(const Problem& problem, const PlanarSolutions& exact,
                                        const std::vector<CoulombSolution>& found) {

@@ -13,7 +13,8 @@ Vector spread(const Vector& v, const std::vector<Index>& place, Index rows) {
   return out;
 }
 
-// A reference stays where it is a solution still: frictionless forces, and nothing slips.
+// A reference stays where it is a solution still: frictionless forces, and nothing slips. Under Coulomb's law there may
+// be others.
 void keep_reference(const Instance& from, const std::vector<Index>& place, Instance& to) {
   if (!from.reference) return;
   Reference known = *from.reference;
@@ -24,6 +25,7 @@ void keep_reference(const Instance& from, const std::vector<Index>& place, Insta
   }
   known.lambda = spread(known.lambda, place, to.problem.rows());
   known.certificate = spread(known.certificate, place, to.problem.rows());
+  known.unique = false;
   to.reference = std::move(known);
 }
 

@@ -1,0 +1,107 @@
+#include <zwang/bench/references/judge.h>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include <zwang/bench/references/reference.h>
+#include <zwang/core/files/problem_file.h>
+#include "tests/core/referee/friction/small_frictional.h"
+#include "tests/solvers/small_problems.h"
+
+namespace zwang {
+namespace {
+
+using test::SmallFrictional;
+using test::vector;
+
+bool called_right(Verdict v) { return v == Verdict::solved || v == Verdict::near || v == Verdict::consistent; }
+
+// Walls that leave x >= 1 and x <= 1 - overlap: there is no z.
+Instance overlapping_walls(double overlap) {
+  return {.problem = SmallFrictional{.z_u = vector({0, 0})}
+                         .contact(1, {{vector({1, 0}), 1}, {vector({0, 1}), 0}})
+                         .contact(1, {{vector({-1, 0}), overlap - 1}, {vector({0, 1}), 0}})
+                         .problem()};
+}
+
+TEST(Judge, CallsNothingSolvedWhereThereIsNoSolution) {
+  for (const double overlap : {1., 0x1p-10, 0x1p-30})
+    for (const Vector& lambda : {Vector(), vector({1, 0, 0, 0})}) {
+      const Judgement j = judge(overlapping_walls(overlap), vector({1, 0}), lambda, 1e-8);
+      EXPECT_FALSE(called_right(j.verdict)) << overlap << ' ' << j.text;
+      EXPECT_FALSE(j.at_most < 1e300) << overlap << ' ' << j.text;
+    }
+}
+
+// z = z_u falls through the floor by 7 % of the motion, and no force is given.
+TEST(Judge, KeepsWhatMeasureSaysOfAMotionThroughAWall) {
+  const Instance falls{.problem = test::block(4, .3, .5).problem()};
+  const Judgement j = judge(falls, vector({4, 0, -.3}), vector({0, 0, 0}), 1e-8);
+  EXPECT_EQ(j.verdict, Verdict::wrong) << j.text;
+  EXPECT_LE(j.at_least, j.at_most) << j.text;
+}
+
+// Painleve's rod, mu = 2: it opens, slides or sticks, in rationals.
+TEST(Judge, CallsNoneOfSeveralSolutionsWrong) {
+  const Instance rod{.problem = test::rod(2)};
+  for (const Vector& z : {vector({2, .25, 0}), vector({1.75, .375, -.375})}) {
+    const Judgement j = judge(rod, z, {}, 1e-8);
+    EXPECT_EQ(j.verdict, Verdict::solved) << j.text;
+    EXPECT_EQ(j.at_least, 0) << j.text;
+    EXPECT_LE(j.at_most, 1e-12) << j.text;
+  }
+}
+
+// Hearsay of 303 unknowns, beyond what was once looked at: z off by half the motion, or none at all. z* = 0.
+TEST(Judge, BelievesNoFileThatTheRefereeRefutes) {
+  Instance tower{.problem = test::tower(303)};
+  const Vector z = Vector::Zero(303);
+  const double s = std::sqrt(tower.problem.z_u.dot(tower.problem.M * tower.problem.z_u));
+  Vector off = z;
+  off[0] = s / 2;
+  for (const Reference& told : {Reference{.z = off, .hearsay = true, .method = "file"},
+                                Reference{.feasible = false, .hearsay = true, .method = "file"}}) {
+    tower.reference = told;
+    EXPECT_FALSE(reference_for(tower, {}).reference);
+    EXPECT_EQ(judge(tower, z, {}, 1e-8).verdict, Verdict::solved);
+    EXPECT_EQ(judge(tower, off, {}, 1e-8).verdict, Verdict::wrong);
+  }
+  tower.reference = Reference{.z = z, .hearsay = true, .method = "file"};
+  ASSERT_TRUE(reference_for(tower, {}).reference);
+  EXPECT_EQ(judge(tower, z, {}, 1e-8).verdict, Verdict::solved);
+}
+
+// PINCH and the rod through a file: that there are other solutions is not lost, and that there are none not believed.
+TEST(Judge, AFileDoesNotMakeOneOfSeveralSolutionsTheOnlyOne) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("zwang-judge-test-" + std::to_string(::getpid()) + ".h5");
+  const auto stored = [&](const Problem& problem, const Vector& z, bool unique) {
+    Instance out{.problem = problem};
+    out.reference = Reference{.z = z, .unique = unique, .method = "known answer"};
+    write_problem(file, out);
+    Instance read = read_problems(file).front();
+    std::filesystem::remove(file);
+    EXPECT_EQ(read.reference->unique, unique);
+    return read;
+  };
+  for (const bool unique : {false, true}) {
+    const Instance rod = stored(test::rod(2), vector({1.75, .375, -.375}), unique);
+    EXPECT_EQ(judge(rod, vector({2, .25, 0}), {}, 1e-8).verdict, Verdict::solved);
+    const Instance pinch = stored(test::pinch(), vector({0, 3}), unique);
+    EXPECT_NE(judge(pinch, vector({0, 1}), {}, 1e-8).verdict, Verdict::wrong);
+  }
+}
+
+// What there is no solution of in rationals has none, whatever solves rows nearby: walls that overlap by a rounding.
+TEST(Judge, ReferencesAreOfTheseRows) {
+  for (const double overlap : {0x1p-45, 0x1p-52}) {
+    const FoundReference found = reference_for(overlapping_walls(overlap), {});
+    EXPECT_FALSE(found.reference && found.reference->feasible) << overlap;
+  }
+}
+
+}  // namespace
+}  // namespace zwang
