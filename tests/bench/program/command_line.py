@@ -181,11 +181,13 @@ def check_solve():
 
 def check_solutions():
     for scene, proven, complete, continuum in (("ROD", 3, True, False), ("JAM(beyond=1)", 0, True, False),
-                                               ("PUCK", 1, False, True)):
+                                               ("PUCK", None, False, True)):
         run(["export", scene, "--out", "point.h5"])
         found = json.loads(run(["solve", "point.h5", "--solutions", "--json"]).stdout)
-        said = tuple(found[key] for key in ("proven", "complete", "continuum"))
-        check(f"solutions of {scene}", said == (proven, complete, continuum), str(found))
+        said = tuple(found[key] for key in ("complete", "continuum"))
+        # How many points of a continuum are found is no property of the problem.
+        right = found["proven"] >= 1 if proven is None else found["proven"] == proven
+        check(f"solutions of {scene}", right and said == (complete, continuum), str(found))
     people = run(["solve", "point.h5", "--solutions"]).stdout
     check("solutions in words", "a continuum: interval Newton" in people and "slide slide" in people, people)
     convex = run(["solve", "point.h5", "--law", "convex", "--solutions"])
