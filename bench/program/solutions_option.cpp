@@ -9,7 +9,7 @@
 #include <zwang/bench/references/friction/solution_count.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/core/problem/law.h>
-#include <zwang/core/referee/friction/contact_islands.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -26,10 +26,10 @@ void require_counted(const Problem& p) {
   if (p.law != Law::coulomb)
     throw std::invalid_argument("--solutions counts those of Coulomb's law (--law coulomb); under the law '" +
                                 std::string(to_string(p.law)) + "' there is one or none");
-  if (!may_prove(p.size(), p.rows()))
+  if (!referee::may_prove(p.size(), p.rows()))
     throw std::invalid_argument("--solutions: " + p.name + " has " + std::to_string(p.size()) + " unknowns and " +
                                 std::to_string(p.rows()) + " rows; the search is dense, up to " +
-                                std::to_string(most_proven_unknowns) + " and " + std::to_string(most_proven_rows));
+                                std::to_string(referee::dense_limit) + " and " + std::to_string(referee::dense_rows));
 }
 
 std::string in_words(const std::vector<ContactMode>& modes) {

@@ -5,6 +5,7 @@
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/measure.h>
+#include <zwang/core/referee/tolerances.h>
 #include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
@@ -19,17 +20,14 @@ std::optional<Reference> extended_reference(const Problem& problem) {
   answer.lambda = method.lambda().cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
     if (!problem.is_equality(i)) answer.lambda[i] = std::max(0.0, answer.lambda[i]);
-  constexpr double useful = 1e-9;
-  const Metrics metrics = measure(problem, answer, nullptr, useful);
-  if (metrics.bound_method != "active set" || !(metrics.z_bound <= useful)) return {};
+  const Metrics metrics = measure(problem, answer, nullptr, referee::useful);
+  if (metrics.bound_method != "active set" || !(metrics.z_bound <= referee::useful)) return {};
   return Reference{
       .z = answer.z, .lambda = answer.lambda, .bound = metrics.z_bound, .method = "long double, active-set bound"};
 }
 
-// `rounded`: what rounding a right z to doubles once may add to a bound.
 StoredTruth check_stored(const Problem& problem, const Reference& reference) {
-  constexpr double rounded = 1e-14;
-  const double stated = reference.bound + rounded;
+  const double stated = reference.bound + referee::rounded_once;
   if (!bad_input(problem).empty()) return {Standing::refuted};
   if (problem.has_tangents()) {
     Solution stored;
@@ -37,7 +35,7 @@ StoredTruth check_stored(const Problem& problem, const Reference& reference) {
     stored.z = reference.z;
     stored.lambda = reference.lambda;
     stored.certificate = reference.certificate;
-    const Metrics m = measure(problem, stored, nullptr, std::max(reference.bound, rounded));
+    const Metrics m = measure(problem, stored, nullptr, std::max(reference.bound, referee::rounded_once));
     if (m.verdict == Verdict::wrong) return {Standing::refuted};
     if (m.verdict == Verdict::infeasible_proven) return {Standing::certified};
     if (m.verdict == Verdict::solved && m.z_bound <= stated) return {Standing::certified, m.z_bound};
@@ -68,7 +66,7 @@ double rounding_of(const Problem& problem, const Vector& z) {
   const auto length = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(problem.M * v))); };
   const double s = std::max(length(problem.z_u), length(z));
   const Eigen::SparseMatrix<double> M = problem.M.cwiseAbs();
-  return s > 0 ? 0x1p-53 * std::sqrt(size.dot(M * size)) / s * (1 + 1e-9) : 0;
+  return s > 0 ? referee::up(referee::unit_roundoff * std::sqrt(size.dot(M * size)) / s) : 0;
 }
 
 double relative_distance(const Problem& p, const Vector& a, const Vector& b) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
@@ -105,7 +106,7 @@ Judgement judge(const QuadraticProgram& program, const Vector& x, const Vector& 
   const Problem& p = form.instance.problem;
   // s is at least |z_u|_M, up to the rounding of this product.
   const double s = std::sqrt(std::max(p.z_u.dot(p.M * p.z_u), 0.0)) / 2;
-  const double rounding = form.rounding == 0 ? 0 : form.rounding / std::max(s, form.rounding * 0x1p-60);
+  const double rounding = form.rounding == 0 ? 0 : form.rounding / std::max(s, form.rounding * referee::unit_roundoff);
   return judge(form.instance, x, lambda, tolerance, rounding, "x", {});
 }
 

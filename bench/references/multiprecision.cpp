@@ -4,6 +4,7 @@
 
 #include <zwang/bench/references/kkt_certificate.h>
 #include <zwang/bench/references/witnesses.h>
+#include <zwang/core/referee/tolerances.h>
 #include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
@@ -23,7 +24,7 @@ double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, c
   };
   const Hundred lost = squared(exact - z.cast<Hundred>());
   const Hundred s = std::max(squared(exact), squared(problem.z_u.cast<Hundred>()));
-  return lost > 0 ? static_cast<double>(sqrt(Hundred(lost / s))) * (1 + 1e-9) : 0;
+  return lost > 0 ? referee::up(static_cast<double>(sqrt(Hundred(lost / s)))) : 0;
 }
 
 }  // namespace

@@ -1,36 +1,38 @@
 #include <zwang/bench/references/reference.h>
 
 #include <algorithm>
+#include <numbers>
+#include <span>
 
 #include <zwang/bench/references/cache.h>
 #include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/problem/islands.h>
+#include <zwang/core/referee/island_split.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
 constexpr Index multiprecision_limit = 300, rational_limit = 96, extended_limit = 1200;
-constexpr double agreement = 1e-14;  // of two answers that are each rounded once
 
 FoundReference compute(const Problem& problem, bool second_witness);
 
-// Parts that share no unknown are known apart: 64 hands are 64 problems of 96 unknowns. Each part's bound is relative
-// to its own scale, so the largest holds for the whole. Solvers split problems by the same code, so the referee, which
-// has its own, looks at the whole.
-FoundReference compute_by_islands(const Problem& problem, std::span<const Island> islands, bool second_witness) {
+// Parts that share nothing are known apart: 64 hands are 64 problems of 96 unknowns. Each part's bound is relative to
+// its own s, and the sum of s^2 over the parts is at most twice that of the whole. The referee looks at the whole.
+FoundReference compute_by_islands(const Problem& problem, std::span<const IslandPart> islands, bool second_witness) {
   const auto refuted = [&](const Reference& r) { return check_stored(problem, r).standing == Standing::refuted; };
   const FoundReference split_wrong{.note = "the referee refutes what the islands' references are together"};
-  Reference whole{.z = Vector::Zero(problem.size()), .lambda = Vector::Zero(problem.rows())};
-  for (const Island& island : islands) {
+  Reference whole{.z = problem.z_u, .lambda = Vector::Zero(problem.rows())};
+  for (const IslandPart& island : islands) {
+    if (island.rows.empty()) continue;
     FoundReference part = compute(island.problem, second_witness);
     if (!part.reference) return part;
     const Reference& found = *part.reference;
     const auto scatter = [](const Vector& from, const std::vector<Index>& to, Vector& into) {
-      if (from.size() != static_cast<Index>(to.size())) into.resize(0);
-      for (std::size_t k = 0; k < to.size() && into.size() > 0; ++k) into[to[k]] = from[static_cast<Index>(k)];
+      if (from.size() != std::ssize(to)) into.resize(0);
+      if (into.size() > 0) into(to) = from;
     };
     if (!found.feasible) {
       Reference infeasible{.feasible = false, .certificate = Vector::Zero(problem.rows()), .method = found.method};
@@ -39,8 +41,9 @@ FoundReference compute_by_islands(const Problem& problem, std::span<const Island
     }
     scatter(found.z, island.columns, whole.z);
     scatter(found.lambda, island.rows, whole.lambda);
-    whole.bound = std::max(whole.bound, found.bound);
-    whole.method = found.method + ", island by island";
+    whole.bound = std::max(whole.bound, found.bound * std::numbers::sqrt2 * (1 + referee::widened));
+    whole.unique &= found.unique;
+    if (whole.method.empty()) whole.method = found.method + ", island by island";
   }
   return refuted(whole) ? split_wrong : FoundReference{.reference = whole};
 }
@@ -69,16 +72,19 @@ FoundReference under_coulomb(const Problem& problem) {
 }
 
 FoundReference compute(const Problem& problem, bool second_witness) {
+  const Index n = problem.size(), m = problem.rows();
+  if (problem.has_tangents() || n > multiprecision_limit)
+    if (const auto islands = split_islands(problem); !islands.empty())
+      return compute_by_islands(problem, islands, second_witness);
   if (problem.has_tangents()) {
+    if (!referee::may_prove(n, m))
+      return {.note = std::to_string(n) + " unknowns and " + std::to_string(m) +
+                      " rows that hang together; proofs are dense, up to " + std::to_string(referee::dense_limit) +
+                      " and " + std::to_string(referee::dense_rows)};
     if (problem.law == Law::coulomb) return under_coulomb(problem);
     FoundReference found;
     found.reference = convex_reference(problem, &found.note);
     return found;
-  }
-  if (problem.size() > multiprecision_limit) {
-    Islands islands;
-    islands.split(problem);
-    if (islands.all().size() > 1) return compute_by_islands(problem, islands.all(), second_witness);
   }
   if (problem.size() > extended_limit) return {.note = "no reference beyond n = 1200"};
   if (problem.size() > multiprecision_limit) {
@@ -94,7 +100,7 @@ FoundReference compute(const Problem& problem, bool second_witness) {
   Reference& first = *found.reference;
   if (!witness) return {.note = "CGAL's solver gave no answer"};
   if (witness->feasible != first.feasible ||
-      (first.feasible && !(relative_distance(problem, first.z, witness->z) <= agreement)))
+      (first.feasible && !(relative_distance(problem, first.z, witness->z) <= referee::rounded_once)))
     return {.note = "mpfr and CGAL disagree"};
   first.method += " + CGAL exact";
   return found;
@@ -125,7 +131,7 @@ FoundReference confirm(const Problem& problem, Reference own, bool second_witnes
   const std::optional<Reference> digits = multiprecision_reference(problem);
   if (!digits) return {.reference = own};
   if (digits->feasible != own.feasible ||
-      (own.feasible && !(relative_distance(problem, own.z, digits->z) <= own.bound + agreement)))
+      (own.feasible && !(relative_distance(problem, own.z, digits->z) <= own.bound + referee::rounded_once)))
     return {.note = "the " + own.method + " and mpfr disagree"};
   own.method += " + " + digits->method;
   return {.reference = own};
@@ -140,8 +146,8 @@ bool fits(const Reference& r, const Problem& p) {
 FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
                              const ReferenceOptions& options) {
   const Problem& problem = instance.problem;
-  const bool second_witness = has_rational_reference && options.second_witness && problem.size() <= rational_limit &&
-                              !problem.has_tangents();
+  const bool second_witness =
+      has_rational_reference && options.second_witness && problem.size() <= rational_limit && !problem.has_tangents();
   if (instance.reference) return confirm(problem, *instance.reference, second_witness);
   if (cache_dir.empty()) return compute(problem, second_witness);
 

@@ -49,7 +49,7 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
 
 DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
   Proof proof;
-  if (scaled.size() <= referee::dense_limit) proof = prove_answer(scaled, d, lambda);
+  if (scaled.size() <= referee::dense_limit || scaled.rows() == 0) proof = prove_answer(scaled, d, lambda);
   const bool gave_up = proof.rows != Rows::infeasible && proof.radius == std::numeric_limits<double>::infinity();
   if (gave_up && lambda) proof = prove_sparse(scaled, d, *lambda);
   DistanceBound bound{.sigma_min = proof.sigma_min, .rows = proof.rows};
@@ -73,8 +73,8 @@ DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d,
 DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
   for (Index i = 0; i < scaled.rows(); ++i)
     if (scaled.is_zero(i) && !scaled.is_vacuous(i) && !scaled.zero_row_holds(i)) return {.rows = Rows::infeasible};
-  const std::vector<IslandPart> islands = split_islands(scaled);
-  if (islands.size() <= 1) return bound_island(scaled, d, lambda);
+  const std::vector<IslandPart> islands = split_islands(scaled.problem());
+  if (islands.empty()) return bound_island(scaled, d, lambda);
   DistanceBound total{.upper = 0, .greatest_norm = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
   for (const IslandPart& island : islands) {
     const ScaledProblem own(island.problem);

@@ -84,7 +84,8 @@ bool in_cone(const ScaledProblem& scaled, const ExtendedVector& u, const Problem
   DoubleDouble squares;
   for (Index t = 1; t <= p.tangents(i); ++t) squares += part(i + t) * part(i + t);
   const double mu = p.tangents(i) > 0 ? p.mu[i] : 0;
-  return part(i).hi >= 0 && (squares == DoubleDouble(0) || sqrt(squares) * (1 + 0x1p-52) <= part(i) * mu);
+  return part(i).hi >= 0 &&
+         (squares == DoubleDouble(0) || sqrt(squares) * (1 + 2 * referee::unit_roundoff) <= part(i) * mu);
 }
 
 bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u, const Problem* cones) {

@@ -1,5 +1,8 @@
 #include <zwang/core/referee/island_split.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include <zwang/core/problem/disjoint_sets.h>
 
 namespace zwang {
@@ -7,66 +10,90 @@ namespace {
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
+constexpr Index meets_nothing = -1, says_nothing = -2;
+
+// The first unknown that each row's block (an equality row, or a contact) meets. Joins all that it meets.
+std::vector<Index> join_blocks(const Problem& p, DisjointSets& sets) {
+  std::vector<Index> first(static_cast<std::size_t>(p.rows()));
+  for (Index i = 0; i < p.rows();) {
+    const Index end = i + 1 + (p.is_equality(i) ? 0 : p.tangents(i));
+    Index met = std::isfinite(p.c[i]) ? meets_nothing : says_nothing;
+    for (Index k = i; k < end && met != says_nothing; ++k)
+      for (SparseRows::InnerIterator it(p.J, k); it; ++it) {
+        if (it.value() == 0) continue;
+        if (met < 0) met = it.col();
+        sets.join(it.col(), met);
+      }
+    for (; i < end; ++i) first[static_cast<std::size_t>(i)] = met;
+  }
+  return first;
+}
+
+// The parts' problems, their columns and rows being known.
+void fill(const Problem& p, const std::vector<Index>& place, IslandPart& island) {
+  const auto local = [&](Index column) { return static_cast<int>(place[static_cast<std::size_t>(column)]); };
+  const auto size = std::ssize(island.columns), rows = std::ssize(island.rows);
+  Problem& out = island.problem;
+  out.z_u = island.columns_of(p.z_u);
+  out.c = island.rows_of(p.c);
+  if (p.has_tangents()) out.mu = island.rows_of(p.mu);
+  out.law = p.law;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Index j : island.columns)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
+      if (it.value() != 0) entries.emplace_back(local(it.row()), local(j), it.value());
+  out.M.resize(size, size);
+  out.M.setFromTriplets(entries.begin(), entries.end());
+  entries.clear();
+  for (Index k = 0; k < rows; ++k) {
+    const Index i = island.rows[static_cast<std::size_t>(k)];
+    out.kind.push_back(p.kind[static_cast<std::size_t>(i)]);
+    for (SparseRows::InnerIterator it(p.J, i); it; ++it)
+      if (it.value() != 0) entries.emplace_back(static_cast<int>(k), local(it.col()), it.value());
+  }
+  out.J.resize(rows, size);
+  out.J.setFromTriplets(entries.begin(), entries.end());
+  out.key.resize(out.kind.size());
+}
+
 }  // namespace
 
-std::vector<IslandPart> split_islands(const ScaledProblem& scaled) {
-  const Index n = scaled.size();
-  DisjointSets sets(n);
-  for (Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
+std::vector<IslandPart> split_islands(const Problem& p) {
+  DisjointSets sets(p.size());
+  for (Index j = 0; j < p.size(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
       if (it.value() != 0) sets.join(it.row(), j);
-  for (Index i = 0; i < scaled.rows(); ++i) {
-    if (!scaled.counts(i)) continue;
-    const Index first = SparseRows::InnerIterator(scaled.J, i).col();
-    for (SparseRows::InnerIterator it(scaled.J, i); it; ++it) sets.join(it.col(), first);
-  }
+  const std::vector<Index> first = join_blocks(p, sets);
 
-  std::vector<IslandPart> parts;
-  std::vector<Index> part_of(static_cast<std::size_t>(n), -1), place(static_cast<std::size_t>(n));
-  const auto part = [&](Index column) -> IslandPart& {
-    Index& id = part_of[static_cast<std::size_t>(sets.find(column))];
+  std::vector<IslandPart> islands;
+  std::vector<Index> island_of(static_cast<std::size_t>(p.size()), -1), place(static_cast<std::size_t>(p.size()));
+  std::vector<Index> still;  // rows that meet no unknown
+  for (Index i = 0; i < p.rows(); ++i) {
+    const Index met = first[static_cast<std::size_t>(i)];
+    if (met == meets_nothing) still.push_back(i);
+    if (met < 0) continue;
+    Index& id = island_of[static_cast<std::size_t>(sets.find(met))];
+    if (id < 0) id = std::ssize(islands), islands.emplace_back();
+    islands[static_cast<std::size_t>(id)].rows.push_back(i);
+  }
+  if (islands.empty()) return {};
+  std::vector<Index>& rows = islands.front().rows;
+  rows.insert(rows.end(), still.begin(), still.end());
+  std::ranges::sort(rows);
+  Index rest = -1;  // the part that no row meets
+  for (Index j = 0; j < p.size(); ++j) {
+    Index id = island_of[static_cast<std::size_t>(sets.find(j))];
     if (id < 0) {
-      id = static_cast<Index>(parts.size());
-      parts.emplace_back();
+      if (rest < 0) rest = std::ssize(islands), islands.emplace_back();
+      id = rest;
     }
-    return parts[static_cast<std::size_t>(id)];
-  };
-  for (Index j = 0; j < n; ++j) {
-    place[static_cast<std::size_t>(j)] = static_cast<Index>(part(j).columns.size());
-    part(j).columns.push_back(j);
+    IslandPart& island = islands[static_cast<std::size_t>(id)];
+    place[static_cast<std::size_t>(j)] = std::ssize(island.columns);
+    island.columns.push_back(j);
   }
-  for (Index i = 0; i < scaled.rows(); ++i)
-    if (scaled.counts(i)) part(SparseRows::InnerIterator(scaled.J, i).col()).rows.push_back(i);
-  if (parts.size() <= 1) return parts;
-
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto local = [&](Index column) { return static_cast<int>(place[static_cast<std::size_t>(column)]); };
-  for (IslandPart& p : parts) {
-    const auto size = static_cast<Index>(p.columns.size()), rows = static_cast<Index>(p.rows.size());
-    Problem& out = p.problem;
-    out.z_u.resize(size);
-    entries.clear();
-    for (const Index j : p.columns) {
-      out.z_u[local(j)] = scaled.z_u[j];
-      for (Eigen::SparseMatrix<double>::InnerIterator it(scaled.M, j); it; ++it)
-        if (it.value() != 0) entries.emplace_back(local(it.row()), local(j), it.value());
-    }
-    out.M.resize(size, size);
-    out.M.setFromTriplets(entries.begin(), entries.end());
-    entries.clear();
-    out.c.resize(rows);
-    for (Index k = 0; k < rows; ++k) {
-      const Index i = p.rows[static_cast<std::size_t>(k)];
-      out.c[k] = scaled.c[i];
-      out.kind.push_back(scaled.is_equality(i) ? RowKind::equality : RowKind::inequality);
-      for (SparseRows::InnerIterator it(scaled.J, i); it; ++it)
-        entries.emplace_back(static_cast<int>(k), local(it.col()), it.value());
-    }
-    out.J.resize(rows, size);
-    out.J.setFromTriplets(entries.begin(), entries.end());
-    out.key.resize(out.kind.size());
-  }
-  return parts;
+  if (islands.size() == 1) return {};
+  for (IslandPart& island : islands) fill(p, place, island);
+  return islands;
 }
 
 }  // namespace zwang

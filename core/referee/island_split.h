@@ -2,29 +2,39 @@
 
 #include <vector>
 
-#include <zwang/core/referee/scaled_problem.h>
+#include <zwang/core/problem/problem.h>
 
 namespace zwang {
 
-// A part of a problem that shares no row and no entry of M with the rest, in the units of the scaled problem it was cut
-// from; apart from Islands, which solvers use.
+// A part of a problem that shares no entry of M, no row and no contact with the rest, in the problem's units; apart
+// from Islands, which solvers use.
 struct IslandPart {
   Problem problem = {};
-  std::vector<Index> columns = {}, rows = {};
+  std::vector<Index> columns = {}, rows = {};  // of the whole, ascending
 
-  ExtendedVector columns_of(const ExtendedVector& x) const { return pick(columns, x); }
-  ExtendedVector rows_of(const ExtendedVector& x) const { return pick(rows, x); }
+  // The part's entries of one number an unknown, or a row; in any scalar.
+  template <class Entries>
+  Entries columns_of(const Entries& x) const {
+    return pick(columns, x);
+  }
+  template <class Entries>
+  Entries rows_of(const Entries& x) const {
+    return pick(rows, x);
+  }
 
  private:
-  static ExtendedVector pick(const std::vector<Index>& places, const ExtendedVector& x) {
-    ExtendedVector out;
-    out.reserve(places.size());
-    for (const Index i : places) out.push_back(x[static_cast<std::size_t>(i)]);
+  template <class Entries>
+  static Entries pick(const std::vector<Index>& places, const Entries& x) {
+    Entries out(places.size());
+    for (std::size_t k = 0; k < places.size(); ++k)
+      out[static_cast<decltype(out.size())>(k)] = x[static_cast<decltype(x.size())>(places[k])];
     return out;
   }
 };
 
-// Rows of zeros and rows with c = -Inf belong to no part.
-std::vector<IslandPart> split_islands(const ScaledProblem& scaled);
+// A contact stays in one part, its rows of zeros too. All unknowns that no row meets are one part. Contacts and
+// equality rows that meet no unknown are in the first part, and those that say nothing (c = -Inf) in none. Empty where
+// the problem is one part.
+std::vector<IslandPart> split_islands(const Problem& problem);
 
 }  // namespace zwang

@@ -117,6 +117,13 @@ void ScaledProblem::weigh_rows() {
   }
 }
 
+Problem ScaledProblem::problem() const {
+  Problem p{.M = M, .z_u = z_u, .J = J, .c = c};
+  for (const char is : equality) p.kind.push_back(is ? RowKind::equality : RowKind::inequality);
+  p.key.resize(p.kind.size());
+  return p;
+}
+
 ExtendedVector ScaledProblem::motion(const Vector& z) const {
   ExtendedVector d(static_cast<std::size_t>(size()));
   for (Index i = 0; i < size(); ++i)
@@ -140,9 +147,7 @@ ExtendedVector ScaledProblem::multipliers(const Vector& lambda) const {
   return multipliers(ExtendedVector(lambda.data(), lambda.data() + lambda.size()));
 }
 
-double ScaledProblem::to_problem_norm(double norm) const {
-  return std::ldexp(norm, norm_exponent());
-}
+double ScaledProblem::to_problem_norm(double norm) const { return std::ldexp(norm, norm_exponent()); }
 
 double ScaledProblem::least_scale() const {
   const double scale = std::ldexp(std::numeric_limits<double>::min(), -norm_exponent());

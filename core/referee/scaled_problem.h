@@ -30,23 +30,25 @@ class ScaledProblem {
   bool counts(Index i) const { return !is_vacuous(i) && !is_zero(i); }
   bool zero_row_holds(Index i) const { return is_equality(i) ? stored_c[i] == 0 : stored_c[i] <= 0; }
 
+  Problem problem() const;  // of these rows in these units, without friction
+
   // From the problem's units to these, and back.
-  ExtendedVector motion(const Vector& z) const;            // d = z - z_u
+  ExtendedVector motion(const Vector& z) const;  // d = z - z_u
   // So that M d = J' lambda stays true; 0 on rows that say nothing, which cannot push.
   ExtendedVector multipliers(const Vector& lambda) const;
-  ExtendedVector motion_of(ExtendedVector d) const;        // of a d in the problem's units
+  ExtendedVector motion_of(ExtendedVector d) const;  // of a d in the problem's units
   ExtendedVector multipliers(ExtendedVector lambda) const;
   double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
   int norm_exponent() const { return motion_exponent + mass_exponent / 2; }  // of two, from these to the problem's
   double row_scale(Index i) const;  // J z - c of the problem = row_scale * ours
 
-  double norm(const ExtendedVector& d) const;                  // sqrt(d' M d)
-  double norm_of(const Vector& z) const;                       // the same of z itself, z in the problem's units
-  double norm_of_free_motion() const;                          // |z_u|_M
-  double norm_with_free_motion(ExtendedVector d) const;        // |z_u + d|_M
-  double dual_norm(const ExtendedVector& r) const;             // sqrt(r' M^-1 r)
-  DoubleDouble slack(Index i, const ExtendedVector& d) const;  // J_i (z_u + d) - c_i, not divided by |G_i|
+  double norm(const ExtendedVector& d) const;                   // sqrt(d' M d)
+  double norm_of(const Vector& z) const;                        // the same of z itself, z in the problem's units
+  double norm_of_free_motion() const;                           // |z_u|_M
+  double norm_with_free_motion(ExtendedVector d) const;         // |z_u + d|_M
+  double dual_norm(const ExtendedVector& r) const;              // sqrt(r' M^-1 r)
+  DoubleDouble slack(Index i, const ExtendedVector& d) const;   // J_i (z_u + d) - c_i, not divided by |G_i|
   bool slack_vanishes(Index i, const ExtendedVector& d) const;  // exactly
   double unit_slack(Index i, const ExtendedVector& d) const { return slack(i, d).hi / row_norm[i]; }
   DoubleDouble violation(Index i) const;                             // h_i = c_i - J_i z_u

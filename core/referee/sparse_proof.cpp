@@ -133,7 +133,7 @@ class SparseProof {
     }
     // With r = |y - y*|:  r^2 <= e r + held + share (|y| + r) (t |p| + r).
     const double linear = e + share * (size + moved), constant = held + share * size * moved;
-    const double radius = (2 * linear + std::sqrt(2 * constant)) * (1 + referee::widened_opening);
+    const double radius = (2 * linear + std::sqrt(2 * constant)) * (1 + referee::widened);
     if (!std::isfinite(radius)) return {};
     return {.rows = DistanceBound::Rows::feasible, .d = d_, .radius = radius};
   }

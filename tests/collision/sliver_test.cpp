@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <zwang/bench/collision/meshes.h>
-#include <zwang/bench/collision/sliver_parts.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/collision/halves.h>
 #include <zwang/collision/nearest.h>
 #include <zwang/collision/world.h>
+#include "tests/collision/sliver_parts.h"
 
 namespace zwang::collision {
 namespace {

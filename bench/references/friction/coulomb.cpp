@@ -3,24 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <sstream>
 
-#include <zwang/core/referee/friction/contact_islands.h>
 #include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/self_bound.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
-constexpr double good_delta = 1e-12;  // what a solution may be off and still count as proven
-constexpr double alike = 1e-9;        // of the motion: solutions of changed rows that are one
-constexpr double still = 1e-8;        // unit changes of multipliers that move z by less leave it where it is
-constexpr double useful = 1e-9;       // of a bound
-constexpr Index extended_rows = 120;  // of the interior point in wider arithmetic
-constexpr double settled = 1e-15;     // change of a sweep, of the motion, at which Gauss-Seidel ends
+using referee::down, referee::up;
 
 // The motion is as large as z_u, or as rows force it.
 double first_scale(const Problem& problem, const ScaledProblem& scaled) {
@@ -87,7 +81,7 @@ class GaussSeidel {
         x += columns_.middleCols(block.row, block.rows) * (next - now);
         lambda.segment(block.row, block.rows) = next;
       }
-      if (change < settled) return;
+      if (change < referee::settled) return;
       if (sweep % 200 == 199) {
         x = columns_ * lambda;
         if (change > .999 * before && sweep > 1000) return;
@@ -143,14 +137,17 @@ class Search {
   }
 
   void interior_points(const SolutionSearch& search) {
-    const RefereeInteriorPoint method(p_, equalities_);
     static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
     for (int k = 0; k < search.starts && more(search); ++k) {
       const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
-      const auto found = method.solve<double>(nullptr, {.start = start});
-      if (!found.empty() && take(found.back(), "interior point")) continue;
-      if (method.rows() > extended_rows || !more(search)) continue;
-      const auto finer = method.solve<DoubleDouble>(nullptr, {.start = start, .target = 1e-26, .max_iterations = 160});
+      const auto found = interior_point<double>(p_, equalities_, nullptr, {.start = start});
+      if (found.empty() || take(found.back(), "interior point")) continue;
+      if (p_.rows() > referee::searched_rows || !more(search)) continue;
+      // In double-double where it is convex: by the slips that were found.
+      ExtendedVector sigma;
+      for (const ContactRows& contact : p_.contacts) sigma.push_back(p_.slip(contact, found.back().x));
+      const auto finer = interior_point<DoubleDouble>(p_, equalities_, &sigma,
+                                                      {.start = start, .target = referee::interior_target_extended});
       if (!finer.empty()) take(finer.back(), "interior point, double-double");
     }
   }
@@ -159,7 +156,7 @@ class Search {
     for (const Vector& z : search.near) {
       ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector(static_cast<std::size_t>(p_.rows())), {}};
       for (const ContactRows& contact : p_.contacts) {
-        const double g = contact.unit > 0 ? contact.unit : 1, touching = alike * p_.scale * g;
+        const double g = contact.unit > 0 ? contact.unit : 1, touching = referee::alike * p_.scale * g;
         point.modes.push_back(contact.unit == 0 || p_.slack(contact.row, point.x).hi > touching ? ContactMode::open
                               : contact.rows() > 1 && p_.slip(contact, point.x).hi > touching   ? ContactMode::slide
                                                                                                 : ContactMode::stick);
@@ -202,7 +199,7 @@ class Search {
       ModePoint point;
       point.lambda = ExtendedVector(lambda.data(), lambda.data() + lambda.size());
       point.x = p_.motion_by(point.lambda);
-      for (const double cut : {1e-9, 1e-6}) {
+      for (const double cut : {referee::mode_cut, referee::coarse_mode_cut}) {
         point.modes = modes_by_size(p_, point.x, point.lambda, cut);
         if (keep(prove_near(p_, scaled_, point), "Gauss-Seidel")) break;
       }
@@ -216,14 +213,14 @@ class Search {
   // Looks on behind a solution of rows that are off by delta, where that is cheap.
   bool more(const SolutionSearch& search) const {
     const bool exact = std::ranges::count(found, 0.0, &CoulombSolution::delta) > 0;
-    const bool enough = exact || (!found.empty() && p_.rows() > extended_rows);
+    const bool enough = exact || (!found.empty() && p_.rows() > referee::searched_rows);
     return (search.all || !enough) && !search.deadline.passed();
   }
 
   bool take(const InteriorAnswer& answer, const char* method) {
     if (keep(prove_near(p_, scaled_, {answer.x, answer.lambda, answer.modes}), method)) return true;
     // Modes by size instead, cut at the contact's own scale.
-    ModePoint point{answer.x, answer.lambda, modes_by_size(p_, answer.x, answer.lambda, 1e-9)};
+    ModePoint point{answer.x, answer.lambda, modes_by_size(p_, answer.x, answer.lambda, referee::mode_cut)};
     return point.modes != answer.modes && keep(prove_near(p_, scaled_, point), method);
   }
 
@@ -233,23 +230,23 @@ class Search {
     const double s = std::max({p_.free_motion, p_.from_norm(scaled_.norm_with_free_motion(d)) - proof.radius,
                                p_.from_norm(scaled_.least_scale())});
     nearest = std::min(nearest, proof.delta / s);
-    if (!(proof.delta <= good_delta * s && proof.radius <= good_delta * s)) return false;
+    if (!(proof.delta <= referee::good_delta * s && proof.radius <= referee::good_delta * s)) return false;
     CoulombSolution solution{.radius = proof.radius / s,
                              .delta = proof.delta / s,
                              .strict = proof.strict,
                              .isolated = proof.strict && proof.unique_forces,
-                             .free_split = proof.null_motion >= still,
+                             .free_split = proof.null_motion >= referee::still,
                              .continuum = proof.continuum,
                              .modes = proof.point.modes,
                              .method = method};
     solution.z = rounded_motion(scaled_, d);
     solution.lambda = rounded_multipliers(scaled_, p_.to_multipliers(proof.point.lambda));
     const ExtendedVector rounded = p_.motion(scaled_.motion(solution.z));
-    solution.bound = (distance(rounded, proof.point.x) + proof.radius) / s * (1 + 1e-9);
+    solution.bound = up((distance(rounded, proof.point.x) + proof.radius) / s);
     for (std::size_t k = 0; k < found.size(); ++k) {
       const bool exact = solution.isolated && found[k].isolated && solution.delta == 0 && found[k].delta == 0;
-      const double together = exact ? (proof.radius + radii_[k]) * (1 + 1e-9) : alike * s;
-      if (distance(points_[k], proof.point.x) * (1 - 1e-9) <= together) return true;
+      const double together = exact ? up(proof.radius + radii_[k]) : referee::alike * s;
+      if (down(distance(points_[k], proof.point.x)) <= together) return true;
       if (solution.free_split && found[k].free_split && found[k].modes == solution.modes) return true;
     }
     points_.push_back(proof.point.x);
@@ -296,9 +293,7 @@ std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const Sol
   return std::move(search.found);
 }
 
-namespace {
-
-std::optional<Reference> convex_reference_of_one(const Problem& problem, std::string* why_not) {
+std::optional<Reference> convex_reference(const Problem& problem, std::string* why_not) {
   const auto give_up = [&](const std::string& reason) {
     if (why_not) *why_not = reason;
     return std::optional<Reference>{};
@@ -320,12 +315,12 @@ std::optional<Reference> convex_reference_of_one(const Problem& problem, std::st
   for (std::size_t j = 0; j < off.size(); ++j) off[j] -= found.x[j];
   const double s = std::max(
       {p.free_motion, p.from_norm(scaled.norm_with_free_motion(d)) - found.upper, p.from_norm(scaled.least_scale())});
-  out.bound = (p.norm(off) + found.upper) / s * (1 + 1e-9);
-  if (!(out.bound <= useful)) return give_up("duality proves the answer to no better than 1e-9");
+  out.bound = up((p.norm(off) + found.upper) / s);
+  if (!(out.bound <= referee::useful)) return give_up("what duality proves of the answer is too little to be of use");
   return out;
 }
 
-std::optional<Reference> coulomb_reference_of_one(const Problem& problem, std::string* why_not) {
+std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not) {
   const std::vector<CoulombSolution> found = coulomb_solutions(problem, {}, why_not);
   const auto exact = std::ranges::find(found, 0.0, &CoulombSolution::delta);
   if (exact == found.end()) {
@@ -337,48 +332,6 @@ std::optional<Reference> coulomb_reference_of_one(const Problem& problem, std::s
                    .bound = exact->bound,
                    .unique = false,
                    .method = exact->method + ", proven by interval Newton"};
-}
-
-// Parts that share nothing are known apart. Each part's bound is relative to its own s, and the sum of s^2 over the
-// parts is at most twice that of the whole.
-template <class OfOne>
-std::optional<Reference> by_islands(const Problem& problem, std::string* why_not, OfOne&& of_one) {
-  const std::vector<ContactIsland> islands = split_contacts(problem);
-  const auto too_large = [&](Index unknowns, Index rows) {
-    if (may_prove(unknowns, rows)) return false;
-    if (why_not)
-      *why_not = std::to_string(unknowns) + " unknowns and " + std::to_string(rows) +
-                 " rows that hang together; proofs are dense, up to " + std::to_string(most_proven_unknowns) + " and " +
-                 std::to_string(most_proven_rows);
-    return true;
-  };
-  if (islands.empty()) {
-    if (too_large(problem.size(), problem.rows())) return {};
-    return of_one(problem, why_not);
-  }
-  Reference whole{.z = problem.z_u, .lambda = Vector::Zero(problem.rows())};
-  for (const ContactIsland& island : islands) {
-    if (island.rows.empty()) continue;
-    if (too_large(std::ssize(island.columns), std::ssize(island.rows))) return {};
-    const std::optional<Reference> part = of_one(island.problem, why_not);
-    if (!part) return {};
-    whole.z(island.columns) = part->z;
-    whole.lambda(island.rows) = part->lambda;
-    whole.bound = std::max(whole.bound, part->bound * std::numbers::sqrt2 * (1 + 1e-9));
-    whole.unique &= part->unique;
-    if (whole.method.empty()) whole.method = part->method + ", island by island";
-  }
-  return whole;
-}
-
-}  // namespace
-
-std::optional<Reference> convex_reference(const Problem& problem, std::string* why_not) {
-  return by_islands(problem, why_not, convex_reference_of_one);
-}
-
-std::optional<Reference> coulomb_reference(const Problem& problem, std::string* why_not) {
-  return by_islands(problem, why_not, coulomb_reference_of_one);
 }
 
 }  // namespace zwang

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/referee/tolerances.h>
+
 namespace zwang {
 namespace {
-
-// Bounds the relative rounding of a sum of `terms` products in double-double.
-double rounding_of(Index terms) { return static_cast<double>(terms + 8) * 0x1p-100; }
 
 int exponent_of(double x) {
   int e = 0;
@@ -57,7 +56,7 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
 
   const auto move = [&](double& x, int e) {
     const double moved = std::ldexp(x, e);
-    if (x != 0 && !(std::abs(moved) > 1e-280 && std::abs(moved) < 1e280)) exact = false;
+    exact &= x == 0 || (moved != 0 && referee::ordinary(moved));
     x = moved;
   };
   for (Index j = 0; j < n; ++j)
@@ -81,7 +80,7 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     if (scaled.is_vacuous(i) || !std::isfinite(scaled.c[i])) continue;  // the latter of zeros
     c[i] = std::ldexp(c[i], -e - shift);
     h[k] = scaled.violation(i).scaled(-e - shift);
-    h_error[i] = std::ldexp(rounding_of(terms) * sum, -e - shift) + 1e-290;
+    h_error[i] = std::ldexp(referee::rounding_of(terms) * sum, -e - shift) + referee::underflow;
     if (!std::isfinite(h_error[i])) exact = false;
   }
   for (ContactRows& contact : contacts) {
@@ -140,7 +139,7 @@ double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
   Index terms = 1;
   for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms)
     sum += std::abs(it.value() * x[static_cast<std::size_t>(it.col())].hi);
-  return h_error[row] + rounding_of(terms) * sum;
+  return h_error[row] + referee::rounding_of(terms) * sum;
 }
 
 double ContactProblem::reach(Index row, const Vector& radius) const {
@@ -159,7 +158,7 @@ DoubleDouble ContactProblem::slip(const ContactRows& contact, const ExtendedVect
 double ContactProblem::slip_error(const ContactRows& contact, const ExtendedVector& x) const {
   double sum = 0;
   for (Index t = 1; t < contact.rows(); ++t) sum += slack_error(contact.row + t, x);
-  return sum + 0x1p-96 * slip(contact, x).hi + 1e-150;
+  return sum + referee::rounding_of_few * slip(contact, x).hi + referee::underflow_of_squares;
 }
 
 ExtendedVector ContactProblem::force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const {
@@ -192,7 +191,7 @@ Vector ContactProblem::force_error(const ExtendedVector& x, const ExtendedVector
       ++terms[it.col()];
     }
   }
-  for (Index j = 0; j < size(); ++j) sum[j] = sum[j] * rounding_of(terms[j]) + 1e-290;
+  for (Index j = 0; j < size(); ++j) sum[j] = sum[j] * referee::rounding_of(terms[j]) + referee::underflow;
   return sum;
 }
 
@@ -207,7 +206,7 @@ double ContactProblem::norm_bound(const Vector& radius) const {
   double sum = 0;
   for (Index j = 0; j < M.outerSize(); ++j)
     for (decltype(M)::InnerIterator it(M, j); it; ++it) sum += radius[it.row()] * std::abs(it.value()) * radius[j];
-  return std::sqrt(sum) * (1 + 1e-9);
+  return referee::up(std::sqrt(sum));
 }
 
 // |r|_(M^-1) <= sqrt(sum bound_j^2 / (least eigenvalue of M)) would be too large by the condition of M: each entry
@@ -225,14 +224,14 @@ double ContactProblem::dual_norm(const Vector& bound) const {
     }
   }
   for (Index j = 0; j < size(); ++j) sum += bound[j] * unit_norm_[j];
-  return sum * (1 + 1e-9);
+  return referee::up(sum);
 }
 
 // With M' = D^-1 M D^-1, |r'|_(M'^-1) = |D r'|_(M^-1), D = 2^column_shift.
 double ContactProblem::dual_norm(const ExtendedVector& r) const {
   ExtendedVector own(r.size());
   for (std::size_t j = 0; j < r.size(); ++j) own[j] = r[j].scaled(column_shift_[j]);
-  return scaled_->dual_norm(own) * (1 + 1e-9);
+  return referee::up(scaled_->dual_norm(own));
 }
 
 VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {

@@ -3,205 +3,266 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
-#include <utility>
 
+#include <zwang/core/referee/friction/extended_symmetric.h>
 #include <zwang/core/referee/friction/lorentz_cone.h>
 
 namespace zwang {
+namespace {
 
 using namespace lorentz_cone;
+using SparseRow = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
 
-RefereeInteriorPoint::RefereeInteriorPoint(const ContactProblem& p, std::vector<Index> equalities)
-    : p_(&p), rows_(std::move(equalities)), equalities_(static_cast<Index>(rows_.size())) {
-  unit_.assign(rows_.size(), 1.0);
-  for (std::size_t c = 0; c < p.contacts.size(); ++c) {
-    const ContactRows& contact = p.contacts[c];
-    if (contact.unit == 0) continue;
-    const double mu = contact.rows() > 1 ? contact.mu : 1;
-    cones_.push_back({static_cast<Index>(rows_.size()), contact.rows(), c, mu});
-    for (Index t = 0; t < contact.rows(); ++t) {
-      rows_.push_back(contact.row + t);
-      unit_.push_back(DoubleDouble(1) / (t == 0 ? mu : 1));
-    }
+// ExtendedSymmetric's double: any matrix.
+class DenseSystem {
+ public:
+  DenseSystem(Index positive, Index negative) : A_(positive + negative, positive + negative) {}
+  void set_zero() { A_.setZero(); }
+  void add(Index row, Index column, double value) { A_(row, column) += value; }
+  bool factorize() {
+    lu_.compute(A_);
+    return true;
   }
-  const auto m = static_cast<Index>(rows_.size());
-  MatrixX<FactorReal> G(p.size(), m);
-  for (Index k = 0; k < m; ++k) {
-    const Index row = rows_[static_cast<std::size_t>(k)];
-    G.col(k) = p.whitened_row(row) * static_cast<FactorReal>(unit_[static_cast<std::size_t>(k)]);
-  }
-  W_ = G.transpose() * G;
-}
+  void solve(Vector& x) const { x = lu_.solve(x); }
+
+ private:
+  Matrix A_;
+  Eigen::PartialPivLU<Matrix> lu_;
+};
 
 template <class Real>
-MatrixX<Real> RefereeInteriorPoint::matrix() const {
-  if constexpr (std::is_same_v<Real, double>) return W_.template cast<double>();
-  if constexpr (std::is_same_v<Real, DoubleDouble>) {
-    const auto m = static_cast<Index>(rows_.size());
-    MatrixX<DoubleDouble> W(m, m);
-    for (Index k = 0; k < m; ++k) {
-      ExtendedVector push(static_cast<std::size_t>(p_->rows()));
-      push[static_cast<std::size_t>(rows_[static_cast<std::size_t>(k)])] = unit_[static_cast<std::size_t>(k)];
-      const ExtendedVector x = p_->motion_by(push);
-      for (Index i = 0; i < m; ++i) {
-        DoubleDouble sum;
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_->J, rows_[static_cast<std::size_t>(i)]);
-             it; ++it)
-          sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
-        W(i, k) = sum * unit_[static_cast<std::size_t>(i)];
+class InteriorPoint {
+ public:
+  InteriorPoint(const ContactProblem& p, std::span<const Index> equalities, const ExtendedVector* sigma, double inward)
+      : p_(p),
+        equalities_(equalities),
+        turns_(!sigma),
+        force_(static_cast<std::size_t>(p.rows())),
+        system_(p.size(), std::ssize(equalities)) {
+    for (std::size_t c = 0; c < p.contacts.size(); ++c) {
+      const ContactRows& contact = p.contacts[c];
+      if (contact.unit == 0) continue;
+      cones_.push_back(c);
+      VectorX<DoubleDouble> unit = VectorX<DoubleDouble>::Ones(contact.rows());
+      if (contact.rows() > 1) unit[0] /= contact.mu;
+      unit_.push_back(unit);
+      lift_.push_back((sigma && contact.rows() > 1 ? (*sigma)[c] : DoubleDouble()) - unit[0] * (inward * contact.unit));
+    }
+  }
+
+  std::vector<InteriorAnswer> solve(const InteriorOptions& options) {
+    const std::size_t count = cones_.size();
+    x_.resize(static_cast<std::size_t>(p_.size()));
+    y_.resize(count);
+    w_.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const ContactRows& contact = contact_of(k);
+      const double mu = contact.rows() > 1 ? contact.mu : 1;
+      y_[k] = w_[k] = Block::Zero(contact.rows());
+      y_[k][0] = Real(options.start * std::min(1.0, mu));
+      w_[k][0] = Real(options.start * std::max(1.0, 1 / mu));
+    }
+    std::vector<InteriorAnswer> out;
+    double best = std::numeric_limits<double>::infinity();
+    int stalled = 0;
+    for (int iteration = 0; iteration < referee::interior_steps && stalled <= referee::interior_stalls; ++iteration) {
+      const double size = take_residuals();
+      Real product = Real(0);
+      for (std::size_t k = 0; k < count; ++k) product += y_[k].dot(w_[k]);
+      const Real mean = product / Real(std::max(1.0, static_cast<double>(count)));
+      const double complementarity = static_cast<double>(mean), merit = std::max(complementarity, 0.0) + size;
+      if (!std::isfinite(merit)) break;
+      stalled = merit < best * referee::interior_gain ? 0 : stalled + 1;
+      if (merit < best || out.empty()) {
+        best = std::min(best, merit);
+        out.push_back(answer());
+        out.back().complementarity = complementarity;
+        out.back().residual = std::sqrt(size);
+        if (complementarity <= options.target && size <= options.target) break;
+      }
+      if (!step(mean)) break;
+    }
+    std::ranges::stable_sort(out, [](const InteriorAnswer& a, const InteriorAnswer& b) {
+      return a.complementarity + a.residual * a.residual > b.complementarity + b.residual * b.residual;
+    });
+    return out;
+  }
+
+ private:
+  using Block = VectorX<Real>;  // of one contact: rows N / mu, T1, T2
+  using Blocks = std::vector<Block>;
+
+  const ContactRows& contact_of(std::size_t cone) const { return p_.contacts[cones_[cone]]; }
+
+  // s = C x in the cones' units, from `right` = h: C x - h.
+  Blocks rows_of(const ExtendedVector& x, const ExtendedVector* right) const {
+    Blocks s(cones_.size());
+    for (std::size_t k = 0; k < s.size(); ++k) {
+      s[k].resize(unit_[k].size());
+      for (Index t = 0; t < s[k].size(); ++t) {
+        const Index row = contact_of(k).row + t;
+        DoubleDouble sum = right ? -(*right)[static_cast<std::size_t>(row)] : DoubleDouble();
+        for (SparseRow it(p_.J, row); it; ++it) sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
+        s[k][t] = static_cast<Real>(sum * unit_[k][t] + (right && t == 0 ? lift_[k] : DoubleDouble()));
       }
     }
-    return W;
+    return s;
   }
-  if constexpr (std::is_same_v<Real, FactorReal>) return W_;
-}
 
-template <class Real>
-InteriorAnswer RefereeInteriorPoint::answer(const VectorX<Real>& y, const VectorX<Real>& w) const {
-  InteriorAnswer out;
-  out.lambda.resize(static_cast<std::size_t>(p_->rows()));
-  for (Index k = 0; k < y.size(); ++k)
-    out.lambda[static_cast<std::size_t>(rows_[static_cast<std::size_t>(k)])] =
-        double_double(y[k]) * unit_[static_cast<std::size_t>(k)];
-  out.x = p_->motion_by(out.lambda);
-  out.modes.assign(p_->contacts.size(), ContactMode::open);
-  for (const Cone& cone : cones_) {
-    const VectorX<Real> a = y.segment(cone.first, cone.rows), b = w.segment(cone.first, cone.rows);
-    out.modes[cone.contact] = mode_of(a, b);
+  // Of the problem's rows, those of equality rows as in `force_`.
+  ExtendedVector multipliers(const Blocks& y) const {
+    ExtendedVector lambda = force_;
+    for (std::size_t k = 0; k < y.size(); ++k)
+      for (Index t = 0; t < y[k].size(); ++t)
+        lambda[static_cast<std::size_t>(contact_of(k).row + t)] = double_double(y[k][t]) * unit_[k][t];
+    return lambda;
   }
-  return out;
-}
 
-template <class Real>
-std::vector<InteriorAnswer> RefereeInteriorPoint::solve(const ExtendedVector* sigma,
-                                                        const InteriorOptions& options) const {
-  using std::abs;
-  using std::sqrt;
-  const Index m = static_cast<Index>(rows_.size());
-  const MatrixX<Real> W = matrix<Real>();
-  VectorX<Real> q(m);
-  for (Index k = 0; k < m; ++k)
-    q[k] = -static_cast<Real>(p_->h[static_cast<std::size_t>(rows_[static_cast<std::size_t>(k)])] *
-                              unit_[static_cast<std::size_t>(k)]);
-  VectorX<Real> y = VectorX<Real>::Zero(m), w = VectorX<Real>::Zero(m);
-  for (const Cone& cone : cones_) {
-    y[cone.first] = Real(options.start * std::min(1.0, cone.mu));
-    w[cone.first] = Real(options.start * std::max(1.0, 1 / cone.mu));
+  InteriorAnswer answer() const {
+    InteriorAnswer out{.x = x_, .lambda = multipliers(y_), .modes = {}};
+    out.modes.assign(p_.contacts.size(), ContactMode::open);
+    for (std::size_t k = 0; k < cones_.size(); ++k) out.modes[cones_[k]] = mode_of<Real>(y_[k], w_[k]);
+    return out;
   }
-  const auto slip = [&](const Cone& cone, const VectorX<Real>& at) -> Real {
-    if (cone.rows == 1) return Real(0);
-    if (sigma) return static_cast<Real>((*sigma)[cone.contact]);
-    return at.segment(cone.first + 1, cone.rows - 1).norm();
-  };
-  const auto lift = [&](const VectorX<Real>& at) {
-    VectorX<Real> r = at - W * y - q;
-    for (const Cone& cone : cones_) r[cone.first] -= slip(cone, at);
-    return r;
-  };
-  std::vector<InteriorAnswer> out;
-  double best = std::numeric_limits<double>::infinity();
-  int stalled = 0;
-  const auto count = std::max<double>(1, static_cast<double>(cones_.size()));
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const VectorX<Real> r = lift(w);
-    Real product = Real(0);
-    for (const Cone& cone : cones_) product += y.segment(cone.first, cone.rows).dot(w.segment(cone.first, cone.rows));
-    const Real mean = product / Real(count);
-    const double merit = std::max(static_cast<double>(mean), 0.0) + static_cast<double>(r.squaredNorm());
-    if (!std::isfinite(merit)) break;
-    const double size = static_cast<double>(r.norm());
-    const bool better = merit < best * 0.9;
-    stalled = better ? 0 : stalled + 1;
-    if (merit < best || out.empty()) {
-      best = std::min(best, merit);
-      InteriorAnswer now = answer(y, w);
-      now.complementarity = static_cast<double>(mean);
-      now.residual = size;
-      now.converged = now.complementarity <= options.target && size * size <= options.target;
-      if (!options.keep_iterates) out.clear();
-      out.push_back(std::move(now));
-      if (out.back().converged) break;
+
+  // What M x = J'lambda, w = C x - h + lift and E x = h lack; the sum of their squares.
+  double take_residuals() {
+    double size = 0;
+    left_ = p_.force_residual(x_, multipliers(y_));
+    for (const DoubleDouble& f : left_) size += f.hi * f.hi;
+    for (const Index i : equalities_) {
+      left_.push_back(p_.slack(i, x_));
+      size += left_.back().hi * left_.back().hi;
     }
-    if (stalled > 12) break;
-
-    std::vector<NesterovTodd<Real>> scaling;
-    std::vector<VectorX<Real>> lam;
-    MatrixX<Real> A = W;
-    VectorX<Real> lifted = r, turn = VectorX<Real>::Zero(m);  // tau of each cone
-    for (const Cone& cone : cones_) {
-      const VectorX<Real> a = y.segment(cone.first, cone.rows), b = w.segment(cone.first, cone.rows);
-      scaling.emplace_back(a, b);
-      lam.push_back(scaling.back().times(b));
-      if (!sigma && cone.rows > 1) {
-        const VectorX<Real> t = b.tail(cone.rows - 1);
-        const Real norm = t.norm();
-        if (norm > Real(0))
-          for (Index k = 1; k < cone.rows; ++k) {
-            const Real tau = turn[cone.first + k] = t[k - 1] / norm;
-            A.row(cone.first) += tau * W.row(cone.first + k);
-            lifted[cone.first] += tau * r[cone.first + k];
-          }
+    r_ = rows_of(x_, &p_.h);
+    turn_.resize(r_.size());
+    for (std::size_t k = 0; k < r_.size(); ++k) {
+      r_[k] = w_[k] - r_[k];
+      turn_[k] = Block::Zero(r_[k].size());
+      const Index t = r_[k].size() - 1;
+      if (turns_ && t > 0) {
+        const Real slip = w_[k].tail(t).norm();
+        r_[k][0] -= slip;
+        if (slip > Real(0)) turn_[k].tail(t) = w_[k].tail(t) / slip;
       }
-      A.block(cone.first, cone.first, cone.rows, cone.rows) += scaling.back().inverse_square();
+      size += static_cast<double>(r_[k].squaredNorm());
     }
-    const Eigen::PartialPivLU<MatrixX<Real>> lu(A);
-    VectorX<Real> dy(m), dw(m);
-    const auto direction = [&](const std::vector<VectorX<Real>>& target) {
-      VectorX<Real> right = lifted;
-      for (std::size_t k = 0; k < cones_.size(); ++k)
-        right.segment(cones_[k].first, cones_[k].rows) += scaling[k].divide(target[k]);
-      dy = lu.solve(right);
-      dy += lu.solve(right - A * dy);
-      // From the equations, not from the scaling: w then stays J x - h up to the rounding of W.
-      const VectorX<Real> moved = W * dy - r;
-      dw.setZero();
-      for (const Cone& cone : cones_) {
-        dw.segment(cone.first, cone.rows) = moved.segment(cone.first, cone.rows);
-        for (Index k = 1; k < cone.rows; ++k) dw[cone.first] += turn[cone.first + k] * moved[cone.first + k];
-      }
-    };
-    const auto longest = [&] {
-      Real t = Real(1e6);
-      for (const Cone& cone : cones_)
-        for (const auto& [at, step] : {std::pair(&y, &dy), std::pair(&w, &dw)})
-          t = std::min<Real>(
-              t, longest_step<Real>(at->segment(cone.first, cone.rows), step->segment(cone.first, cone.rows)));
-      return t;
-    };
-    std::vector<VectorX<Real>> target;
-    for (const VectorX<Real>& l : lam) target.push_back(-l);
-    direction(target);
-    const Real affine = std::min(Real(1), longest());
-    const Real left = Real(1) - affine;
-    const Real centre = std::max(left * left * left, Real(1e-4));
+    return size;
+  }
+
+  // T = I + e_0 turn'.
+  void turn(Blocks& s) const {
+    for (std::size_t k = 0; k < s.size() && turns_; ++k) s[k][0] += turn_[k].dot(s[k]);
+  }
+
+  bool factorize(const std::vector<NesterovTodd<Real>>& scaling) {
+    system_.set_zero();
+    for (Index j = 0; j < p_.size(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it) system_.add(it.row(), j, Real(it.value()));
     for (std::size_t k = 0; k < cones_.size(); ++k) {
-      const Cone& cone = cones_[k];
-      const VectorX<Real> part = dy.segment(cone.first, cone.rows), other = dw.segment(cone.first, cone.rows);
-      VectorX<Real> wanted =
-          -jordan<Real>(lam[k], lam[k]) - jordan<Real>(scaling[k].divide(part), scaling[k].times(other));
-      wanted[0] += centre * mean;
-      target[k] = jordan_divide<Real>(lam[k], wanted);
+      MatrixX<Real> weight = scaling[k].square();
+      if (turns_) weight += (weight.col(0) * turn_[k].transpose()).eval();
+      for (Index a = 0; a < weight.rows(); ++a)
+        for (Index b = 0; b < weight.cols(); ++b) {
+          const Real factor = weight(a, b) * static_cast<Real>(unit_[k][a] * unit_[k][b]);
+          for (SparseRow i(p_.J, contact_of(k).row + a); i; ++i)
+            for (SparseRow j(p_.J, contact_of(k).row + b); j; ++j)
+              system_.add(i.col(), j.col(),
+                          factor * static_cast<Real>(DoubleDouble::exact_product(i.value(), j.value())));
+        }
     }
-    direction(target);
-    Real step = std::min(Real(1), Real(0.98) * longest());
-    if (!(step > Real(0)) || !dy.allFinite() || !dw.allFinite()) break;
-    y += step * dy;
-    w += step * dw;
+    for (std::size_t e = 0; e < equalities_.size(); ++e)
+      for (SparseRow it(p_.J, equalities_[e]); it; ++it) {
+        const Index at = p_.size() + static_cast<Index>(e);
+        system_.add(at, it.col(), Real(it.value()));
+        system_.add(it.col(), at, Real(it.value()));
+      }
+    return system_.factorize();
   }
-  std::stable_sort(out.begin(), out.end(), [](const InteriorAnswer& a, const InteriorAnswer& b) {
-    return a.complementarity + a.residual * a.residual > b.complementarity + b.residual * b.residual;
-  });
-  return out;
+
+  // M dx - J'dy = -force, dw = T (C dx - r), P dw + P^-1 dy = target.
+  void direction(const std::vector<NesterovTodd<Real>>& scaling, const Blocks& target) {
+    Blocks push(r_);
+    turn(push);
+    for (std::size_t k = 0; k < push.size(); ++k) push[k] = scaling[k].times(target[k] + scaling[k].times(push[k]));
+    ExtendedVector weights = multipliers(push);
+    for (const Index i : equalities_) weights[static_cast<std::size_t>(i)] = 0;
+    const ExtendedVector right = p_.force_residual(ExtendedVector(x_.size()), weights);
+    const auto n = static_cast<std::size_t>(p_.size());
+    VectorX<Real> step(std::ssize(left_));
+    for (std::size_t j = 0; j < left_.size(); ++j)
+      step[static_cast<Index>(j)] = -static_cast<Real>(left_[j] + (j < n ? right[j] : DoubleDouble()));
+    system_.solve(step);
+    dx_.resize(n);
+    for (std::size_t j = 0; j < n; ++j) dx_[j] = double_double(step[static_cast<Index>(j)]);
+    dforce_ = step.tail(std::ssize(equalities_));
+    dw_ = rows_of(dx_, nullptr);
+    for (std::size_t k = 0; k < dw_.size(); ++k) dw_[k] -= r_[k];
+    turn(dw_);
+    dy_.resize(dw_.size());
+    for (std::size_t k = 0; k < dw_.size(); ++k) dy_[k] = scaling[k].times(target[k] - scaling[k].times(dw_[k]));
+  }
+
+  Real longest() const {
+    Real least = Real(referee::interior_reach);
+    for (std::size_t k = 0; k < y_.size(); ++k)
+      least = std::min({least, longest_step<Real>(y_[k], dy_[k]), longest_step<Real>(w_[k], dw_[k])});
+    return least;
+  }
+
+  bool step(const Real& mean) {
+    std::vector<NesterovTodd<Real>> scaling;
+    Blocks lam, target;
+    for (std::size_t k = 0; k < y_.size(); ++k) {
+      scaling.emplace_back(y_[k], w_[k]);
+      lam.push_back(scaling[k].times(w_[k]));
+      target.push_back(-lam[k]);
+    }
+    if (!factorize(scaling)) return false;
+    direction(scaling, target);
+    const Real left = Real(1) - std::min(Real(1), longest());
+    const Real centre = std::max(left * left * left, Real(referee::interior_centre));
+    for (std::size_t k = 0; k < y_.size(); ++k) {
+      target[k] = -jordan<Real>(lam[k], lam[k]) - jordan<Real>(scaling[k].divide(dy_[k]), scaling[k].times(dw_[k]));
+      target[k][0] += centre * mean;
+      target[k] = jordan_divide<Real>(lam[k], target[k]);
+    }
+    direction(scaling, target);
+    const Real step = std::min(Real(1), Real(referee::interior_way) * longest());
+    if (!(step > Real(0)) || !std::isfinite(static_cast<double>(step))) return false;
+    for (std::size_t k = 0; k < y_.size(); ++k) {
+      y_[k] += step * dy_[k];
+      w_[k] += step * dw_[k];
+    }
+    for (std::size_t j = 0; j < x_.size(); ++j) x_[j] += double_double(step) * dx_[j];
+    for (std::size_t e = 0; e < equalities_.size(); ++e)
+      force_[static_cast<std::size_t>(equalities_[e])] -= double_double(step * dforce_[static_cast<Index>(e)]);
+    return true;
+  }
+
+  const ContactProblem& p_;
+  std::span<const Index> equalities_;
+  bool turns_;
+  std::vector<std::size_t> cones_;           // contacts
+  std::vector<VectorX<DoubleDouble>> unit_;  // what a row is multiplied by
+  ExtendedVector lift_;                      // what is added to each first one
+  ExtendedVector x_, dx_, force_, left_;     // force_: one a row, of equality rows alone
+  Blocks y_, w_, dy_, dw_, r_, turn_;
+  VectorX<Real> dforce_;
+  std::conditional_t<std::is_same_v<Real, double>, DenseSystem, ExtendedSymmetric> system_;
+};
+
+}  // namespace
+
+template <class Real>
+std::vector<InteriorAnswer> interior_point(const ContactProblem& problem, std::span<const Index> equalities,
+                                           const ExtendedVector* sigma, const InteriorOptions& options) {
+  return InteriorPoint<Real>(problem, equalities, sigma, options.inward).solve(options);
 }
 
-template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<double>(const ExtendedVector*,
-                                                                         const InteriorOptions&) const;
-template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<DoubleDouble>(const ExtendedVector*,
-                                                                               const InteriorOptions&) const;
-#ifndef ZWANG_NO_X87
-template std::vector<InteriorAnswer> RefereeInteriorPoint::solve<long double>(const ExtendedVector*,
-                                                                              const InteriorOptions&) const;
-#endif
+template std::vector<InteriorAnswer> interior_point<double>(const ContactProblem&, std::span<const Index>,
+                                                            const ExtendedVector*, const InteriorOptions&);
+template std::vector<InteriorAnswer> interior_point<DoubleDouble>(const ContactProblem&, std::span<const Index>,
+                                                                  const ExtendedVector*, const InteriorOptions&);
 
 }  // namespace zwang

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <zwang/core/referee/friction/mode_system.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 
@@ -12,49 +14,26 @@ struct InteriorAnswer {
   std::vector<ContactMode> modes;                                    // by the eigenvalues of both sides
   double complementarity = std::numeric_limits<double>::infinity();  // mean of lambda's~ over the contacts
   double residual = std::numeric_limits<double>::infinity();
-  bool converged = false;
 };
 
 struct InteriorOptions {
-  double start = 1;       // size of the first iterate, of the motion
-  double target = 1e-18;  // of the complementarity
-  int max_iterations = 80;
-  bool keep_iterates = false;
+  double start = 1;                          // size of the first iterate, of the motion
+  double target = referee::interior_target;  // of the complementarity
+  double inward = 0;  // every cone is moved in by so much of the motion: answers are strictly inside the true ones
 };
 
-// Primal-dual interior point on the cones y = (mu l_n, l_t) and w = (s_n / mu + |s_t|, s_t), Nesterov-Todd scaling
-// and Mehrotra's steps. Under Coulomb's law |s_t| is differentiated, which makes the matrix unsymmetric; under the
-// convex law sigma stands in its place. Dependent equality rows are left out by `equalities`. Dense: O(rows^3) an
-// iteration.
-class RefereeInteriorPoint {
- public:
-  // equalities: independent equality rows.
-  RefereeInteriorPoint(const ContactProblem& problem, std::vector<Index> equalities);
-
-  Index rows() const { return static_cast<Index>(rows_.size()); }
-
-  // sigma: |s_t| of each contact, for the convex problem it makes, or null for Coulomb's law. Real: double,
-  // long double (where it is x87's) or DoubleDouble. The last of the answers is the best.
-  template <class Real>
-  std::vector<InteriorAnswer> solve(const ExtendedVector* sigma, const InteriorOptions& options = {}) const;
-
- private:
-  struct Cone {
-    Index first, rows;  // in the dense numbering
-    std::size_t contact;
-    double mu;  // 1 for a ray
-  };
-  template <class Real>
-  MatrixX<Real> matrix() const;
-  template <class Real>
-  InteriorAnswer answer(const VectorX<Real>& y, const VectorX<Real>& w) const;
-
-  const ContactProblem* p_;
-  std::vector<Index> rows_;  // of the problem, by dense number; equality rows first
-  std::vector<Cone> cones_;
-  ExtendedVector unit_;    // what a dense row is multiplied by: 1 / mu of a normal one
-  MatrixX<FactorReal> W_;  // (J_i M^-1 J_k') in the scaled cones
-  Index equalities_ = 0;
-};
+// Primal-dual interior point on the cones y = (mu l_n, l_t) and w = (s_n / mu + |s_t|, s_t), with Nesterov-Todd scaling
+// P and Mehrotra's steps. Under Coulomb's law (sigma = null) |s_t| is differentiated; otherwise sigma, one a contact,
+// stands in its place, and the problem is convex. equalities: independent equality rows E. All iterates, the last the
+// best.
+//
+// The steps solve [[M + C'P^2 T C, E'], [E, 0]], C the contacts' rows and T the turn of the slips: as large as the
+// motion and the equality rows, and regular however contacts depend on each other. (W + P^-2 in the rows, W = C M^-1
+// C', is not: where redundant rows disagree in their last digits, it does not show which of them hold.) Residuals are
+// in double-double. Real: double, or with slips DoubleDouble, whose factor is Cholesky's of ExtendedSymmetric.
+// O(unknowns^3) an iteration.
+template <class Real>
+std::vector<InteriorAnswer> interior_point(const ContactProblem& problem, std::span<const Index> equalities,
+                                           const ExtendedVector* sigma, const InteriorOptions& options = {});
 
 }  // namespace zwang

@@ -5,26 +5,17 @@
 #include <numeric>
 
 #include <zwang/core/referee/exact_rank.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double unit_roundoff = 0x1p-53;
-// What bounds are widened by for the rounding of their own sums of positive terms.
-constexpr double widened = 1 + 1e-9;
-// Modular products of the exact question about dropped rows.
-constexpr double exact_products = 3e7;
+using referee::down, referee::up, referee::unit_roundoff;
+
 constexpr int refinements = 12;
-// How often modes that do not hold are changed, and how small a step has to become before a proof is tried.
-constexpr int mode_changes = 12;
-constexpr double polished = 1e-12;
-// Relative to the motion: what rounding of dependent rows leaves of modes that hold. Where such modes solve other rows
-// only, it is worth to change some by the last digits that there are.
-constexpr double holds = 1e-13;
-constexpr int mode_changes_by_last_digits = 2;
-// Of mu l_n: a part of the friction that may be zero exactly.
-constexpr double aligned = 1e-20;
+// How often modes that do not hold are changed, and how often by the last digits.
+constexpr int mode_changes = 12, mode_changes_by_last_digits = 2;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -79,21 +70,21 @@ class Krawczyk {
     identity_error = identity_error.cwiseAbs();
     absolute_R_ = R_.cwiseAbs();
     const Matrix absolute_A = A.cwiseAbs();
-    const double gamma = static_cast<double>(N + 20) * unit_roundoff * 1.01;
+    const double gamma = static_cast<double>(N + 20) * unit_roundoff * referee::widened_sum;
     const Vector start = (R_ * value).cwiseAbs() + absolute_R_ * (gamma * value.cwiseAbs() + value_error);
-    Vector r = start.array() * 1.01 + 1e-200;
+    Vector r = start.array() * referee::widened_sum + referee::underflow_of_squares;
     bool inside = false;
     double contraction = 0;  // bounds |I - R F'| on the box, in the norm max |v_i| / r_i
     for (int round = 0; round < 12 && !inside; ++round) {
       const Vector spread = jacobian_spread(r);
       if (!spread.allFinite()) return proof;
       const Vector turned =
-          (identity_error * r + absolute_R_ * (gamma * (absolute_A * r) + spread + gamma * gamma * r)) * widened;
-      const Vector image = start * widened + turned;
+          (identity_error * r + absolute_R_ * (gamma * (absolute_A * r) + spread + gamma * gamma * r)) * up(1);
+      const Vector image = start * up(1) + turned;
       if (!image.allFinite()) return proof;
       inside = (image.array() < r.array()).all();
-      if (N > 0) contraction = (turned.array() / r.array()).maxCoeff() * widened;
-      if (!inside) r = image.array() * 1.5 + 1e-200;
+      if (N > 0) contraction = (turned.array() / r.array()).maxCoeff() * up(1);
+      if (!inside) r = image.array() * referee::inflated + referee::underflow_of_squares;
     }
     if (!inside) return proof;
     proof.proven = true;
@@ -155,7 +146,7 @@ class Krawczyk {
       if (point_.modes[c] != ContactMode::slide) continue;
       const ContactRows& contact = p_.contacts[c];
       const double slip = p_.slip(contact, point_.x).hi;
-      const double turn = 0x1p-95 + 4 * p_.slip_error(contact, point_.x) / slip;
+      const double turn = referee::rounding_of_few + 4 * p_.slip_error(contact, point_.x) / slip;
       const double push = contact.mu * std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi) * turn;
       for (Index t = 1; t < contact.rows(); ++t)
         for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row + t); it; ++it)
@@ -172,11 +163,11 @@ class Krawczyk {
   double slip_reach(const ContactRows& contact, const Vector& radius) const {
     double reach = 0;
     for (Index t = 1; t < contact.rows(); ++t) reach = std::hypot(reach, p_.reach(contact.row + t, radius));
-    return reach * widened;
+    return up(reach);
   }
   double least_slip(const ContactRows& contact, const Vector& radius) const {
     const double error = p_.slip_error(contact, point_.x);
-    return (p_.slip(contact, point_.x).hi - error) * (1 - 1e-9) - slip_reach(contact, radius);
+    return down(p_.slip(contact, point_.x).hi - error) - slip_reach(contact, radius);
   }
   // By how much its direction does.
   double slip_turn(const ContactRows& contact, const Vector& radius) const {
@@ -260,14 +251,14 @@ class Krawczyk {
           if (!scaled_.zero_row_holds(contact.row)) off({.off = infinity});
           continue;
         }
-        const double spread = (p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius)) * widened;
+        const double spread = (p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius)) * up(1);
         ask(slack, spread, {.slacks = {contact.row}, .off = 1 / contact.unit});
         continue;
       }
       double weight = 0;  // |J_i'| in the dual norm, of any unit force of the contact
       for (Index t = 0; t < contact.rows(); ++t) weight = std::hypot(weight, p_.row_norm[contact.row + t]);
       const double normal = point_.lambda[row].hi, normal_radius = multiplier_radius(contact.row, r);
-      ask(normal, normal_radius + 1e-15 * std::abs(normal) * (normal_radius > 0),
+      ask(normal, normal_radius + referee::measured * std::abs(normal) * (normal_radius > 0),
           {.forces = {{{contact.row, 1}}}, .off = (1 + contact.mu) * weight, .of_force = true});
       if (point_.modes[c] == ContactMode::slide || contact.rows() == 1) continue;
       ask_cone(contact, r, weight, ask);
@@ -288,7 +279,7 @@ class Krawczyk {
       proof.strict = false;
       off(doubt);
     }
-    proof.delta = (off_rows + off_forces) * widened;
+    proof.delta = up(off_rows + off_forces);
     return by_rows;
   }
 
@@ -305,18 +296,19 @@ class Krawczyk {
       const DoubleDouble l = point_.lambda[row + static_cast<std::size_t>(t)];
       squares += l * l;
       spread += multiplier_radius(contact.row + t, r);
-      if (std::abs(l.hi) > aligned * edge.hi)
+      if (std::abs(l.hi) > referee::aligned * edge.hi)
         sum.emplace_back(contact.row + t, l.hi > 0 ? -1 : 1);
       else
         doubt.forces.push_back({{contact.row + t, 1}});
     }
     const DoubleDouble tangential = sqrt(squares);
-    const double rounding = squares == DoubleDouble(0) && edge == DoubleDouble(0)
-                                ? 0
-                                : 0x1p-98 * (std::abs(tangential.hi) + std::abs(edge.hi)) + 1e-150;
+    const double rounding =
+        squares == DoubleDouble(0) && edge == DoubleDouble(0)
+            ? 0
+            : referee::rounding_of_few * (std::abs(tangential.hi) + std::abs(edge.hi)) + referee::underflow_of_squares;
     if (sum.size() <= 2) doubt.forces.push_back(std::move(sum));  // else the edge is not linear
     if (doubt.forces.size() < static_cast<std::size_t>(contact.rows() - 1)) doubt.forces = {{}};
-    ask((edge - tangential).hi, rounding + spread * widened, std::move(doubt));
+    ask((edge - tangential).hi, rounding + up(spread), std::move(doubt));
   }
 
   // Are all of these exactly zero at the solution in the box? In integers modulo primes, from the equations that are
@@ -333,7 +325,7 @@ class Krawczyk {
     const auto imposed = static_cast<double>(part_.rows.size()), size = static_cast<double>(unknowns);
     const auto more = static_cast<double>(part_.dropped_rows.size() + doubts.size());
     const double work = with_forces ? size * size * size : (imposed + more) * imposed * static_cast<double>(n);
-    if (work > exact_products) return false;
+    if (work > referee::exact_products) return false;
 
     // Columns: z, d = z - z_u, lambda.
     std::vector<Eigen::Triplet<double>> entries;
@@ -343,7 +335,7 @@ class Krawczyk {
       entries.emplace_back(static_cast<int>(right.size()), static_cast<int>(column), value);
     };
     const auto close = [&](double value) {
-      exact &= value == 0 || (std::abs(value) > 1e-280 && std::abs(value) < 1e280);
+      exact &= referee::ordinary(value);
       right.push_back(value);
     };
     const auto add_stored = [&](Index row) {
@@ -433,9 +425,9 @@ class Krawczyk {
             error[it.col()] += std::abs(it.value()) * (t == 0 ? gamma : turn);
       }
       const Vector move = R_ * column;
-      error = (absolute_R_ * (error + gamma * column.cwiseAbs())).eval() * widened;
+      error = (absolute_R_ * (error + gamma * column.cwiseAbs())).eval() * up(1);
       const double size = ((move.cwiseAbs() + error).array() / r.array()).maxCoeff();
-      error += contraction / (1 - contraction) * widened * size * r;
+      error += contraction / (1 - contraction) * up(1) * size * r;
       if ((move.cwiseAbs() - error).head(n).maxCoeff() > 0) return true;
     }
     return false;
@@ -459,12 +451,12 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
     if (std::ranges::find(tried, guess.modes) != tried.end()) break;
     tried.push_back(guess.modes);
     const double left = polish(problem, guess);
-    if (left < polished) {
+    if (left < referee::polished) {
       ModeProof proof = prove_modes(problem, scaled, guess);
       if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
       if (best.proven && best.delta == 0) break;
     }
-    if (change_modes(problem, guess, holds)) continue;
+    if (change_modes(problem, guess, referee::holds)) continue;
     if (!best.proven || --last_digits < 0) break;
     guess = best.point;
     if (!change_modes(problem, guess, 0)) break;
@@ -474,7 +466,7 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
 
 ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point) {
   ModeProof best{.point = point};
-  for (const double threshold : {1e-11, 1e-8, 1e-13}) {
+  for (const double threshold : referee::independent_pivots) {
     ModeProof proof = Krawczyk(problem, scaled, point).prove(threshold);
     if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
     if (best.proven && best.delta == 0) break;

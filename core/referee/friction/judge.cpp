@@ -7,19 +7,18 @@
 #include <zwang/core/problem/law.h>
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
-#include <zwang/core/referee/friction/contact_islands.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/numbers.h>
 #include <zwang/core/referee/friction/self_bound.h>
+#include <zwang/core/referee/island_split.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
+using referee::down, referee::up;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Of a contact's |lambda| + |s| in doubles: less is zero for a first guess at its mode.
-constexpr double mode_cut = 1e-9;
-// Rows for self_bound where there are joints.
-constexpr Index self_rows = 1200;
 
 double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
   for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
@@ -46,7 +45,7 @@ double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, cons
 }
 
 bool may_bound(const ContactProblem& p) {
-  return may_prove(p.size(), p.rows()) && (p.equalities.empty() || p.rows() <= self_rows);
+  return referee::may_prove(p.size(), p.rows()) && (p.equalities.empty() || p.rows() <= referee::self_rows);
 }
 
 // The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
@@ -56,11 +55,11 @@ Vector certificate_in_cone(const Problem& problem, Vector u) {
     if (problem.is_equality(i)) continue;
     const Index tangents = problem.tangents(i);
     const double mu = problem.law == Law::convex && tangents > 0 ? problem.mu[i] : 0;
-    const double most = mu * std::max(0.0, u[i]) * (1 - 1e-15);
+    const double most = mu * std::max(0.0, u[i]) * (1 - 8 * referee::unit_roundoff);
     double tangential = 0;
     for (Index t = 1; t <= tangents; ++t) tangential = std::hypot(tangential, u[i + t]);
     for (Index t = 1; t <= tangents; ++t)
-      if (tangential > most) u[i + t] *= most > 0 ? most / tangential * (1 - 1e-15) : 0;
+      if (tangential > most) u[i + t] *= most > 0 ? most / tangential * (1 - 8 * referee::unit_roundoff) : 0;
     i += tangents;
   }
   return u;
@@ -107,7 +106,7 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
               Nearest& nearest) {
   ModeProof proof = prove_near(p, scaled, std::move(guess));
   if (!proof.proven) return;
-  const double upper = (distance(p, x, proof.point.x) + proof.radius) * (1 + 1e-9);
+  const double upper = up(distance(p, x, proof.point.x) + proof.radius);
   // A solution of these rows comes before one of others, however near.
   const bool exact = proof.delta == 0, exact_before = nearest.proof.proven && nearest.proof.delta == 0;
   const auto off = [](const ModeProof& by, double far) { return far + by.delta; };
@@ -131,7 +130,7 @@ struct Found {
 };
 
 void Found::join(const Found& other) {
-  const auto add = [](double& a, double b) { a = std::hypot(a, b) * (1 + 1e-14); };
+  const auto add = [](double& a, double b) { a = up(std::hypot(a, b)); };
   ModeProof& proof = nearest.proof;
   proof.proven &= other.nearest.proof.proven;
   proof.strict &= other.nearest.proof.strict;
@@ -142,7 +141,7 @@ void Found::join(const Found& other) {
   add(nearest.upper, other.nearest.upper);
   add(upper, other.upper);
   add(convex_error, other.convex_error);
-  lower = std::hypot(lower, other.lower) * (1 - 1e-14);
+  lower = down(std::hypot(lower, other.lower));
   convex_size = std::hypot(convex_size, other.convex_size);
   nearest_size = std::hypot(nearest_size, other.nearest_size);
   if (other.rows == ConvexBound::Rows::infeasible) rows = other.rows;
@@ -151,7 +150,7 @@ void Found::join(const Found& other) {
 // Of a part without rows: its answer is z_u, x = 0.
 Found found_free(const ContactProblem& p, const ExtendedVector& x) {
   const double off = p.norm(x), size = p.free_motion;
-  Found found{.upper = off * (1 + 1e-9), .lower = off * (1 - 1e-9), .convex_size = size, .nearest_size = size};
+  Found found{.upper = up(off), .lower = down(off), .convex_size = size, .nearest_size = size};
   found.nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .strict = true, .unique_forces = true},
                    .upper = found.upper};
   return found;
@@ -161,7 +160,7 @@ Found found_free(const ContactProblem& p, const ExtendedVector& x) {
 double distance_to_solutions(double off, double turn) {
   if (!(turn < infinity)) return 0;
   const double root = 2 * off / (std::sqrt(2 * turn + 4 * off) + std::sqrt(2 * turn));
-  return root * root * (1 - 1e-9);
+  return down(root * root);
 }
 
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
@@ -169,7 +168,7 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   const bool coulomb = problem.law == Law::coulomb, has_lambda = !lambda.empty();
   const Slips slips = slips_at(p, x, problem.law);
   ModePoint guess{x, lambda, {}};
-  if (has_lambda) guess.modes = modes_by_size(p, x, lambda, mode_cut);
+  if (has_lambda) guess.modes = modes_by_size(p, x, lambda, referee::mode_cut);
   Found found;
   Nearest& nearest = found.nearest;
   if (coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
@@ -183,8 +182,8 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   found.upper = infinity;
   if (convex.upper < infinity) {
     const double off = distance(p, x, convex.x);
-    found.upper = (off + convex.upper) * (1 + 1e-9);
-    found.lower = std::max(0.0, off * (1 - 1e-9) - convex.upper);
+    found.upper = up(off + convex.upper);
+    found.lower = std::max(0.0, down(off) - convex.upper);
     if (coulomb) {
       const bool far = found.lower > 1000 * accepted * p.scale;
       found.lower = far ? distance_to_solutions(found.lower, bound_turn(p, scaled)) : 0;
@@ -200,10 +199,10 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
 }
 
 // Each part apart, in the units of the whole.
-Found find_apart(const std::vector<ContactIsland>& islands, const ScaledProblem& scaled, const Solution& solution,
+Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& scaled, const Solution& solution,
                  bool has_lambda, double scale, double accepted) {
   std::optional<Found> all;
-  for (const ContactIsland& island : islands) {
+  for (const IslandPart& island : islands) {
     const ScaledProblem part(island.problem);
     const ContactProblem p(island.problem, part, std::ldexp(scale, scaled.norm_exponent() - part.norm_exponent()));
     const ExtendedVector x = p.motion(part.motion(island.columns_of(solution.z)));
@@ -265,9 +264,9 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     out.bound_method = "rows met without rounding";
     return Verdict::solved;
   }
-  const std::vector<ContactIsland> islands = split_contacts(problem);
-  if (islands.empty() ? !may_prove(p.size(), p.rows()) : !std::ranges::all_of(islands, &ContactIsland::may_prove))
-    return Verdict::undecided;
+  const std::vector<IslandPart> islands = split_islands(problem);
+  const auto may = [](const auto& part) { return referee::may_prove(part.size(), part.rows()); };
+  if (islands.empty() ? !may(p) : !std::ranges::all_of(islands, may, &IslandPart::problem)) return Verdict::undecided;
   const Found found = islands.empty() ? find(problem, scaled, p, x, lambda, accepted)
                                       : find_apart(islands, scaled, solution, has_lambda, own_scale, accepted);
   if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
@@ -303,7 +302,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   }
   if (!known && rows_contradict(problem, solution.z)) return Verdict::wrong;
   // Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it.
-  lower = std::max({lower, from_reference.lower, std::min(1.0, out.primal) / 2 * (1 - 1e-9)});
+  lower = std::max({lower, from_reference.lower, down(std::min(1.0, out.primal) / 2)});
   if (lower > from_reference.upper) return Verdict::undecided;
   if (const Verdict near = by_error(from_reference.upper, 0, tolerance); near != Verdict::undecided) return near;
   if (lower <= accepted && std::max(out.z_bound, out.friction.delta) <= accepted) return Verdict::rows_off;

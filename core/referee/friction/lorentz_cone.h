@@ -5,6 +5,7 @@
 
 #include <zwang/core/problem/types.h>
 #include <zwang/core/referee/friction/mode_system.h>
+#include <zwang/core/referee/tolerances.h>
 
 // The Lorentz cone x_0 >= |x_t| and its Jordan algebra (Alizadeh & Goldfarb 2003, Math. Program. 95), in any scalar, on
 // vectors of any length; one entry: a ray.
@@ -41,11 +42,11 @@ VectorX<Real> jordan_divide(const VectorX<Real>& x, const VectorX<Real>& y) {
   return out;
 }
 
-// The largest t <= 1 / 0.99.. with x + t dx in the cone.
+// The largest t with x + t dx in the cone, up to a bound that stands for all.
 template <class Real>
 Real longest_step(const VectorX<Real>& x, const VectorX<Real>& dx) {
   using std::sqrt;
-  Real least = Real(1e6);
+  Real least = Real(referee::interior_reach);
   if (x.size() == 1) return dx[0] < Real(0) ? -x[0] / dx[0] : least;
   const Index k = x.size() - 1;
   const Real a = dx[0] * dx[0] - dx.tail(k).squaredNorm();
@@ -80,14 +81,12 @@ struct NesterovTodd {
   }
   VectorX<Real> times(const VectorX<Real>& x) const { return apply(x, Real(1)) * eta; }
   VectorX<Real> divide(const VectorX<Real>& x) const { return apply(x, Real(-1)) / eta; }
-  // P^-2 = (2 (Jv)(Jv)' - J) / eta^2
-  MatrixX<Real> inverse_square() const {
-    VectorX<Real> u = -v;
-    u[0] = v[0];
-    MatrixX<Real> out = Real(2) * u * u.transpose();
+  // P^2 = eta^2 (2 v v' - J), J = diag(1, -1, -1)
+  MatrixX<Real> square() const {
+    MatrixX<Real> out = Real(2) * v * v.transpose();
     out(0, 0) -= Real(1);
     for (Index k = 1; k < v.size(); ++k) out(k, k) += Real(1);
-    return out / (eta * eta);
+    return out * (eta * eta);
   }
 
  private:

@@ -4,17 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include <zwang/core/referee/tolerances.h>
+
 namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Pivots of rows of unit size, in double: smaller ones are rounding.
-constexpr double rank_pivot = 1e-11;
 constexpr int newton_steps = 40;
-// Of the motion: the slip that a contact begins with when it leaves stick.
-constexpr double first_slip = 1e-3;
-// Residuals below it fall by refinement with the factors at hand.
-constexpr double refine_below = 1e-9;
 
 void add_row(Matrix& into, Index at, const ContactProblem& p, Index row, double factor) {
   for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
@@ -67,7 +63,7 @@ bool settle_forces(const ContactProblem& p, ModePoint& point) {
     for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
     if (point.modes[c] != ContactMode::slide) continue;
     const DoubleDouble slip = p.slip(contact, point.x);
-    if (!(slip.hi > 1e-250)) {
+    if (!(slip.hi > referee::underflow_of_squares)) {
       usable = false;
       continue;
     }
@@ -101,7 +97,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     const auto c = static_cast<std::size_t>(row.contact);
     const ContactRows& contact = p.contacts[c];
     const DoubleDouble slip = p.slip(contact, point.x);
-    if (!(slip.hi > 1e-250)) {
+    if (!(slip.hi > referee::underflow_of_squares)) {
       usable = false;
       return;
     }
@@ -168,7 +164,8 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
         ExtendedVector push(static_cast<std::size_t>(p.rows()));
         for (Index t = 1; t < contact.rows(); ++t) {
           const auto k = row + static_cast<std::size_t>(t);
-          push[k] = point.lambda[k] * (-first_slip / l_t / (p.row_norm[contact.row + t] * p.row_norm[contact.row + t]));
+          push[k] = point.lambda[k] *
+                    (-referee::first_slip / l_t / (p.row_norm[contact.row + t] * p.row_norm[contact.row + t]));
         }
         const ExtendedVector move = p.motion_by(push);
         for (std::size_t j = 0; j < move.size(); ++j) point.x[j] += move[j];
@@ -187,11 +184,11 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
   std::optional<ModeSystem> system;
   Eigen::LLT<Matrix> mass;
   Eigen::CompleteOrthogonalDecomposition<Matrix> rows;
-  rows.setThreshold(rank_pivot);
+  rows.setThreshold(referee::mode_pivot);
   int without_gain = 0;
   for (int step = 0; step < newton_steps; ++step) {
     if (!settle_forces(p, point)) break;
-    if (!system || last > refine_below) {
+    if (!system || last > referee::refine_below) {
       system.emplace(p, point, sigma);
       if (!system->usable) break;
       mass.compute(system->H);
@@ -215,7 +212,7 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
       least = last;
       best = point;
     }
-    if (!(last > 1e-31) || without_gain > 3) break;
+    if (!(last > referee::refined_modes) || without_gain > 3) break;
     for (Index j = 0; j < p.size(); ++j) point.x[static_cast<std::size_t>(j)] += move[j];
     for (Index k = 0; k < change.size(); ++k)
       point.lambda[static_cast<std::size_t>(system->active[static_cast<std::size_t>(k)].row)] += change[k];

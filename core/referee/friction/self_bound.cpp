@@ -5,21 +5,15 @@
 #include <optional>
 
 #include <zwang/core/referee/exact_rank.h>
-#include <zwang/core/referee/friction/convex_interior_point.h>
+#include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/orthogonal_rows.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double widened = 1 + 1e-9;
-// A bound that is this small is not worth another try.
-constexpr double sharp_enough = 1e-13;
-// One that is this small is not worth Newton's method on the modes, dense in the rows, where they are many.
-constexpr double good_enough = 1e-10;
-// Rows up to which the interior point of jointed problems works in double-double, and in FactorReal.
-constexpr Index double_double_rows = 260, extended_rows = 400;
-constexpr Index polished_rows = 600;
+using referee::up;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }
 
@@ -38,7 +32,7 @@ class Duality {
       if (split.dependent) return;
       orthogonal_.append(split);
     }
-    sigma_min_ = orthogonal_.sigma_min(orthogonal_.rank()) / 1.01;
+    sigma_min_ = orthogonal_.sigma_min(orthogonal_.rank()) / referee::widened_sum;
     Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
     for (Index k = 0; k < rows.rows(); ++k) {
       const Index i = equalities_[static_cast<std::size_t>(k)];
@@ -74,7 +68,7 @@ class Duality {
     double sum = 0;
     for (const Index i : equalities_)
       sum = std::hypot(sum, (std::abs(p_.slack(i, x).hi) + p_.slack_error(i, x)) / p_.row_norm[i]);
-    return sigma_min_ > 0 ? safe(sum / sigma_min_ * 1.01) : infinity;
+    return sigma_min_ > 0 ? safe(sum / sigma_min_ * referee::widened_sum) : infinity;
   }
 
   // At least so far inside K*, for every sigma in its interval and every motion within `off` of x.
@@ -86,10 +80,10 @@ class Duality {
     if (contact.rows() > 1) {
       s += DoubleDouble(contact.mu) * (sigma_[c] - p_.slip(contact, x));
       error += contact.mu * (sigma_error_[static_cast<Index>(c)] + p_.slip_error(contact, x)) +
-               0x1p-97 * (std::abs(s.hi) + contact.mu * (sigma_[c].hi + p_.slip(contact, x).hi));
+               referee::rounding_of_few * (std::abs(s.hi) + contact.mu * (sigma_[c].hi + p_.slip(contact, x).hi));
       for (Index t = 1; t < contact.rows(); ++t) reach += contact.mu * p_.row_norm[contact.row + t];
     }
-    return s.hi - (error + reach * off) * widened - std::abs(s.hi) * 1e-15;
+    return s.hi - up(error + reach * off) - std::abs(s.hi) * referee::measured;
   }
 
   // C of bound_turn(), by x.
@@ -105,7 +99,7 @@ class Duality {
       for (Index t = 1; t < contact.rows(); ++t) slip = std::hypot(slip, p_.row_norm[contact.row + t]);
       worst = std::max(worst, contact.mu * slip / room);
     }
-    return safe(worst * size * size / 4 * widened);
+    return safe(up(worst * size * size / 4));
   }
 
   bool feasible(const ExtendedVector& x) const {
@@ -137,7 +131,7 @@ class Duality {
       squares += DoubleDouble(c_of[t]).scaled(-std::ilogb(top)) * DoubleDouble(c_of[t]).scaled(-std::ilogb(top));
     const DoubleDouble slip = DoubleDouble(contact.mu) * sqrt(squares),
                        s = -DoubleDouble(c_of[0]).scaled(-std::ilogb(top));
-    return (s - slip).hi >= -0x1p-90 * (std::abs(s.hi) + slip.hi);  // on the edge: it holds
+    return (s - slip).hi >= -referee::on_edge * (std::abs(s.hi) + slip.hi);  // on the edge: it holds
   }
 
   // The part of the way to `inner` that brings x inside, or infinity.
@@ -182,16 +176,17 @@ class Duality {
         pushes[k] = lambda[k];
       }
       product += part;
-      rounding += 0x1p-96 * (sizes + contact.mu * lambda[row].hi * sigma_[c].hi);
+      rounding += referee::rounding_of_few * (sizes + contact.mu * lambda[row].hi * sigma_[c].hi);
     }
-    rounding += static_cast<double>(p_.contacts.size()) * 0x1p-100 * std::abs(product.hi);
-    const double residual = p_.dual_norm(p_.force_residual(x, lambda)) * 1.01 + p_.dual_norm(p_.force_error(x, lambda));
+    rounding += referee::rounding_of(std::ssize(p_.contacts)) * std::abs(product.hi);
+    const double residual =
+        p_.dual_norm(p_.force_residual(x, lambda)) * referee::widened_sum + p_.dual_norm(p_.force_error(x, lambda));
     double gap = (residual + distance) * (residual + distance) / 2 + std::max(0.0, product.hi) + rounding;
     if (distance > 0) {
       const ExtendedVector still(x.size());
-      gap += distance * p_.dual_norm(p_.force_residual(still, pushes)) * 1.01;
+      gap += distance * p_.dual_norm(p_.force_residual(still, pushes)) * referee::widened_sum;
     }
-    return safe((distance + std::sqrt(2 * gap)) * widened);
+    return safe(up(distance + std::sqrt(2 * gap)));
   }
 
  private:
@@ -205,16 +200,16 @@ class Duality {
       tangential += l * l;
     }
     tangential = sqrt(tangential);
-    const DoubleDouble most = lambda[row] * contact.mu * DoubleDouble(1 - 0x1p-53, 0);
-    if (tangential.hi < 1e-140) {  // squares may have vanished
+    const DoubleDouble most = lambda[row] * contact.mu * DoubleDouble(1 - referee::unit_roundoff);
+    if (tangential.hi < referee::underflow_of_squares) {  // squares may have vanished
       for (Index t = 1; t <= contact.tangents; ++t)
         if (std::abs(lambda[row + static_cast<std::size_t>(t)].hi) * 2 > most.hi)
           lambda[row + static_cast<std::size_t>(t)] = 0;
       return;
     }
     const DoubleDouble edge = lambda[row] * contact.mu;
-    if ((edge - tangential).hi > 0x1p-96 * edge.hi) return;
-    const DoubleDouble factor = edge / tangential * (DoubleDouble(1) - DoubleDouble(0x1p-94));
+    if ((edge - tangential).hi > referee::rounding_of_few * edge.hi) return;
+    const DoubleDouble factor = edge / tangential * (DoubleDouble(1) - referee::rounding_of_few);
     for (Index t = 1; t < contact.rows(); ++t) lambda[row + static_cast<std::size_t>(t)] *= factor;
   }
 
@@ -250,11 +245,9 @@ double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
     duality.correct(x);
     if (duality.feasible(x)) least = std::min(least, duality.turn(x));
   };
-  const std::vector<InteriorAnswer> iterates =
-      equalities.empty()
-          ? ConvexInteriorPoint(p, none).solve({.target = 1e-3})
-          : RefereeInteriorPoint(p, equalities).solve<double>(&none, {.target = 1e-3, .keep_iterates = true});
-  for (const InteriorAnswer& iterate : iterates) consider(iterate.x);
+  const auto method = equalities.empty() ? interior_point<DoubleDouble> : interior_point<double>;
+  for (const InteriorAnswer& iterate : method(p, equalities, &none, {.target = referee::interior_target_rough}))
+    consider(iterate.x);
   return least;
 }
 
@@ -273,23 +266,20 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   }
   if (!p.exact) return best;
 
-  // Without joints, in double-double at once; with them, dense in the rows, and wider only where they are few.
-  std::optional<RefereeInteriorPoint> method;
-  std::vector<InteriorAnswer> inner;
-  if (equalities.empty()) {
-    inner = ConvexInteriorPoint(p, sigma).solve({.target = 1e-27});
-  } else {
-    method.emplace(p, equalities);
-    inner = method->solve<double>(&sigma, {.keep_iterates = true});
-  }
+  // Without joints, in double-double at once; with them first in double.
+  const bool jointed = !equalities.empty();
+  std::vector<InteriorAnswer> inner =
+      jointed ? interior_point<double>(p, equalities, &sigma)
+              : interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended});
   for (InteriorAnswer& iterate : inner) {
     duality.correct(iterate.x);
     best.interior |= duality.strictly_inside(iterate.x);
   }
   // Iterates may come to the answer along the outside of a cone: then a point inside is looked for.
-  for (const double inward : {1e-3, 1e-6}) {
-    if (best.interior || !equalities.empty()) break;
-    for (InteriorAnswer& iterate : ConvexInteriorPoint(p, sigma, inward).solve({.target = 1e-20}))
+  for (const double inward : referee::interior_inward) {
+    if (best.interior || jointed) break;
+    for (InteriorAnswer& iterate : interior_point<DoubleDouble>(
+             p, equalities, &sigma, {.target = referee::interior_target_inside, .inward = inward}))
       if (duality.strictly_inside(iterate.x)) {
         best.interior = true;
         iterate.complementarity += inward;
@@ -314,8 +304,8 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     const InteriorAnswer* target = nullptr;
     for (const InteriorAnswer& iterate : inner) {
       const double way = duality.way_inside(point.x, iterate.x);
-      if (way < 1 && way * (iterate.complementarity + 1e-12) < cost) {
-        cost = way * (iterate.complementarity + 1e-12);
+      if (way < 1 && way * (iterate.complementarity + referee::inner_cost) < cost) {
+        cost = way * (iterate.complementarity + referee::inner_cost);
         part = way;
         target = &iterate;
       }
@@ -326,24 +316,23 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     take(std::move(x));
   };
   const auto as_it_is = [&](const InteriorAnswer& answer) { consider({answer.x, answer.lambda, answer.modes}); };
-  if (!method && !inner.empty()) as_it_is(inner.back());
-  if (!method && p.rows() > polished_rows && best.upper <= good_enough) return best;
+  if (!jointed && !inner.empty()) as_it_is(inner.back());
+  if (!jointed && p.rows() > referee::polished_rows && best.upper <= referee::good_enough) return best;
   const auto polished = [&](ModePoint point) {
     polish(p, point, &sigma);
     consider(std::move(point));
   };
-  if (guess && best.upper > sharp_enough) polished(*guess);
+  if (guess && best.upper > referee::sharp_enough) polished(*guess);
   const auto take_both = [&](const InteriorAnswer& answer) {
     polished({answer.x, answer.lambda, answer.modes});
-    if (method) as_it_is(answer);
+    if (jointed) as_it_is(answer);
   };
-  if (best.upper > sharp_enough && !inner.empty()) take_both(inner.back());
-  if (best.upper > sharp_enough && method && method->rows() <= extended_rows) {
-    const std::vector<InteriorAnswer> finer = method->rows() <= double_double_rows
-                                                  ? method->solve<DoubleDouble>(&sigma, {.target = 1e-27})
-                                                  : method->solve<FactorReal>(&sigma, {.target = 1e-24});
-    if (!finer.empty()) take_both(finer.back());
-  }
+  if (best.upper > referee::sharp_enough && !inner.empty()) take_both(inner.back());
+  if (best.upper > referee::sharp_enough && jointed && p.rows() <= referee::extended_rows)
+    if (const auto finer =
+            interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended});
+        !finer.empty())
+      take_both(finer.back());
   return best;
 }
 

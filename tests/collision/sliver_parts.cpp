@@ -1,4 +1,4 @@
-#include <zwang/bench/collision/sliver_parts.h>
+#include "tests/collision/sliver_parts.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

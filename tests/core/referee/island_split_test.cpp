@@ -1,4 +1,4 @@
-#include <zwang/core/referee/friction/contact_islands.h>
+#include <zwang/core/referee/island_split.h>
 
 #include <gtest/gtest.h>
 
@@ -40,9 +40,9 @@ struct TwoBlocks {
   }
 };
 
-TEST(ContactIslands, ContactsStayWholeAndTheRestIsOnePart) {
+TEST(IslandSplit, ContactsStayWholeAndTheRestIsOnePart) {
   const TwoBlocks two;
-  const std::vector<ContactIsland> islands = split_contacts(two.all.problem());
+  const std::vector<IslandPart> islands = split_islands(two.all.problem());
   ASSERT_EQ(islands.size(), 3u);
   EXPECT_EQ(islands[0].columns, (std::vector<Index>{0, 3, 6}));
   EXPECT_EQ(islands[0].rows, (std::vector<Index>{0, 1, 2}));
@@ -51,18 +51,18 @@ TEST(ContactIslands, ContactsStayWholeAndTheRestIsOnePart) {
   EXPECT_TRUE(islands[2].rows.empty());
   EXPECT_EQ(islands[0].problem.mu, vector({.5, 0, 0}));
   EXPECT_EQ(islands[0].problem.J.coeff(0, 2), two.all.problem().J.coeff(0, 6));
-  EXPECT_TRUE(split_contacts(block(4, 1, .5).problem()).empty());
+  EXPECT_TRUE(split_islands(block(4, 1, .5).problem()).empty());
 }
 
-TEST(ContactIslands, RowsThatMeetNothingAreNotLost) {
+TEST(IslandSplit, RowsThatMeetNothingAreNotLost) {
   TwoBlocks two;
   two.all.contact(.5, {{Vector::Zero(7), -1.0}, {Vector::Zero(7), 0.0}});
-  const std::vector<ContactIsland> islands = split_contacts(two.all.problem());
+  const std::vector<IslandPart> islands = split_islands(two.all.problem());
   ASSERT_EQ(islands.size(), 3u);
   EXPECT_EQ(islands[0].rows, (std::vector<Index>{0, 1, 2, 6, 7}));
 }
 
-TEST(ContactIslands, VerdictsAreThoseOfTheWhole) {
+TEST(IslandSplit, VerdictsAreThoseOfTheWhole) {
   const TwoBlocks two;
   const Problem p = two.all.problem();
   for (const Vector& lambda : {two.lambda, Vector()}) {
@@ -86,7 +86,7 @@ TEST(ContactIslands, VerdictsAreThoseOfTheWhole) {
 }
 
 // s is that of the whole: a part that hardly moves may be off by more than its own motion.
-TEST(ContactIslands, ErrorsAreRelativeToTheWholeMotion) {
+TEST(IslandSplit, ErrorsAreRelativeToTheWholeMotion) {
   TwoBlocks two;
   two.all.z_u[4] = two.z[4] = 1e9;
   Vector z = two.z;
@@ -94,7 +94,7 @@ TEST(ContactIslands, ErrorsAreRelativeToTheWholeMotion) {
   EXPECT_EQ(judge(two.all.problem(), z, two.lambda).verdict, Verdict::solved);
 }
 
-TEST(ContactIslands, TheConvexLawIsBoundedPartByPart) {
+TEST(IslandSplit, TheConvexLawIsBoundedPartByPart) {
   const TwoBlocks two;
   const Problem p = two.all.problem(Law::convex);
   Vector z = two.z;
