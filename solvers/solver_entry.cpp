@@ -1,6 +1,7 @@
 #include <zwang/solvers/solver_entry.h>
 
 #include <charconv>
+#include <sstream>
 #include <stdexcept>
 
 #include <zwang/core/problem/did_you_mean.h>
@@ -18,36 +19,43 @@ T number(const std::string& text, const char* expected) {
 
 }  // namespace
 
-template <>
-double setting_value<double>(const std::string& text) {
-  return number<double>(text, "a number");
+std::string text_of(SettingValue value) {
+  std::ostringstream text;
+  std::visit([&](auto* v) { text << std::boolalpha << *v; }, value);
+  return text.str();
 }
-template <>
-int setting_value<int>(const std::string& text) {
-  return number<int>(text, "an integer");
-}
-template <>
-bool setting_value<bool>(const std::string& text) {
-  if (text == "on" || text == "true" || text == "1") return true;
-  if (text == "off" || text == "false" || text == "0") return false;
-  throw std::invalid_argument("on or off");
+
+void set_from(const std::string& text, SettingValue value) {
+  if (double** v = std::get_if<double*>(&value))
+    **v = number<double>(text, "a number");
+  else if (int** i = std::get_if<int*>(&value))
+    **i = number<int>(text, "an integer");
+  else if (text == "on" || text == "true" || text == "1")
+    *std::get<bool*>(value) = true;
+  else if (text == "off" || text == "false" || text == "0")
+    *std::get<bool*>(value) = false;
+  else
+    throw std::invalid_argument("on or off");
 }
 
 void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,
-                   const std::function<bool(std::string_view key, const std::string& value)>& set) {
+                   const std::function<void(std::size_t k, const std::string& value)>& set) {
   const std::string whose = "solver '" + std::string(solver) + "'";
   std::stringstream parts{std::string(text)};
   for (std::string part; std::getline(parts, part, ',');) {
     const auto equal = part.find('=');
     const std::string key = part.substr(0, equal), value = equal == std::string::npos ? "on" : part.substr(equal + 1);
+    const auto found = std::ranges::find(known, key, &SettingInfo::name);
+    if (found == known.end()) {
+      std::vector<std::string> names;
+      for (const SettingInfo& s : known) names.push_back(s.name);
+      throw std::invalid_argument(whose + " has no setting '" + key + "'" + did_you_mean(key, names));
+    }
     try {
-      if (set(key, value)) continue;
+      set(found - known.begin(), value);
     } catch (const std::invalid_argument& expected) {
       throw std::invalid_argument(whose + ": setting " + key + "=" + value + " should be " + expected.what());
     }
-    std::vector<std::string> names;
-    for (const SettingInfo& s : known) names.push_back(s.name);
-    throw std::invalid_argument(whose + " has no setting '" + key + "'" + did_you_mean(key, names));
   }
 }
 

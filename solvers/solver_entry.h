@@ -4,10 +4,9 @@
 #include <functional>
 #include <limits>
 #include <span>
-#include <sstream>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <zwang/core/problem/solver.h>
@@ -52,20 +51,20 @@ struct SolverEntry {
   std::function<AnySolver(std::string_view settings)> make = {};
 };
 
-// "key=value,..." one by one: set(key, value) returns whether there is such a setting, and throws
+// "key=value,..." one by one: set(k, value) is called with the place of the key in `known`, and throws
 // std::invalid_argument with what it expects of the value ("a number").
 void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,
-                   const std::function<bool(std::string_view key, const std::string& value)>& set);
+                   const std::function<void(std::size_t k, const std::string& value)>& set);
 
-// One value from text; throws std::invalid_argument with what was expected.
-template <class T>
-T setting_value(const std::string& text);
-template <>
-double setting_value(const std::string& text);
-template <>
-int setting_value(const std::string& text);
-template <>
-bool setting_value(const std::string& text);
+// A setting of one solver: its value as text, and set from text. The latter throws std::invalid_argument with what was
+// expected.
+using SettingValue = std::variant<double*, int*, bool*>;
+std::string text_of(SettingValue value);
+void set_from(const std::string& text, SettingValue value);
+template <class S>
+SettingValue value_in(S& solver, const Setting<S>& setting) {
+  return std::visit([&](auto member) -> SettingValue { return &(solver.*member); }, setting.member);
+}
 
 // The entry of a solver of type S, whose name, settings and laws are read from it:
 //
@@ -74,26 +73,15 @@ template <Solver S>
 SolverEntry entry(SolverEntry e) {
   e.name = S::name;
   if constexpr (requires { S::laws; }) e.laws.assign(S::laws.begin(), S::laws.end());
-  if constexpr (requires { S::settings(); })
-    for (const Setting<S>& s : S::settings()) {
-      std::ostringstream value;
-      std::visit([&](auto member) { value << std::boolalpha << S{}.*member; }, s.member);
-      e.settings.push_back({std::string(s.name), std::string(s.help), value.str()});
-    }
+  if constexpr (requires { S::settings(); }) {
+    S defaults;
+    for (const Setting<S>& s : S::settings())
+      e.settings.push_back({std::string(s.name), std::string(s.help), text_of(value_in(defaults, s))});
+  }
   e.make = [known = e.settings](std::string_view text) -> AnySolver {
     S solver;
-    read_settings(S::name, text, known, [&](std::string_view key, const std::string& value) {
-      if constexpr (requires { S::settings(); })
-        for (const Setting<S>& s : S::settings())
-          if (s.name == key) {
-            std::visit(
-                [&](auto member) {
-                  solver.*member = setting_value<std::remove_reference_t<decltype(solver.*member)>>(value);
-                },
-                s.member);
-            return true;
-          }
-      return false;
+    read_settings(S::name, text, known, [&]([[maybe_unused]] std::size_t k, [[maybe_unused]] const std::string& value) {
+      if constexpr (requires { S::settings(); }) set_from(value, value_in(solver, S::settings()[k]));
     });
     return solver;
   };

@@ -48,9 +48,8 @@ std::string checked(const std::string& inner) {
   return inner;
 }
 
-double checked(double relaxation) {
+void check(double relaxation) {
   if (!(relaxation > 0 && relaxation <= 1)) throw std::invalid_argument("above 0 and at most 1");
-  return relaxation;
 }
 
 }  // namespace
@@ -61,16 +60,12 @@ SolverEntry FixedPoint::entry(SolverEntry e) {
                     {"inner", "the solver of the convex law, with its own settings: inner=cone:finish=off", "cone"});
   e.make = [known = e.settings](std::string_view text) -> AnySolver {
     FixedPoint solver;
-    read_settings(name, text, known, [&](std::string_view key, const std::string& value) {
-      if (key == "inner")
+    read_settings(name, text, known, [&](std::size_t k, const std::string& value) {
+      if (k == 0)
         solver.inner = checked(value);
-      else if (key == "max_rounds")
-        solver.max_rounds = setting_value<int>(value);
-      else if (key == "relaxation")
-        solver.relaxation = checked(setting_value<double>(value));
       else
-        return false;
-      return true;
+        set_from(value, value_in(solver, settings()[k - 1]));
+      check(solver.relaxation);
     });
     make_solver(solver.inner);  // its own settings
     return solver;
