@@ -70,19 +70,11 @@ double rounding_of(const Problem& problem, const Vector& z) {
 }
 
 double relative_distance(const Problem& p, const Vector& a, const Vector& b) {
-  using Real = long double;
-  const auto length = [&](const VectorX<Real>& v) {
-    const Real top = v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : Real(0);
-    if (top == 0) return Real(0);
-    Real sum = 0;
-    for (Index j = 0; j < p.M.outerSize(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
-        sum += (v[it.row()] / top) * Real(it.value()) * (v[j] / top);
-    return top * std::sqrt(std::max(Real(0), sum));
-  };
-  const Real size = std::max(length(p.z_u.cast<Real>()), length(a.cast<Real>()));
-  const Real distance = length(a.cast<Real>() - b.cast<Real>());
-  return distance == 0 ? 0 : static_cast<double>(distance / size);
+  const ScaledProblem scaled(p);
+  ExtendedVector apart = scaled.motion(a), other = scaled.motion(b);
+  for (std::size_t j = 0; j < apart.size(); ++j) apart[j] -= other[j];
+  const double distance = scaled.norm(apart);
+  return distance == 0 ? 0 : distance / std::max(scaled.norm_of_free_motion(), scaled.norm_of(a));
 }
 
 }  // namespace zwang

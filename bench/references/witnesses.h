@@ -34,7 +34,7 @@ StoredTruth check_stored(const Problem& problem, const Reference& reference);
 // Bounds |z - z*|_M / s where each entry of z is that of z* rounded once.
 double rounding_of(const Problem& problem, const Vector& z);
 
-// |a - b|_M / max(|z_u|_M, |a|_M), in long double.
+// |a - b|_M / max(|z_u|_M, |a|_M).
 double relative_distance(const Problem& problem, const Vector& a, const Vector& b);
 
 }  // namespace zwang

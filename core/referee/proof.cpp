@@ -20,6 +20,7 @@ struct Anchored {
   std::vector<char> is;        // m
   std::vector<Index> basis;    // independent ones
   OrthogonalRows factors;      // of the basis
+  double sigma_min = 1;        // of the basis, at least
   bool exact = true;           // the others are combinations of the basis, right-hand sides included
   bool contradictory = false;  // combinations on the left only
 };
@@ -39,6 +40,7 @@ Anchored anchor(const ScaledProblem& scaled, const std::vector<Index>& rows) {
     a.factors.append(s);
     a.basis.push_back(i);
   }
+  a.sigma_min = a.factors.sigma_min(scaled, a.basis);
   if (dependent.empty()) return a;
   const Consistency found = exact_consistency(scaled.J, scaled.c, a.basis, dependent);
   a.exact = found == Consistency::consistent;
@@ -114,8 +116,7 @@ double off_anchor(const ScaledProblem& scaled, const Anchored& anchored, const E
     const double slack = std::abs(scaled.unit_slack(i, d)) + scaled.rounding(i, d);
     squared += slack * slack;
   }
-  return squared == 0 ? 0
-                      : referee::widened_sum * std::sqrt(squared) / anchored.factors.sigma_min(anchored.factors.rank());
+  return squared == 0 ? 0 : referee::up(std::sqrt(squared)) / anchored.sigma_min;
 }
 
 // sqrt(2 gap) at the exact feasible point within `off` of d, or infinity where a row is not surely kept there.
@@ -169,12 +170,12 @@ class Prover {
     return near;
   }
 
-  void keep(const ExtendedVector& d, double radius) {
+  void keep(const ExtendedVector& d, double radius, double sigma_min) {
     if (!(radius < proof_.radius)) return;
     proof_.rows = Rows::feasible;
     proof_.d = d;
     proof_.radius = radius;
-    proof_.sigma_min = own_.rows.sigma_min(own_.rows.rank());
+    proof_.sigma_min = sigma_min;
   }
 
   void anchor_everything() {
@@ -189,7 +190,7 @@ class Prover {
     if (all.size() > equality_.size()) anchored = anchor(scaled_, all);
     if (!anchored.exact) return;
     const double off = off_anchor(scaled_, anchored, own_.d);
-    keep(own_.d, off + radius_at(scaled_, anchored, own_.d, own_.lambda, off));
+    keep(own_.d, off + radius_at(scaled_, anchored, own_.d, own_.lambda, off), anchored.sigma_min);
   }
 
   void move_inward() {
@@ -210,7 +211,7 @@ class Prover {
         for (std::size_t j = 0; j < inside.size(); ++j)
           inside[j] += DoubleDouble::exact_product(shift, inward.v[static_cast<Index>(j)]);
         const double left = off_anchor(scaled_, anchored, inside);
-        keep(inside, left + radius_at(scaled_, anchored, inside, own_.lambda, left));
+        keep(inside, left + radius_at(scaled_, anchored, inside, own_.lambda, left), anchored.sigma_min);
         return;
       }
       if (inward.locked.empty()) return;
@@ -236,7 +237,7 @@ Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, c
   const Farkas farkas = judge_certificate(scaled, own.farkas, s);
   if (farkas.proven) {
     proof.rows = Rows::infeasible;
-    proof.farther_than = farkas.distance;
+    proof.farther_than = farkas.distance / referee::widened_sum;
   }
   return proof;
 }

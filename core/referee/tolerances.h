@@ -134,6 +134,7 @@ inline constexpr Index projected_entries = 4000000;  // of the matrix that judgi
 inline constexpr double sparse_products = 2e10;
 inline constexpr double exact_products = 3e7;  // modular ones, of the exact question about dropped rows
 inline constexpr Index extended_rows = 400;    // of the interior point of jointed problems in double-double
+inline constexpr Index slopes_limit = 400;     // unknowns and forces together of the proof by slopes
 inline constexpr Index searched_rows = 120;    // the same in a search for solutions, from many starts
 inline constexpr Index polished_rows = 600, self_rows = 1200;  // for Newton on the modes; for self_bound with joints
 inline constexpr int refinements = 60;                         // they halve the error or end; a right guess takes three

@@ -8,6 +8,7 @@
 
 #include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
+#include <zwang/core/referee/friction/natural_map.h>
 #include <zwang/core/referee/friction/self_bound.h>
 #include <zwang/core/referee/tolerances.h>
 
@@ -249,6 +250,10 @@ class Search {
       if (down(distance(points_[k], proof.point.x)) <= together) return true;
       if (solution.free_split && found[k].free_split && found[k].modes == solution.modes) return true;
     }
+    if (proof.delta == 0) {  // witnesses that contradict each other prove nothing
+      if (none_by_slopes(p_, scaled_, proof.point.x, proof.radius)) return false;
+      solution.by_slopes = prove_by_slopes(p_, scaled_, proof.point.x, proof.point.lambda).exists;
+    }
     points_.push_back(proof.point.x);
     radii_.push_back(proof.radius);
     found.push_back(std::move(solution));
@@ -331,7 +336,8 @@ std::optional<Reference> coulomb_reference(const Problem& problem, std::string* 
                    .lambda = exact->lambda,
                    .bound = exact->bound,
                    .unique = false,
-                   .method = exact->method + ", proven by interval Newton"};
+                   .method = exact->method + ", proven by interval Newton" +
+                             (exact->by_slopes ? " and by slopes of the natural map" : "")};
 }
 
 }  // namespace zwang

@@ -20,6 +20,7 @@ struct CoulombSolution {
   bool isolated = false;                // proven: strict and of unique forces, so that no other z lies arbitrarily near
   bool free_split = false;              // forces that are free to change move z
   bool continuum = false;               // proven of them: infinitely many z lie next to each other
+  bool by_slopes = false;               // the second witness proves it, too (natural_map.h)
   std::vector<ContactMode> modes = {};  // of the contacts, in the order of their rows; c_n = -Inf is none
   std::string method = {};              // "interior point", "Gauss-Seidel", ...
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <string_view>
 
 #include <zwang/core/referee/friction/mode_system.h>
 
@@ -22,7 +23,8 @@ struct ModeProof {
   bool strict = false;         // every inequality of the modes holds on the whole box with something to spare
   double null_motion = 0;      // largest |dz|_M of a unit change of multipliers that keeps the equations
   bool unique_forces = false;  // no multipliers are free to change
-  bool continuum = false;      // proven: strict, delta = 0, and z moves as multipliers that are free to change do
+  std::string_view by = "interval Newton";
+  bool continuum = false;  // proven: strict, delta = 0, and z moves as multipliers that are free to change do
 };
 
 // The same from a guess: polished first, and with the modes changed that do not hold.

@@ -8,6 +8,7 @@
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/friction/interval_newton.h>
+#include <zwang/core/referee/friction/natural_map.h>
 #include <zwang/core/referee/friction/numbers.h>
 #include <zwang/core/referee/friction/self_bound.h>
 #include <zwang/core/referee/island_split.h>
@@ -117,6 +118,20 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
   nearest.proof = std::move(proof);
 }
 
+// The second witness, from a point near a solution.
+void consider_slopes(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x,
+                     const ExtendedVector& near, const ExtendedVector& lambda, Nearest& nearest) {
+  const SlopeProof slopes = prove_by_slopes(p, scaled, near, lambda);
+  if (!slopes.exists) return;
+  nearest.upper = up(distance(p, x, slopes.x) + slopes.radius);
+  nearest.proof = {.proven = true,
+                   .point = {slopes.x, slopes.lambda, modes_by_size(p, slopes.x, slopes.lambda, referee::mode_cut)},
+                   .radius = slopes.radius,
+                   .delta = 0,
+                   .unique_forces = true,
+                   .by = "slopes of the natural map"};
+}
+
 // What can be proven of an answer, in the units of a ContactProblem, in the M-norm.
 struct Found {
   Nearest nearest = {};
@@ -135,6 +150,7 @@ void Found::join(const Found& other) {
   proof.proven &= other.nearest.proof.proven;
   proof.strict &= other.nearest.proof.strict;
   proof.unique_forces &= other.nearest.proof.unique_forces;
+  proof.by = std::max(proof.by, other.nearest.proof.by);
   proof.null_motion = std::max(proof.null_motion, other.nearest.proof.null_motion);
   add(proof.radius, other.nearest.proof.radius);
   add(proof.delta, other.nearest.proof.delta);
@@ -192,8 +208,21 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
     found.convex_error = convex.upper;
   }
   if (!coulomb) return found;
-  const bool near_enough = nearest.proof.proven && nearest.upper <= accepted * p.scale && nearest.proof.delta == 0;
-  if (!near_enough && convex.upper < infinity) consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
+  const auto within = [&](double far) {
+    return nearest.proof.proven && nearest.proof.delta == 0 && nearest.upper <= far * p.scale;
+  };
+  if (!within(accepted) && convex.upper < infinity)
+    consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
+  if (!within(infinity)) {
+    if (nearest.proof.proven)
+      consider_slopes(p, scaled, x, nearest.proof.point.x, nearest.proof.point.lambda, nearest);
+    else if (convex.upper < infinity)
+      consider_slopes(p, scaled, x, convex.x, convex.lambda, nearest);
+  }
+  // A little more than what makes z wrong.
+  const double wrong = 1001 * accepted, far = wrong < 1 ? wrong / (1 - wrong) * p.scale : infinity;
+  if (!within(1000 * accepted) && found.lower < far && far < infinity && none_by_slopes(p, scaled, x, far))
+    found.lower = far;
   if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
   return found;
 }
@@ -288,7 +317,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     const double least =
         std::max({p.free_motion, found.nearest_size - nearest.proof.radius, p.from_norm(scaled.least_scale())});
     out.z_bound = nearest.upper / least;
-    out.bound_method = "interval Newton";
+    out.bound_method = nearest.proof.by;
     out.friction.radius = nearest.proof.radius / least;
     out.friction.delta = nearest.proof.delta / least;
     out.friction.null_motion = nearest.proof.null_motion;

@@ -7,7 +7,7 @@
 namespace zwang {
 namespace {
 
-using Block = std::array<DoubleDouble, 3>;
+using Block = ContactVector;
 
 DoubleDouble length(const DoubleDouble& a, const DoubleDouble& b) {
   if (b == DoubleDouble(0)) return abs(a);
@@ -16,16 +16,19 @@ DoubleDouble length(const DoubleDouble& a, const DoubleDouble& b) {
   return sqrt(u * u + v * v).scaled(e);
 }
 
-// Onto K = {|l_t| <= mu l_n}; for mu = 0 or without tangents onto l_n >= 0, l_t = 0.
-Block project(const Block& l, double mu) {
+}  // namespace
+
+ContactVector project(const ContactVector& l, double mu) {
   const DoubleDouble t = length(l[1], l[2]);
-  if (t <= l[0] * mu) return l;
+  if (l[0].hi >= 0 && t <= l[0] * mu) return l;
   if (t * mu <= -l[0]) return {};
   const DoubleDouble n = (l[0] + t * mu) / (DoubleDouble(1) + DoubleDouble(mu) * mu);
   if (!(t.hi > 0)) return {n};
   const DoubleDouble part = n * mu / t;
   return {n, l[1] * part, l[2] * part};
 }
+
+namespace {
 
 double size(const Block& a, const Block& b) { return length((a[0] - b[0]), length(a[1] - b[1], a[2] - b[2])).hi; }
 

@@ -32,7 +32,7 @@ class Duality {
       if (split.dependent) return;
       orthogonal_.append(split);
     }
-    sigma_min_ = orthogonal_.sigma_min(orthogonal_.rank()) / referee::widened_sum;
+    sigma_min_ = orthogonal_.sigma_min(scaled, equalities_);
     Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
     for (Index k = 0; k < rows.rows(); ++k) {
       const Index i = equalities_[static_cast<std::size_t>(k)];
@@ -68,7 +68,7 @@ class Duality {
     double sum = 0;
     for (const Index i : equalities_)
       sum = std::hypot(sum, (std::abs(p_.slack(i, x).hi) + p_.slack_error(i, x)) / p_.row_norm[i]);
-    return sigma_min_ > 0 ? safe(sum / sigma_min_ * referee::widened_sum) : infinity;
+    return sigma_min_ > 0 ? safe(up(sum) / sigma_min_) : infinity;
   }
 
   // At least so far inside K*, for every sigma in its interval and every motion within `off` of x.

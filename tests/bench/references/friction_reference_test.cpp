@@ -9,6 +9,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/referee/friction/natural_map.h>
 #include "tests/core/referee/friction/small_frictional.h"
 
 namespace zwang {
@@ -106,7 +107,7 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
   const auto draw = [&](int low, int high) {
     return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
   };
-  int several = 0, proven = 0, all = 0, decided = 0, solutions = 0;
+  int several = 0, proven = 0, all = 0, decided = 0, solutions = 0, by_slopes = 0, denied = 0, apart = 0;
   for (int scene = 0; scene < 300; ++scene) {
     const Index contacts = draw(1, 3), n = draw(2, 4);
     Problem p{.name = "planar", .z_u = Vector(n), .law = Law::coulomb};
@@ -134,6 +135,7 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
     several += exact->z.size() > 1;
     for (const CoulombSolution& s : coulomb_solutions(p)) {
       ++proven;
+      by_slopes += s.by_slopes;
       EXPECT_TRUE(among(p, s.z, exact->z, 1e-11)) << "scene " << scene;
     }
     for (const Vector& z : exact->z) {
@@ -144,6 +146,22 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
     }
     Vector off = exact->z.empty() ? Vector(p.z_u) : exact->z[0];
     off[0] += .125;
+    // M = I: distances are plain ones.
+    const ScaledProblem scaled(p);
+    const ContactProblem own(p, scaled, 1);
+    for (const double far : {0x1p-3, 0x1p-10, 0x1p-20}) {
+      Vector z = off;
+      z[0] += far - .125;
+      double least = exact->z.empty() ? 1 : std::numeric_limits<double>::infinity();
+      for (const Vector& solution : exact->z) least = std::min(least, (z - solution).norm());
+      const auto none = [&](double distance) {
+        return none_by_slopes(own, scaled, own.motion(scaled.motion(z)),
+                              own.from_norm(std::ldexp(distance, -scaled.norm_exponent())));
+      };
+      EXPECT_FALSE(!exact->z.empty() && none(least * (1 + 1e-9))) << "scene " << scene;
+      denied += none(least / 16);
+      ++apart;
+    }
     if (!among(p, off, exact->z, 1e-9)) {
       EXPECT_NE(judge(p, off).verdict, Verdict::solved) << "scene " << scene;
     }
@@ -153,6 +171,8 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
   EXPECT_GE(proven, all * 3 / 4);
   RecordProperty("solutions", solutions);
   EXPECT_GE(decided, solutions / 2);
+  EXPECT_GE(by_slopes, proven * 2 / 3);
+  EXPECT_GE(denied, apart / 2);
 }
 
 // With one tangent K* is the pyramid: the frictionless referee judges the same z by its own proofs.
