@@ -33,10 +33,10 @@ void set_contacts(Problem& p, const std::vector<DrawnRow>& equalities, const std
   p.law = Law::coulomb;
 }
 
-Matrix mass(Index n, int spread, SmallNumbers& draw) {
+Vector masses(Index n, int spread, SmallNumbers& draw) {
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
-  return draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal());
+  return D;
 }
 
 DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>& before, SmallNumbers& draw) {
@@ -61,7 +61,8 @@ DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>&
 void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
   const Index n = draw.integer(2, 6);
   const int contacts = draw.integer(1, 4), equalities = draw.integer(0, 3) == 0 ? 1 : 0;
-  p.M = mass(n, 1, draw).sparseView();
+  const Vector D = masses(n, 1, draw);
+  p.M = (draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal())).sparseView();
   p.z_u = draw.integers(n, 2);
   std::vector<DrawnRow> equal;
   for (int k = 0; k < equalities; ++k) equal.push_back({draw.integers(n, 1), 0});
@@ -71,15 +72,17 @@ void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
 }
 
 // z* and lambda* first, mode by mode; then c = J z* - s* and, M being diagonal in powers of two, z_u without rounding.
-void planted(Problem& p, SmallNumbers& draw) {
-  const Index n = 3 * draw.integer(1, 6);
+Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = Law::coulomb, int mu_bits = 0) {
+  const Index n = 3 * draw.integer(1, bodies);
   const int contacts = draw.integer(1, static_cast<int>(n)), spread = draw.integer(0, 2) == 0 ? 12 : 2;
-  p.M = mass(n, spread, draw).diagonal().asDiagonal().toDenseMatrix().sparseView();
+  const double lift = law == Law::convex ? 1 : 0;
+  p.M = Matrix(masses(n, spread, draw).asDiagonal()).sparseView();
   const Vector z = draw.integers(n, 16) / 16;
   std::vector<DrawnContact> all;
   Vector push = Vector::Zero(n);
+  std::vector<double> lambda;
   for (int k = 0; k < contacts; ++k) {
-    DrawnContact contact{.mu = coefficients[static_cast<std::size_t>(draw.integer(1, 6))]};
+    DrawnContact contact{.mu = std::ldexp(coefficients[static_cast<std::size_t>(draw.integer(1, 6))], -mu_bits)};
     const bool copied = k > 0 && draw.integer(0, 4) == 0;
     for (int t = 0; t <= 2; ++t)
       contact.rows.push_back({copied ? all.back().rows[static_cast<std::size_t>(t)].J : draw.integers(n, 2), 0});
@@ -88,17 +91,17 @@ void planted(Problem& p, SmallNumbers& draw) {
     const double size = std::exp2(draw.integer(-3, 1)), slip = std::exp2(draw.integer(-3, 1));
     switch (draw.integer(0, 6)) {
       case 0:  // open
-        s = {size, draw.integer(-3, 3) / 4., draw.integer(-3, 3) / 4.};
+        s = {size + lift * 2 * contact.mu, draw.integer(-3, 3) / 4., draw.integer(-3, 3) / 4.};
         break;
       case 1:  // rests without force, slides or not
-        s = {0, draw.integer(0, 1) * slip * 3, slip * draw.integer(0, 1)};
+        s = {lift * 4 * contact.mu * slip, draw.integer(0, 1) * slip * 3, slip * draw.integer(0, 1)};
         break;
       case 2:  // on the cone's edge without slip
         l = {5 * size, 3 * contact.mu * size, -4 * contact.mu * size};
         break;
       case 3:
       case 4:  // slides
-        s = {0, 3 * slip, 4 * slip};
+        s = {lift * 5 * contact.mu * slip, 3 * slip, 4 * slip};
         l = {5 * size, -3 * contact.mu * size, -4 * contact.mu * size};
         break;
       default:  // sticks
@@ -107,11 +110,14 @@ void planted(Problem& p, SmallNumbers& draw) {
     for (std::size_t t = 0; t < 3; ++t) {
       contact.rows[t].c = contact.rows[t].J.dot(z) - s[t];
       push += l[t] * contact.rows[t].J;
+      lambda.push_back(l[t]);
     }
     all.push_back(std::move(contact));
   }
   p.z_u = z - push.cwiseQuotient(Vector(p.M.diagonal()));
   set_contacts(p, {}, all);
+  p.law = law;
+  return {.z = z, .lambda = Eigen::Map<const Vector>(lambda.data(), std::ssize(lambda)), .method = "planted"};
 }
 
 }  // namespace
@@ -125,8 +131,16 @@ Problem frictional_problem(std::uint64_t seed, std::uint64_t number) {
   else if (kind < 7)
     small_integers(p, 2, draw);
   else
-    planted(p, draw);
+    planted(p, draw, 6);
   return p;
+}
+
+Instance planted_problem(std::uint64_t seed, std::uint64_t number, Law law) {
+  SmallNumbers draw(static_cast<double>(mix_bits(seed ^ 0x2545f491, number) >> 12));
+  Instance out{.problem = {.name = "planted " + std::to_string(seed) + " " + std::to_string(number)}};
+  const int mu_bits = draw.integer(0, 6);
+  out.reference = planted(out.problem, draw, 2, law, mu_bits);
+  return out;
 }
 
 }  // namespace zwang

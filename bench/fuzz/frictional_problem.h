@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/core/problem/problem.h>
+#include <zwang/core/problem/instance.h>
 
 namespace zwang {
 
@@ -10,5 +10,9 @@ namespace zwang {
 // on the cone's edge, are repeated or have very different masses. Repeated and opposed contacts, tangents of zeros and
 // mu = 0 are the rule. Dyadic, and the same on every machine.
 Problem frictional_problem(std::uint64_t seed, std::uint64_t number);
+
+// One of the last kind, small enough for rationals, under the convex law or Coulomb's: z and lambda are its reference,
+// without rounding. mu is mostly small, so that there is no other solution.
+Instance planted_problem(std::uint64_t seed, std::uint64_t number, Law law);
 
 }  // namespace zwang

@@ -7,6 +7,7 @@
 #include <zwang/bench/fuzz/exact_answer.h>
 #include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/near_problem.h>
+#include <zwang/bench/fuzz/question_referee.h>
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
@@ -72,6 +73,7 @@ std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem&
 // Native solvers; one that sees no infeasibility only on request.
 std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among) {
   std::vector<std::string> names;
+  if (options.referee) return {referee_classes.begin(), referee_classes.end()};
   std::stringstream parts(options.solvers);
   for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
   if (!names.empty()) return names;
@@ -84,8 +86,13 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
 
 Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, std::span<FuzzTally> tally,
                std::function<void(std::size_t)> at, std::function<void(Fault)> report)
-    : options_(options), tally_(tally), at_(std::move(at)), report_(std::move(report)) {
-  for (const std::string& name : fuzzed_solvers(options, among)) {
+    : options_(options),
+      names_(fuzzed_solvers(options, among)),
+      tally_(tally),
+      at_(std::move(at)),
+      report_(std::move(report)) {
+  for (const std::string& name : names_) {
+    if (options.referee) break;
     AnySolver solver = make_solver(name, among);
     candidates_.push_back({name, find_solver(name, among)->exact, std::move(solver)});
   }
@@ -94,7 +101,7 @@ Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, s
 
 void Fuzzer::fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth) {
   ++tally_[i].faults;
-  Fault out{.number = number, .solver = candidates_[i].name, .what = std::move(what)};
+  Fault out{.number = number, .solver = names_[i], .what = std::move(what)};
   out.instance.problem = std::move(problem);
   out.instance.family = "fuzz";
   out.instance.seed = options_.seed;
@@ -294,6 +301,15 @@ void Fuzzer::film(std::uint64_t number) {
 }
 
 void Fuzzer::look(std::uint64_t number) {
+  if (options_.referee) {
+    const std::size_t i = referee_class(number);
+    at_(i);
+    const double start = wall_seconds();
+    question_referee(options_.seed, number, tally_[i],
+                     [&](std::string what, Instance asked) { fault(i, number, std::move(what), asked.problem); });
+    tally_[i].seconds += wall_seconds() - start;
+    return;
+  }
   const Problem problem = fuzzed_problem(options_, number);
   if (options_.friction) {
     under_friction(number, problem);

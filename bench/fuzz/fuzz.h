@@ -16,6 +16,7 @@ struct FuzzOptions {
   std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
   bool near = false;                                // near-dependent rows (near_problem.h) in place of small integers
   bool friction = false;                            // contacts with friction (frictional_problem.h) in place of both
+  bool referee = false;                             // the referee instead of solvers (question_referee.h)
 };
 
 // What one solver made of all problems so far. Plain numbers: they live in memory that two processes share.
@@ -27,11 +28,14 @@ struct FuzzTally {
   std::uint64_t undecided = 0;  // gave up, and said so
   std::uint64_t faults = 0;
   std::uint64_t warm = 0, spoilt = 0;  // runs with warm starts; on spoilt entries
-  double worst_z_error = 0;            // among `solved`
+  // Of the referee: right answers without and with multipliers, and those of them that it leaves open.
+  std::uint64_t right[2] = {}, open[2] = {};
+  double worst_z_error = 0;  // among `solved`
   double seconds = 0;
   FuzzTally& operator+=(const FuzzTally& t) {
     runs += t.runs, solved += t.solved, flagged += t.flagged, proven += t.proven, undecided += t.undecided;
     faults += t.faults, warm += t.warm, spoilt += t.spoilt, seconds += t.seconds;
+    for (const int k : {0, 1}) right[k] += t.right[k], open[k] += t.open[k];
     worst_z_error = std::max(worst_z_error, t.worst_z_error);
     return *this;
   }
@@ -64,6 +68,8 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
 // With friction, solvers of Coulomb's law claim answers that the referee must not refute, and that are among all there
 // are where the problem is planar; every eighth has a spoilt entry, mu among them.
 //
+// Asked about the referee, it looks at no solver: referee_classes stand in their place.
+//
 // Of problems with near-dependent rows only the first is asked. Active-set methods have to be right to 1e-9, the others
 // to 1000 times what "solved" allows at T = 1e-10, within 500 iterations.
 class Fuzzer {
@@ -90,6 +96,7 @@ class Fuzzer {
   void fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth = nullptr);
 
   FuzzOptions options_;
+  std::vector<std::string> names_;
   std::vector<Candidate> candidates_;
   std::span<FuzzTally> tally_;
   std::function<void(std::size_t)> at_;

@@ -46,9 +46,9 @@ DrawnRow copy(const std::vector<DrawnRow>& before, const Vector* met, Index n, S
 
 }  // namespace
 
-Problem near_problem(std::uint64_t seed, std::uint64_t number) {
+Problem near_problem(std::uint64_t seed, std::uint64_t number, Index most_unknowns) {
   SmallNumbers draw(static_cast<double>(mix_bits(seed, number) >> 11));
-  const Index n = 2 + draw.index(13), m = 1 + draw.index(2 * n), equalities = draw.index(std::min(m, n / 2) + 1);
+  const Index n = 2 + draw.index(most_unknowns - 1), m = 1 + draw.index(2 * n), equalities = draw.index(std::min(m, n / 2) + 1);
   Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number),
             .M = near_mass(n, draw).sparseView()};
   p.z_u = draw.integers(n, 4);

@@ -82,9 +82,9 @@ DrawnRow draw_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& dr
 
 }  // namespace
 
-Problem small_problem(std::uint64_t seed, std::uint64_t number) {
+Problem small_problem(std::uint64_t seed, std::uint64_t number, int most_unknowns, int most_rows) {
   SmallNumbers draw(mix_bits(seed, number));
-  const Index n = draw.integer(1, 6), m = draw.integer(0, 10);
+  const Index n = draw.integer(1, most_unknowns), m = draw.integer(0, most_rows);
   const int equalities = draw.integer(0, std::min(3, static_cast<int>(m)));
   Problem p{.name = "fuzz " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
   p.z_u = draw.integers(n, 2);

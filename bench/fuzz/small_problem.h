@@ -25,7 +25,7 @@ void set_rows(Problem& problem, const std::vector<DrawnRow>& rows, Index equalit
 // Problem number `number` of a fuzzing run: up to six unknowns and ten rows with entries -1, 0, 1, where ties,
 // degenerate vertices, rows without entries, repeated, opposed, doubled and summed rows, and contradictions are the
 // rule. The same on every machine.
-Problem small_problem(std::uint64_t seed, std::uint64_t number);
+Problem small_problem(std::uint64_t seed, std::uint64_t number, int most_unknowns = 6, int most_rows = 10);
 
 // One entry of M, z_u, J or c replaced by NaN, Inf, -Inf, a denormal number, 1e300 or -1e300.
 struct Spoilt {

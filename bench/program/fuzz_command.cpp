@@ -24,6 +24,7 @@ int fuzz_command(std::vector<std::string> words) {
   introduce(options, "fuzz",
             "  ./zwang fuzz --count 20000\n"
             "  ./zwang fuzz --count 1000000 --seed 2 --solvers dual_active_set,nnls --out findings\n"
+            "  ./zwang fuzz --referee --count 1000\n"
             "Exit code 1 where there is a finding.");
   FuzzOptions fuzz{.count = 20000};
   std::string out = "fuzz-findings";
@@ -33,11 +34,14 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_option("--first", fuzz.first, "number of the first problem; default: 0")->check(from_to(0));
   options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
   options.add_flag("--friction", fuzz.friction, "contacts with friction instead, under Coulomb's law");
+  options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
   options.add_option("--jobs", jobs, "processes; default: one a core")->check(from_to(1, 64));
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
   if (!read(options, std::move(words))) return done;
-  if (fuzz.near && fuzz.friction) throw std::invalid_argument("--near and --friction exclude each other");
+  if (fuzz.near + fuzz.friction + fuzz.referee > 1)
+    throw std::invalid_argument("--near, --friction and --referee exclude each other");
+  if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
 
   Progress bar(isatty(STDERR_FILENO) == 1);
   const double start = wall_seconds();
@@ -51,11 +55,25 @@ int fuzz_command(std::vector<std::string> words) {
 
   std::printf("%s problems (seed %llu) in %s\n\n", grouped(o.done).c_str(), static_cast<unsigned long long>(fuzz.seed),
               duration(o.seconds).c_str());
-  std::printf("%-20s %10s %10s %9s %10s %10s %8s %8s %9s %11s\n", "solver", "runs", "solved", "flagged", "proven",
-              "undecided", "decided", "faults", "z error", "time a run");
+  if (fuzz.referee)
+    std::printf("%-20s %10s %12s %10s %12s %10s %8s %11s\n", "class", "judgements", "right, given", "undecided",
+                "z alone", "undecided", "false", "time each");
+  else
+    std::printf("%-20s %10s %10s %9s %10s %10s %8s %8s %9s %11s\n", "solver", "runs", "solved", "flagged", "proven",
+                "undecided", "decided", "faults", "z error", "time a run");
   for (std::size_t i = 0; i < o.solvers.size(); ++i) {
     const FuzzTally& t = o.tally[i];
     const std::uint64_t all = t.runs + t.warm + t.spoilt;
+    if (fuzz.referee) {
+      const auto share = [&](int k) {
+        return 100. * double(t.open[k]) / double(std::max<std::uint64_t>(1, t.right[k]));
+      };
+      std::printf("%-20s %10s %12s %9.3f%% %12s %9.3f%% %8s %11s\n", o.solvers[i].c_str(), grouped(t.runs).c_str(),
+                  grouped(t.right[1]).c_str(), share(1), grouped(t.right[0]).c_str(), share(0),
+                  grouped(t.faults).c_str(),
+                  report::duration(t.seconds / double(std::max<std::uint64_t>(1, all))).c_str());
+      continue;
+    }
     std::printf("%-20s %10s %10s %9s %10s %10s %7.3f%% %8s %9s %11s\n", o.solvers[i].c_str(), grouped(t.runs).c_str(),
                 grouped(t.solved).c_str(), grouped(t.flagged).c_str(), grouped(t.proven).c_str(),
                 grouped(t.undecided).c_str(), 100 * t.decided(), grouped(t.faults).c_str(),
@@ -66,7 +84,10 @@ int fuzz_command(std::vector<std::string> words) {
   if (!o.findings.empty()) std::puts("");
   for (const Finding& f : o.findings | std::views::take(most_shown)) {
     std::printf("problem %llu, %s %s\n", static_cast<unsigned long long>(f.number), f.solver.c_str(), f.what.c_str());
-    if (!f.file.empty())
+    if (fuzz.referee)
+      std::printf("  ./zwang fuzz --referee --seed %llu --first %llu --count 1\n",
+                  static_cast<unsigned long long>(fuzz.seed), static_cast<unsigned long long>(f.number));
+    else if (!f.file.empty())
       std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file.string()).c_str(), f.solver.c_str());
   }
   if (o.findings.size() > most_shown)

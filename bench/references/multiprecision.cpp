@@ -13,7 +13,7 @@ namespace {
 namespace mp = boost::multiprecision;
 using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::et_off>;
 
-// |z - z*|_M / s of z* and its doubles.
+// |z - z*|_M / s of z* and its doubles, with what the certificate leaves open.
 double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, const Vector& z) {
   const auto squared = [&](const VectorX<Hundred>& v) {
     Hundred sum(0);
@@ -24,7 +24,7 @@ double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, c
   };
   const Hundred lost = squared(exact - z.cast<Hundred>());
   const Hundred s = std::max(squared(exact), squared(problem.z_u.cast<Hundred>()));
-  return lost > 0 ? referee::up(static_cast<double>(sqrt(Hundred(lost / s)))) : 0;
+  return (lost > 0 ? referee::up(static_cast<double>(sqrt(Hundred(lost / s)))) : 0) + KktCertificate<Hundred>::limit;
 }
 
 }  // namespace

@@ -112,10 +112,9 @@ ErrorBounds error_bounds(const Problem& problem, const Reference& reference, dou
 }
 
 Verdict by_error(double upper, double lower, double tolerance) {
-  const double accepted = accepted_error(tolerance);
-  if (upper <= accepted) return Verdict::solved;
-  if (upper <= 1000 * accepted) return Verdict::near;
-  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+  if (upper <= accepted_error(tolerance)) return Verdict::solved;
+  if (upper <= near_error(tolerance)) return Verdict::near;
+  return lower > near_error(tolerance) ? Verdict::wrong : Verdict::undecided;
 }
 
 std::string_view to_string(Verdict verdict) {

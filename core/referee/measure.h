@@ -14,7 +14,7 @@ namespace zwang {
 // What the referee finds, from the problem alone.
 enum class Verdict {
   solved,              // z_error (or, without a reference, its upper bound) <= max(10 T, 1e-12), T the tolerance asked
-  near,                // <= 1000 times that
+  near,                // <= near_error(T)
   wrong,               // neither; or any z on an infeasible problem; or "infeasible" said of a feasible one
   infeasible_proven,   // the certificate holds in extended precision
   infeasible_claimed,  // it does not hold, or there is none
@@ -65,6 +65,12 @@ constexpr int severity(Verdict verdict) {
 }
 constexpr Verdict worse(Verdict a, Verdict b) { return severity(a) < severity(b) ? b : a; }
 
+// 1000 times what `solved` allows, but never more than a hundredth of the motion: beyond that nothing is near.
+inline double near_error(double tolerance) {
+  const double accepted = accepted_error(tolerance);
+  return std::max(accepted, std::min(1000 * accepted, 1e-2));
+}
+
 // Of a z whose error lies in [lower, upper], relative to s.
 Verdict by_error(double upper, double lower, double tolerance);
 
@@ -83,7 +89,7 @@ struct Metrics {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   Verdict verdict = Verdict::undecided;
   double scale = unknown;               // s = max(|z_u|_M, |z*|_M or |z|_M, smallest normal number)
-  double z_error = unknown;             // |z - z*|_M / s, when there is a reference
+  double z_error = unknown;             // |z - z*|_M / max(|z_u|_M, |z*|_M), when there is a reference
   double z_bound = unknown;             // upper bound on it that uses no reference
   std::string bound_method = {};        // "active set", "opening" or "gap"
   double bound_sigma_min = unknown;     // sigma_min(G_A) of the active-set bound

@@ -180,7 +180,7 @@ double distance_to_solutions(double off, double turn) {
 }
 
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
-           const ExtendedVector& lambda, double accepted) {
+           const ExtendedVector& lambda, double tolerance) {
   const bool coulomb = problem.law == Law::coulomb, has_lambda = !lambda.empty();
   const Slips slips = slips_at(p, x, problem.law);
   ModePoint guess{x, lambda, {}};
@@ -201,7 +201,7 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
     found.upper = up(off + convex.upper);
     found.lower = std::max(0.0, down(off) - convex.upper);
     if (coulomb) {
-      const bool far = found.lower > 1000 * accepted * p.scale;
+      const bool far = found.lower > near_error(tolerance) * p.scale;
       found.lower = far ? distance_to_solutions(found.lower, bound_turn(p, scaled)) : 0;
     }
     found.convex_size = norm_of_answer(p, scaled, convex.x);
@@ -211,7 +211,7 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   const auto within = [&](double far) {
     return nearest.proof.proven && nearest.proof.delta == 0 && nearest.upper <= far * p.scale;
   };
-  if (!within(accepted) && convex.upper < infinity)
+  if (!within(accepted_error(tolerance)) && convex.upper < infinity)
     consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
   if (!within(infinity)) {
     if (nearest.proof.proven)
@@ -220,8 +220,8 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
       consider_slopes(p, scaled, x, convex.x, convex.lambda, nearest);
   }
   // A little more than what makes z wrong.
-  const double wrong = 1001 * accepted, far = wrong < 1 ? wrong / (1 - wrong) * p.scale : infinity;
-  if (!within(1000 * accepted) && found.lower < far && far < infinity && none_by_slopes(p, scaled, x, far))
+  const double wrong = 1.001 * near_error(tolerance), far = wrong < 1 ? wrong / (1 - wrong) * p.scale : infinity;
+  if (!within(near_error(tolerance)) && found.lower < far && far < infinity && none_by_slopes(p, scaled, x, far))
     found.lower = far;
   if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
   return found;
@@ -229,7 +229,7 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
 
 // Each part apart, in the units of the whole.
 Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& scaled, const Solution& solution,
-                 bool has_lambda, double scale, double accepted) {
+                 bool has_lambda, double scale, double tolerance) {
   std::optional<Found> all;
   for (const IslandPart& island : islands) {
     const ScaledProblem part(island.problem);
@@ -237,7 +237,7 @@ Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& sc
     const ExtendedVector x = p.motion(part.motion(island.columns_of(solution.z)));
     ExtendedVector lambda;
     if (has_lambda) lambda = p.multipliers(part.multipliers(island.rows_of(solution.lambda)));
-    const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, part, p, x, lambda, accepted);
+    const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, part, p, x, lambda, tolerance);
     all ? all->join(found) : void(all = found);
   }
   return *all;
@@ -282,7 +282,8 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const double accepted = accepted_error(tolerance);
   ErrorBounds from_reference;
   if (known) {
-    out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.scale;
+    const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(reference->z), scaled.least_scale()});
+    out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.from_norm(s);
     from_reference = error_bounds(problem, *reference, out.z_error);
     const Verdict verdict = by_error(from_reference.upper, from_reference.lower, tolerance);
     if (problem.law == Law::convex && verdict != Verdict::undecided) return verdict;
@@ -296,8 +297,8 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const std::vector<IslandPart> islands = split_islands(problem);
   const auto may = [](const auto& part) { return referee::may_prove(part.size(), part.rows()); };
   if (islands.empty() ? !may(p) : !std::ranges::all_of(islands, may, &IslandPart::problem)) return Verdict::undecided;
-  const Found found = islands.empty() ? find(problem, scaled, p, x, lambda, accepted)
-                                      : find_apart(islands, scaled, solution, has_lambda, own_scale, accepted);
+  const Found found = islands.empty() ? find(problem, scaled, p, x, lambda, tolerance)
+                                      : find_apart(islands, scaled, solution, has_lambda, own_scale, tolerance);
   if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
   double upper = infinity, lower = 0;
   if (found.upper < infinity) {
@@ -336,7 +337,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   if (const Verdict near = by_error(from_reference.upper, 0, tolerance); near != Verdict::undecided) return near;
   if (lower <= accepted && std::max(out.z_bound, out.friction.delta) <= accepted) return Verdict::rows_off;
   if (upper <= accepted && lower <= accepted) return Verdict::consistent;
-  return lower > 1000 * accepted ? Verdict::wrong : Verdict::undecided;
+  return lower > near_error(tolerance) ? Verdict::wrong : Verdict::undecided;
 }
 
 }  // namespace zwang

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <zwang/bench/fuzz/exact_solutions.h>
+#include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/friction/planar_enumeration.h>
 #include <zwang/bench/references/witnesses.h>
 #include "tests/solvers/small_problems.h"
 
@@ -43,6 +46,43 @@ TEST(ExactAnswer, AgreesWithRationalsAndWithHundredDigits) {
   EXPECT_GT(infeasible, 400);
   EXPECT_LT(infeasible, 1600);
   EXPECT_GT(redundant, 100);
+}
+
+// The truth that the referee is asked against, and two other methods.
+TEST(ExactSolutions, AgreeWithIntegersAndWithChoicesOfModes) {
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    const Problem p = small_problem(8, number, 4, 8);
+    const ExactSolutions all(p);
+    const auto integers = exact_answer(p);
+    ASSERT_EQ(all.solutions().size(), integers->feasible ? 1u : 0u) << p.name;
+    if (integers->feasible) {
+      EXPECT_LE(all.error(integers->z).high, 2e-16) << p.name;
+    }
+  }
+  int several = 0, none = 0;
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    const Problem p = frictional_problem(8, 10 * number);
+    const ExactSolutions all(p);
+    const auto modes = enumerate_planar(p);
+    if (!modes || modes->continuum || !all.complete()) continue;
+    EXPECT_EQ(all.solutions().size(), modes->z.size()) << p.name;
+    for (const Vector& z : modes->z) EXPECT_LE(all.error(z).high, 2e-16) << p.name;
+    several += modes->z.size() > 1;
+    none += modes->z.empty();
+  }
+  EXPECT_GT(several, 2);
+  EXPECT_GT(none, 20);
+}
+
+// x = 3 beside z_u = 4 with M = 4: off by 2 of 8.
+TEST(ExactSolutions, MeasuresInTheMassNorm) {
+  const Problem p = test::make_problem(test::vec({4}), test::vec({4}), {{RowKind::inequality, test::vec({-1}), -3}});
+  const ExactSolutions one(p);
+  EXPECT_EQ(one.solutions().front().z, test::vec({3}));
+  EXPECT_EQ(one.solutions().front().lambda, test::vec({4}));
+  EXPECT_EQ(one.misses().front().z, test::vec({4}));
+  EXPECT_EQ(one.error(test::vec({4})).low, .25);
+  EXPECT_EQ(one.motions(), .25);
 }
 
 TEST(ExactAnswer, SaysWhereItDoesNotApply) {

@@ -71,6 +71,21 @@ TEST_F(Fuzz, NoClaimUnderFrictionIsRefuted) {
   EXPECT_EQ(o.tally[0].spoilt, 125u);
 }
 
+// All that measure() and judge() say of invented answers, and all references, against rationals; and most of what is
+// right is called right.
+TEST_F(Fuzz, TheRefereeSaysNothingFalse) {
+  const FuzzOutcome o = run({.count = 572, .referee = true});
+  for (const Finding& f : o.findings) ADD_FAILURE() << "problem " << f.number << ", " << f.solver << " " << f.what;
+  ASSERT_EQ(o.tally.size(), 4u);
+  for (const FuzzTally& t : o.tally) {
+    EXPECT_GT(t.runs, 100u);
+    for (const int lambda : {0, 1}) {
+      EXPECT_GE(t.right[lambda], 12u);
+      EXPECT_LE(t.open[lambda], t.right[lambda] / 3);
+    }
+  }
+}
+
 TEST_F(Fuzz, CreepingMethodsClaimNothingFalse) {
   expect_no_fault(run({.seed = 2, .count = 4000, .solvers = "pgs,apgd,projected_gradient"}));
 }
@@ -110,6 +125,12 @@ TEST_F(Fuzz, IsTheSameHoweverItIsShared) {
     EXPECT_EQ(one.tally[i].solved, two.tally[i].solved);
     EXPECT_EQ(one.tally[i].proven, two.tally[i].proven);
     EXPECT_EQ(one.tally[i].worst_z_error, two.tally[i].worst_z_error);
+  }
+  const FuzzOutcome alone = run({.seed = 5, .count = 143, .referee = true}, solvers(), 1),
+                    shared = run({.seed = 5, .count = 143, .referee = true}, solvers(), 3);
+  for (std::size_t i = 0; i < alone.tally.size(); ++i) {
+    EXPECT_EQ(alone.tally[i].runs, shared.tally[i].runs);
+    EXPECT_EQ(alone.tally[i].open[1], shared.tally[i].open[1]);
   }
 }
 

@@ -1,0 +1,288 @@
+#include <zwang/bench/fuzz/exact_solutions.h>
+
+#include <algorithm>
+#include <boost/multiprecision/gmp.hpp>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace zwang {
+namespace {
+
+using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
+using Exact = std::vector<Rational>;
+using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
+
+constexpr std::size_t most_misses = 6;
+constexpr Index most_contracting = 4;  // contacts: their Delassus matrix is eliminated
+
+// What is tried for one equality row or contact: forces along edges, rows that hold, rows that may open.
+struct Choice {
+  std::vector<Form> pushes = {}, held = {}, kept = {};
+};
+
+// Gauss and Jordan on the first `columns` columns: the pivots' columns, whose rows come first.
+std::vector<std::size_t> reduce(std::vector<Exact>& rows, std::size_t columns) {
+  std::vector<std::size_t> pivots;
+  for (std::size_t j = 0; j < columns && pivots.size() < rows.size(); ++j) {
+    Exact& top = rows[pivots.size()];
+    const auto below = rows.begin() + static_cast<std::ptrdiff_t>(pivots.size());
+    const auto found = std::find_if(below, rows.end(), [j](const Exact& row) { return row[j] != 0; });
+    if (found == rows.end()) continue;
+    std::swap(*found, top);
+    const Rational pivot = top[j];
+    for (Rational& x : top) x /= pivot;
+    for (Exact& row : rows) {
+      const Rational factor = row[j];
+      if (&row == &top || factor == 0) continue;
+      for (std::size_t k = j; k < row.size(); ++k)
+        if (top[k] != 0) row[k] -= factor * top[k];
+    }
+    pivots.push_back(j);
+  }
+  return pivots;
+}
+
+// Is there a point with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0? One of them keeps x off
+// every line, so that a vertex is looked for: what is left open is asked to be zero in turn. Solves the system.
+bool has_point(std::vector<Exact>& system, const std::vector<Exact>& asked, std::size_t unknowns) {
+  const std::size_t rank = reduce(system, unknowns).size();
+  for (std::size_t k = rank; k < system.size(); ++k)
+    if (system[k].back() != 0) return false;
+  if (rank == unknowns)
+    return std::ranges::all_of(asked, [&](const Exact& form) {
+      Rational sum = form.back();
+      for (std::size_t k = 0; k < unknowns; ++k) sum += form[k] * system[k].back();
+      return sum >= 0;
+    });
+  return std::ranges::any_of(asked, [&](Exact form) {
+    std::vector<Exact> tight = system;
+    form.back() = -form.back();
+    tight.push_back(std::move(form));
+    return reduce(tight, unknowns).size() > rank && has_point(tight, asked, unknowns);
+  });
+}
+
+Exact exactly(const Vector& v) { return {v.begin(), v.end()}; }
+
+Rational dot(const Exact& a, const Exact& b) {
+  Rational sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (a[k] != 0 && b[k] != 0) sum += a[k] * b[k];
+  return sum;
+}
+
+std::vector<Exact> rows_of(const Matrix& A) {
+  std::vector<Exact> rows;
+  for (Index i = 0; i < A.rows(); ++i) rows.push_back(exactly(A.row(i)));
+  return rows;
+}
+
+Vector rounded(const Exact& v) {
+  Vector out(std::ssize(v));
+  for (Index k = 0; k < out.size(); ++k) out[k] = v[static_cast<std::size_t>(k)].convert_to<double>();
+  return out;
+}
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+struct ExactSolutions::Data {
+  std::vector<Exact> M, J, moves, W;  // moves: M^-1 J', a row each
+  Exact z_u, c;
+  std::vector<Exact> z = {};  // solutions
+  Rational free = 0;          // |z_u|_M^2
+  const Problem problem;
+
+  explicit Data(const Problem& p) : M(rows_of(Matrix(p.M))), J(rows_of(Matrix(p.J))), z_u(exactly(p.z_u)), problem(p) {
+    for (const double c_i : p.c) c.emplace_back(std::isfinite(c_i) ? c_i : 0);
+    std::vector<Exact> system = M;
+    for (std::size_t j = 0; j < system.size(); ++j)
+      for (const Exact& row : J) system[j].push_back(row[j]);
+    reduce(system, M.size());
+    for (std::size_t i = 0; i < J.size(); ++i) {
+      moves.emplace_back();
+      for (const Exact& row : system) moves[i].push_back(row[M.size() + i]);
+    }
+    for (const Exact& row : J) {
+      W.emplace_back();
+      for (const Exact& move : moves) W.back().push_back(dot(row, move));
+    }
+    free = squared(z_u);
+  }
+
+  Rational squared(const Exact& v) const {
+    Rational sum = 0;
+    for (std::size_t j = 0; j < v.size(); ++j) sum += v[j] * dot(M[j], v);
+    return sum;
+  }
+  Exact minus(Exact a, const Exact& b) const {
+    for (std::size_t j = 0; j < a.size(); ++j) a[j] -= b[j];
+    return a;
+  }
+  Rational slack(const Form& form, const Exact& of) const {
+    Rational sum = 0;
+    for (const auto& [row, factor] : form) sum += factor * (dot(J[at(row)], of) - c[at(row)]);
+    return sum;
+  }
+  Rational coupling(const Form& a, const Form& b) const {
+    Rational sum = 0;
+    for (const auto& [i, x] : a)
+      for (const auto& [j, y] : b) sum += x * y * W[at(i)][at(j)];
+    return sum;
+  }
+
+  std::vector<std::vector<Choice>> choices() const {
+    std::vector<std::vector<Choice>> all;
+    for (Index i = 0; i < problem.rows(); ++i) {
+      const Form row = {{i, 1}};
+      if (problem.is_equality(i)) {
+        all.push_back({{.held = {row}}, {.pushes = {row}, .held = {row}}});
+        continue;
+      }
+      const Index n = i, t = i + 1, tangents = problem.has_tangents() ? problem.tangents(i) : 0;
+      i += tangents;
+      if (problem.c[n] == -std::numeric_limits<double>::infinity()) continue;
+      if (tangents == 0 || problem.mu[n] == 0) {
+        all.push_back({{.kept = {row}}, {.pushes = {row}, .held = {row}}});
+        continue;
+      }
+      const Rational mu = problem.mu[n];
+      const Form back = {{n, 1}, {t, -mu}}, forth = {{n, 1}, {t, mu}}, slip = {{t, 1}}, other_slip = {{t, -1}};
+      if (problem.law == Law::convex)
+        all.push_back({{.kept = {back, forth}},
+                       {.pushes = {back}, .held = {back}, .kept = {forth}},
+                       {.pushes = {forth}, .held = {forth}, .kept = {back}},
+                       {.pushes = {back, forth}, .held = {back, forth}}});
+      else
+        all.push_back({{.kept = {row}},
+                       {.pushes = {back}, .held = {row}, .kept = {slip}},
+                       {.pushes = {forth}, .held = {row}, .kept = {other_slip}},
+                       {.pushes = {back, forth}, .held = {row, slip}}});
+    }
+    return all;
+  }
+
+  // Two solutions z, z' have |z - z'|^2 <= sum mu^2 |J_t (z - z')|^2 / theta for theta below the eigenvalues of W, for
+  // both are convex answers that are lifted by mu times their slips: one solution where W > sum mu^2 tr W_tt.
+  bool contracts() const {
+    Rational theta = 0;
+    for (Index i = 0, n = 0; i < problem.rows(); ++i)
+      if (problem.is_tangent(i))
+        theta += Rational(problem.mu[n]) * Rational(problem.mu[n]) * W[at(i)][at(i)];
+      else
+        n = i;
+    std::vector<Exact> rest = W;
+    for (std::size_t k = 0; k < rest.size(); ++k) rest[k][k] -= theta;
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      if (rest[k][k] <= 0) return false;
+      for (std::size_t i = k + 1; i < rest.size(); ++i)
+        for (std::size_t j = rest.size(); j-- > k;) rest[i][j] -= rest[i][k] * rest[k][j] / rest[k][k];
+    }
+    return true;
+  }
+};
+
+ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<Data>(problem)) {
+  const std::vector<std::vector<Choice>> all = data_->choices();
+  std::vector<std::size_t> chosen(all.size(), 0);
+  for (bool more = true; more;) {
+    Choice choice;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Choice& part = all[k][chosen[k]];
+      choice.pushes.insert(choice.pushes.end(), part.pushes.begin(), part.pushes.end());
+      choice.held.insert(choice.held.end(), part.held.begin(), part.held.end());
+      choice.kept.insert(choice.kept.end(), part.kept.begin(), part.kept.end());
+    }
+    more = false;
+    for (std::size_t k = 0; k < all.size() && !more; ++k) {
+      more = ++chosen[k] < all[k].size();
+      if (!more) chosen[k] = 0;
+    }
+
+    const std::size_t unknowns = choice.pushes.size();
+    std::vector<Exact> edges, system, asked;
+    for (const Form& push : choice.pushes) {
+      edges.emplace_back(data_->z_u.size(), 0);
+      for (const auto& [row, factor] : push)
+        for (std::size_t j = 0; j < edges.back().size(); ++j) edges.back()[j] += factor * data_->J[at(row)][j];
+    }
+    if (unknowns > data_->z_u.size() || reduce(edges, data_->z_u.size()).size() < unknowns) continue;
+    const auto row_of = [&](const Form& form, int sign) {
+      Exact row;
+      for (const Form& push : choice.pushes) row.push_back(data_->coupling(form, push));
+      row.push_back(sign * data_->slack(form, data_->z_u));
+      return row;
+    };
+    for (const Form& form : choice.held) system.push_back(row_of(form, -1));
+    for (const Form& form : choice.kept) asked.push_back(row_of(form, 1));
+    for (std::size_t k = 0; k < unknowns; ++k) {
+      if (problem.is_equality(choice.pushes[k][0].first)) continue;
+      asked.emplace_back(unknowns + 1, 0);
+      asked.back()[k] = 1;
+    }
+    const bool right = has_point(system, asked, unknowns);
+    if (reduce(system, unknowns).size() < unknowns) {
+      complete_ = complete_ && !right;  // maybe a continuum
+      continue;
+    }
+    if (std::any_of(system.begin() + static_cast<std::ptrdiff_t>(unknowns), system.end(),
+                    [](const Exact& row) { return row.back() != 0; }))
+      continue;
+
+    Exact z = data_->z_u, lambda(data_->J.size(), 0);
+    for (std::size_t k = 0; k < unknowns; ++k)
+      for (const auto& [row, factor] : choice.pushes[k]) lambda[at(row)] += factor * system[k].back();
+    for (std::size_t i = 0; i < lambda.size(); ++i)
+      for (std::size_t j = 0; j < z.size() && lambda[i] != 0; ++j) z[j] += lambda[i] * data_->moves[i][j];
+    if (right && std::ranges::find(data_->z, z) == data_->z.end()) {
+      solutions_.push_back({rounded(z), rounded(lambda)});
+      data_->z.push_back(std::move(z));
+    } else if (!right && misses_.size() < most_misses) {
+      misses_.push_back({rounded(z), rounded(lambda)});
+    }
+  }
+}
+
+ExactSolutions::ExactSolutions(const Problem& problem, const Vector& z, const Vector& lambda)
+    : data_(std::make_shared<Data>(problem)), solutions_{{z, lambda}} {
+  data_->z.push_back(exactly(z));
+  const auto contacts = std::ranges::count(problem.kind, RowKind::inequality);
+  complete_ = problem.law == Law::convex || (contacts <= most_contracting && data_->contracts());
+}
+
+ExactSolutions::Range ExactSolutions::error(const Vector& given) const {
+  const Exact z = exactly(given);
+  const auto root = [](const Rational& x, const Rational& y) {
+    if (x == 0 || y == 0) return x == 0 ? 0. : std::sqrt(x.convert_to<double>()) / std::numeric_limits<double>::min();
+    return std::sqrt(Rational(x / y).convert_to<double>());
+  };
+  Range range{0, std::numeric_limits<double>::infinity()};
+  for (const Exact& known : data_->z)
+    range.high = std::min(range.high,
+                          root(data_->squared(data_->minus(z, known)), std::max(data_->free, data_->squared(known))));
+  if (complete_) return {range.high, range.high};
+  // Every solution meets these rows, and is longer than this one by its distance at most.
+  const Rational size = std::max(data_->free, data_->squared(z));
+  for (Index i = 0; i < data_->problem.rows(); ++i) {
+    const Rational s = data_->slack({{i, 1}}, z), g = data_->W[at(i)][at(i)];
+    if (data_->problem.is_tangent(i) || !std::isfinite(data_->problem.c[i]) || g == 0) continue;
+    if (s > 0 && !data_->problem.is_equality(i)) continue;
+    const double off = root(s * s / g, size);
+    range.low = std::max(range.low, off > 1e300 ? 1 : off / (1 + off));
+  }
+  return range;
+}
+
+double ExactSolutions::motions() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Exact& z : data_->z) {
+    const Rational way = data_->squared(data_->minus(z, data_->z_u));
+    if (way == 0) return 0;
+    if (data_->free > 0) least = std::min(least, std::sqrt(Rational(way / data_->free).convert_to<double>()));
+  }
+  return least;
+}
+
+}  // namespace zwang
