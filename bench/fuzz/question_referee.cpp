@@ -53,6 +53,7 @@ void twist(Problem& p, SmallNumbers& draw) {
     J.middleRows(i + 1, rows - 1) *= ground;
     p.c.segment(i + 1, rows - 1) *= ground;
     if (rows > 1) p.mu[i] /= ground;
+    if (!p.is_equality(i) && chance(24)) p.c[i] = -std::numeric_limits<double>::infinity();
   }
   p.J = J.sparseView();
   if (chance(32)) p.z_u.setZero();

@@ -66,7 +66,8 @@ void print(const Result& r) {
     line("", worst.type + ": " + scientific(worst.violation) + (worst.unit.empty() ? "" : " " + worst.unit) + ", " +
                  scientific(worst.relative) + " relative, at " + worst.name);
   if (!r.conflicting.empty())
-    line("conflict", some_of(r.conflicting, 8) + "   (certificate " + scientific(k.farkas) + ")");
+    line("conflict", some_of(r.conflicting, 8) +
+                         (k.farkas > 0 ? "   (no z within " + scientific(k.farkas) + " motions)" : "   (no proof)"));
   line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
                    std::to_string(r.repetitions) + " repetitions)   of it " + duration(r.prepare_s) +
                    " to prepare the problem's form   set-up " + duration(r.setup_s) + "   " +

@@ -8,7 +8,8 @@
 
 namespace zwang {
 
-// SHA-256 over the sources that a reference depends on, 64 hexadecimal digits; sources_hash.cmake takes it at each
+// SHA-256 over the sources that a reference depends on, the compiler, its flags and the versions of Eigen, mpfr and
+// gmp, 64 hexadecimal digits; sources_hash.cmake takes it at each
 // build. It is part of an entry's name: what other sources computed is never read.
 extern const std::string_view reference_sources;
 

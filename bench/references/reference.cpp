@@ -154,7 +154,9 @@ FoundReference reference_for(const Instance& instance, const std::filesystem::pa
   const std::filesystem::path file =
       cache_dir / (problem_sha256(problem) + "-" + std::string(reference_sources.substr(0, 16)) +
                    (second_witness ? "-two" : "") + ".reference");
-  if (std::optional<Reference> kept = read_cached(file); kept && fits(*kept, problem)) return {.reference = kept};
+  if (std::optional<Reference> kept = read_cached(file);
+      kept && fits(*kept, problem) && check_stored(problem, *kept).standing != Standing::refuted)
+    return {.reference = kept};
   FoundReference found = compute(problem, second_witness);
   try {
     if (found.reference) write_cached(file, *found.reference);

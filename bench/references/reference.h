@@ -25,7 +25,7 @@ struct ReferenceOptions {
 //   n <= 1200  the same method in long double, with the referee's active-set bound;
 //   beyond     nothing.
 // Where two witnesses disagree there is no reference, and `note` says so. Answers are kept in cache_dir by the hash of
-// the problem's content; an entry that cannot be read, or does not fit, is computed again. An empty cache_dir keeps
+// the problem's content; an entry that cannot be read, does not fit or is refuted by the referee is computed again. An empty cache_dir keeps
 // none.
 FoundReference reference_for(const Instance& instance, const std::filesystem::path& cache_dir,
                              const ReferenceOptions& options = {});

@@ -47,9 +47,10 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   return bound;
 }
 
-DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
+DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda,
+                           double motion) {
   Proof proof;
-  if (scaled.size() <= referee::dense_limit || scaled.rows() == 0) proof = prove_answer(scaled, d, lambda);
+  if (scaled.size() <= referee::dense_limit || scaled.rows() == 0) proof = prove_answer(scaled, d, lambda, motion);
   const bool gave_up = proof.rows != Rows::infeasible && proof.radius == std::numeric_limits<double>::infinity();
   if (gave_up && lambda) proof = prove_sparse(scaled, d, *lambda);
   DistanceBound bound{.sigma_min = proof.sigma_min, .rows = proof.rows};
@@ -74,13 +75,16 @@ DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& 
   for (Index i = 0; i < scaled.rows(); ++i)
     if (scaled.is_zero(i) && !scaled.is_vacuous(i) && !scaled.zero_row_holds(i)) return {.rows = Rows::infeasible};
   const std::vector<IslandPart> islands = split_islands(scaled.problem());
-  if (islands.empty()) return bound_island(scaled, d, lambda);
+  // Of the whole, also for a part that does not move by itself: rows of it that turn apart by little may be met near by.
+  const double motion = std::max(scaled.norm_of_free_motion(), scaled.norm(d));
+  if (islands.empty()) return bound_island(scaled, d, lambda, motion);
   DistanceBound total{.upper = 0, .greatest_norm = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};
   for (const IslandPart& island : islands) {
     const ScaledProblem own(island.problem);
     ExtendedVector part_lambda;
     if (lambda) part_lambda = own.multipliers(island.rows_of(*lambda));
-    const DistanceBound part = bound_island(own, own.motion_of(island.columns_of(d)), lambda ? &part_lambda : nullptr);
+    const DistanceBound part = bound_island(own, own.motion_of(island.columns_of(d)), lambda ? &part_lambda : nullptr,
+                                            std::ldexp(motion, -own.norm_exponent()));
     total.upper = std::hypot(total.upper, own.to_problem_norm(part.upper));
     total.lower = std::hypot(total.lower, own.to_problem_norm(part.lower));
     total.least_norm = std::hypot(total.least_norm, own.to_problem_norm(part.least_norm));

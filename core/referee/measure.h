@@ -16,7 +16,7 @@ enum class Verdict {
   solved,              // z_error (or, without a reference, its upper bound) <= max(10 T, 1e-12), T the tolerance asked
   near,                // <= near_error(T)
   wrong,               // neither; or any z on an infeasible problem; or "infeasible" said of a feasible one
-  infeasible_proven,   // the certificate holds in extended precision
+  infeasible_proven,   // the certificate holds in extended precision: no z within 1e8 motions
   infeasible_claimed,  // it does not hold, or there is none
   undecided,           // no reference, and the upper bound does not decide
   no_answer,           // the solver gave up without a z and said so

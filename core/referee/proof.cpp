@@ -227,14 +227,14 @@ class Prover {
 
 }  // namespace
 
-Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda) {
+Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda,
+                   double motion) {
   RefereeActiveSet own(scaled);
   const RefereeActiveSet::Outcome outcome = own.solve(guess_d, guess_lambda);
   if (outcome == RefereeActiveSet::Outcome::optimal) return Prover(scaled, own).prove();
   Proof proof;
   if (outcome == RefereeActiveSet::Outcome::gave_up) return proof;
-  const double s = std::max(scaled.norm_of_free_motion(), scaled.norm(guess_d));
-  const Farkas farkas = judge_certificate(scaled, own.farkas, s);
+  const Farkas farkas = judge_certificate(scaled, own.farkas, motion);
   if (farkas.proven) {
     proof.rows = Rows::infeasible;
     proof.farther_than = farkas.distance / referee::widened_sum;

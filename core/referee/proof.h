@@ -16,7 +16,9 @@ struct Proof {
   double sigma_min = std::numeric_limits<double>::quiet_NaN();  // lower bound for the rows that hold
 };
 
-// Finds an answer from the guess and proves how far it is from the true one. lambda may be null.
-Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda);
+// Finds an answer from the guess and proves how far it is from the true one. lambda may be null. `motion`: s, of the
+// whole problem where this is a part of one; rows contradict each other where no z is within 1e8 of it.
+Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, const ExtendedVector* guess_lambda,
+                   double motion);
 
 }  // namespace zwang

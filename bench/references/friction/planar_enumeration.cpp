@@ -142,7 +142,8 @@ std::optional<Data> exact_data(const Problem& p) {
       values.push_back(value.constant);
     }
     data.inverse_J.push_back(std::move(values));
-    data.q.emplace_back(-Rational(p.c[static_cast<Index>(i)]));
+    const double c = p.c[static_cast<Index>(i)];
+    data.q.emplace_back(std::isfinite(c) ? -Rational(c) : Rational(0));  // a contact that says nothing is not asked
     for (std::size_t j = 0; j < n; ++j) data.q[i] += data.J[i][j] * data.z_u[j];
   }
   data.W.assign(m, Row(m, 0));

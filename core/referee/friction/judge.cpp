@@ -243,12 +243,11 @@ Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& sc
   return *all;
 }
 
-// z = z_u = 0 and lambda = 0: the slacks are -c, without rounding, and where no row asks for a motion, rest is a
-// solution of Coulomb's law. There is no motion to measure errors by, and in units of the least double there is, slips
-// overflow.
+// z = z_u = 0: with lambda = 0 the slacks are -c, without rounding, and where no row asks for a motion, rest is a
+// solution of Coulomb's law, whatever multipliers come with it. There is no motion to measure errors by, and in units
+// of the least double there is, slips overflow.
 bool rests_exactly(const Problem& problem, const Solution& solution) {
-  if (problem.law != Law::coulomb || !problem.z_u.isZero(0) || !solution.z.isZero(0) || !solution.lambda.isZero(0))
-    return false;
+  if (problem.law != Law::coulomb || !problem.z_u.isZero(0) || !solution.z.isZero(0)) return false;
   for (Index i = 0; i < problem.rows(); ++i)
     if (problem.is_equality(i) ? problem.c[i] != 0 : !problem.is_tangent(i) && !(problem.c[i] <= 0)) return false;
   return true;
@@ -264,6 +263,9 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const double own_scale = std::max({scaled.norm_of_free_motion(), or_infinity(scaled.norm_of(solution.z)),
                                      known ? scaled.norm_of(reference->z) : 0, scaled.least_scale()});
   if (!std::isfinite(own_scale)) return Verdict::wrong;
+  // The squares of all motions vanish beside a row that is 2^500 times as large.
+  const bool moves = !problem.z_u.isZero(0) || !solution.z.isZero(0);
+  if (moves && !(own_scale > scaled.least_scale())) return Verdict::undecided;
   const ContactProblem p(problem, scaled, own_scale);
   const ExtendedVector x = p.motion(scaled.motion(solution.z));
   ExtendedVector lambda;
@@ -289,7 +291,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     if (problem.law == Law::convex && verdict != Verdict::undecided) return verdict;
   }
   if (reference && !reference->feasible) return Verdict::wrong;
-  if (has_lambda && rests_exactly(problem, solution)) {
+  if (rests_exactly(problem, solution)) {
     out.z_bound = out.friction.self_bound = out.friction.radius = out.friction.delta = 0;
     out.bound_method = "rows met without rounding";
     return Verdict::solved;
@@ -332,7 +334,9 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   }
   if (!known && rows_contradict(problem, solution.z)) return Verdict::wrong;
   // Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it.
-  lower = std::max({lower, from_reference.lower, down(std::min(1.0, out.primal) / 2)});
+  // What overflowed says nothing.
+  const double violated = std::isfinite(out.primal) ? std::min(1.0, out.primal) : 0;
+  lower = std::max({lower, from_reference.lower, down(violated / 2)});
   if (lower > from_reference.upper) return Verdict::undecided;
   if (const Verdict near = by_error(from_reference.upper, 0, tolerance); near != Verdict::undecided) return near;
   if (lower <= accepted && std::max(out.z_bound, out.friction.delta) <= accepted) return Verdict::rows_off;

@@ -8,7 +8,7 @@
 
 #include <zwang/bench/references/reference.h>
 #include <zwang/core/files/problem_file.h>
-#include "tests/core/referee/friction/small_frictional.h"
+#include "tests/core/referee/friction/attacks.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -18,6 +18,19 @@ using test::SmallFrictional;
 using test::vector;
 
 bool called_right(Verdict v) { return v == Verdict::solved || v == Verdict::near || v == Verdict::consistent; }
+
+// Also not where a file says that the answer is right.
+TEST(Judge, NoAttackSucceeds) {
+  for (const test::Attack& a : test::attacks())
+    for (const bool told : {false, true}) {
+      constexpr double tolerance = 1e-8;
+      Instance in{.problem = a.problem};
+      if (told) in.reference = Reference{.z = a.z, .lambda = a.lambda, .hearsay = true, .method = "file"};
+      const Judgement j = judge(in, a.z, a.lambda, tolerance);
+      EXPECT_EQ(a.falsehood(j.verdict, tolerance, j.at_least, j.at_most), "")
+          << a.name << (told ? ", told" : "") << ", off by " << a.off() << ": " << j.text;
+    }
+}
 
 // Walls that leave x >= 1 and x <= 1 - overlap: there is no z.
 Instance overlapping_walls(double overlap) {

@@ -180,6 +180,21 @@ TEST(Reference, ComputesAgainWhereTheKeptFileIsTornOrAltered) {
   EXPECT_FALSE(read_cached(file));
 }
 
+// What another program wrote, with the right sum.
+TEST(Reference, ComputesAgainWhatTheRefereeRefutes) {
+  const Folder folder;
+  const Instance instance{.problem = test::tied_pair()};
+  const Reference right = *reference_for(instance, folder.path).reference;
+  Reference moved = right;
+  moved.z[0] += 1;
+  for (const Reference& false_one : {moved, Reference{.feasible = false, .certificate = Vector::Ones(2)}}) {
+    write_cached(folder.only_file(), false_one);
+    const FoundReference again = reference_for(instance, folder.path);
+    ASSERT_TRUE(again.reference && again.reference->feasible);
+    EXPECT_EQ(again.reference->z, right.z);
+  }
+}
+
 TEST(Reference, ProvesInfeasibility) {
   const FoundReference found = reference_for({.problem = test::squeezed()}, {}, {.second_witness = true});
   ASSERT_TRUE(found.reference) << found.note;

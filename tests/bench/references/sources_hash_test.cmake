@@ -10,7 +10,7 @@ file(WRITE ${WORK}/core/step.cpp "#include <zwang/core/step.h>\nint step() { ret
 file(WRITE ${WORK}/core/other.h "int other();\n")
 
 function(take name)
-  execute_process(COMMAND ${CMAKE_COMMAND} -DSOURCE_DIR=${WORK} -DOUTPUT=${WORK}/out.cpp -P ${SCRIPT}
+  execute_process(COMMAND ${CMAKE_COMMAND} "-DBUILT_WITH=${built_with}" -DSOURCE_DIR=${WORK} -DOUTPUT=${WORK}/out.cpp -P ${SCRIPT}
     COMMAND_ERROR_IS_FATAL ANY)
   file(READ ${WORK}/out.cpp ${name})
   set(${name} ${${name}} PARENT_SCOPE)
@@ -29,6 +29,12 @@ foreach(file bench/references/truth.cpp bench/references/truth.h core/method.h c
   endif()
   file(WRITE ${WORK}/${file} "${kept}")
 endforeach()
+set(built_with "another compiler")
+take(changed)
+if(changed STREQUAL before)
+  message(SEND_ERROR "the hash does not see the compiler")
+endif()
+set(built_with)
 file(APPEND ${WORK}/core/other.h "// changed\n")
 take(after)
 if(NOT after STREQUAL before)
