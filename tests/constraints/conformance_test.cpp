@@ -7,7 +7,6 @@
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/distance.h>
-#include <zwang/constraints/friction_pyramid.h>
 #include <zwang/constraints/joint_limit.h>
 #include <zwang/constraints/prismatic_joint.h>
 #include <zwang/constraints/revolute_joint.h>
@@ -37,7 +36,6 @@ const Mat3 turned = retract<double>({}, Vec<double, 6>(0, 0, 0, 0.4, -0.3, 0.7))
 // clang-format off
 using Constraints = ::testing::Types<
     Example<[] { return Contact{ab, p, r, contact_frame(u), 0.5}; }>,
-    Example<[] { return FrictionPyramid{{ab, p, r, contact_frame(u), 0.5}}; }>,
     Example<[] { return BallJoint{ab, p, r}; }>,
     Example<[] { return UniversalJoint{ab, p, r, u, v}; }>,
     Example<[] { return RevoluteJoint{ab, p, r, u, v}; }>,

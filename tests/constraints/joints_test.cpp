@@ -7,7 +7,6 @@
 
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/distance.h>
-#include <zwang/constraints/friction_pyramid.h>
 #include <zwang/constraints/joint_limit.h>
 #include <zwang/constraints/prismatic_joint.h>
 #include <zwang/constraints/revolute_joint.h>
@@ -105,20 +104,6 @@ TEST(Contact, GapIsCountedAlongTheNormalFromBToA) {
   bodies[0].pose.position += 0.5 * n;
   EXPECT_NEAR(contact.value(bodies[0].pose, bodies[1].pose)[0], 0.75, 1e-15) << "A moved away";
   EXPECT_NEAR((contact.frame.transpose() * contact.frame - Mat3::Identity()).norm(), 0, 1e-15);
-}
-
-TEST(FrictionPyramid, MultipliersAddUpToForcesWithinTheCone) {
-  const double mu = 0.5;
-  FrictionPyramid contact{{.bodies = {0, 1}, .friction = mu}};
-  const auto J = contact.jacobian({}, {});
-  for (int k = 0; k < 4; ++k) {
-    const Vec3 force = J.block(k, 0, 1, 3).transpose(), n = contact.frame.col(0);
-    EXPECT_DOUBLE_EQ((force - force.dot(n) * n).norm(), mu * force.dot(n));
-    EXPECT_EQ(J.block(k, 6, 1, 3), -J.block(k, 0, 1, 3)) << "action and reaction";
-  }
-  EXPECT_EQ(J.block(0, 0, 1, 6) + J.block(1, 0, 1, 6), J.block(2, 0, 1, 6) + J.block(3, 0, 1, 6));
-  contact.friction = 0;
-  EXPECT_EQ(contact.jacobian({}, {}).row(3), contact.Contact::jacobian({}, {}));
 }
 
 TEST(TargetCoupling, ValueTakesTheTargetToTheGodObject) {
