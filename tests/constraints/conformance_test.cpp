@@ -11,7 +11,6 @@
 #include <zwang/constraints/prismatic_joint.h>
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/rope.h>
-#include <zwang/constraints/target_coupling.h>
 #include <zwang/constraints/universal_joint.h>
 #include <zwang/constraints/weld.h>
 #include <zwang/core/model/assemble.h>
@@ -44,7 +43,6 @@ using Constraints = ::testing::Types<
     Example<[] { return Distance{ab, p, p, 1.5}; }>,
     Example<[] { return Rope{{ab, p, p, 1.5}}; }>,
     Example<[] { return JointLimit{ab, u, v, w, 1.2, Side::upper}; }>,
-    Example<[] { return TargetCoupling{ab}; }>,
     Example<[] { return Leash{ab, p, r, 1.5}; }>>;
 // clang-format on
 

@@ -11,7 +11,6 @@
 #include <zwang/constraints/prismatic_joint.h>
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/rope.h>
-#include <zwang/constraints/target_coupling.h>
 #include <zwang/constraints/universal_joint.h>
 #include <zwang/constraints/weld.h>
 
@@ -44,7 +43,6 @@ TEST(Joints, LeaveTheFreedomsTheyAreNamedFor) {
   EXPECT_EQ(freedoms(RevoluteJoint{ab, p, p, x, x}, a, b), 1);
   EXPECT_EQ(freedoms(PrismaticJoint{ab, p, p, x}, a, b), 1);
   EXPECT_EQ(freedoms(Weld{ab, p, p}, a, b), 0);
-  EXPECT_EQ(freedoms(TargetCoupling{ab}, a, b), 0);
 }
 
 TEST(Joints, AHingeTurnsAndASliderSlidesWithoutViolation) {
@@ -104,13 +102,6 @@ TEST(Contact, GapIsCountedAlongTheNormalFromBToA) {
   bodies[0].pose.position += 0.5 * n;
   EXPECT_NEAR(contact.value(bodies[0].pose, bodies[1].pose)[0], 0.75, 1e-15) << "A moved away";
   EXPECT_NEAR((contact.frame.transpose() * contact.frame - Mat3::Identity()).norm(), 0, 1e-15);
-}
-
-TEST(TargetCoupling, ValueTakesTheTargetToTheGodObject) {
-  const Pose<double> target = turned({0.5, -1, 2}, {1, 2, 3}), god = turned({-1, 0.3, 0.4}, {4, 5, 6});
-  const Pose<double> reached = retract(target, TargetCoupling{}.value(god, target));
-  EXPECT_LE((reached.position - god.position).norm(), 1e-15);
-  EXPECT_LE((reached.rotation - god.rotation).norm(), 2e-15);
 }
 
 TEST(Guide, TheConstraintOfTheGuideHasAtMostFifteenLines) {
