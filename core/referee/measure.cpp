@@ -111,6 +111,11 @@ ErrorBounds error_bounds(const Problem& problem, const Reference& reference, dou
   return {z_error * (1 + referee::measured) + off, one ? std::max(z_error * (1 - referee::measured) - off, 0.0) : 0};
 }
 
+double near_error(double tolerance) {
+  const double accepted = accepted_error(tolerance);
+  return std::max(accepted, std::min(1000 * accepted, referee::nearest_wrong));
+}
+
 Verdict by_error(double upper, double lower, double tolerance) {
   if (upper <= accepted_error(tolerance)) return Verdict::solved;
   if (upper <= near_error(tolerance)) return Verdict::near;

@@ -66,10 +66,7 @@ constexpr int severity(Verdict verdict) {
 constexpr Verdict worse(Verdict a, Verdict b) { return severity(a) < severity(b) ? b : a; }
 
 // 1000 times what `solved` allows, but never more than a hundredth of the motion: beyond that nothing is near.
-inline double near_error(double tolerance) {
-  const double accepted = accepted_error(tolerance);
-  return std::max(accepted, std::min(1000 * accepted, 1e-2));
-}
+double near_error(double tolerance);
 
 // Of a z whose error lies in [lower, upper], relative to s.
 Verdict by_error(double upper, double lower, double tolerance);

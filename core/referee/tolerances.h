@@ -13,6 +13,8 @@ namespace zwang::referee {
 // Proof of infeasibility: every feasible z would be this many motions away, farther than any z that doubles hold to
 // 1e-8. (Solvers ask for twice as much before they claim it: tolerances::out_of_reach.)
 inline constexpr double farkas_margin = 1e8;
+// Of the motion: what is farther than this is not near, whatever tolerance was asked for.
+inline constexpr double nearest_wrong = 1e-2;
 // Of the largest |u_i| |G_i|: below it a row has no part in the conflict that is named.
 inline constexpr double no_part = 1e-10;
 // Of the largest |u_i|: the rows that leave a direction inward no room. Only a guess: they are then held.
