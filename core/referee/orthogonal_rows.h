@@ -68,20 +68,20 @@ class OrthogonalRows {
  private:
   template <class S>
   double sigma_min_in(const ScaledProblem& scaled, const std::vector<Index>& rows) const {
-    using Rows = Eigen::SparseMatrix<S, Eigen::RowMajor>;
     std::vector<Eigen::Triplet<S>> entries;
     for (Index k = 0; k < rank_; ++k)
       for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, rows[static_cast<std::size_t>(k)]);
            it; ++it)
         entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()),
                              S(it.value()) / S(scaled.row_norm[it.row()]));
-    Rows J(rank_, scaled.size());
+    Eigen::SparseMatrix<S, Eigen::RowMajor> J(rank_, scaled.size());
     J.setFromTriplets(entries.begin(), entries.end());
-    const MatrixX<S> R = triangle(rank_).template cast<S>();
-    const MatrixX<S> inverse = R.template triangularView<Eigen::Upper>().solve(MatrixX<S>::Identity(rank_, rank_));
+    // R^-T by forward substitution: J X - I is R' R^-T - I, and small where R' comes first.
+    const MatrixX<S> lower = triangle(rank_).template cast<S>().transpose();
+    const MatrixX<S> inverse = lower.template triangularView<Eigen::Lower>().solve(MatrixX<S>::Identity(rank_, rank_));
     const Eigen::SparseMatrix<Real> L = scaled.factor.matrixL();
     const Eigen::SparseMatrix<S, Eigen::RowMajor> upper = L.template cast<S>().transpose();
-    MatrixX<S> X = Q().template cast<S>() * inverse.transpose();
+    MatrixX<S> X = Q().template cast<S>() * inverse;
     X = upper.template triangularView<Eigen::Upper>().solve(X).eval();
     X = (scaled.factor.permutationPinv() * X).eval();
     const Eigen::SparseMatrix<S> M = scaled.M.template cast<S>();
