@@ -62,6 +62,11 @@ void add_what_is_run(CLI::App& options, Asked& asked) {
   options.option_defaults()->group("How it is run");
   options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
       ->check(above(0));
+  options
+      .add_option("--time-limit", s.time_limit,
+                  "seconds of CPU time a solve; default: the suite's, shortened where it would not end in time")
+      ->type_name("S")
+      ->check(above(0));
   options.add_flag("--accuracy", s.accuracy, "no repetitions: accuracy alone, times are of first solves");
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
   options.add_flag("--sequence", s.sequence,

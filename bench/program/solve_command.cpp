@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -18,7 +19,6 @@
 namespace zwang {
 namespace {
 
-constexpr double time_limit = 60;  // s of CPU time
 constexpr double budget = 0.3;     // s for repetitions
 
 std::string some_of(std::vector<std::string> names, std::size_t most) {
@@ -46,6 +46,7 @@ void print(const Result& r) {
   line("problem", r.problem + "   " + std::to_string(r.n) + " unknowns, " + std::to_string(r.m) + " rows (" +
                       std::to_string(r.equalities) + " equalities)");
   line("solver", r.solver + " @ " + scientific(r.tolerance));
+  if (!r.handed_to.empty()) line("answered", "by " + r.handed_to + ", to which " + r.solver + " handed this problem over");
   line("claimed", std::string(to_string(r.claimed)));
   std::string against =
       std::isnan(k.z_error) ? "no reference" : "z_error " + scientific(k.z_error) + " against " + r.reference;
@@ -53,7 +54,8 @@ void print(const Result& r) {
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))
     against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
-  line("verified", std::string(to_string(k.verdict)) + "   " + against);
+  line("verified", std::string(to_string(k.verdict)) + "   " + against +
+                       (lies(r.claimed, k.verdict) ? "   FALSE CLAIM" : ""));
   if (r.claimed == Status::unsupported || r.claimed == Status::bad_input) {  // nothing was solved
     if (!r.message.empty()) line("message", r.message);
     return;
@@ -69,7 +71,7 @@ void print(const Result& r) {
     line("conflict", some_of(r.conflicting, 8) +
                          (k.farkas > 0 ? "   (no z within " + scientific(k.farkas) + " motions)" : "   (no proof)"));
   line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
-                   std::to_string(r.repetitions) + " repetitions)   of it " + duration(r.prepare_s) +
+                   std::to_string(r.repetitions) + " repetitions)   of it " + duration(std::min(r.prepare_s, r.solve_s)) +
                    " to prepare the problem's form   set-up " + duration(r.setup_s) + "   " +
                    std::to_string(r.iterations) + " iterations");
   if (!r.message.empty()) line("message", r.message);
@@ -102,13 +104,17 @@ int solve_command(std::vector<std::string> words) {
             "--trace also \"trace\".");
   std::string file, name;
   Run run;
-  bool with_trace = false, json = false, solutions = false;
+  double time_limit = 60;
+  bool with_trace = false, json = false, solutions = false, check = false;
   std::optional<Law> law;
   options.add_option("FILE", file, "the problem")->required();
   options.add_option("--problem", name, "its name, where the file holds several")->type_name("NAME");
-  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")->type_name("NAME");
+  options.add_option("--solver", run.solver, "required, but with --solutions: name, or name:key=value,... (./zwang solvers)")
+      ->type_name("NAME");
   options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
       ->type_name("T");
+  options.add_option("--time-limit", time_limit, "seconds of CPU time for a solve; default: 60")->type_name("S");
+  options.add_flag("--check", check, "exit code 1 where the claim is false");
   options.add_flag("--trace", with_trace, "the iterates on the way, with the time to reach them");
   options.add_flag("--json", json, "print one JSON object");
   options.add_flag("--solutions", solutions,
@@ -117,6 +123,7 @@ int solve_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   if (!(run.tolerance > 0 && run.tolerance < 1))
     throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
+  if (!(time_limit > 0)) throw std::invalid_argument("--time-limit should be above 0 s");
   if (solutions) {
     if (!run.solver.empty() || with_trace)
       throw std::invalid_argument("--solutions goes with neither --solver nor --trace");
@@ -149,18 +156,19 @@ int solve_command(std::vector<std::string> words) {
   run_flow({assemble, {run}, {.time_limit = time_limit, .budget = budget}, keep}, desk, interrupted);
   const auto points =
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
+  const int code = check && lies(cell.result.claimed, cell.result.metrics.verdict) ? 1 : done;
   if (json) {
     using Json = nlohmann::ordered_json;
     Json object = Json::parse(to_json(cell.result, &cell.timed.solution));
     if (with_trace) object["trace"] = Json::array();
     for (const TracePoint& point : points) object["trace"].push_back(Json::parse(to_json(point)));
     std::puts(object.dump().c_str());
-    return done;
+    return code;
   }
   for (const std::string& note : notes) std::printf("Note: %s\n", note.c_str());
   print(cell.result);
   if (with_trace) print(points);
-  return done;
+  return code;
 }
 
 }  // namespace zwang

@@ -190,6 +190,19 @@ void keep_times_of_one_machine(const std::vector<std::size_t>& machine_of, const
                       " runs were made on other machines, and their times do not compare.");
 }
 
+// An answer counts for the solver that gave it, once: where that one was asked, too, its own run stands.
+void credit_who_answered(Run& run) {
+  std::set<std::tuple<std::string, std::string, double, std::string>> answered;
+  for (const Result& r : run.results)
+    if (r.handed_to.empty()) answered.insert({r.problem, r.law, r.tolerance, r.solver});
+  std::erase_if(run.results, [&](Result& r) {
+    if (r.handed_to.empty()) return false;
+    run.handed_over[{r.solver, r.handed_to}].insert(r.problem);
+    r.solver = r.handed_to;
+    return !answered.insert({r.problem, r.law, r.tolerance, r.solver}).second;
+  });
+}
+
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::*field) {
   std::vector<std::string> names;
   for (const Result& r : results)
@@ -248,6 +261,7 @@ Run read_run(const fs::path& dir) {
     }
   }
   keep_times_of_one_machine(machine_of, machines, run);
+  credit_who_answered(run);
   const std::vector<std::string> present = solvers_of(run.results);
   std::erase_if(run.solvers, [&](const SolverInfo& s) { return std::ranges::find(present, s.name) == present.end(); });
   for (const std::string& name : present)

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,7 +26,7 @@ struct Result {
   std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
   std::string claimed = {}, verified = {};
   std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
-  std::string handed_to = {};  // the solver whose answer and time this is
+  std::string handed_to = {};  // the solver that answered, where it is not the one that was asked
   std::string law = {};        // of friction
   std::string replay = {};     // the command that repeats this run; of large runs see replay_of()
   double knob_value = unknown, tolerance = unknown;
@@ -108,6 +109,8 @@ struct Run {
   std::vector<std::string> notes;
   std::vector<SolverInfo> solvers;  // in the order of the run
   std::vector<Result> results;
+  // Who handed over to whom, and on which problems. In `results` stands who answered.
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> handed_over;
   std::vector<Result> recorded;  // answers that came with the problems: judged, never timed, no solver's
   std::vector<TracePoint> traces;
   std::vector<AssemblyTimes> assembly;   // of the speed suite

@@ -302,7 +302,7 @@ std::string Plan::title() const {
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   const Suite& suite = find_suite(options.suite);
   Plan plan;
-  plan.time_limit = suite.time_limit;
+  plan.time_limit = options.time_limit > 0 ? options.time_limit : suite.time_limit;
   plan.second_witness = suite.name == "full";
   if (options.scenes.empty() && options.problems.empty() && options.instances.empty()) options.scenes = suite.scenes;
   plan.whole_suite =
@@ -336,7 +336,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
     const SolverEntry& entry = *find_solver(text, among);
     Run run{.solver = text, .foreign = runs_apart(text, among)};
     // Of a yardstick a shortened limit would leave only a bound.
-    if (suite.speed && entry.yardstick) run.least_time_limit = suite.time_limit;
+    if (suite.speed && entry.yardstick) run.least_time_limit = plan.time_limit;
     if (plan.speed) run.largest_island = entry.largest_island;
     for (const double t : options.tolerances) {
       run.tolerance = t;

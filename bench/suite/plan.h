@@ -22,6 +22,7 @@ struct SuiteOptions {
   std::string solvers = {};                          // "nnls,nlopt:algorithm=2"
   std::vector<double> tolerances = {};
   int repetitions = 0;
+  double time_limit = 0;  // s of CPU time a solve; one that was asked for is never shortened
   std::uint64_t seed = 1;
   bool trace = false;
   bool sequence = false;   // the problems of a family are successive frames

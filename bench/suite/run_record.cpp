@@ -28,6 +28,7 @@ void visit_options(Options& o, Visit visit) {
   visit("solvers", o.solvers);
   visit("tolerances", o.tolerances);
   visit("repetitions", o.repetitions);
+  visit("time_limit", o.time_limit);
   visit("seed", o.seed);
   visit("trace", o.trace);
   visit("sequence", o.sequence);

@@ -29,7 +29,7 @@ BatchLimits Schedule::next(const Instance& instance, std::size_t batches_left) {
     if (plan_.speed) limits.budget = std::max(limits.budget, 1.5);
     const double allowance = left / static_cast<double>(batches_left);
     const auto solvers = static_cast<double>(plan_.solvers());
-    while (limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
+    while (plan_.options.time_limit == 0 && limits.time_limit >= 0.5 && limits.time_limit * solvers > 4 * allowance) limits.time_limit /= 2;
   }
   shortest_limit_ = std::min(shortest_limit_, limits.time_limit);
   batch_work_ = work(instance);

@@ -40,7 +40,7 @@ shorter = [
     (r"(./zwang bench --problems) DIR --sequence", r"\1 first.h5 --sequence --solvers nnls --out sequence"),
     (r"(./zwang bench --problems) FILE... --suite speed", r"\1 first.h5 --solvers nnls --out speed"),
     (r"(./zwang bench) --resume DIR", r"\1 --resume DIR"),
-    (r"(./zwang simulate simple --motion grasp)(.*)", r"\1 --frames 20 --out $(mktemp -u)\2"),
+    (r"(./zwang simulate (?:simple --motion grasp|box --motion lift))(.*)", r"\1 --frames 20 --out $(mktemp -u)\2"),
     (r"(./zwang simulate simple) --motion RECORDING --audit", r"\1 --motion grasp --frames 20 --audit --out audited"),
     (r"(./zwang simulate) engine --motion recording.json", r"\1 --help"),
     (r"(./zwang simulate box --god) (docs/\S+)( --motion )?(docs/\S+)?",

@@ -93,7 +93,7 @@
       LEADERS: {transform: [{filter: "datum.part === 'label' && datum.far"}], mark: {type: 'rule', strokeWidth: 0.8, tooltip: null},
                 encoding: {x2: {field: 'from_x'}, y2: {field: 'from_y'}, color: {value: c.muted}}},
       HALOS: {...drawn, mark: {...text, stroke: c.background, strokeWidth: 3}, encoding: encoding(c.background, 0.8)},
-      NAMES: {...drawn, mark: text, encoding: encoding(c.ink)},
+      NAMES: {...drawn, mark: text, encoding: {...encoding(c.ink), color: {field: 'solver', type: 'nominal'}}},
     };
   };
 

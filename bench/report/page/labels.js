@@ -9,8 +9,12 @@
   const between = (value, low, high) => value >= low && value <= high;
   const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
-  // Greedy point labelling: for each anchor {x, y, text} the nearest place inside the box that covers no label and as few
-  // of the occupied points as possible. All in pixels; each label gets {at_x, at_y, align, far, rect}.
+  const apart = (rect, p) => Math.hypot(Math.max(rect.left - p.x, 0, p.x - rect.right), Math.max(rect.top - p.y, 0, p.y - rect.bottom));
+
+  // Greedy point labelling: for each anchor {x, y, text, solver} the nearest place inside the box that covers no label, no
+  // marker where there is any other place, and as little as possible of the lines; a name is nearer to its own solver's
+  // points than to another's. `occupied`: {x, y, solver, marker}. All in pixels; each label gets {at_x, at_y, align, far,
+  // rect}.
   function place(anchors, occupied, box) {
     const crowd = a => anchors.filter(b => Math.hypot(a.x - b.x, a.y - b.y) < 60).length;
     const labels = [];
@@ -26,8 +30,18 @@
             const rect = {left: Math.min(near, far), right: Math.max(near, far), top: at_y - half_line, bottom: at_y + half_line};
             if (rect.left < box.left || rect.right > box.right || rect.top < box.top || rect.bottom > box.bottom) continue;
             if (labels.some(label => overlap(rect, label.rect))) continue;
-            const hidden = occupied.filter(p => between(p.x, rect.left - 3, rect.right + 3) && between(p.y, rect.top - 3, rect.bottom + 3)).length;
-            const cost = reach + 12 * hidden + (side < 0 ? 2 : 0);
+            let cost = reach + (side < 0 ? 2 : 0), own = Math.hypot(at_x - anchor.x, at_y - anchor.y) + gap, others = Infinity;
+            if (best && cost >= best.cost) continue;
+            for (const p of occupied) {
+              const off = apart(rect, p), size = p.marker ? 6 : 3;
+              if (p.solver === anchor.solver) own = Math.min(own, off);
+              else others = Math.min(others, off);
+              if (off < size) cost += p.marker ? 1000 : 12;
+            }
+            if (others < own) {
+              if (reach <= 10) continue;  // where no leader ties it to its own
+              cost += 300;
+            }
             if (!best || cost < best.cost) best = {...anchor, cost, rect, at_x, at_y, align: side > 0 ? 'left' : 'right', far: reach > 10};
           }
       if (best) labels.push(best);
@@ -112,14 +126,14 @@
     const words = {X_DOMAIN: x_domain, Y_DOMAIN: y_domain};
     if (width < 420) return {rows: every, words};
     const pixel = row => ({x: across.pixel(row[x]), y: height - up.pixel(row[y])});
-    const occupied = rows.map(pixel), anchors = [];
+    const occupied = rows.map(row => ({...pixel(row), solver: row.solver, marker: true})), anchors = [];
     for (const solver of new Set(rows.map(row => row.solver))) {
       const own = rows.filter(row => row.solver === solver);
       const joined = own.filter(line).sort(order);
       const corners = joined.flatMap((row, i) => chart.steps && i > 0 ? [{x: pixel(row).x, y: pixel(joined[i - 1]).y}, pixel(row)] : [pixel(row)]);
-      corners.forEach((to, i) => { if (i > 0) occupied.push(...between_points(corners[i - 1], to)); });
+      corners.forEach((to, i) => { if (i > 0) occupied.push(...between_points(corners[i - 1], to).map(p => ({...p, solver}))); });
       const row = (joined.length && (chart.anchor ?? last)(joined)) || [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
-      anchors.push({...pixel(row), row, text: text(row)});
+      anchors.push({...pixel(row), row, solver, text: text(row)});
     }
     const box = {left: 0, right: width, top: 0, bottom: height};
     const edge = Math.max(...anchors.map(a => a.x)) - 30, ends = anchors.filter(a => chart.to_right && a.x >= edge);

@@ -34,15 +34,11 @@ std::string grouped(std::size_t n) {
 
 std::string counted(std::size_t n, const std::string& noun) { return grouped(n) + " " + noun + (n == 1 ? "" : "s"); }
 
-// Whose answers and times stand under another solver's name.
 std::string handed_over(const Run& run) {
-  std::map<std::pair<std::string, std::string>, std::set<std::string>> problems;
-  for (const Result& r : run.results)
-    if (!r.handed_to.empty()) problems[{r.solver, r.handed_to}].insert(r.problem);
   std::vector<std::string> parts;
-  for (const auto& [names, of] : problems)
-    parts.push_back(names.first + " to " + names.second + " on " + counted(of.size(), "problem"));
-  return parts.empty() ? "" : "Answer and time are another solver's where one hands over: " + joined(parts) + ".";
+  for (const auto& [names, problems] : run.handed_over)
+    parts.push_back(names.first + " to " + names.second + " on " + counted(problems.size(), "problem"));
+  return parts.empty() ? "" : "Handed over, and counted for the solver that answered alone: " + joined(parts) + ".";
 }
 
 // What a reader must know to compare fairly, beside the run's own notes.

@@ -72,7 +72,7 @@ class NormalMap {
           {contact, size_, rows, static_cast<double>(rows) / p.row_norm.segment(contact.row, rows).squaredNorm()});
       size_ += rows;
     }
-    usable &= size_ <= referee::slopes_limit;
+    usable &= size_ > 0 && size_ <= referee::slopes_limit;
   }
 
   bool usable;

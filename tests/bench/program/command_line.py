@@ -177,6 +177,16 @@ def check_solve():
     people = run(["solve", "two.h5", "--problem", "second", "--solver", "pgs:relaxation=1.2", "--trace"])
     for word in ("claimed", "verified", "residuals", "time", "iteration"):
         check(f"solve prints {word}", people.returncode == 0 and word in people.stdout, people.stdout + people.stderr)
+    run(["export", "GAP", "--k=8", "--out", "gap.h5"])
+    for words, code in (([], 0), (["--check"], 1), (["--check", "--json"], 1)):
+        false = run(["solve", "gap.h5", "--solver", "nnls_paper", *words])
+        check(f"a false claim {words}", false.returncode == code, false.stdout + false.stderr)
+        check(f"a false claim {words} is marked", "--json" in words or "FALSE CLAIM" in false.stdout, false.stdout)
+    right = run(["solve", "box.h5", "--solver", "cone", "--check"])
+    check("a claim that holds", right.returncode == 0 and "FALSE CLAIM" not in right.stdout, right.stdout)
+    check("who answered", "answered   by dual_active_set" in right.stdout, right.stdout)
+    stopped = run(["solve", "box.h5", "--solver", "pgs", "--time-limit", "0"])
+    check("no time", stopped.returncode == 2 and "above 0 s" in stopped.stderr, stopped.stderr)
 
 
 def check_solutions():

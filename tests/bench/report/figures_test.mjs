@@ -34,6 +34,36 @@ for (const {rect} of labels) {
   assert.equal(labels.filter(other => other.rect.left < rect.right && rect.left < other.rect.right && other.rect.top < rect.bottom && rect.top < other.rect.bottom).length, 1);
 }
 
+// In charts of 3 to 8 solvers, lines and lone points alike: no name covers a marker, and each
+// is nearest to its own solver, or tied to it by a leader.
+let seed = 1;
+const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+for (let chart = 0; chart < 60; ++chart) {
+  const rows = [];
+  for (let k = 0; k < 3 + chart % 6; ++k) {
+    const x = 10 ** (-16 * random()), time = 10 ** (-5 + 3 * random()), points = random() < 0.5 ? 1 : 6;
+    for (let i = 0; i < points; ++i)
+      rows.push({solver: `a_solver_${k}`, drawn: 'ok', exact: points === 1, tolerance: 10 ** -i, x: x * 10 ** (-i / 2), time: time * 1.3 ** i});
+  }
+  const [width, height] = [1040, 440];
+  const {rows: drawn, words} = zwang_labels.labelled('work-precision', rows, {width, height});
+  const pixel = row => ({
+    x: Math.log(row.x / words.X_DOMAIN[0]) / Math.log(words.X_DOMAIN[1] / words.X_DOMAIN[0]) * width,
+    y: height - Math.log(row.time / words.Y_DOMAIN[0]) / Math.log(words.Y_DOMAIN[1] / words.Y_DOMAIN[0]) * height,
+  });
+  for (const label of drawn.filter(row => row.part === 'label')) {
+    const at = pixel(label), near = at.x + label.shift, far = near + Math.sign(label.shift) * 6 * label.text.length;
+    const off = p => Math.hypot(Math.max(Math.min(near, far) - p.x, 0, p.x - Math.max(near, far)), Math.max(at.y - 6.5 - p.y, 0, p.y - at.y - 6.5));
+    assert.ok(rows.every(row => off(pixel(row)) > 3), `chart ${chart}: ${label.text} covers no marker`);
+    const to_line = of => Math.min(...rows.filter(of).flatMap(row => {
+      const next = rows[rows.indexOf(row) + 1], [a, b] = [row, next?.solver === row.solver ? next : row].map(pixel);
+      return Array.from({length: 41}, (_, k) => off({x: a.x + (b.x - a.x) * k / 40, y: a.y + (b.y - a.y) * k / 40}));
+    }));
+    const own = to_line(row => row.solver === label.solver), others = to_line(row => row.solver !== label.solver);
+    assert.ok(label.far || own <= others, `chart ${chart}: ${label.text} is nearest to its own line (${own} and ${others} px)`);
+  }
+}
+
 // Names in a column: in the order of their ends, a line of text apart, inside the box, and undisturbed where there is room.
 const column = zwang_labels.stack([5, 5, 5, 5, 100, 199, 199].map((y, i) => ({x: 100, y, text: `${i}`})), box);
 for (let i = 1; i < column.length; ++i) assert.ok(column[i].at_y - column[i - 1].at_y >= 12.99);

@@ -134,14 +134,14 @@ TEST(Headline, SaysWhoseAnswersAndTimesTheyAre) {
   report::Run all;
   all.results.assign(1200, run("p", "cone", 1e-8, 1e-9, 1));
   for (std::size_t k = 0; k < 1200; ++k) all.results[k].problem = std::to_string(k % 600);
-  for (const std::size_t k : {0, 300, 600}) all.results[k].handed_to = "dual_active_set";
+  all.handed_over[{"cone", "dual_active_set"}] = {"p0", "p1"};
   all.solvers = {{.name = "cone"}};
   const std::vector<std::string> lines = headline(all);
   EXPECT_EQ(lines[0], "1,200 runs of 1 solver on 600 problems: 1,200 right.");
   EXPECT_EQ(lines.back(),
-            "Answer and time are another solver's where one hands over: cone to dual_active_set on 2 problems.");
-  for (Result& r : all.results) r.handed_to.clear();
-  EXPECT_EQ(headline(all).back().find("hands over"), std::string::npos);
+            "Handed over, and counted for the solver that answered alone: cone to dual_active_set on 2 problems.");
+  all.handed_over.clear();
+  EXPECT_EQ(headline(all).back().find("Handed over"), std::string::npos);
 }
 
 TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
