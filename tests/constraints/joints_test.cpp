@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <zwang/constraints/ball_joint.h>
+#include <zwang/constraints/contact.h>
 #include <zwang/constraints/distance.h>
 #include <zwang/constraints/joint_limit.h>
 #include <zwang/constraints/prismatic_joint.h>
