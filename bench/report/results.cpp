@@ -190,7 +190,8 @@ void keep_times_of_one_machine(const std::vector<std::size_t>& machine_of, const
                       " runs were made on other machines, and their times do not compare.");
 }
 
-// An answer counts for the solver that gave it, once: where that one was asked, too, its own run stands.
+// An answer counts for the solver that gave it, once: where that one was asked, too, its own run stands. A false claim
+// is never left out. A trace that ends in another's answer is nobody's.
 void credit_who_answered(Run& run) {
   std::set<std::tuple<std::string, std::string, double, std::string>> answered;
   for (const Result& r : run.results)
@@ -198,9 +199,12 @@ void credit_who_answered(Run& run) {
   std::erase_if(run.results, [&](Result& r) {
     if (r.handed_to.empty()) return false;
     run.handed_over[{r.solver, r.handed_to}].insert(r.problem);
+    if (r.replay.empty()) r.replay = replay_command(run.dir, r);
     r.solver = r.handed_to;
-    return !answered.insert({r.problem, r.law, r.tolerance, r.solver}).second;
+    return !answered.insert({r.problem, r.law, r.tolerance, r.solver}).second && !r.lies();
   });
+  for (const auto& [names, problems] : run.handed_over)
+    std::erase_if(run.traces, [&](const TracePoint& p) { return p.solver == names.first && problems.contains(p.problem); });
 }
 
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::*field) {

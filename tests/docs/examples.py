@@ -54,6 +54,7 @@ shorter = [
     (r"./zwang conformance", "./zwang conformance || test $? = 1"),  # 1: some are off
     (r"./zwang export --atlas DIR", "./zwang export --help"),
     (r"(./zwang fuzz --friction)", r"\1 --count 100 --solvers cone"), (r"./zwang live SCENE.*", None),
+    (r"(./zwang fuzz --referee).*", r"\1 --count 50"),
     (r"(./zwang fuzz) --near", r"\1 --near --count 5 || test $? = 1"),  # 1: it found something
     (r"(./zwang solve FILE --solver) NAME (.*)", r"./zwang solve first.h5 --solver nnls \2"),
     (r"./zwang solve", "./zwang solve first.h5 --solver nnls"), (r"./zwang solve FILE", "./zwang solve first.h5 --solver nnls"),

@@ -38,20 +38,23 @@ TEST(Results, ReadsNullAsUnknownAndBuildsTheReplayCommand) {
 }
 
 TEST(Results, AnAnswerCountsForTheSolverThatGaveItOnce) {
-  const auto by = [](const char* problem, const char* solver, const char* handed_to, const char* time) {
+  const auto by = [](const char* problem, const char* solver, const char* handed_to, const char* time,
+                     const char* verified = "solved") {
     return std::string(R"({"problem":")") + problem + R"(","solver":")" + solver + R"(","handed_to":")" + handed_to +
-           R"(","tolerance":1e-8,"claimed":"solved","verified":"solved","z_error":0,"solve_s":)" + time + "}\n";
+           R"(","tolerance":1e-8,"claimed":"solved","verified":")" + verified + R"(","z_error":0,"solve_s":)" + time + "}\n";
   };
   const report::Run run = read_run(folder(by("p", "cone", "dual_active_set", "1") + by("p", "dual_active_set", "", "2") +
                                           by("q", "cone", "newton", "3") + by("q", "fixed_point", "newton", "4") +
-                                          by("r", "cone", "", "5")));
-  ASSERT_EQ(run.results.size(), 3u);
+                                          by("r", "cone", "", "5") + by("p", "nsgs", "dual_active_set", "6", "wrong")));
+  ASSERT_EQ(run.results.size(), 4u);
   EXPECT_EQ(run.results[0].solver, "dual_active_set");
   EXPECT_EQ(run.results[0].solve_s, 2);  // its own run
   EXPECT_EQ(run.results[1].solver, "newton");
   EXPECT_EQ(run.results[1].solve_s, 3);
   EXPECT_NE(run.results[1].replay.find("--solver cone"), std::string::npos);
   EXPECT_EQ(run.results[2].solver, "cone");
+  EXPECT_TRUE(run.results[3].lies());  // though another run of its solver on p is right
+  EXPECT_EQ(run.results[3].solver, "dual_active_set");
   EXPECT_EQ(run.handed_over.at({"cone", "newton"}), std::set<std::string>{"q"});
   EXPECT_EQ(run.handed_over.at({"cone", "dual_active_set"}), std::set<std::string>{"p"});
   EXPECT_EQ(run.solvers.size(), 3u);
