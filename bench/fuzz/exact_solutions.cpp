@@ -84,8 +84,6 @@ Vector rounded(const Exact& v) {
   return out;
 }
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 struct ExactSolutions::Data {

@@ -3,8 +3,8 @@
 # Each level has one precompiled header of the standard library, Eigen and JSON, nothing of the project's own. g++ takes
 # the level from that header, not from the command line, and refuses it where a flag differs: one set of flags for all
 # files of a level, libraries and programs alike. A file with flags of its own goes without (SKIP_PRECOMPILE_HEADERS).
-# zwang_unity(TARGET...): few files are compiled as one, which instantiates what they share once: half the time of a first
-# build. More than four at a time, and a change in one is waited for.
+# zwang_unity(N TARGET...): N files are compiled as one, which instantiates what they share once: a third less of a first
+# build. More, and a change in one is waited for.
 option(ZWANG_PRECOMPILED "precompile the headers of others" ON)
 
 function(zwang_heat LEVEL)
@@ -16,8 +16,8 @@ function(zwang_heat LEVEL)
   endforeach()
 endfunction()
 
-function(zwang_unity)
-  set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+function(zwang_unity BATCH)
+  set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${BATCH})
 endfunction()
 
 function(zwang_level LEVEL TARGET)

@@ -8,12 +8,13 @@
 #include <limits>
 #include <string>
 
+#include <zwang/core/problem/types.h>
+
 namespace zwang {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double spare = 0.05;  // of what is free: page tables, and what others need meanwhile
 
 // In a file of lines like "MemAvailable:   123 kB" or "active_file 123"; `otherwise` where there is no such line.

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 // Matrices cross between the libraries and their host: both must lay them out, take and free their memory alike.
 #if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MALLOC_ALREADY_ALIGNED
@@ -26,6 +28,10 @@ using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
 using Index = Eigen::Index;
 using BodyId = int;
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+// An index into a standard container.
+inline std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // J z = c, J z >= c, or a direction of slip of the contact whose inequality row stands before it: 1 or 2 of them, in
 // the unit of that row, J z - c being the slip.

@@ -10,8 +10,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 struct Weighted {
   double distance = 0;
   ExtendedVector residual;  // J'u

@@ -14,8 +14,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // The six residuals, each on unit rows and divided by s (s^2).
 void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda, double s,
                     Metrics& out) {

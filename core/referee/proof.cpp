@@ -11,7 +11,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using Column = OrthogonalRows::Column;
 using Rows = DistanceBound::Rows;
 

@@ -54,8 +54,6 @@ struct Rows {
   }
 };
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {

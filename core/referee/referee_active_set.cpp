@@ -7,8 +7,6 @@
 namespace zwang {
 namespace {
 
-constexpr FactorReal infinity = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 OrthogonalRows::Split RefereeActiveSet::split(Index row) {

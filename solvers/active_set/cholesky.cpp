@@ -8,9 +8,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 // Refines y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.

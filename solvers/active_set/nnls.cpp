@@ -8,8 +8,6 @@
 namespace zwang {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 // The equality rows' own solution y_E, and what is left of the other rows in the null space of G_E:

@@ -6,8 +6,6 @@
 namespace zwang {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 // s = Q (k - z_u) with J_Q s = c - J z_u by least squares, refined once; returns |J k - c| / |c|. Adding to s what J_Q

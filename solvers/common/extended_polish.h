@@ -49,7 +49,6 @@ class ExtendedPolish {
  private:
   using RealVector = VectorX<Real>;
   enum State : char { outside, inside, ignored };
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
   void prepare(const Problem& p, Whitened& w);

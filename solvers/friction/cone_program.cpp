@@ -9,7 +9,6 @@
 namespace zwang {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 bool is_cone_law(Law law) { return law == Law::convex || law == Law::coulomb; }
 constexpr Index most_dense = 1000;  // dense where the rows are full, or where that is asked for
 

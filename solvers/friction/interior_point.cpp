@@ -7,7 +7,6 @@ namespace zwang {
 namespace {
 
 namespace soc = second_order_cone;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 // Of the slacks of a start, in units of its size: far below where their squares overflow.
 constexpr double farthest = 1 / tolerances::cone_deepest;
 

@@ -8,7 +8,6 @@ namespace zwang {
 namespace {
 
 namespace soc = second_order_cone;
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

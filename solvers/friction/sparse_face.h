@@ -29,7 +29,6 @@ class SparseFace final : public ConeFace {
     int row, column;
     double value;
   };
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
   Eigen::SparseMatrix<double> M_;
   Index cones_ = 0;

@@ -13,7 +13,6 @@ using packets::all;
 using packets::load;
 using packets::Packet;
 using packets::store;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The first j < padded with x_j = value, where there is one.
 Index find(const double* x, Index padded, double value) {

@@ -65,7 +65,6 @@ class BlockCholesky {
     int row, column, from;  // local row and column, and where it stands in M
   };
 
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
   void group_columns(const SparseMatrix& M, const SparseRows& rows);
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);

@@ -7,8 +7,6 @@
 namespace zwang {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
 std::vector<int> minimum_degree(const Lists& near) {
   const int n = static_cast<int>(near.size());
   if (n == 0) return {};

@@ -9,9 +9,7 @@
 namespace zwang {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int least_patience = 300;  // steps, or as many as there are rows: a heap of 3,000 may need a thousand
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 

@@ -10,7 +10,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using referee::down, referee::up, referee::unit_roundoff;
 
 constexpr int refinements = 12;

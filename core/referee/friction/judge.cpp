@@ -19,8 +19,6 @@ namespace {
 
 using referee::down, referee::up;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
   for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
   return or_infinity(p.norm(b));

@@ -9,7 +9,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int newton_steps = 40;
 
 void add_row(Matrix& into, Index at, const ContactProblem& p, Index row, double factor) {

@@ -12,7 +12,6 @@
 namespace zwang {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using referee::up;
 
 double safe(double x) { return std::isnan(x) ? infinity : x; }

@@ -54,7 +54,6 @@ double Site::solid_way(const Vec3& from, const Vec3& axis) const {
 
 std::array<double, 2> Site::extent(const Vec3& axis) const {
   const Object& o = about.objects[object];
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 2> range{infinity, -infinity};
   const auto take = [&](const Vec3& p, double radius) {
     range[0] = std::min(range[0], axis.dot(o.pose * p) - radius);

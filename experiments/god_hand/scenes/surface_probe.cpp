@@ -8,8 +8,6 @@
 namespace zwang::god {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // How far along the ray from p in direction d the mesh is first met (Moeller & Trumbore 1997, both sides).
 double first_hit(const collision::Tree& tree, const Vec3& p, const Vec3& d) {
   double nearest = infinity;

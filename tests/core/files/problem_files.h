@@ -12,7 +12,6 @@
 namespace zwang {
 
 namespace fs = std::filesystem;
-inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A folder of its own for each test.
 class ProblemFile : public testing::Test {

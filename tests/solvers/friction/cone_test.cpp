@@ -18,7 +18,6 @@ using test::law_error;
 using test::planted;
 
 constexpr RowKind equality = RowKind::equality, inequality = RowKind::inequality, tangent = RowKind::tangent;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vector vec(std::initializer_list<double> values) {
   Vector v(static_cast<Index>(values.size()));
