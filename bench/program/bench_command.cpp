@@ -150,8 +150,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
     settings.directory = asked.resume;
     asked.suite = options_to_resume(settings.directory, asked.suite, [&](const std::string& name) {
       const CLI::Option* option = options.get_option_no_throw("--" + name);
-      const bool by_alias = name == "law" && options.count("--friction") > 0;
-      return by_alias || (option && option->count() > 0);
+      return option && option->count() > 0;
     });
   } else {
     settings.directory = new_directory(asked.out, "./zwang bench --resume");

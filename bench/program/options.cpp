@@ -19,39 +19,22 @@ void introduce(CLI::App& app, const std::string& name, const std::string& exampl
   app.get_formatter()->column_width(34);
 }
 
-static void add_law_options(CLI::App& app, const std::string& several,
-                            const std::function<void(const std::string&)>& says) {
+static void add_law_option(CLI::App& app, const std::string& several,
+                           const std::function<void(const std::string&)>& says) {
   app.add_option_function<std::string>(
          "--law", says,
          "how contacts with friction are read: frictionless, pyramid (four facets, a QP), convex (the cone) or "
          "coulomb" +
              several + "; default: as the problem says, which is coulomb where there is a mu > 0")
       ->type_name("WORD");
-  app.add_option_function<std::string>(
-         "--friction",
-         [says](const std::string& word) {
-           if (word != "none" && word != "pyramid")
-             throw std::invalid_argument("--friction " + word + " should be none or pyramid");
-           says(word == "none" ? "frictionless" : "pyramid");
-         },
-         "none or pyramid: --law frictionless or --law pyramid")
-      ->type_name("WORD");
 }
 
 void add_law(CLI::App& app, std::optional<Law>& law) {
-  add_law_options(app, "", [&law](const std::string& word) {
-    const Law now = parse_law(word);
-    if (law && *law != now) throw std::invalid_argument("--law and --friction say different things");
-    law = now;
-  });
+  add_law_option(app, "", [&law](const std::string& word) { law = parse_law(word); });
 }
 
 void add_laws(CLI::App& app, std::vector<Law>& laws) {
-  add_law_options(app, ", or several: a,b", [&laws](const std::string& words) {
-    const std::vector<Law> now = parse_laws(words);
-    if (!laws.empty() && laws != now) throw std::invalid_argument("--law and --friction say different things");
-    laws = now;
-  });
+  add_law_option(app, ", or several: a,b", [&laws](const std::string& words) { laws = parse_laws(words); });
 }
 
 // CLI11's own checks let NaN pass, and print bounds with 300 digits.

@@ -22,7 +22,7 @@ void introduce(CLI::App& app, const std::string& name, const std::string& exampl
 // False after --help was printed. Throws std::invalid_argument with one line, the nearest option's name in it.
 bool read(CLI::App& app, std::vector<std::string> words);
 
-// --law frictionless|pyramid|convex|coulomb, and its elder form --friction none|pyramid
+// --law frictionless|pyramid|convex|coulomb
 void add_law(CLI::App& app, std::optional<Law>& law);
 // The same, or several with commas between them
 void add_laws(CLI::App& app, std::vector<Law>& laws);

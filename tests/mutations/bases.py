@@ -214,7 +214,7 @@ def formats(program, folder, data=""):
     motion = ["simulate", "box", "--frames", "2", "--verify", "0", "--out", "out", "--motion", "FILE"]
     return [
         Format("own", [os.path.join(folder, name) for name in ("own.h5", "own3.h5")], solve),
-        Format("fclib", fclib + recorded("contact_fclib/CubeH8.hdf5"), solve + ["--friction", "pyramid"]),
+        Format("fclib", fclib + recorded("contact_fclib/CubeH8.hdf5"), solve + ["--law", "pyramid"]),
         Format("stl", [put("binary.stl", stl_binary(v, t)), put("text.stl", stl_text(v, t))], mesh),
         Format("obj", [put("ball.obj", obj(v, t))] + recorded("hand_shadow_mjcf/f_middle.obj"), mesh),
         Format("ply", plys + recorded("mesh_cad_misc/fixed_top.ply"), mesh),
