@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include <zwang/bench/timing/solve_service.h>
+#include <zwang/core/files/child_process.h>
 
 namespace zwang {
 
@@ -19,9 +20,6 @@ namespace zwang {
 class Child {
  public:
   explicit Child(MakeSolver make) : make_(std::move(make)) {}
-  ~Child() { stop(); }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
 
   // The problem of the calls that follow; kept by the caller until the next load.
   void load(const Problem& problem);
@@ -31,13 +29,9 @@ class Child {
   SolveReply run(const SolveRequest& call, const std::atomic<bool>* interrupted = nullptr);
 
  private:
-  void start();
-  void stop();
-
   MakeSolver make_;
   const Problem* problem_ = nullptr;
-  int pid_ = -1;
-  int socket_ = -1;
+  Peer peer_;
 };
 
 }  // namespace zwang

@@ -31,6 +31,26 @@ int start_child(const std::function<void()>& life) {
   _exit(0);
 }
 
+void Peer::start(const std::function<void(int socket)>& life) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw std::system_error(errno, std::generic_category(), "no socket for a child process");
+  pid_ = start_child([&] {
+    close(ends[0]);
+    life(ends[1]);
+  });
+  close(ends[1]);
+  socket_ = ends[0];
+}
+
+void Peer::stop() {
+  if (pid_ < 0) return;
+  kill(pid_, SIGKILL);
+  wait_for_child(pid_);
+  close(socket_);
+  pid_ = socket_ = -1;
+}
+
 bool send_message(int socket, std::string_view bytes) {
   const auto send_all = [&](const char* from, std::size_t size) {
     return transfer(size, [&](std::size_t done) { return send(socket, from + done, size - done, MSG_NOSIGNAL); });

@@ -16,6 +16,25 @@ int start_child(const std::function<void()>& life);
 // Its status as of waitpid, once it has ended.
 int wait_for_child(int child);
 
+// A child process at the other end of a stream socket, killed with this object.
+class Peer {
+ public:
+  Peer() = default;
+  ~Peer() { stop(); }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  // Runs `life` with its end of the socket, as start_child does.
+  void start(const std::function<void(int socket)>& life);
+  void stop();
+  bool runs() const { return pid_ >= 0; }
+  int pid() const { return pid_; }
+  int socket() const { return socket_; }
+
+ private:
+  int pid_ = -1, socket_ = -1;
+};
+
 // Repeats `part(done)`, a system call that reads or writes the bytes after the first `done`, until `bytes` are through;
 // false where it fails or ends before.
 template <class Part>

@@ -1,19 +1,15 @@
 #include <zwang/core/files/other_program.h>
 
 #include <dlfcn.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <system_error>
 
-#include <zwang/core/files/child_process.h>
 #include <zwang/core/problem/solver.h>
 
 namespace zwang {
@@ -59,41 +55,28 @@ void OtherProgram::start() {
   if (file.empty())
     throw Stopped{Status::unsupported, "the program " + name_ + " is not there; expected in PATH, or as " +
                                            variable_of(name_) + " in the environment"};
-  int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    throw std::system_error(errno, std::generic_category(), "no socket for a child process");
-  pid_ = start_child([&] {
+  peer_.start([&](int socket) {
     // One thread, as everywhere here; OpenBLAS reads this when it is loaded.
     for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}) setenv(name, "1", 0);
     // The copy stays open in the program; nothing else is passed on.
-    const int copy = dup(ends[1]);
+    const int copy = dup(socket);
     dup2(copy, socket_of_program);
     close_range(socket_of_program + 1, std::numeric_limits<unsigned>::max(), 0);
     execl(file.c_str(), name_.c_str(), nullptr);
   });
-  close(ends[1]);
-  socket_ = ends[0];
-}
-
-void OtherProgram::stop() {
-  if (pid_ < 0) return;
-  kill(pid_, SIGKILL);
-  wait_for_child(pid_);
-  close(socket_);
-  pid_ = socket_ = -1;
 }
 
 std::string OtherProgram::ask(std::string_view question, double seconds) {
-  if (pid_ < 0) start();
+  if (!peer_.runs()) start();
   std::string answer;
-  bool answered = send_message(socket_, question);
-  if (answered && !wait_for_message(socket_, seconds, [&](double wall) { return wall > seconds; })) {
-    stop();
+  bool answered = send_message(peer_.socket(), question);
+  if (answered && !wait_for_message(peer_.socket(), seconds, [&](double wall) { return wall > seconds; })) {
+    peer_.stop();
     throw Stopped{Status::time_limit, name_ + " was stopped at its deadline"};
   }
-  answered = answered && receive_message(socket_, answer);
+  answered = answered && receive_message(peer_.socket(), answer);
   if (!answered) {
-    stop();
+    peer_.stop();
     throw Stopped{Status::crashed, name_ + " died"};
   }
   return answer;

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <zwang/core/files/child_process.h>
+
 namespace zwang {
 
 // Another program of zwang, for what may not be linked into one with the rest, or may bring it down. It answers one
@@ -16,9 +18,6 @@ namespace zwang {
 class OtherProgram {
  public:
   explicit OtherProgram(std::string name) : name_(std::move(name)) {}
-  ~OtherProgram() { stop(); }
-  OtherProgram(const OtherProgram&) = delete;
-  OtherProgram& operator=(const OtherProgram&) = delete;
 
   // Starts the program where it does not run. Throws Stopped: unsupported where it is not found, crashed where it died,
   // time_limit after `seconds` on the wall clock; the next question starts a new one.
@@ -29,10 +28,9 @@ class OtherProgram {
 
  private:
   void start();
-  void stop();
 
   std::string name_;
-  int pid_ = -1, socket_ = -1;
+  Peer peer_;
 };
 
 // Empty where there is none.
