@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <zwang/core/files/isolated.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::collision {
 namespace {
@@ -18,10 +19,9 @@ bool is_whole(const fs::path& file) { return file.extension() != ".gltf" && file
 
 fs::path place_of(const StoredFile& file, const MeshFileOptions& options) {
   if (options.cache.empty() || !is_whole(file.path)) return {};
-  char how[64];
-  std::snprintf(how, sizeof how, "-%016llx-%016llx", std::bit_cast<unsigned long long>(options.unit),
-                std::bit_cast<unsigned long long>(options.weld));
-  return options.cache / (sha256(file.bytes) + how + ".tree");
+  return options.cache /
+         (sha256(file.bytes) + printed("-%016llx-%016llx.tree", std::bit_cast<unsigned long long>(options.unit),
+                                       std::bit_cast<unsigned long long>(options.weld)));
 }
 
 // Far more than a sound file needs: the slowest format takes a second for 10 MB, the most wasteful 30 bytes a byte.

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::collision {
 namespace {
@@ -142,23 +143,15 @@ void count_edges(const Mesh& mesh, MeshReport& report) {
   }
 }
 
-std::string counted(std::size_t n, const char* what) {
-  std::string digits = std::to_string(n);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
-  return digits + " " + what;
-}
-
 }  // namespace
 
 std::string to_string(const MeshReport& r) {
   const Vec3 size = 1000 * (r.high - r.low);
-  char box[96];
-  std::snprintf(box, sizeof box, "%.4g x %.4g x %.4g mm", size.x(), size.y(), size.z());
-  const std::size_t left = r.triangles_read - r.degenerate - r.repeated;
-  return counted(left, left == 1 ? "triangle" : "triangles") + ", " + box + "; " +
-         counted(r.welded, "vertices welded") + "; " + counted(r.degenerate, "degenerate and ") +
-         counted(r.repeated, "repeated triangles dropped") + "; " + counted(r.boundary_edges, "boundary and ") +
-         counted(r.non_manifold_edges, "non-manifold edges");
+  const auto some = [](std::size_t n, const char* what) { return grouped(n) + " " + what; };
+  return counted(r.triangles_read - r.degenerate - r.repeated, "triangle") +
+         printed(", %.4g x %.4g x %.4g mm; ", size.x(), size.y(), size.z()) + some(r.welded, "vertices welded; ") +
+         some(r.degenerate, "degenerate and ") + some(r.repeated, "repeated triangles dropped; ") +
+         some(r.boundary_edges, "boundary and ") + some(r.non_manifold_edges, "non-manifold edges");
 }
 
 MeshReport clean(Mesh& mesh, double weld) {

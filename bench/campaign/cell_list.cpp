@@ -51,9 +51,7 @@ CellKey CellList::key(std::size_t cell) const {
 
 std::string CellList::describe(std::size_t cell) const {
   const CellKey k = key(cell);
-  char tolerance[32];
-  std::snprintf(tolerance, sizeof tolerance, "%.0e", k.tolerance);
-  return k.problem_file + " " + problems_[cell / runs()].name + "   " + k.solver + " @ " + tolerance;
+  return k.problem_file + " " + problems_[cell / runs()].name + "   " + k.solver + " @ " + printed("%.0e", k.tolerance);
 }
 
 std::size_t CellList::find(std::size_t problem, const std::string& solver, double tolerance,

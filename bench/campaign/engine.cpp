@@ -9,6 +9,7 @@
 
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -56,12 +57,6 @@ std::string start_of(const std::string& process) {
 }
 
 }  // namespace
-
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 EngineKind engine_kind(const std::string& name) {
   if (name == "slurm") return EngineKind::slurm;

@@ -11,9 +11,6 @@ namespace zwang {
 enum class EngineKind { slurm, parallel, local };
 EngineKind engine_kind(const std::string& name);  // throws std::invalid_argument
 
-// In single quotes, as one word of a shell.
-std::string quoted(const std::string& text);
-
 // Tasks that were handed over. What is needed to ask for them later, as text in campaign.json.
 struct Handle {
   std::string id = {};       // Slurm: of the job; else: of the process

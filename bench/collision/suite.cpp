@@ -1,7 +1,6 @@
 #include <zwang/bench/collision/suite.h>
 
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
@@ -29,12 +28,6 @@ json described(const Conditions& c) {
           {"compiler", c.compiler}, {"flags", c.flags},
           {"build", c.build_type},  {"CPU", c.cpu},
           {"cores", c.cores},       {"libraries", c.libraries}};
-}
-
-std::string printed(const char* format, auto... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
 }
 
 struct Totals {
@@ -115,9 +108,8 @@ std::vector<std::string> run_collision_suite(const CollisionSuiteOptions& option
     lines.push_back(
         printed("%s: %ld penetrations in %s body-frames (%s touching; %s poses checked by FCL), smallest "
                 "gap %.2g um",
-                words, of->penetrations, grouped(static_cast<std::size_t>(of->body_frames)).c_str(),
-                grouped(static_cast<std::size_t>(of->touching)).c_str(),
-                grouped(static_cast<std::size_t>(of->audited)).c_str(), 1e6 * of->gap));
+                words, of->penetrations, grouped(of->body_frames).c_str(), grouped(of->touching).c_str(),
+                grouped(of->audited).c_str(), 1e6 * of->gap));
   results["headline"] = lines;
   store();
   done = true;

@@ -85,8 +85,6 @@ void add_options(CLI::App& options, Asked& asked) {
       ->type_name("DIR");
 }
 
-std::string counted(std::size_t n, const std::string& noun) { return grouped(n) + " " + noun + (n == 1 ? "" : "s"); }
-
 int print_missing(const std::vector<std::filesystem::path>& directories) {
   const CellList cells(directories.front());
   std::vector<CellList> parts(directories.begin(), directories.end());

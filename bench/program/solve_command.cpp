@@ -24,7 +24,7 @@ constexpr double budget = 0.3;     // s for repetitions
 std::string some_of(std::vector<std::string> names, std::size_t most) {
   const bool more = names.size() > most;
   names.resize(std::min(names.size(), most));
-  return report::joined(names) + (more ? ", ..." : "");
+  return joined(names) + (more ? ", ..." : "");
 }
 
 // The problem of that name, or the only one.

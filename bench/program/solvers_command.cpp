@@ -22,7 +22,7 @@ int solvers_command(std::vector<std::string> words) {
     if (!e.laws.empty()) {
       std::vector<std::string> laws;
       for (const Law law : e.laws) laws.emplace_back(to_string(law));
-      std::printf("%-18s laws of friction: %s\n", "", report::joined(laws).c_str());
+      std::printf("%-18s laws of friction: %s\n", "", joined(laws).c_str());
     }
     for (const SettingInfo& s : e.settings)
       std::printf("%-18s   %s=%s   %s\n", "", s.name.c_str(), s.value.c_str(), s.help.c_str());

@@ -127,8 +127,7 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
     }
   }
   if (damaged > 0)
-    torn = std::to_string(damaged) + (damaged == 1 ? " damaged line of " : " damaged lines of ") +
-           file.filename().string() + (damaged == 1 ? " is" : " are") +
+    torn = counted(damaged, "damaged line") + " of " + file.filename().string() + (damaged == 1 ? " is" : " are") +
            " left out; ./zwang bench --resume makes such runs again.";
 }
 

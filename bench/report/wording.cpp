@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -15,9 +14,7 @@ std::string shell_word(const std::string& word) {
     return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("._-+:=,/@%", ch);
   };
   if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
-  std::string quoted = "'";
-  for (const char ch : word) quoted += ch == '\'' ? std::string("'\\''") : std::string(1, ch);
-  return quoted + "'";
+  return quoted(word);
 }
 
 std::string scientific(double value, int digits) {
@@ -25,11 +22,9 @@ std::string scientific(double value, int digits) {
   if (std::isinf(value) || std::abs(value) >= std::numeric_limits<double>::max())
     return value > 0 ? "infinite" : "-infinite";
   if (value == 0) return "0";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*e", digits, value);
-  std::string out = text;  // C pads exponents to two digits: 1e-08 reads better as 1e-8
+  const std::string out = printed("%.*e", digits, value);  // C pads exponents to two digits: 1e-08 reads better as 1e-8
   const std::size_t e = out.find('e');
-  std::size_t first = out.find_first_not_of("0", e + 2);
+  const std::size_t first = out.find_first_not_of("0", e + 2);
   if (first == std::string::npos) return out.substr(0, e);
   return out.substr(0, e + 1) + (out[e + 1] == '-' ? "-" : "") + out.substr(first);
 }
@@ -45,17 +40,7 @@ std::string duration(double seconds) {
   return "";
 }
 
-std::string fixed(double value, int digits) {
-  char text[320];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return std::isfinite(value) ? text : "";
-}
-
-std::string joined(const std::vector<std::string>& texts, const char* separator) {
-  std::string all;
-  for (const std::string& text : texts) all += (&text == &texts.front() ? "" : separator) + text;
-  return all;
-}
+std::string fixed(double value, int digits) { return std::isfinite(value) ? printed("%.*f", digits, value) : ""; }
 
 std::string part_of(long part, long whole) { return std::to_string(part) + " of " + std::to_string(whole); }
 

@@ -1,15 +1,14 @@
 #include <zwang/bench/results/cell.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
 std::string CellKey::name(const std::string& commit) const {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.17g", tolerance);
+  const std::string digits = printed("%.17g", tolerance);
   return sha256(commit + '\n' + problem_file + '\n' + problem_sha256 + '\n' + solver + '\n' + digits).substr(0, 32);
 }
 
@@ -22,10 +21,6 @@ std::string without_clock(const std::string& line) {
   return record.dump();
 }
 
-std::string problem_file(std::size_t position) {
-  char name[48];
-  std::snprintf(name, sizeof name, "problems/%04zu.h5", position);
-  return name;
-}
+std::string problem_file(std::size_t position) { return printed("problems/%04zu.h5", position); }
 
 }  // namespace zwang

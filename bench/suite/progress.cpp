@@ -16,12 +16,6 @@ std::string duration(double seconds) {
   return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
 }
 
-std::string grouped(std::size_t count) {
-  std::string digits = std::to_string(count);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
-  return digits;
-}
-
 void Progress::show(double fraction, const std::string& what, double left) {
   const double now = wall_seconds();
   const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
@@ -42,12 +36,11 @@ void Progress::show(double fraction, const std::string& what, double left) {
   const auto filled = static_cast<std::size_t>(percent * 26 / 100);
   std::fill_n(bar.begin(), filled, '=');
   if (filled < bar.size()) bar[filled] = '>';
-  char head[64];
-  std::snprintf(head, sizeof head, "[%s] %3d %%   ", bar.c_str(), percent);
+  const std::string head = printed("[%s] %3d %%   ", bar.c_str(), percent);
   // On a narrow terminal the description is cut first.
-  const int room = width - 1 - static_cast<int>(std::char_traits<char>::length(head) + rest.size()) - 3;
+  const int room = width - 1 - static_cast<int>(head.size() + rest.size()) - 3;
   const std::string middle = room > 0 ? what.substr(0, static_cast<std::size_t>(room)) + "   " : "";
-  std::fprintf(stderr, "\r%s%s%s\033[K", head, middle.c_str(), rest.c_str());
+  std::fprintf(stderr, "\r%s%s%s\033[K", head.c_str(), middle.c_str(), rest.c_str());
 }
 
 void Progress::clear() {

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <string>
 
+#include <zwang/core/problem/wording.h>
+
 namespace zwang {
 
 inline double wall_seconds() {  // since some moment
@@ -11,9 +13,6 @@ inline double wall_seconds() {  // since some moment
 
 // "9 min 20 s", "4 s", "180 ms".
 std::string duration(double seconds);
-
-// 3402 -> "3,402".
-std::string grouped(std::size_t count);
 
 // How far a long run is: one line that is redrawn on a terminal, a plain line every 10 % elsewhere. Writes to stderr.
 class Progress {

@@ -18,12 +18,6 @@
 namespace zwang {
 namespace {
 
-std::string short_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0e", x);
-  return text;
-}
-
 // run.json of a new run, or of the one that goes on.
 RunRecord open_record(const Plan& plan, const SuiteSettings& settings) {
   const auto& directory = settings.directory;
@@ -146,7 +140,8 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     const auto show = [&](double of_batch, std::size_t i) {
       if (settings.quiet) return;
       const double fraction = schedule.fraction(of_batch);
-      progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + short_number(runs[i].tolerance),
+      progress.show(fraction,
+                    instance.problem.name + "   " + runs[i].solver + " @ " + printed("%.0e", runs[i].tolerance),
                     schedule.left(fraction));
     };
     const Flow flow{assemble, runs, limits, append, plan.options.tolerances.back(), show};

@@ -7,6 +7,7 @@
 
 #include <zwang/bench/timing/neutral_kernel.h>
 #include <zwang/core/problem/islands.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -67,12 +68,6 @@ std::string too_large(const Problem& problem, const Run& run) {
   return {};
 }
 
-std::string skipped(double tolerance) {
-  char text[64];
-  std::snprintf(text, sizeof text, "not run: met the time limit at tolerance %.0e", tolerance);
-  return text;
-}
-
 }  // namespace
 
 SolveReply Dispatcher::run(const Problem& problem, const Run& run, SolveRequest call,
@@ -114,7 +109,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     Timed& t = timed[i];
     if (const auto tired = gave_up.find(runs[i].solver); tired != gave_up.end()) {
       t.solution.status = Status::time_limit;
-      t.solution.message = skipped(tired->second);
+      t.solution.message = printed("not run: met the time limit at tolerance %.0e", tired->second);
       continue;
     }
     if (std::string reason = too_large(problem, runs[i]); !reason.empty()) {

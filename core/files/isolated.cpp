@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <fstream>
 #include <new>
 #include <system_error>
@@ -19,6 +18,7 @@
 #include <zwang/core/files/child_process.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/wording.h>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -134,10 +134,10 @@ IsolatedAnswer isolated(const std::filesystem::path& file, const IsolationLimits
   if (ending == returned) return IsolatedAnswer(answer.number);
   if (ending == refused) throw BadFile(std::string(IsolatedAnswer(answer.number).bytes()));
   const bool late = status < 0 || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL));
-  char why[120] = "its reader crashed";
-  if (late) std::snprintf(why, sizeof why, "not read within %.0f s", std::ceil(limits.seconds));
+  std::string why = "its reader crashed";
+  if (late) why = printed("not read within %.0f s", std::ceil(limits.seconds));
   if (ending == out_of_memory)
-    std::snprintf(why, sizeof why, "asks for more than %.1f GB of memory", static_cast<double>(limits.bytes) * 1e-9);
+    why = printed("asks for more than %.1f GB of memory", static_cast<double>(limits.bytes) * 1e-9);
   throw BadFile(file.string() + ": " + why + "; expected an undamaged file");
 }
 

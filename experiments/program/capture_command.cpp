@@ -8,6 +8,7 @@
 #include <zwang/bench/program/options.h>
 #include <zwang/core/files/isolated.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/program/commands.h>
 
 namespace zwang {
@@ -19,12 +20,6 @@ struct Captured {
 
 #ifdef ZWANG_HAS_MUJOCO
 
-std::string numbered_file(int step) {
-  char name[32];
-  std::snprintf(name, sizeof name, "step-%06d.h5", step);
-  return name;
-}
-
 // MuJoCo may end a process over a damaged model: it runs in one of its own, which writes a file a problem.
 Captured captured_apart(const CaptureOptions& options, const std::filesystem::path& out) {
   std::filesystem::create_directories(out);
@@ -32,7 +27,7 @@ Captured captured_apart(const CaptureOptions& options, const std::filesystem::pa
   const IsolatedAnswer answer = isolated(options.model, limits, [&](const WriteAnswer& write) {
     Captured total;
     capture(options, [&](int step, const Instance& instance) {
-      write_problem(out / numbered_file(step), instance);
+      write_problem(out / printed("step-%06d.h5", step), instance);
       const auto rows = static_cast<long>(instance.problem.rows());
       total.unknowns = static_cast<long>(instance.problem.size());
       total.fewest_rows = total.problems == 0 ? rows : std::min(total.fewest_rows, rows);

@@ -151,15 +151,11 @@ std::string head_line(const god::Record& record, const god::Setup& setup) {
   std::string line = record.title + " in " + a.scene + ": " + std::to_string(record.hands) + " " + gods + ", " +
                      std::to_string(size.fixed) + " fixed and " + std::to_string(size.loose) + " loose objects, " +
                      grouped(size.triangles) + " triangles; " + a.options.solver +
-                     (a.options.mu > 0 ? " at " : ", no friction, at ") +
-                     grouped(static_cast<std::size_t>(std::lround(1 / a.options.dt))) + " Hz";
-  if (record.placement.depth > 0) {
-    char placed[120];
-    std::snprintf(placed, sizeof placed,
-                  "\nPlaced so that the target is inside in %.0f %% of its frames, %.1f mm deep at most",
-                  100 * record.placement.inside, 1e3 * record.placement.depth);
-    line += placed;
-  }
+                     (a.options.mu > 0 ? " at " : ", no friction, at ") + grouped(std::lround(1 / a.options.dt)) +
+                     " Hz";
+  if (record.placement.depth > 0)
+    line += printed("\nPlaced so that the target is inside in %.0f %% of its frames, %.1f mm deep at most",
+                    100 * record.placement.inside, 1e3 * record.placement.depth);
   return line;
 }
 
@@ -236,9 +232,8 @@ int simulate_command(std::vector<std::string> words) {
   bar.clear();
   const std::string go_on = "./zwang simulate --resume " + report::shell_word(directory.string());
   if (!whole)
-    std::printf("Stopped after %s of %s frames; nothing lost. Go on with: %s\n",
-                grouped(static_cast<std::size_t>(frames)).c_str(),
-                grouped(static_cast<std::size_t>(record.asked.frames)).c_str(), go_on.c_str());
+    std::printf("Stopped after %s of %s frames; nothing lost. Go on with: %s\n", grouped(frames).c_str(),
+                grouped(record.asked.frames).c_str(), go_on.c_str());
   for (const std::string& line : finished.lines) std::printf("%s\n", line.c_str());
   std::printf("Summary: %s\n", (directory / "summary.json").c_str());
   if (!finished.replay.empty()) std::printf("Replay: %s\n", finished.replay.c_str());

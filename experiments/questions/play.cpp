@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <zwang/bench/results/statistics.h>
 #include <zwang/bench/suite/progress.h>
@@ -102,12 +101,10 @@ double farthest(const std::vector<god::Frame>& a, const std::vector<god::Frame>&
 std::string number(double value, int digits) {
   if (std::abs(value) >= std::pow(10, digits - 1) && std::abs(value) < 1e7) {
     std::string text = value < 0 ? "-" : "";
-    return text += grouped(static_cast<std::size_t>(std::llround(std::abs(value))));
+    return text += grouped(std::llround(std::abs(value)));
   }
-  char text[32];
   const bool far = value != 0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e7);
-  std::snprintf(text, sizeof text, far ? "%.*e" : "%.*g", far ? digits - 1 : digits, value);
-  return text;
+  return printed(far ? "%.*e" : "%.*g", far ? digits - 1 : digits, value);
 }
 
 }  // namespace zwang::questions

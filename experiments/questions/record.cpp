@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/report/page/draw.h>
+#include <zwang/bench/report/wording.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/stored_file.h>
 
@@ -31,11 +32,7 @@ std::vector<std::vector<std::string>> with_head(const Findings& findings) {
 std::string to_csv(const Findings& findings) {
   std::string text;
   for (const auto& row : with_head(findings))
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      text += '"';
-      for (const char ch : row[k]) text += ch == '"' ? std::string("\"\"") : std::string(1, ch);
-      text += k + 1 < row.size() ? "\"," : "\"\n";
-    }
+    for (std::size_t k = 0; k < row.size(); ++k) text += report::csv_field(row[k]) + (k + 1 < row.size() ? "," : "\n");
   return text;
 }
 

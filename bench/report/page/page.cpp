@@ -26,14 +26,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string grouped(std::size_t n) {
-  std::string digits = std::to_string(n);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
-  return digits;
-}
-
-std::string counted(std::size_t n, const std::string& noun) { return grouped(n) + " " + noun + (n == 1 ? "" : "s"); }
-
 std::string handed_over(const Run& run) {
   std::vector<std::string> parts;
   for (const auto& [names, problems] : run.handed_over)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <tuple>
 
@@ -29,9 +28,7 @@ struct UnderLaw {
 
 // 0.38, 2.3, 4e-3
 std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return value >= 0.01 && value < 100 ? text : scientific(value, 0);
+  return value >= 0.01 && value < 100 ? printed("%.2g", value) : scientific(value, 0);
 }
 
 Cell phenomenon_cell(const Phenomenon& p) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <regex>
 #include <sstream>
 #include <utility>
@@ -17,10 +16,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-std::string csv_field(const std::string& text) {
-  return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + replaced(text, "\"", "\"\"") + '"';
-}
-
 // Our texts are ASCII; what TeX reads as commands is escaped, the backslash first.
 std::string tex_text(std::string text) {
   text = replaced(std::move(text), "\\", "\\textbackslash ");
@@ -34,6 +29,10 @@ std::string tex_text(std::string text) {
 }
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+  return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + replaced(text, "\"", "\"\"") + '"';
+}
 
 void Table::add_columns(const std::string& titles) {
   std::stringstream parts(titles);
@@ -51,9 +50,8 @@ std::string to_csv(const Table& table) {
     fields.clear();
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
       const Cell& cell = row.cells[i];
-      char number[32];
-      std::snprintf(number, sizeof number, "%.9g", cell.value);
-      fields.push_back(table.columns[i].numeric && std::isfinite(cell.value) ? number : csv_field(cell.text));
+      const bool number = table.columns[i].numeric && std::isfinite(cell.value);
+      fields.push_back(number ? printed("%.9g", cell.value) : csv_field(cell.text));
     }
     out += joined(fields, ",") + "\n";
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <map>
 #include <set>
@@ -18,9 +17,7 @@ std::string knob_text(double value) {
   if (const double mantissa = std::frexp(std::abs(value), &exponent);
       mantissa == 0.5 && (exponent < -2 || exponent > 10))
     return std::string(value < 0 ? "-" : "") + "2^" + std::to_string(exponent - 1);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return printed("%.6g", value);
 }
 
 Table break_point_table(const Run& run) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <zwang/core/model/pose.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::god {
 
@@ -61,7 +62,7 @@ inline double upper_median(std::vector<double> values) {
 
 // Adds "3 frames <what>", "1 frame <what>", nothing of none.
 inline void note(std::vector<std::string>& notes, std::size_t count, const std::string& what) {
-  if (count > 0) notes.push_back(std::to_string(count) + (count == 1 ? " frame " : " frames ") + what);
+  if (count > 0) notes.push_back(counted(count, "frame") + " " + what);
 }
 
 // The text of a LeapJS Playback recording: {metadata, frames}, frames[0] the nested header that names the columns.

@@ -13,6 +13,7 @@
 #include <zwang/constraints/weld.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::god {
 namespace {
@@ -61,9 +62,7 @@ struct Write {
     out["options"][text.key] = words[static_cast<std::size_t>(choice)];
   }
   void hexadecimal(const char* place, std::uint64_t word) const {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(word));
-    out[Place(place)] = text;
+    out[Place(place)] = printed("%016llx", static_cast<unsigned long long>(word));
   }
 };
 

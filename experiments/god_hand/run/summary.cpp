@@ -20,27 +20,18 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-std::string text(const char* form, double value) {
-  char out[32];
-  std::snprintf(out, sizeof out, form, value);
-  return out;
-}
 std::string length(double metres) {
   if (metres == 0) return "0";
-  if (std::abs(metres) >= 1e-5) return text("%.3g mm", 1e3 * metres);
-  return text("%.1e m", metres);
+  if (std::abs(metres) >= 1e-5) return printed("%.3g mm", 1e3 * metres);
+  return printed("%.1e m", metres);
 }
-std::string milliseconds(double seconds) { return text("%.3g ms", 1e3 * seconds); }
+std::string milliseconds(double seconds) { return printed("%.3g ms", 1e3 * seconds); }
 std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
-std::string counted(long n, const std::string& noun) {
-  return grouped(static_cast<std::size_t>(n)) + " " + noun + (n == 1 ? "" : "s");
-}
 
 // "1,204 solved, 3 near"
 std::string tally(const std::map<std::string, long>& counts) {
   std::string all;
-  for (const auto& [name, n] : counts)
-    all += (all.empty() ? "" : ", ") + grouped(static_cast<std::size_t>(n)) + " " + name;
+  for (const auto& [name, n] : counts) all += (all.empty() ? "" : ", ") + grouped(n) + " " + name;
   return all;
 }
 
@@ -94,7 +85,7 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
                 grouped(static_cast<std::size_t>(std::lround(1 / dt_))) + " Hz: deepest penetration " +
                 length(std::max(0.0, -columns_.least("gap"))) + ", joints " + length(most("joint")) + ", " +
-                (most("limit") <= closed ? "limits kept" : "limits crossed by " + text("%.2g rad", most("limit"))) +
+                (most("limit") <= closed ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
                 ", stuck " + std::to_string(count("stuck")) + ", held " + std::to_string(count("held")));
   const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
   std::vector<std::size_t> order(stages_.size());
@@ -109,8 +100,8 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                 (shares.empty() ? "" : " (" + shares + ")") + ", 99th percentile " +
                 milliseconds(quantile(totals_, 0.99)) + ", worst " + milliseconds(quantile(totals_, 1)) +
                 (raw_.empty() ? ""
-                              : ", contacts " + text("%.0f", quantile(raw_, 0.5)) + " -> " +
-                                    text("%.0f", quantile(kept_, 0.5)) + " (medians)"));
+                              : ", contacts " + printed("%.0f", quantile(raw_, 0.5)) + " -> " +
+                                    printed("%.0f", quantile(kept_, 0.5)) + " (medians)"));
   out.push_back("The hand touches in " + percent(static_cast<double>(columns_.touching()) / n) +
                 " of the frames; its target is at most " + length(most("depth")) + " inside an object and " +
                 length(most("dist")) + " from the hand" +
@@ -118,13 +109,13 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                                            ", the hand before it"
                                      : ""));
   if (most("grip") > 0)
-    out.push_back("Loose objects are held with up to " + text("%.3g N", most("grip")) + " (mu " +
-                  text("%.3g", record.asked.options.mu) + "); once the target rests, contacts creep by " +
-                  text("%.2g um/s", 1e6 * most("creep")) + " at most; momentum balanced to " +
-                  text("%.1e", most("impulse")) + "; let go within " + milliseconds(most("late")) +
+    out.push_back("Loose objects are held with up to " + printed("%.3g N", most("grip")) + " (mu " +
+                  printed("%.3g", record.asked.options.mu) + "); once the target rests, contacts creep by " +
+                  printed("%.2g um/s", 1e6 * most("creep")) + " at most; momentum balanced to " +
+                  printed("%.1e", most("impulse")) + "; let go within " + milliseconds(most("late")) +
                   (disturbance_at_ < 0 ? ""
                                        : "; in frame " + std::to_string(disturbance_at_) + " the hold withstands " +
-                                             text("%.3g N", disturbance_) + " in the worst direction"));
+                                             printed("%.3g N", disturbance_) + " in the worst direction"));
   std::string origins;
   for (std::size_t k = 0; k < origins_.size(); ++k)
     if (origins_[k] > 0)
@@ -132,8 +123,8 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   out.push_back("Where the frames came from: " + origins);
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
-                  length(record.misfit_most) + " at most; " +
-                  counted(static_cast<long>(record.held_over), "recorded frame") + " without a hand held over");
+                  length(record.misfit_most) + " at most; " + counted(record.held_over, "recorded frame") +
+                  " without a hand held over");
   out.insert(out.end(), record.notes.begin(), record.notes.end());
   if (const long untracked = frames() - count("tracked"); untracked > 0)
     out.push_back(counted(untracked, "frame") + " without tracking: the last target was kept");

@@ -8,6 +8,8 @@
 #include <ctime>
 #include <stdexcept>
 
+#include <zwang/core/problem/wording.h>
+
 namespace zwang::god {
 namespace {
 
@@ -44,8 +46,6 @@ Pose<double> pose_of(const stream::Pose& p) {
   return {{p.position[0], p.position[1], p.position[2]},
           Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix()};
 }
-
-std::string frames(long n) { return std::to_string(n) + (n == 1 ? " frame" : " frames"); }
 
 }  // namespace
 
@@ -89,7 +89,8 @@ void Stream::accept() {
 }
 
 void Stream::drop(std::size_t peer, const std::string& why) {
-  say_("a reader " + why + " at frame " + std::to_string(last_) + ", which missed " + frames(peers_[peer].missed));
+  say_("a reader " + why + " at frame " + std::to_string(last_) + ", which missed " +
+       counted(peers_[peer].missed, "frame"));
   close(peers_[peer].socket);
   peers_.erase(peers_.begin() + static_cast<long>(peer));
 }

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <concepts>
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace zwang {
+
+// As printf writes it.
+[[gnu::format(printf, 1, 2)]] inline std::string printed(const char* format, ...) {
+  char text[400];
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof text, format, values);
+  va_end(values);
+  return text;
+}
+
+// "3,402".
+std::string grouped(std::integral auto count) {
+  std::string digits = std::to_string(count);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
+  return digits;
+}
+
+// "3,402 runs", "1 run".
+std::string counted(std::integral auto count, const std::string& noun) {
+  return grouped(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+inline std::string joined(const std::vector<std::string>& texts, const char* separator = ", ") {
+  std::string all;
+  for (const std::string& text : texts) all += (&text == &texts.front() ? "" : separator) + text;
+  return all;
+}
+
+// For a shell: 'as it is'.
+inline std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace zwang
