@@ -3,8 +3,8 @@
 # Each level has one precompiled header of the standard library, Eigen and JSON, nothing of the project's own. g++ takes
 # the level from that header, not from the command line, and refuses it where a flag differs: one set of flags for all
 # files of a level, libraries and programs alike. A file with flags of its own goes without (SKIP_PRECOMPILE_HEADERS).
-# zwang_unity(N TARGET...): N files are compiled as one, which instantiates what they share once: a third less of a first
-# build. More, and a change in one is waited for.
+# zwang_unity(N TARGET...): N files of a folder are compiled as one, which instantiates what they share once: a third less of
+# a first build. More, and a change in one is waited for. It comes after SKIP_UNITY_BUILD_INCLUSION of files long enough.
 option(ZWANG_PRECOMPILED "precompile the headers of others" ON)
 
 function(zwang_heat LEVEL)
@@ -16,8 +16,27 @@ function(zwang_heat LEVEL)
   endforeach()
 endfunction()
 
-function(zwang_unity BATCH)
-  set_target_properties(${ARGN} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${BATCH})
+function(zwang_unity N)
+  foreach(target ${ARGN})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    get_target_property(sources ${target} SOURCES)
+    set(last " ")
+    foreach(source ${sources})
+      get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+      if(alone OR NOT source MATCHES "\\.cpp$")
+        continue()
+      endif()
+      get_filename_component(folder ${source} DIRECTORY)
+      if(NOT folder STREQUAL last)
+        set(last ${folder})
+        set(count 0)
+      endif()
+      math(EXPR group "${count} / ${N}")
+      math(EXPR count "${count} + 1")
+      get_filename_component(folder ${folder} NAME)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+    endforeach()
+  endforeach()
 endfunction()
 
 function(zwang_level LEVEL TARGET)

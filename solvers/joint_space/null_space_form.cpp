@@ -8,7 +8,7 @@ namespace zwang {
 namespace {
 
 constexpr Index most_freedom = 512;  // N is dense: beyond, rows that keep their zeros are worth more
-constexpr Index lanes = BodyRows::lanes;
+constexpr Index packet = BodyRows::lanes;
 
 }  // namespace
 
@@ -41,10 +41,10 @@ bool NullSpaceForm::build(const Problem& problem) {
   all_.resize(tree_.freedom());
   tree_mu_.resize(tree_rows);
   sigma_.resize(static_cast<Index>(equalities_.size()));
-  rest_.resize(lanes, rows_.bodies());
-  y_E_.resize(lanes, rows_.bodies());
+  rest_.resize(packet, rows_.bodies());
+  y_E_.resize(packet, rows_.bodies());
   freedom_ = tree_.freedom() - static_cast<Index>(tree_.cut().size());
-  padded_ = (freedom_ + lanes - 1) / lanes * lanes;
+  padded_ = (freedom_ + packet - 1) / packet * packet;
   has_basis_ = false;
   if (!tree_.cut().empty() && !close_loops()) {
     reason_ = "loops whose joints are redundant";
@@ -112,14 +112,14 @@ void NullSpaceForm::reduce_row(Index i, double* padded_column) const {
     if (at[1] >= 0) tree_.add_reduced(at[1], rows_.part(i, 1), padded_column);
     return;
   }
-  for (Index k = 0; k < padded_; k += lanes) {
-    Vec<double, lanes> sum = Vec<double, lanes>::Zero();
+  for (Index k = 0; k < padded_; k += packet) {
+    Vec<double, packet> sum = Vec<double, packet>::Zero();
     for (int side = 0; side < 2 && at[static_cast<std::size_t>(side)] >= 0; ++side) {
       const Index first = 6 * at[static_cast<std::size_t>(side)];
       for (Index c = 0; c < 6; ++c)
-        sum = multiply_add(rows_.part(i, side)[c], Nt_.col(first + c).segment<lanes>(k), sum);
+        sum = multiply_add(rows_.part(i, side)[c], Nt_.col(first + c).segment<packet>(k), sum);
     }
-    Eigen::Map<Vec<double, lanes>>(padded_column + k) = sum;
+    Eigen::Map<Vec<double, packet>>(padded_column + k) = sum;
   }
 }
 

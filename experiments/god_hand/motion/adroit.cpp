@@ -39,7 +39,7 @@ constexpr const char* passed_over[] = {"ARTx",
 constexpr double step = 0.01;     // s
 constexpr double largest = 1000;  // rad, m: no hand is farther away
 const Vec3 knuckle[4] = {{0.033, 0, 0.095}, {0.011, 0, 0.099}, {-0.011, 0, 0.095}, {-0.034, 0, 0.088}};
-const Vec3 thumb_base(0.034, -0.009, 0.029), grasp(0.007, -0.05, 0.07);  // m; palm_x.. is where `grasp` is
+const Vec3 thumb_base(0.034, -0.009, 0.029), palm_middle(0.007, -0.05, 0.07);  // m; palm_x.. is where `palm_middle` is
 constexpr double finger_bones[3] = {0.045, 0.025, 0.026}, thumb_bones[3] = {0.038, 0.032, 0.0275};
 
 }  // namespace
@@ -82,7 +82,7 @@ Recording adroit_recording(const JointTable& table) {
     const auto chain = [&](std::size_t finger, const Vec3& base, const std::array<Mat3, 3>& turns,
                            const double* bones) {
       Mat3 axes = palm;
-      hand.joints[finger][0] = hand.palm.position + palm * (base - grasp);
+      hand.joints[finger][0] = hand.palm.position + palm * (base - palm_middle);
       for (std::size_t k = 0; k < 3; ++k) {
         axes = axes * turns[k];
         hand.joints[finger][k + 1] = hand.joints[finger][k] + bones[k] * axes.col(2);

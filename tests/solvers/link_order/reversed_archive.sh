@@ -7,9 +7,15 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 members=()
 for archive in "$@"; do
-  mkdir "$folder/$(basename "$archive")"
-  (cd "$folder/$(basename "$archive")" && ar x "$archive")
-  while read -r member; do members=("$folder/$(basename "$archive")/$member" "${members[@]}"); done < <(ar t "$archive")
+  declare -A seen=()  # files compiled together may bear one name in several parts of an archive
+  while read -r member; do
+    seen[$member]=$((${seen[$member]:-0} + 1))
+    place="$folder/$(basename "$archive")/${seen[$member]}"
+    mkdir -p "$place"
+    (cd "$place" && ar xN "${seen[$member]}" "$archive" "$member")
+    members=("$place/$member" "${members[@]}")
+  done < <(ar t "$archive")
+  unset seen
 done
 rm -f "$out"
 ar qc "$out" "${members[@]}"
