@@ -5,7 +5,7 @@
 namespace zwang {
 
 // Problem number `number` of a fuzzing run with friction, under Coulomb's law. Of ten, four are planar with up to four
-// contacts and entries -1, 0, 1, which enumeration decides (references/friction/planar_enumeration.h); three are of
+// contacts and entries -1, 0, 1, which enumeration decides (references/friction/exact_solutions.h); three are of
 // that kind with two tangents a contact; three have a planted answer, whose contacts then rest without force, stand
 // on the cone's edge, are repeated or have very different masses. Repeated and opposed contacts, tangents of zeros and
 // mu = 0 are the rule. Dyadic, and the same on every machine.

@@ -9,7 +9,7 @@
 #include <zwang/bench/fuzz/near_problem.h>
 #include <zwang/bench/fuzz/question_referee.h>
 #include <zwang/bench/fuzz/small_problem.h>
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/suite/progress.h>
@@ -161,7 +161,7 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
 void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
   constexpr Index few_contacts = 4;
   const bool planar = std::ranges::count(problem.kind, RowKind::tangent) <= few_contacts;
-  const std::optional<PlanarSolutions> all = planar ? enumerate_planar(problem) : std::nullopt;
+  const std::optional<ExactSolutions> all = planar ? enumerate_planar(problem) : std::nullopt;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     solve(i, problem, nullptr);
     const Solution& s = candidates_[i].solution;
@@ -174,15 +174,15 @@ void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
     }
     const Verdict verdict = measure(problem, s, nullptr, tolerance).verdict;
     if (s.status == Status::infeasible) {
-      if (verdict == Verdict::wrong || (all && (all->continuum || !all->z.empty())))
+      if (verdict == Verdict::wrong || (all && (!all->complete() || !all->solutions().empty())))
         fault(i, number, "says infeasible of a problem that has an answer", problem);
       else
         ++(verdict == Verdict::infeasible_proven ? t.proven : t.undecided);
       continue;
     }
     double error = std::numeric_limits<double>::infinity();
-    if (all && !all->continuum) {
-      for (const Vector& z : all->z) error = std::min(error, distance(problem, s.z, z));
+    if (all && all->complete()) {
+      for (const auto& [z, lambda] : all->solutions()) error = std::min(error, distance(problem, s.z, z));
       if (!(error <= other_limit)) {
         fault(i, number, shown("says solved, farther from every answer than", error), problem);
         continue;

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <sstream>
 
-#include <zwang/bench/fuzz/exact_solutions.h>
 #include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/near_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/judge.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/scenes/dyadic.h>

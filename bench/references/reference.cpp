@@ -6,7 +6,7 @@
 
 #include <zwang/bench/references/cache.h>
 #include <zwang/bench/references/friction/coulomb.h>
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/island_split.h>
@@ -53,21 +53,22 @@ FoundReference compute_by_islands(const Problem& problem, std::span<const Island
 FoundReference under_coulomb(const Problem& problem) {
   FoundReference found;
   found.reference = coulomb_reference(problem, &found.note);
-  const std::optional<PlanarSolutions> all = enumerate_planar(problem);
-  if (!all || all->continuum) return found;
+  const std::optional<ExactSolutions> all = enumerate_planar(problem);
+  if (!all || !all->complete()) return found;
+  const auto& solutions = all->solutions();
   const std::string method = "every choice of modes in rationals";
   if (!found.reference) {
-    if (all->z.empty()) return {.reference = Reference{.feasible = false, .method = method}};
-    found.reference = Reference{.z = all->z[0], .bound = rounding_of(problem, all->z[0]), .method = method};
+    if (solutions.empty()) return {.reference = Reference{.feasible = false, .method = method}};
+    found.reference = Reference{.z = solutions[0].z, .bound = rounding_of(problem, solutions[0].z), .method = method};
   } else {
     const Reference& own = *found.reference;
-    if (std::ranges::none_of(all->z, [&](const Vector& z) {
-          return relative_distance(problem, own.z, z) <= 2 * (own.bound + rounding_of(problem, z));
+    if (std::ranges::none_of(solutions, [&](const ExactSolutions::Rounded& one) {
+          return relative_distance(problem, own.z, one.z) <= 2 * (own.bound + rounding_of(problem, one.z));
         }))
       return {.note = "interval Newton and enumeration disagree"};
     found.reference->method += ", " + method;
   }
-  found.reference->unique = all->z.size() == 1;
+  found.reference->unique = solutions.size() == 1;
   return found;
 }
 
@@ -120,8 +121,8 @@ FoundReference confirm(const Problem& problem, Reference own, bool second_witnes
     }
     if (standing == Standing::certified) own.bound = std::max(own.bound, bound);
     if (own.hearsay && own.unique && coulomb) {
-      const std::optional<PlanarSolutions> all = enumerate_planar(problem);
-      own.unique = all && !all->continuum && all->z.size() == 1;
+      const std::optional<ExactSolutions> all = enumerate_planar(problem);
+      own.unique = all && all->complete() && all->solutions().size() == 1;
     }
     own.hearsay = false;
     if (standing == Standing::certified && own.method.find("certified") == std::string::npos)

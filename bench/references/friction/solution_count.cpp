@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
 
 namespace zwang {
@@ -16,11 +16,11 @@ constexpr int random_starts = 40;
 constexpr int mode_choices = 729;  // three modes each of six contacts
 
 // Of the searches' solutions those that enumeration confirms, and what it knows beyond them.
-std::vector<CoulombSolution> confirmed(const Problem& problem, const PlanarSolutions& exact,
+std::vector<CoulombSolution> confirmed(const Problem& problem, const ExactSolutions& exact,
                                        const std::vector<CoulombSolution>& found) {
   std::vector<CoulombSolution> all;
   std::size_t exact_ones = 0;
-  for (const Vector& z : exact.z) {
+  for (const auto& [z, lambda] : exact.solutions()) {
     const double rounding = rounding_of(problem, z);
     const auto same = std::ranges::find_if(found, [&](const CoulombSolution& s) {
       return relative_distance(problem, s.z, z) <= 2 * (s.bound + s.delta + rounding);
@@ -46,14 +46,15 @@ std::vector<CoulombSolution> confirmed(const Problem& problem, const PlanarSolut
 
 SolutionCount count_solutions(const Problem& problem, double seconds) {
   SolutionCount out;
-  const std::optional<PlanarSolutions> exact = enumerate_planar(problem);
+  const std::optional<ExactSolutions> exact = enumerate_planar(problem);
   SolutionSearch search{.random_starts = random_starts, .mode_choices = mode_choices, .all = true};
   search.deadline = Deadline(seconds);
-  if (exact) search.near = exact->z;
+  if (exact)
+    for (const auto& [z, lambda] : exact->solutions()) search.near.push_back(z);
   out.solutions = coulomb_solutions(problem, search, &out.why_not);
   out.by_enumeration = exact.has_value();
   const bool continuum = std::ranges::any_of(out.solutions, &CoulombSolution::continuum);
-  if (exact && !exact->continuum) {
+  if (exact && exact->complete()) {
     out.solutions = confirmed(problem, *exact, out.solutions);
     out.kind = SolutionCount::Kind::all;
     out.proven = out.solutions.size();

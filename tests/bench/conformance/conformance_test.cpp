@@ -4,7 +4,7 @@
 
 #include <zwang/bench/conformance/conformance.h>
 #include <zwang/bench/references/friction/coulomb.h>
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/suite/phenomena.h>
 
 #include "tests/bench/suite/test_solvers.h"
@@ -38,11 +38,11 @@ TEST(Conformance, EnumerationInRationalsConfirmsThePlanarAnswers) {
     bool planar = true;
     const ConformanceResult nearest = check.run([&](const Problem& p) {
       Solution s;
-      const std::optional<PlanarSolutions> all = enumerate_planar(p);
+      const std::optional<ExactSolutions> all = enumerate_planar(p);
       planar &= all.has_value();
-      if (!all || all->z.empty()) return s;
+      if (!all || all->solutions().empty()) return s;
       s.status = Status::solved;
-      s.z = all->z[0];
+      s.z = all->solutions()[0].z;
       return s;
     });
     if (!planar || std::isnan(nearest.off) || check.name == "PINCH") continue;

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <zwang/bench/fuzz/exact_solutions.h>
 #include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/coulomb.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
+#include <zwang/core/problem/law.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -49,7 +50,7 @@ TEST(ExactAnswer, AgreesWithRationalsAndWithHundredDigits) {
 }
 
 // The truth that the referee is asked against, and two other methods.
-TEST(ExactSolutions, AgreeWithIntegersAndWithChoicesOfModes) {
+TEST(ExactSolutions, AgreeWithIntegersAndWithIntervalNewton) {
   for (std::uint64_t number = 0; number < 400; ++number) {
     const Problem p = small_problem(8, number, 4, 8);
     const ExactSolutions all(p);
@@ -59,19 +60,34 @@ TEST(ExactSolutions, AgreeWithIntegersAndWithChoicesOfModes) {
       EXPECT_LE(all.error(integers->z).high, 2e-16) << p.name;
     }
   }
-  int several = 0, none = 0;
+  int several = 0, none = 0, convex = 0, proven = 0;
   for (std::uint64_t number = 0; number < 400; ++number) {
     const Problem p = frictional_problem(8, 10 * number);
     const ExactSolutions all(p);
-    const auto modes = enumerate_planar(p);
-    if (!modes || modes->continuum || !all.complete()) continue;
-    EXPECT_EQ(all.solutions().size(), modes->z.size()) << p.name;
-    for (const Vector& z : modes->z) EXPECT_LE(all.error(z).high, 2e-16) << p.name;
-    several += modes->z.size() > 1;
-    none += modes->z.empty();
+    const Problem pyramid = under(Law::pyramid, p);
+    Problem own = p;
+    own.law = Law::convex;
+    if (const auto integers = exact_answer(pyramid)) {
+      const ExactSolutions one(own);
+      ASSERT_EQ(one.solutions().size(), integers->feasible ? 1u : 0u) << p.name;
+      convex += integers->feasible;
+      if (integers->feasible) {
+        EXPECT_LE(one.error(integers->z).high, 2e-16) << p.name;
+      }
+    }
+    if (!all.complete()) continue;
+    several += all.solutions().size() > 1;
+    none += all.solutions().empty();
+    for (const CoulombSolution& s : coulomb_solutions(p)) {
+      if (s.delta > 0) continue;
+      ++proven;
+      EXPECT_LE(all.error(s.z).high, s.bound + 2e-16) << p.name;
+    }
   }
+  EXPECT_GT(convex, 20);
   EXPECT_GT(several, 2);
   EXPECT_GT(none, 20);
+  EXPECT_GT(proven, 50);
 }
 
 // x = 3 beside z_u = 4 with M = 4: off by 2 of 8.

@@ -2,7 +2,7 @@
 
 #include <boost/multiprecision/gmp.hpp>
 
-#include <zwang/bench/references/friction/planar_enumeration.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/scenes/friction/families.h>
 #include <zwang/core/referee/measure.h>
 
@@ -92,8 +92,8 @@ TEST(FrictionFamilies, TheRefereeTellsNoLieOnPlantedAnswers) {
 
 TEST(FrictionFamilies, NumbersOfSolutionsAreConfirmedInRationals) {
   const auto count = [](const FrictionPoint& point) {
-    const std::optional<PlanarSolutions> all = enumerate_planar(point.instance.problem);
-    return !all ? -2 : all->continuum ? -1 : static_cast<int>(all->z.size());
+    const std::optional<ExactSolutions> all = enumerate_planar(point.instance.problem);
+    return !all ? -2 : !all->complete() ? -1 : static_cast<int>(all->solutions().size());
   };
   for (const FrictionPoint& point : {rod_point(1), rod_point(1.5), rod_point(2), jam_point(.5, -1), jam_point(.75, -1),
                                      jam_point(1, -1), jam_point(1, 1), held_point(.5), held_point(1), pinch_point()})

@@ -1,4 +1,4 @@
-#include <zwang/bench/fuzz/exact_solutions.h>
+#include <zwang/bench/references/friction/exact_solutions.h>
 
 #include <algorithm>
 #include <boost/multiprecision/gmp.hpp>
@@ -43,24 +43,54 @@ std::vector<std::size_t> reduce(std::vector<Exact>& rows, std::size_t columns) {
   return pivots;
 }
 
-// Is there a point with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0? One of them keeps x off
-// every line, so that a vertex is looked for: what is left open is asked to be zero in turn. Solves the system.
-bool has_point(std::vector<Exact>& system, const std::vector<Exact>& asked, std::size_t unknowns) {
+// a x + a_0.
+Rational value(const Exact& form, const Exact& x) {
+  Rational sum = form.back();
+  for (std::size_t k = 0; k < x.size(); ++k) sum += form[k] * x[k];
+  return sum;
+}
+
+// A vertex of the points with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0; empty where there
+// is none. Solves the system. What it leaves open is asked to be zero in turn.
+std::optional<Exact> vertex(std::vector<Exact>& system, const std::vector<Exact>& asked, std::size_t unknowns) {
   const std::size_t rank = reduce(system, unknowns).size();
   for (std::size_t k = rank; k < system.size(); ++k)
-    if (system[k].back() != 0) return false;
-  if (rank == unknowns)
-    return std::ranges::all_of(asked, [&](const Exact& form) {
-      Rational sum = form.back();
-      for (std::size_t k = 0; k < unknowns; ++k) sum += form[k] * system[k].back();
-      return sum >= 0;
-    });
-  return std::ranges::any_of(asked, [&](Exact form) {
+    if (system[k].back() != 0) return {};
+  if (rank == unknowns) {
+    Exact x;
+    for (std::size_t k = 0; k < unknowns; ++k) x.push_back(system[k].back());
+    if (std::ranges::all_of(asked, [&](const Exact& form) { return value(form, x) >= 0; })) return x;
+    return {};
+  }
+  for (Exact form : asked) {
     std::vector<Exact> tight = system;
     form.back() = -form.back();
     tight.push_back(std::move(form));
-    return reduce(tight, unknowns).size() > rank && has_point(tight, asked, unknowns);
-  });
+    if (reduce(tight, unknowns).size() <= rank) continue;
+    if (std::optional<Exact> x = vertex(tight, asked, unknowns)) return x;
+  }
+  return {};
+}
+
+// Whether this vertex is the only point: no direction leaves it. One along which the forms that are zero stay so would
+// be a line.
+bool is_alone(std::vector<Exact> system, std::vector<Exact> asked, const Exact& x) {
+  const std::size_t unknowns = x.size();
+  std::erase_if(asked, [&](const Exact& form) { return value(form, x) != 0; });
+  for (std::vector<Exact>* rows : {&system, &asked})
+    for (Exact& row : *rows) row.back() = 0;
+  std::vector<Exact> all = system;
+  all.insert(all.end(), asked.begin(), asked.end());
+  if (reduce(all, unknowns).size() < unknowns) return false;
+  for (std::size_t k = 0; k < unknowns; ++k)
+    for (const int sign : {1, -1}) {
+      std::vector<Exact> leaving = system;
+      leaving.emplace_back(unknowns + 1, 0);
+      leaving.back()[k] = sign;
+      leaving.back().back() = 1;
+      if (vertex(leaving, asked, unknowns)) return false;
+    }
+  return true;
 }
 
 Exact exactly(const Vector& v) { return {v.begin(), v.end()}; }
@@ -133,10 +163,15 @@ struct ExactSolutions::Data {
 
   std::vector<std::vector<Choice>> choices() const {
     std::vector<std::vector<Choice>> all;
+    std::vector<Exact> equalities;  // those that no others before them combine to: their forces are all there are
     for (Index i = 0; i < problem.rows(); ++i) {
       const Form row = {{i, 1}};
       if (problem.is_equality(i)) {
-        all.push_back({{.held = {row}}, {.pushes = {row}, .held = {row}}});
+        std::vector<Exact> more = equalities;
+        more.push_back(J[at(i)]);
+        const bool pushes = reduce(more, z_u.size()).size() > equalities.size();
+        if (pushes) equalities.push_back(J[at(i)]);
+        all.push_back({{.pushes = std::vector<Form>(pushes ? 1 : 0, row), .held = {row}}});
         continue;
       }
       const Index n = i, t = i + 1, tangents = problem.has_tangents() ? problem.tangents(i) : 0;
@@ -220,18 +255,20 @@ ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<
       asked.emplace_back(unknowns + 1, 0);
       asked.back()[k] = 1;
     }
-    const bool right = has_point(system, asked, unknowns);
-    if (reduce(system, unknowns).size() < unknowns) {
-      complete_ = complete_ && !right;  // maybe a continuum
+    const std::vector<Exact> equations = system;
+    const std::optional<Exact> right = vertex(system, asked, unknowns);
+    if (reduce(system, unknowns).size() < unknowns && (!right || !is_alone(equations, asked, *right))) {
+      complete_ = complete_ && !right;
       continue;
     }
     if (std::any_of(system.begin() + static_cast<std::ptrdiff_t>(unknowns), system.end(),
                     [](const Exact& row) { return row.back() != 0; }))
       continue;
+    const auto force = [&](std::size_t k) { return right ? (*right)[k] : system[k].back(); };
 
     Exact z = data_->z_u, lambda(data_->J.size(), 0);
     for (std::size_t k = 0; k < unknowns; ++k)
-      for (const auto& [row, factor] : choice.pushes[k]) lambda[at(row)] += factor * system[k].back();
+      for (const auto& [row, factor] : choice.pushes[k]) lambda[at(row)] += factor * force(k);
     for (std::size_t i = 0; i < lambda.size(); ++i)
       for (std::size_t j = 0; j < z.size() && lambda[i] != 0; ++j) z[j] += lambda[i] * data_->moves[i][j];
     if (right && std::ranges::find(data_->z, z) == data_->z.end()) {
@@ -281,6 +318,19 @@ double ExactSolutions::motions() const {
     if (data_->free > 0) least = std::min(least, std::sqrt(Rational(way / data_->free).convert_to<double>()));
   }
   return least;
+}
+
+std::optional<ExactSolutions> enumerate_planar(const Problem& problem) {
+  constexpr int most_contacts = 6;
+  int contacts = 0;
+  for (Index i = 0; i < problem.rows(); ++i) {
+    if (problem.is_equality(i)) continue;
+    const Index tangents = problem.has_tangents() ? problem.tangents(i) : 0;
+    contacts += std::isfinite(problem.c[i]);
+    if (contacts > most_contacts || (tangents > 1 && problem.mu[i] > 0)) return {};
+    i += tangents;
+  }
+  return ExactSolutions(problem);
 }
 
 }  // namespace zwang
