@@ -305,7 +305,7 @@ ExactSolutions::Range ExactSolutions::error(const Vector& given) const {
     if (data_->problem.is_tangent(i) || !std::isfinite(data_->problem.c[i]) || g == 0) continue;
     if (s > 0 && !data_->problem.is_equality(i)) continue;
     const double off = root(s * s / g, size);
-    range.low = std::max(range.low, off > 1e300 ? 1 : off / (1 + off));
+    range.low = std::max(range.low, std::isinf(off) ? 1 : off / (1 + off));
   }
   return range;
 }
