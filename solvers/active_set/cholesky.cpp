@@ -6,9 +6,6 @@
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
-namespace {
-
-}  // namespace
 
 // Refines y = G_A' l, G_A y = h_A. False when even a fresh factor leaves a large correction.
 bool Cholesky::Method::correct(ActiveRows& active) {

@@ -6,9 +6,6 @@
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
-namespace {
-
-}  // namespace
 
 // The equality rows' own solution y_E, and what is left of the other rows in the null space of G_E:
 // g~ = (I - QQ') g, h~ = h - g . y_E. A row that lies in the span of the equality rows is left to the polish.

@@ -4,9 +4,6 @@
 #include <cstdio>
 
 namespace zwang {
-namespace {
-
-}  // namespace
 
 // s = Q (k - z_u) with J_Q s = c - J z_u by least squares, refined once; returns |J k - c| / |c|. Adding to s what J_Q
 // maps to zero changes neither lambda nor z, so a basic solution will do, if it stays small: the columns of J_Q are

@@ -37,9 +37,7 @@ void DenseDualActiveSet::reset(Index freedom, Index room) {
     for (Vector* part : {&b_, &magnitude_, &slack_, &out_, &key_}) part->resize(padded_room);
   if (freedom == 0) A_.setZero();  // a caller that writes nothing
   by_rows_.reset(freedom, room);
-  most_ = most;
   factor_.reset(padded_, most);
-  if (freedom <= exchanged && room >= freedom) basis_.reserve(freedom, padded_);
   state_.clear();
   state_.reserve(static_cast<std::size_t>(room));
   for (std::vector<Index>* list : {&active_, &retired_}) {
@@ -76,17 +74,6 @@ void DenseDualActiveSet::bring_in() {
     out_[j] = 0;
   }
   loaded_ = rows_;
-}
-
-// How the active rows are kept, as long as there are none: with fewer rows than unknowns only few can become active,
-// and a step that costs n^2 is not worth it.
-void DenseDualActiveSet::choose_factor() {
-  if (size() > 0) return;
-  small_ = freedom_ <= exchanged && rows_ >= freedom_;
-  if (small_)
-    basis_.reset(freedom_, padded_);
-  else
-    factor_.reset(padded_, most_);
 }
 
 void DenseDualActiveSet::scan() {
@@ -139,43 +126,28 @@ Blocking<double> DenseDualActiveSet::blocking() {
   return {.row = find(time, used, packets::largest(steepest)), .step = step};
 }
 
-double DenseDualActiveSet::split(Index p) {
-  return small_ ? basis_.split(by_rows_, p) : factor_.split(A_.col(p).data());
-}
+double DenseDualActiveSet::split(Index p) { return factor_.split(A_.col(p).data()); }
 
 void DenseDualActiveSet::enter(Index p, double multiplier, double length) {
   u_[size()] = multiplier;
-  if (small_)
-    basis_.append();
-  else
-    factor_.append();
+  factor_.append();
   active_.push_back(p);
   set(p, State::active);
   smallest_accepted = std::min(smallest_accepted, length);
 }
 
-// The last row takes the place of the one that leaves, but where the factor is a triangle.
 void DenseDualActiveSet::drop(Index j) {
   set(active_[static_cast<std::size_t>(j)], State::resting);
   const Index last = size() - 1;
-  if (small_) {
-    basis_.drop(j);
-    active_[static_cast<std::size_t>(j)] = active_.back();
-    u_[j] = u_[last];
-  } else {
-    factor_.drop(j);
-    std::copy(active_.begin() + j + 1, active_.end(), active_.begin() + j);
-    std::copy(u_.data() + j + 1, u_.data() + last + 1, u_.data() + j);
-  }
+  factor_.drop(j);
+  std::copy(active_.begin() + j + 1, active_.end(), active_.begin() + j);
+  std::copy(u_.data() + j + 1, u_.data() + last + 1, u_.data() + j);
   u_[last] = 0;
   active_.pop_back();
 }
 
 void DenseDualActiveSet::solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu) {
-  if (small_)
-    basis_.solve(s, sigma, dv, dmu);
-  else
-    factor_.solve(s, sigma, dv, dmu);
+  factor_.solve(s, sigma, dv, dmu);
 }
 
 // (v, u) afresh from the factor.
@@ -201,12 +173,10 @@ bool DenseDualActiveSet::restore_dual_feasibility() {
 
 void DenseDualActiveSet::start_from(std::span<const Index> rows) {
   bring_in();
-  choose_factor();
   for (const Index j : rows) {
     if (size() == freedom_) break;
     const double length = split(j);
     if (!(length > tolerances::warm_share)) continue;
-    if (small_) basis_.find_remainder();
     enter(j, 0, length);
   }
   refresh();
@@ -244,7 +214,7 @@ void DenseDualActiveSet::retire(Index p) {
 void DenseDualActiveSet::move(double step, bool dependent) {
   lanes::add(-step, r(), u_.data(), round_up(size()));
   if (dependent) return;
-  const double* const remainder = small_ ? basis_.find_remainder() : factor_.remainder();
+  const double* const remainder = factor_.remainder();
   lanes::add(step, remainder, v_.data(), padded_);
   by_rows_.accumulate(step, remainder, slack_.data());
 }
@@ -257,7 +227,6 @@ void DenseDualActiveSet::append(Index p, double multiplier, double length) {
 
 Status DenseDualActiveSet::climb(int& iterations, int most_iterations, const Deadline& deadline) {
   scan();
-  choose_factor();
   return dual_climb(*this, iterations, most_iterations, deadline, [] {});
 }
 

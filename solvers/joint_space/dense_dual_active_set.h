@@ -6,8 +6,8 @@
 
 #include <zwang/core/problem/solver.h>
 #include <zwang/solvers/common/dual_climb.h>
-#include <zwang/solvers/joint_space/exchange_basis.h>
 #include <zwang/solvers/joint_space/inverse_factor.h>
+#include <zwang/solvers/joint_space/row_lanes.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -16,11 +16,10 @@ namespace zwang {
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b   (rows of A at most 1 long)
 //
-// As goldfarb_idnani.h decides, by the same tolerances, in other storage: an inverse of the active rows and of what
-// they leave free (exchange_basis.h; where v is long and n^2 a step too much, inverse_factor.h); A in eights of rows
-// without the columns that none of them meets (row_lanes.h), along which all slacks move. This is for clear problems:
-// the caller turns to the careful path where `smallest_accepted` is small, `largest_rejected` is large or a row
-// contradicts others.
+// As goldfarb_idnani.h decides, by the same tolerances, in other storage: the active rows with the inverse of their
+// triangle (inverse_factor.h); A in eights of rows without the columns that none of them meets (row_lanes.h), along
+// which all slacks move. This is for clear problems: the caller turns to the careful path where `smallest_accepted` is
+// small, `largest_rejected` is large or a row contradicts others.
 //
 // Rows may be admitted at any time, and take part from the next climb on: a caller that finds rows violated by the
 // optimum of those it has admitted goes on from there, and is exact at the end (joint_space_active_set.cpp).
@@ -89,13 +88,10 @@ class DenseDualActiveSet {
  private:
   enum class State : char { resting, active, retired };
 
-  static constexpr Index exchanged = 128;  // the longest v of an ExchangeBasis
-
   Index size() const { return static_cast<Index>(active_.size()); }
-  const double* r() const { return small_ ? basis_.r() : factor_.r().data(); }
+  const double* r() const { return factor_.r().data(); }
   void set(Index j, State state);
   void bring_in();
-  void choose_factor();
   void scan();
   void enter(Index p, double multiplier, double length);
   void refresh();
@@ -103,13 +99,10 @@ class DenseDualActiveSet {
   Index most_violated();
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
-  bool small_ = false;
-  Index most_ = 0;  // rows that can be active
   lanes::Columns A_;
   RowLanes by_rows_;
   Index loaded_ = 0, scanned_ = 0;  // rows that by_rows_ holds; rows that met a scan
-  ExchangeBasis basis_;             // of the active rows, where v is small
-  InverseFactor factor_;            // elsewhere
+  InverseFactor factor_;            // of the active rows
   Vector b_, magnitude_, v_, u_, slack_, rest_, sigma_;
   Vector out_;  // of a row: 0 while it rests, else infinite; what is added to its slack when the worst is looked for
   Vector key_;

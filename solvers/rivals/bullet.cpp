@@ -12,9 +12,7 @@ static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built and used
 namespace zwang {
 namespace {
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
-
-double lower_limit(const UnitProgram& program, Index i) { return program.is_equality(i) ? -unlimited : 0; }
+double lower_limit(const UnitProgram& program, Index i) { return program.is_equality(i) ? -infinity : 0; }
 
 std::string too_many_rows(const Problem& problem, Index most) {
   if (problem.rows() <= most) return {};
@@ -50,7 +48,7 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   const Index k = program.rows();
   Vector lambda = Vector::Zero(k);
   Matrix A = delassus(program, cfm);
-  Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, unlimited);
+  Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, infinity);
   for (Index i = 0; i < k; ++i) low[i] = lower_limit(program, i);
   std::vector<int> dependency(static_cast<std::size_t>(k), -1);
   btDantzigScratchMemory scratch;
@@ -80,7 +78,7 @@ void BulletPgs::solve(const Problem& problem, const SolveOptions& options, Solut
     b[i] = program.h()[i];
     x[i] = lambda[i];
     low[i] = lower_limit(program, i);
-    high[i] = unlimited;
+    high[i] = infinity;
     for (int j = 0; j < size; ++j) A.setElem(i, j, S(i, j));
   }
   btAlignedObjectArray<int> dependency;

@@ -11,7 +11,7 @@
 namespace zwang {
 namespace {
 
-constexpr double row_tolerance = tolerances::nlopt_row, unlimited = std::numeric_limits<double>::infinity();
+constexpr double row_tolerance = tolerances::nlopt_row;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -135,7 +135,7 @@ nlopt_result run(NloptMethod method, DenseProgram& program, const SolveOptions& 
 // only a run that moves by no more than T has arrived.
 nlopt_result restart_until_it_stays(NloptMethod method, DenseProgram& program, const SolveOptions& options,
                                     int evaluations, nlopt_result result, Vector& v) {
-  for (double moved = unlimited; result == NLOPT_XTOL_REACHED && moved > options.tolerance;) {
+  for (double moved = infinity; result == NLOPT_XTOL_REACHED && moved > options.tolerance;) {
     if (program.evaluations >= evaluations) return NLOPT_MAXEVAL_REACHED;
     const Vector before = v;
     result = run(method, program, options, evaluations - program.evaluations, v);

@@ -82,5 +82,19 @@ TEST_F(InverseFactorTest, ARepeatedColumnLeavesNothing) {
   EXPECT_LE(factor.split(columns.col(4).data()), 1e-15);
 }
 
+// 26 columns of 26 entries; then nothing is left of any.
+TEST_F(InverseFactorTest, MayFillTheWholeSpace) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  columns.setZero(padded, length + 1);
+  for (Index j = 0; j <= length; ++j)
+    columns.col(j).head(length) = Vector::NullaryExpr(length, [&] { return normal(random); }).normalized();
+  for (Index j = 0; j < length; ++j) append(j);
+  expect_factor_of_active();
+  EXPECT_LE(factor.split(columns.col(length).data()), 1e-13);
+  drop(3);
+  expect_factor_of_active();
+}
+
 }  // namespace
 }  // namespace zwang
