@@ -8,9 +8,11 @@
 namespace zwang {
 namespace {
 
-constexpr int most_steps = 60;  // of an interior point from one start
-constexpr int most_modes = 8;   // Newton steps from an iterate inside the cones
-constexpr int most_warm = 32;   // and from an earlier answer
+constexpr int most_steps = 60;         // of an interior point from one start
+constexpr int most_coupled = 52;       // and, where the shift is differentiated, with Newton's steps between them
+constexpr int most_modes = 8;          // Newton steps from an iterate inside the cones
+constexpr int most_warm = 32;          // and from an earlier answer
+constexpr int most_warm_coulomb = 10;  // where the interior point is soon done, too
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
@@ -72,8 +74,9 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v), std::min(most_warm, options.max_iterations),
-             deadline, solution.iterations);
+  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
+             std::min(program_.is_coulomb() ? most_warm_coulomb : most_warm, options.max_iterations), deadline,
+             solution.iterations);
   return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
 }
 
@@ -81,10 +84,13 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
                                         const Deadline& deadline, double start, Solution& solution) {
   inside_.begin(program_, start);
   const double unit = program_.start();
-  double target = tolerances::cone_regime, looked_at = tolerances::cone_runs_off * unit;
+  const bool couples = program_.is_coulomb() && program_.is_dense();
+  double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
+  double looked_at = tolerances::cone_runs_off * unit;
   for (int step = 0;;) {
     const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
-    bool stuck = step >= most_steps || target < tolerances::cone_deepest;
+    bool stuck = (couples ? solution.iterations - begun_ >= most_coupled : step >= most_steps) ||
+                 target < tolerances::cone_deepest;
     if (!in_regime && !stuck) {
       if (deadline.passed() || solution.iterations >= options.max_iterations) {
         keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
@@ -152,9 +158,19 @@ Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool fin
   keep(modes_.v, modes_.y, modes_.residual.natural);
   if (modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution))) return End::accepted;
   End end = End::failed;
-  for (std::size_t k = 0; k < starts.size() && end == End::failed; ++k)
-    end = from_inside(finish, p, options, deadline, starts[k], solution);
+  for (std::size_t k = 0; k < starts.size() && end == End::failed; ++k) {
+    if (k == 0 || !is_near()) begun_ = solution.iterations;
+    if (k == 0 || solution.iterations - begun_ < most_coupled)
+      end = from_inside(finish, p, options, deadline, starts[k], solution);
+  }
   return end;
+}
+
+// To an answer that nothing certifies yet, as where contacts depend on each other: other ways mostly end there, too,
+// and all of them together get the iterations of one.
+bool Cone::Work::is_near() {
+  const double left = natural_ / program_.scale(v_);
+  return program_.is_coulomb() && program_.is_dense() && left > tolerances::cone_exact && left <= tolerances::cone_near;
 }
 
 // Would another step leave the motion where it is? With very different masses a residual of rounding is far from z.
@@ -175,13 +191,14 @@ bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& option
   rest.observe = nullptr;
   best_v_ = v_;
   best_y_ = y_;
+  const int most = is_near() ? std::min(begun_ + most_coupled, options.max_iterations) : options.max_iterations;
   double least = natural_;
   bool accepted = false;
   slips_.setZero(program_.cones());
   s_.setZero(program_.rows());
   for (int round = 0; round < most_rounds && !accepted; ++round) {
     of_convex_.reset(p.size(), p.rows());
-    rest.max_iterations = options.max_iterations - solution.iterations;
+    rest.max_iterations = most - solution.iterations;
     program_.state(Law::convex, &slips_);
     natural_ = std::numeric_limits<double>::infinity();
     const End end = from_inside(true, p, rest, deadline, 1, of_convex_);

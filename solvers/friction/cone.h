@@ -25,7 +25,8 @@ namespace zwang {
 //
 // Where no start leads to an answer of Coulomb's law, the convex problem of the slips at hand is solved again and
 // again, as by fixed_point, and Newton's method on the modes tried from each answer (up to 1000 unknowns; a fallback,
-// too).
+// too). Near an answer that nothing certifies, as where contacts depend on each other, all starts share the iterations
+// of one: the status is then `numerical failure`, and z the best that was found.
 //
 // Without friction the problem is a quadratic program: the dual active-set method solves it, or newton where it is
 // large (Solution::handed_to). They judge rows that almost depend on others in extended precision; an interior point
@@ -71,6 +72,7 @@ struct Cone {
     bool by_convex_problems(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                             Solution& solution);
     bool modes_stay(const SolveOptions& options);
+    bool is_near();
     bool takes(const ConeProgram::Residual& residual, const Vector& v, const Vector& y, const SolveOptions& options,
                bool settled = false);
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
@@ -84,6 +86,7 @@ struct Cone {
     Vector v_, y_, proof_;  // the best there is
     Vector best_v_, best_y_, slips_, s_, move_, pull_;
     double natural_ = 0;
+    int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
     Solution of_normals_, of_convex_;
     DualActiveSet active_set_;
     Newton newton_;

@@ -9,6 +9,17 @@ namespace {
 namespace soc = second_order_cone;
 // Of the slacks of a start, in units of its size: far below where their squares overflow.
 constexpr double farthest = 1 / tolerances::cone_deepest;
+// How the coupling of Coulomb's law is damped.
+namespace damping {
+// Of the way to the end of Newton's step: shorter ones were blocked, longer ones free, the longest whole.
+constexpr double blocked = 0.3, free_step = 0.5, whole = 0.98;
+// A whole step that leaves more than this of a residual above the gap brought nothing.
+constexpr double left_over = 0.9;
+// The part of the shift's slope that counts falls by `less`, and grows by `more` and a little.
+constexpr double less = 0.85, more = 1.3, little = 0.02;
+// The least centring in units of residual / gap, but at most the second.
+constexpr double of_residual = 0.03, most_of_residual = 0.3;
+}  // namespace damping
 
 }  // namespace
 
@@ -44,6 +55,8 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
     ++degree_;
   }
   degree_ = std::max<Index>(degree_, 1);
+  bend_.setZero(nc);
+  coupling_ = last_step_ = 1;
   if (program.is_dense()) program.face().force(y, v);
   measure(program);
 }
@@ -76,8 +89,8 @@ void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
     cone.slope1 = cone.slope2 = 0;
     if (!couples) continue;
     const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
-    cone.slope1 = s[3 * k + 1] / size;
-    cone.slope2 = s[3 * k + 2] / size;
+    cone.slope1 = coupling_ * s[3 * k + 1] / size;
+    cone.slope2 = coupling_ * s[3 * k + 2] / size;
     for (Index i = 0; i < 3; ++i) {
       D[i + 3] += D[i] * cone.slope1;
       D[i + 6] += D[i] * cone.slope2;
@@ -106,7 +119,7 @@ void InteriorPoint::direct(ConeProgram& program) {
     const double *D = &D_[at(9 * k)], *d = &ds_[3 * k];
     for (Index i = 0; i < 3; ++i)
       dy_[3 * k + i] = target_[3 * k + i] - (D[i] * d[0] + D[i + 3] * d[1] + D[i + 6] * d[2]);
-    dw_[3 * k] = left_[3 * k] + d[0] + cone_[at(k)].slope1 * d[1] + cone_[at(k)].slope2 * d[2];
+    dw_[3 * k] = left_[3 * k] + bend_[k] + d[0] + cone_[at(k)].slope1 * d[1] + cone_[at(k)].slope2 * d[2];
     dw_[3 * k + 1] = left_[3 * k + 1] + d[1];
     dw_[3 * k + 2] = left_[3 * k + 2] + d[2];
   }
@@ -150,6 +163,19 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
     if (const Index i = 3 * nc + r; !program.is_equality(r)) target_[i] += (centre - dy_[i] * dw_[i]) / w[i];
 }
 
+// What the shift is along that part of the predictor beyond its slope.
+void InteriorPoint::bend(const ConeProgram& program, double part) {
+  const double rounding = tolerances::cone_slip_rounding * gap_;
+  for (Index k = 0; k < program.cones(); ++k) {
+    const double *own = &s[3 * k], *d = &ds_[3 * k], *D = &D_[at(9 * k)];
+    const double end1 = own[1] + d[1], end2 = own[2] + d[2];
+    const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
+    const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
+    bend_[k] = part * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
+    for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
+  }
+}
+
 bool InteriorPoint::step(ConeProgram& program) {
   const Index nc = program.cones();
   const bool couples = program.is_coulomb() && program.face().takes_unsymmetric();
@@ -158,17 +184,34 @@ bool InteriorPoint::step(ConeProgram& program) {
     if (!(soc::smallest(&y[3 * k]) > 0 && soc::smallest(&w[3 * k]) > 0)) return false;
   weigh(program, couples);
   if (!program.face().factorize(D_, ray_weight_, !couples)) return false;
+  bend_.setZero();
   direct(program);
   const double affine = std::min(1.0, step_length(program));
   const double share = std::max(0.0, gap_after(program, affine) / gap_);
-  correct(program, gap_ * std::clamp(share * share * share, tolerances::cone_least_centre, 1.0));
+  double centre = std::clamp(share * share * share, tolerances::cone_least_centre, 1.0);
+  if (couples) {
+    const double ratio = residual_ * program.start() / gap_;
+    centre = last_step_ < damping::blocked
+                 ? 1
+                 : std::max(centre, std::min(damping::of_residual * ratio, damping::most_of_residual));
+    bend(program, affine);
+  }
+  correct(program, gap_ * centre);
   direct(program);
   const double step = std::min(1.0, tolerances::cone_to_boundary * step_length(program));
   if (!(step > 0) || !dv_.allFinite()) return false;
   v += step * dv_;
   y += step * dy_;
   w += step * dw_;
+  const double before = residual_;
   measure(program);
+  const bool idle =
+      step > damping::whole && residual_ > damping::left_over * before && residual_ * program.start() > gap_;
+  if (step < damping::blocked || idle)
+    coupling_ *= damping::less;
+  else if (step > damping::free_step)
+    coupling_ = std::min(1.0, damping::more * coupling_ + damping::little);
+  last_step_ = step;
   return true;
 }
 

@@ -13,7 +13,10 @@ namespace zwang {
 //
 // Coulomb's law is the same with w = s + |s_t| e_0 in place of s (De Saxce & Feng 1998, Math. Comput. Modelling 28).
 // The shift is differentiated where the face takes matrices that are not symmetric, with |s_t| rounded off by a part of
-// the gap, and refreshed at each step elsewhere.
+// the gap, and refreshed at each step elsewhere. On the way to a small gap the solutions may turn back (a fold:
+// Newton's determinant changes its sign), and steps shrink to nothing. So only a part of the slope counts, which falls
+// after steps that were blocked or brought nothing and grows again behind free ones; the corrector knows the shift's
+// curvature; the gap does not run ahead of the residual, and stays where it is after a blocked step.
 class InteriorPoint {
  public:
   enum class End { reached, limit, stuck };
@@ -34,12 +37,13 @@ class InteriorPoint {
   void measure(ConeProgram& program);
   void weigh(const ConeProgram& program, bool couples);
   void direct(ConeProgram& program);
+  void bend(const ConeProgram& program, double part);
   void correct(const ConeProgram& program, double centre);
   double step_length(const ConeProgram& program) const;
   double gap_after(const ConeProgram& program, double step) const;
 
-  double gap_ = 0, residual_ = 0;
-  Vector left_, dv_, force_, mass_, ds_, dy_, dw_, target_, sum_, ray_weight_;
+  double gap_ = 0, residual_ = 0, coupling_ = 1, last_step_ = 1;
+  Vector left_, dv_, force_, mass_, ds_, dy_, dw_, target_, sum_, ray_weight_, bend_;
   std::vector<double> D_;
   struct Cone {
     second_order_cone::Scaling scaling;

@@ -121,6 +121,10 @@ inline constexpr double newton_part = 1e-9;
 // The gap at which the modes of contacts are first read off an interior point, by what it falls until they are read
 // again, and where there is nothing more to read.
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
+// The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
+inline constexpr double cone_coupled_regime = 1e-10;
+// A natural residual below which little is spent on other starts: what is left is a claim, not a better z.
+inline constexpr double cone_near = 1e-8;
 // Interior point: the share of the way to the boundary, the least centring, and the part of the gap that rounds |s_t|.
 inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_slip_rounding = 0.01;
 // The proximal term of Newton's method on the modes: at least the first, where the digits of a slack end, at most the

@@ -6,8 +6,10 @@
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <map>
+#include <sstream>
 
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
@@ -150,6 +152,39 @@ TEST(ContactFilesSlow, ConeSolvesAllWithTheirFriction) {
   EXPECT_GE(tally.solved, 22);
   EXPECT_GE(tally.proved, 17);
   EXPECT_GE(tally.proved + tally.rows_off, 20);
+}
+
+// Single frames of hands, and of a humanoid as god object, on which `cone` ended at 100 iterations or took 30 and more.
+// LIST.tsv has a file and its class in each line.
+struct HardClass {
+  int problems = 0, solved = 0, soon = 0;  // soon: ended within 60 iterations
+};
+
+TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndEndsSoonOnAHumanoid) {
+  const std::filesystem::path folder = test::recorded_data() / "friction_hard";
+  std::ifstream list(folder / "LIST.tsv");
+  if (!list) GTEST_SKIP() << "no friction_hard in ZWANG_DATA or beside the sources";
+  std::map<std::string, HardClass> classes;
+  AnySolver cone = make_solver("cone");
+  std::string line, file, of;
+  std::getline(list, line);
+  for (int count = 0; std::getline(list, line); ++count) {
+    std::istringstream(line) >> file >> of;
+    const Problem p = read_problems(folder / file).front().problem;
+    const Solution s = cone.solve(p, {.tolerance = 1e-10, .max_iterations = 100});
+    HardClass& own = classes[of];
+    ++own.problems;
+    own.soon += s.iterations <= 60;
+    if (s.status != Status::solved) continue;
+    ++own.solved;
+    if (count % 10 != 0) continue;
+    EXPECT_NE(measure(p, s, nullptr, 1e-10).verdict, Verdict::wrong) << file;
+  }
+  for (const auto& [name, own] : classes)
+    std::cout << name << ": " << own.solved << " of " << own.problems << " solved, " << own.soon << " ended soon\n";
+  EXPECT_EQ(classes["hand-hard"].solved, classes["hand-hard"].problems);
+  EXPECT_GE(classes["hand-limit"].solved, 0.85 * classes["hand-limit"].problems);
+  EXPECT_GE(classes["humanoid"].soon, 0.7 * classes["humanoid"].problems);
 }
 
 }  // namespace
