@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/island_split.h>
 #include <zwang/core/referee/proof.h>
 #include <zwang/core/referee/sparse_proof.h>
@@ -47,8 +48,8 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   return bound;
 }
 
-DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda,
-                           double motion) {
+DistanceBound bound_in_doubles(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda,
+                               double motion) {
   Proof proof;
   if (scaled.size() <= referee::dense_limit || scaled.rows() == 0) proof = prove_answer(scaled, d, lambda, motion);
   const bool gave_up = proof.rows != Rows::infeasible && proof.radius == std::numeric_limits<double>::infinity();
@@ -69,13 +70,32 @@ DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d,
   return bound;
 }
 
+DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda,
+                           double motion) {
+  DistanceBound bound = bound_in_doubles(scaled, d, lambda, motion);
+  if (bound.rows == Rows::infeasible || bound.upper <= referee::sharp_enough * motion) return bound;
+  const Problem problem = scaled.problem();
+  Vector z = problem.z_u, forces(lambda ? scaled.rows() : 0);
+  for (Index j = 0; j < z.size(); ++j) z[j] = (d[at(j)] + DoubleDouble(z[j])).hi;
+  for (Index i = 0; i < forces.size(); ++i) forces[i] = (*lambda)[at(i)].hi;
+  if (const auto exact = exact_point(problem, z, {}, {&forces, 1}))
+    bound = {.upper = referee::up(exact->distance),
+             .lower = referee::down(exact->distance),
+             .least_norm = referee::down(exact->size),
+             .greatest_norm = referee::up(exact->size),
+             .method = "rationals",
+             .rows = Rows::feasible};
+  return bound;
+}
+
 }  // namespace
 
 DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda) {
   for (Index i = 0; i < scaled.rows(); ++i)
     if (scaled.is_zero(i) && !scaled.is_vacuous(i) && !scaled.zero_row_holds(i)) return {.rows = Rows::infeasible};
   const std::vector<IslandPart> islands = split_islands(scaled.problem());
-  // Of the whole, also for a part that does not move by itself: rows of it that turn apart by little may be met near by.
+  // Of the whole, also for a part that does not move by itself: rows of it that turn apart by little may be met near
+  // by.
   const double motion = std::max(scaled.norm_of_free_motion(), scaled.norm(d));
   if (islands.empty()) return bound_island(scaled, d, lambda, motion);
   DistanceBound total{.upper = 0, .greatest_norm = 0, .sigma_min = 1, .method = "active set", .rows = Rows::feasible};

@@ -20,7 +20,7 @@ struct DistanceBound {
   double least_norm = 0;                                   // least_norm <= |z*|_M <= greatest_norm
   double greatest_norm = std::numeric_limits<double>::infinity();
   double sigma_min = std::numeric_limits<double>::quiet_NaN();
-  std::string method = {};  // "active set", "opening" or "gap"; "" when there is no bound
+  std::string method = {};  // "active set", "opening", "rationals" or "gap"; "" when there is no bound
   Rows rows = Rows::open;
 };
 

@@ -131,6 +131,19 @@ ExtendedVector ScaledProblem::motion(const Vector& z) const {
   return d;
 }
 
+Vector ScaledProblem::rounded_motion(const ExtendedVector& d) const {
+  Vector z(size());
+  for (Index j = 0; j < z.size(); ++j) z[j] = std::ldexp((d[at(j)] + DoubleDouble(z_u[j])).hi, motion_exponent);
+  return z;
+}
+
+Vector ScaledProblem::rounded_multipliers(const ExtendedVector& lambda) const {
+  Vector out(rows());
+  for (Index i = 0; i < out.size(); ++i)
+    out[i] = std::ldexp(lambda[at(i)].hi, motion_exponent + mass_exponent - row_exponent[at(i)]);
+  return out;
+}
+
 ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
   for (DoubleDouble& x : d) x = x.scaled(-motion_exponent);
   return d;

@@ -36,7 +36,9 @@ class ScaledProblem {
   ExtendedVector motion(const Vector& z) const;  // d = z - z_u
   // So that M d = J' lambda stays true; 0 on rows that say nothing, which cannot push.
   ExtendedVector multipliers(const Vector& lambda) const;
-  ExtendedVector motion_of(ExtendedVector d) const;  // of a d in the problem's units
+  ExtendedVector motion_of(ExtendedVector d) const;                // of a d in the problem's units
+  Vector rounded_motion(const ExtendedVector& d) const;            // z of the problem, rounded once
+  Vector rounded_multipliers(const ExtendedVector& lambda) const;  // the same
   ExtendedVector multipliers(ExtendedVector lambda) const;
   double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2

@@ -26,23 +26,6 @@ double first_scale(const Problem& problem, const ScaledProblem& scaled) {
   return scale;
 }
 
-// z = z_u + d and lambda in the problem's units, rounded once.
-Vector rounded_motion(const ScaledProblem& scaled, const ExtendedVector& d) {
-  Vector z(scaled.size());
-  for (Index j = 0; j < z.size(); ++j)
-    z[j] = std::ldexp((d[static_cast<std::size_t>(j)] + DoubleDouble(scaled.z_u[j])).hi, scaled.motion_exponent);
-  return z;
-}
-
-Vector rounded_multipliers(const ScaledProblem& scaled, const ExtendedVector& lambda) {
-  Vector out(scaled.rows());
-  for (Index i = 0; i < out.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    out[i] = std::ldexp(lambda[k].hi, scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[k]);
-  }
-  return out;
-}
-
 // Block Gauss-Seidel: each contact in turn is solved exactly with the others held (Jourdan, Alart & Jean 1998). In the
 // units of a ContactProblem.
 class GaussSeidel {
@@ -240,8 +223,8 @@ class Search {
                              .continuum = proof.continuum,
                              .modes = proof.point.modes,
                              .method = method};
-    solution.z = rounded_motion(scaled_, d);
-    solution.lambda = rounded_multipliers(scaled_, p_.to_multipliers(proof.point.lambda));
+    solution.z = scaled_.rounded_motion(d);
+    solution.lambda = scaled_.rounded_multipliers(p_.to_multipliers(proof.point.lambda));
     const ExtendedVector rounded = p_.motion(scaled_.motion(solution.z));
     solution.bound = up((distance(rounded, proof.point.x) + proof.radius) / s);
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -313,8 +296,8 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   if (found.rows == ConvexBound::Rows::infeasible) return give_up("rows contradict each other");
   if (!(found.upper < std::numeric_limits<double>::infinity())) return give_up("duality bounds no answer");
   const ExtendedVector d = p.to_motion(found.x);
-  Reference out{.z = rounded_motion(scaled, d),
-                .lambda = rounded_multipliers(scaled, p.to_multipliers(found.lambda)),
+  Reference out{.z = scaled.rounded_motion(d),
+                .lambda = scaled.rounded_multipliers(p.to_multipliers(found.lambda)),
                 .method = "interior point, conic duality"};
   ExtendedVector off = p.motion(scaled.motion(out.z));
   for (std::size_t j = 0; j < off.size(); ++j) off[j] -= found.x[j];

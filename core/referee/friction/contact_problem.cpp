@@ -242,9 +242,9 @@ VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
   return scaled_->whiten(entries);
 }
 
-ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda) const {
+ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda, int rounds) const {
   ExtendedVector x(static_cast<std::size_t>(size()));
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     ExtendedVector force = force_residual(x, lambda);
     for (std::size_t j = 0; j < force.size(); ++j) force[j] = force[j].scaled(column_shift_[j]);
     const VectorX<FactorReal> step = scaled_->unwhiten(scaled_->whiten(force));

@@ -49,7 +49,7 @@ class ContactProblem {
   double dual_norm(const ExtendedVector& r) const;
 
   VectorX<FactorReal> whitened_row(Index row) const;             // Q^-T J_row, M = Q'Q
-  ExtendedVector motion_by(const ExtendedVector& lambda) const;  // M^-1 J'lambda, to about the digits of FactorReal
+  ExtendedVector motion_by(const ExtendedVector& lambda, int rounds = 3) const;  // M^-1 J'lambda, refined
 
   bool exact = true;                 // no power of two under- or overflowed
   bool fixed_contradiction = false;  // a row of zeros that cannot hold

@@ -7,6 +7,7 @@
 #include <zwang/core/problem/law.h>
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
+#include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/natural_map.h>
 #include <zwang/core/referee/friction/numbers.h>
@@ -18,6 +19,8 @@ namespace zwang {
 namespace {
 
 using referee::down, referee::up;
+
+constexpr double enough = .01;  // of what is asked for: a bound of the convex answer that need not be smaller
 
 double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
   for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
@@ -177,6 +180,38 @@ double distance_to_solutions(double off, double turn) {
   return down(root * root);
 }
 
+// The last witness: in rationals.
+void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p,
+                      const ExtendedVector& x, const ExtendedVector& lambda, const ConvexBound& convex, Found& found) {
+  Nearest& nearest = found.nearest;
+  const auto motion = [&](const ExtendedVector& of) { return scaled.rounded_motion(p.to_motion(of)); };
+  const auto forces = [&](const ExtendedVector& of) { return scaled.rounded_multipliers(p.to_multipliers(of)); };
+  std::vector<Vector> points, guesses;
+  if (!lambda.empty()) guesses.push_back(forces(lambda));
+  if (nearest.proof.proven) {
+    points.push_back(motion(nearest.proof.point.x));
+    guesses.push_back(forces(nearest.proof.point.lambda));
+  }
+  if (convex.upper < infinity) {
+    points.push_back(motion(convex.x));
+    guesses.push_back(forces(convex.lambda));
+  }
+  const auto exact = exact_point(problem, motion(x), points, guesses);
+  if (!exact) return;
+  const auto own = [&](double norm) { return p.from_norm(std::ldexp(norm, -scaled.norm_exponent())); };
+  const double distance = own(exact->distance), size = own(exact->size);
+  if (problem.law == Law::convex) {
+    found.rows = ConvexBound::Rows::feasible;
+    found.upper = up(distance);
+    found.lower = down(distance);
+    found.convex_size = size;
+    found.convex_error = referee::measured * size;
+  } else if (!nearest.proof.proven || nearest.proof.delta > 0 || distance < nearest.upper) {
+    nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .by = "rationals"}, .upper = up(distance)};
+    found.nearest_size = down(size);
+  }
+}
+
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
            const ExtendedVector& lambda, double tolerance) {
   const bool coulomb = problem.law == Law::coulomb, has_lambda = !lambda.empty();
@@ -185,12 +220,18 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   if (has_lambda) guess.modes = modes_by_size(p, x, lambda, referee::mode_cut);
   Found found;
   Nearest& nearest = found.nearest;
+  const double accepted = accepted_error(tolerance);
+  const auto within = [&](double far) {
+    return nearest.proof.proven && nearest.proof.delta == 0 && nearest.upper <= far * p.scale;
+  };
   if (coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
   // Z(sigma(z)), or under the convex law its one answer.
   ConvexBound convex;
   if (may_bound(p)) {
     if (nearest.proof.proven) guess = nearest.proof.point;
-    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess);
+    const bool needs_less = !coulomb || within(accepted);  // beside a proof it may only contradict
+    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess,
+                          std::max(needs_less ? enough * accepted * p.scale : 0, referee::sharp_enough));
   }
   found.rows = convex.rows;
   found.upper = infinity;
@@ -205,11 +246,12 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
     found.convex_size = norm_of_answer(p, scaled, convex.x);
     found.convex_error = convex.upper;
   }
-  if (!coulomb) return found;
-  const auto within = [&](double far) {
-    return nearest.proof.proven && nearest.proof.delta == 0 && nearest.upper <= far * p.scale;
-  };
-  if (!within(accepted_error(tolerance)) && convex.upper < infinity)
+  if (!coulomb) {
+    if (found.rows != ConvexBound::Rows::infeasible && found.upper > accepted * p.scale)
+      consider_exactly(problem, scaled, p, x, lambda, convex, found);
+    return found;
+  }
+  if (!within(accepted) && convex.upper < infinity)
     consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
   if (!within(infinity)) {
     if (nearest.proof.proven)
@@ -222,6 +264,8 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   if (!within(near_error(tolerance)) && found.lower < far && far < infinity && none_by_slopes(p, scaled, x, far))
     found.lower = far;
   if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
+  if (found.rows != ConvexBound::Rows::infeasible && !within(accepted))
+    consider_exactly(problem, scaled, p, x, lambda, convex, found);
   return found;
 }
 

@@ -45,10 +45,13 @@ class Duality {
     if (equalities_.empty() || !(sigma_min_ > 0)) return;
     for (int round = 0; round < 4; ++round) {
       Vector slack(static_cast<Index>(equalities_.size()));
+      bool rounding = true;
       for (Index k = 0; k < slack.size(); ++k) {
         const Index i = equalities_[static_cast<std::size_t>(k)];
         slack[k] = p_.slack(i, x).hi / p_.row_norm[i];
+        rounding &= std::abs(slack[k]) * p_.row_norm[i] <= p_.slack_error(i, x);
       }
+      if (rounding) return;
       const Vector push = gram_.solve(slack);
       if (!push.allFinite()) return;
       ExtendedVector lambda(static_cast<std::size_t>(p_.rows()));
@@ -56,7 +59,7 @@ class Duality {
         const Index i = equalities_[static_cast<std::size_t>(k)];
         lambda[static_cast<std::size_t>(i)] = -push[k] / p_.row_norm[i];
       }
-      const ExtendedVector move = p_.motion_by(lambda);
+      const ExtendedVector move = p_.motion_by(lambda, 1);  // the next round sees what it lacks
       for (std::size_t j = 0; j < x.size(); ++j) x[j] += move[j];
     }
   }
@@ -251,7 +254,7 @@ double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
 }
 
 ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& sigma,
-                         const Vector& sigma_error, const ModePoint* guess) {
+                         const Vector& sigma_error, const ModePoint* guess, double enough) {
   ConvexBound best;
   bool contradictory = p.fixed_contradiction;
   const std::vector<Index> equalities =
@@ -265,26 +268,14 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   }
   if (!p.exact) return best;
 
-  // Without joints, in double-double at once; with them first in double.
   const bool jointed = !equalities.empty();
-  std::vector<InteriorAnswer> inner =
-      jointed ? interior_point<double>(p, equalities, &sigma)
-              : interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended});
-  for (InteriorAnswer& iterate : inner) {
-    duality.correct(iterate.x);
-    best.interior |= duality.strictly_inside(iterate.x);
-  }
-  // Iterates may come to the answer along the outside of a cone: then a point inside is looked for.
-  for (const double inward : referee::interior_inward) {
-    if (best.interior || jointed) break;
-    for (InteriorAnswer& iterate : interior_point<DoubleDouble>(
-             p, equalities, &sigma, {.target = referee::interior_target_inside, .inward = inward}))
-      if (duality.strictly_inside(iterate.x)) {
-        best.interior = true;
-        iterate.complementarity += inward;
-        inner.insert(inner.begin(), std::move(iterate));
-      }
-  }
+  std::vector<InteriorAnswer> inner;
+  const auto correct_inner = [&] {
+    for (InteriorAnswer& iterate : inner) {
+      duality.correct(iterate.x);
+      best.interior |= duality.strictly_inside(iterate.x);
+    }
+  };
   const auto consider = [&](ModePoint point) {
     const std::vector<ContactMode> modes = point.modes;
     const auto take = [&](ExtendedVector x) {
@@ -314,20 +305,44 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     for (std::size_t j = 0; j < x.size(); ++j) x[j] += DoubleDouble(part) * (target->x[j] - x[j]);
     take(std::move(x));
   };
-  const auto as_it_is = [&](const InteriorAnswer& answer) { consider({answer.x, answer.lambda, answer.modes}); };
-  if (!jointed && !inner.empty()) as_it_is(inner.back());
-  if (!jointed && p.rows() > referee::polished_rows && best.upper <= referee::good_enough) return best;
   const auto polished = [&](ModePoint point) {
     polish(p, point, &sigma);
     consider(std::move(point));
   };
-  if (guess && best.upper > referee::sharp_enough) polished(*guess);
+  // A guess of modes that are right needs a point inside, and no good one.
+  if (guess && p.rows() <= referee::polished_rows) {
+    inner = interior_point<double>(p, equalities, &sigma, {.target = referee::interior_target_rough});
+    correct_inner();
+    polished(*guess);
+    if (best.upper <= enough) return best;
+  }
+  // Without joints, in double-double at once; with them first in double.
+  std::ranges::move(
+      jointed ? interior_point<double>(p, equalities, &sigma)
+              : interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended}),
+      std::back_inserter(inner));
+  correct_inner();
+  // Iterates may come to the answer along the outside of a cone: then a point inside is looked for.
+  for (const double inward : referee::interior_inward) {
+    if (best.interior || jointed) break;
+    for (InteriorAnswer& iterate : interior_point<DoubleDouble>(
+             p, equalities, &sigma, {.target = referee::interior_target_inside, .inward = inward}))
+      if (duality.strictly_inside(iterate.x)) {
+        best.interior = true;
+        iterate.complementarity += inward;
+        inner.insert(inner.begin(), std::move(iterate));
+      }
+  }
+  const auto as_it_is = [&](const InteriorAnswer& answer) { consider({answer.x, answer.lambda, answer.modes}); };
+  if (!jointed && !inner.empty()) as_it_is(inner.back());
+  if (!jointed && p.rows() > referee::polished_rows && best.upper <= referee::good_enough) return best;
+  if (guess && best.upper > enough) polished(*guess);
   const auto take_both = [&](const InteriorAnswer& answer) {
     polished({answer.x, answer.lambda, answer.modes});
     if (jointed) as_it_is(answer);
   };
-  if (best.upper > referee::sharp_enough && !inner.empty()) take_both(inner.back());
-  if (best.upper > referee::sharp_enough && jointed && p.rows() <= referee::extended_rows)
+  if (best.upper > enough && !inner.empty()) take_both(inner.back());
+  if (best.upper > enough && jointed && p.rows() <= referee::extended_rows)
     if (const auto finer =
             interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended});
         !finer.empty())

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <zwang/core/referee/friction/mode_system.h>
+#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 
@@ -23,9 +24,10 @@ struct ConvexBound {
   std::vector<ContactMode> modes = {};
 };
 
-// sigma: one a contact, exact up to sigma_error. `guess` may be null: modes and multipliers to begin with.
+// sigma: one a contact, exact up to sigma_error. `guess` may be null: modes and multipliers to begin with. An upper
+// that is `enough` is not made smaller.
 ConvexBound bound_convex(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& sigma,
-                         const Vector& sigma_error, const ModePoint* guess);
+                         const Vector& sigma_error, const ModePoint* guess, double enough = referee::sharp_enough);
 
 // C, so that |Z(sigma) - Z(sigma')|^2 <= 2 C d for all slips sigma, sigma' >= 0 of motions that are d apart; infinity
 // where no motion is found that brings every contact with friction to the inside of K*.

@@ -164,6 +164,19 @@ inline std::vector<Attack> attacks() {
     add("pinch", pinch(), {z}, z, vector({load, -load, load, -load}), false);
     add("pinch, z", pinch(), {z}, z, {}, false);
   }
+  // The wedge jams: between walls that drag it down, forces grow without bound as mu comes to 3/4, and beyond there is
+  // no answer.
+  for (const double mu :
+       {.25, .5, .75 - two_to(-10), .75 - two_to(-30), .75 - two_to(-50), .75, .75 + two_to(-50), 1., 8.})
+    for (const double slip : {-1., -two_to(-20)}) {
+      const Problem p = wedge(mu, slip, -1);
+      const double force = mu == .75 ? two_to(52) : std::abs(1 / (6 - 8 * mu));
+      const std::vector<Vector> right = mu < .75 ? std::vector<Vector>{none} : std::vector<Vector>{};
+      for (const Vector& z : {none, vector({0, -1}), vector({0, 1e-6}), vector({1e-9, 1e-9}), vector({0, slip / 4})}) {
+        for (const double part : {1., .5, -1.}) add("jam", p, right, z, part * force * vector({1, -mu, 1, -mu}));
+        add("jam, z", p, right, z);
+      }
+    }
   // It falls through the floor, or stops where it should slide.
   for (const double load : {1e-6, .3, 1.}) {
     const Vector right = vector({4 - .5 * load, 0, 0});
