@@ -64,6 +64,7 @@ struct Plan {
   bool second_witness = false;  // references are checked by a second method
   Shard shard = {};             // whose problems are run; budgets that shorten time limits are off in a part
   bool conformance = false;
+  bool answers = false;  // the runs are answers that files hold: there is nothing to time or to trace
   std::vector<Instance> instances = {};  // of all parts
   // Of several laws: what an instance under a simpler one is under Coulomb's.
   std::map<std::size_t, Instance> coulomb = {};

@@ -128,6 +128,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
         result.machine = here.cpu;
         if (const Vector& z = timed.solution.z; coulomb && z.size() == coulomb->z.size() && z.allFinite())
           result.coulomb_error = relative_distance(instance.problem, coulomb->z, z);
+        if (settings.amend) settings.amend(result);
         const std::string name = cell(result.solver, result.tolerance);
         if (stored.finished.contains(name)) continue;
         outcome.tally.count(result.solver, result.claimed, result.metrics.verdict);
@@ -152,7 +153,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   if (!interrupted && plan.conformance) write_phenomena(directory, plan.runs, desk, interrupted);
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
   if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
-  if (!interrupted && !plan.speed && (plan.shard.of == 1 || plan.options.trace)) {
+  if (!interrupted && !plan.speed && !plan.answers && (plan.shard.of == 1 || plan.options.trace)) {
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());
     if (plan.options.trace) budget = std::numeric_limits<double>::infinity();

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 
 #include <zwang/bench/results/result.h>
 #include <zwang/bench/suite/plan.h>
@@ -32,6 +33,7 @@ struct SuiteSettings {
   bool terminal = false;                 // draw a progress bar on stderr
   bool quiet = false;                    // show no progress at all
   std::span<const SolverEntry> solvers = zwang::solvers();
+  std::function<void(Result&)> amend = {};  // the last word on a row before it is stored
 };
 
 // Runs the plan, one flow (flow.h) a problem, into settings.directory, and skips what is finished there. Each problem's

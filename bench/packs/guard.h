@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <zwang/bench/results/result.h>
+
+namespace zwang {
+
+// One problem before and after a change of a solver.
+struct Change {
+  enum class Kind { same, better, less_accurate, newly_unsolved, newly_wrong };
+  std::string problem = {};
+  Kind kind = Kind::same;
+  Verdict before = Verdict::undecided, after = Verdict::undecided;
+  double error_before = Result::unknown, error_after = Result::unknown;  // proven, relative to the motion
+};
+std::string_view to_string(Change::Kind kind);  // "newly wrong", ...
+
+// How many problems moved one way and the other, and whether that is more than chance: the difference is beyond
+// `sigmas` standard deviations of a fair coin.
+struct Drift {
+  static constexpr double sigmas = 5;
+  std::size_t up = 0, down = 0;
+  bool alarm() const;
+};
+
+// What a change did to a solver's answers.
+struct Guarded {
+  std::vector<Change> changes = {};  // one a problem
+  Drift error = {};       // problems on which the proven error grew, or fell, more than twofold
+  Drift time = {};        // whose every time after is above, or below, every time before; of two runs a side or more
+  Drift iterations = {};  // reported by the solver
+  double time_ratio = Result::unknown;  // median over the problems of after / before
+  bool timed = false;
+  std::size_t count(Change::Kind kind) const;
+  bool alarm() const;  // newly wrong or unsolved, less accurate, or slower
+};
+
+// Rows of the same problems, a vector a repeated run; the worst verdict of repeated runs stands for all.
+Guarded compare(const std::vector<std::vector<Result>>& before, const std::vector<std::vector<Result>>& after);
+
+std::string describe(const Guarded& guarded, std::size_t most);  // for people: counts, then at most so many problems
+std::string to_map(const Guarded& guarded);    // SVG: a square a problem, coloured by what happened to it
+std::string to_badge(const Guarded& guarded);  // SVG
+std::string to_junit(const Guarded& guarded);
+
+}  // namespace zwang

@@ -1,0 +1,130 @@
+#include <zwang/bench/packs/judge_pack.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include <zwang/bench/packs/xml.h>
+#include <zwang/bench/timing/conditions.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/solvers/runs_apart.h>
+
+namespace zwang {
+namespace {
+
+// A solver whose answers are known already.
+struct Contestant {
+  static constexpr std::string_view name = "answers of a file";
+  static constexpr std::array laws{Law::pyramid, Law::convex, Law::coulomb};
+  std::shared_ptr<const Answers> answers = {};
+
+  void solve(const Problem& problem, const SolveOptions&, Solution& out) const {
+    const auto found = answers->of.find(problem_sha256(problem));
+    if (found == answers->of.end()) {
+      out.message = "no answer in " + answers->file.string();
+      out.empty_z();
+      return;
+    }
+    out = found->second.solution;
+  }
+};
+
+std::string described(const Answers& a) {
+  std::string text = "answers of " + a.file.filename().string();
+  for (const auto& [what, said] : {std::pair("version ", &a.version), {"settings ", &a.settings}, {"on ", &a.machine}})
+    if (!said->empty()) text += std::string(", ") + what + *said;
+  return text;
+}
+
+}  // namespace
+
+Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
+                   const std::atomic<bool>& interrupted) {
+  std::vector<SolverEntry> entries;
+  std::map<std::string, std::shared_ptr<const Answers>> by_name;
+  std::set<double> tolerances;
+  for (Answers& given : contestants) {
+    std::string name = given.solver;
+    if (by_name.contains(name)) name += "@" + given.file.stem().string();
+    if (by_name.contains(name)) throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
+    const auto answers = by_name.emplace(name, std::make_shared<const Answers>(std::move(given))).first->second;
+    tolerances.insert(answers->tolerance);
+    entries.push_back({.name = name, .method = described(*answers), .laws = {Contestant::laws.begin(), Contestant::laws.end()},
+                       .make = [answers](std::string_view) -> AnySolver { return Contestant{answers}; }});
+  }
+  Plan plan = make_plan({.problems = pack.files(), .tolerances = {tolerances.begin(), tolerances.end()}, .accuracy = true},
+                        entries);
+  plan.answers = true;
+  std::erase_if(plan.runs, [&](const Run& run) { return run.tolerance != by_name.at(run.solver)->tolerance; });
+  settings.solvers = entries;
+  Judged judged;
+  settings.amend = [&](Result& r) {
+    const auto contestant = by_name.find(r.solver);
+    if (contestant == by_name.end()) return;  // an answer that came with its problem
+    const auto& answers = contestant->second->of;
+    const auto found = answers.find(r.problem_sha256);
+    r.setup_s = r.prepare_s = r.allocations = Result::unknown;
+    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = found == answers.end() ? Result::unknown : found->second.seconds;
+    judged.rows.push_back(r);
+  };
+  judged.outcome = run_suite(plan, settings, interrupted);
+  return judged;
+}
+
+std::string to_junit(const std::vector<Result>& rows) {
+  std::vector<XmlCase> cases;
+  for (const Result& r : rows) {
+    const std::string verified(to_string(r.metrics.verdict));
+    XmlCase& c = cases.emplace_back(XmlCase{.group = r.solver, .name = r.problem});
+    switch (r.metrics.verdict) {
+      case Verdict::solved:
+      case Verdict::infeasible_proven:
+        break;
+      case Verdict::unsupported:
+        c.remark = "skipped";
+        break;
+      case Verdict::undecided:
+      case Verdict::consistent:
+      case Verdict::rows_off:
+      case Verdict::infeasible_claimed:
+        c.remark = verified;
+        break;
+      default:
+        c.failure = "claimed " + std::string(to_string(r.claimed)) + ", verified " + verified;
+    }
+  }
+  return junit(cases);
+}
+
+std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesystem::path& file,
+                       const std::function<void(std::size_t, const std::string& name)>& progress,
+                       const std::atomic<bool>& interrupted) {
+  const Conditions here = conditions();
+  Dispatcher dispatcher([](std::string_view text) { return make_solver(text); });
+  const Run one{.solver = run.solver, .foreign = runs_apart(run.solver), .tolerance = run.tolerance};
+  std::string name = run.solver, settings;
+  if (const std::size_t colon = name.find(':'); colon != std::string::npos) {
+    settings = name.substr(colon + 1);
+    name.resize(colon);
+  }
+  std::ofstream out(file, std::ios::binary);
+  out << answers_header({.solver = name, .version = here.version, .settings = settings, .machine = here.cpu,
+                         .tolerance = run.tolerance});
+  std::size_t done = 0;
+  for (const PackedProblem& packed : pack.problems()) {
+    progress(done, packed.name);
+    const Instance instance = read_problems(pack.directory() / packed.file).at(0);
+    const BatchLimits limits{.time_limit = run.time_limit, .budget = 0, .repeat = false};
+    const std::vector<Timed> timed =
+        time_batch(instance.problem, {&one, 1}, limits, dispatcher, interrupted, [](double, std::size_t) {});
+    if (timed.empty()) break;
+    out << answers_line(packed.sha256, {.solution = timed[0].solution, .seconds = timed[0].first_s}) << std::flush;
+    if (!out) throw BadFile(file.string() + ": cannot be written");
+    ++done;
+  }
+  return done;
+}
+
+}  // namespace zwang

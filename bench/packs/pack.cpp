@@ -1,0 +1,169 @@
+#include <zwang/bench/packs/pack.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/cell.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/suite/plan.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/did_you_mean.h>
+
+namespace zwang {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int pack_format = 1;
+
+std::string known(const std::optional<Reference>& reference) {
+  if (!reference) return "nothing";
+  if (!reference->feasible) return "infeasible";
+  return reference->unique ? "answer" : "some answer";
+}
+
+PackedProblem described(const Instance& instance, std::string file) {
+  const Problem& p = instance.problem;
+  return {.file = std::move(file),
+          .sha256 = problem_sha256(p),
+          .name = p.name,
+          .family = instance.family,
+          .law = std::string(to_string(p.law)),
+          .n = p.size(),
+          .m = p.rows(),
+          .equalities = std::count(p.kind.begin(), p.kind.end(), RowKind::equality),
+          .known = known(instance.reference),
+          .method = instance.reference ? instance.reference->method : ""};
+}
+
+Json to_json(const PackedProblem& p) {
+  return {{"file", p.file}, {"sha256", p.sha256}, {"name", p.name},   {"family", p.family}, {"law", p.law},
+          {"n", p.n},       {"m", p.m},           {"equalities", p.equalities}, {"known", p.known},
+          {"method", p.method}};
+}
+
+PackedProblem from_json(const Json& j) {
+  PackedProblem p;
+  for (auto [key, text] : {std::pair("file", &p.file), {"sha256", &p.sha256}, {"name", &p.name}, {"family", &p.family},
+                           {"law", &p.law}, {"known", &p.known}, {"method", &p.method}})
+    *text = j.at(key).get<std::string>();
+  for (auto [key, count] : {std::pair("n", &p.n), {"m", &p.m}, {"equalities", &p.equalities}})
+    *count = j.at(key).get<Index>();
+  const std::filesystem::path file = p.file;
+  if (file.is_absolute() || std::ranges::find(file, "..") != file.end())
+    throw std::runtime_error("'" + p.file + "' should be a file within the pack");
+  return p;
+}
+
+}  // namespace
+
+Pack::Pack(std::filesystem::path directory) : directory_(std::move(directory)) {
+  const std::filesystem::path index = directory_ / "pack.json";
+  const auto bad = [&](const std::string& why) { return BadFile(index.string() + ": " + one_line(why)); };
+  const std::string text = read_stored(index).bytes;
+  try {
+    const Json all = Json::parse(text);
+    if (const int version = all.at("zwang_pack").get<int>(); version != pack_format)
+      throw std::runtime_error("zwang_pack is " + std::to_string(version) + ", expected " + std::to_string(pack_format));
+    std::set<std::string> seen;
+    for (const Json& problem : all.at("problems")) {
+      problems_.push_back(from_json(problem));
+      if (!seen.insert(problems_.back().sha256).second)
+        throw std::runtime_error("the problem " + problems_.back().sha256 + " stands there twice");
+    }
+  } catch (const std::exception& wrong) {
+    throw bad(wrong.what());
+  }
+  if (problems_.empty()) throw bad("it lists no problem");
+}
+
+std::vector<std::filesystem::path> Pack::files() const {
+  std::vector<std::filesystem::path> all;
+  for (const PackedProblem& p : problems_) all.push_back(directory_ / p.file);
+  return all;
+}
+
+const PackedProblem* Pack::find(const std::string& sha256) const {
+  const auto found = std::ranges::find(problems_, sha256, &PackedProblem::sha256);
+  return found == problems_.end() ? nullptr : &*found;
+}
+
+void Pack::check() const {
+  for (const PackedProblem& p : problems_) {
+    const std::vector<Instance> read = read_problems(directory_ / p.file);
+    PackedProblem found = read.size() == 1 ? described(read[0], p.file) : PackedProblem();
+    found.known = p.known, found.method = p.method;
+    if (found != p)
+      throw BadFile((directory_ / p.file).string() + ": not the problem of which pack.json speaks, " + p.name);
+  }
+}
+
+std::span<const NamedPack> named_packs() {
+  static const std::string frictional =
+      "incline(mu=0.5),crate(push=0.75),ladder(slope=0.5),belt,peg,cards,hand(contacts=4,16,mu=0.5,seed=1..8),"
+      "stack(boxes=3,mu=0.5,seed=1..3),wall(boxes=10,mu=0.5),planted(k=1,seed=1..10),STKF(boxes=1,2),JAM(k=5,24),"
+      "ROD(k=3,24),HELD,PINCH,PUCK";
+  static const std::vector<NamedPack> all = {
+      {"guard",
+       "200 problems: hands, walls, linkages, redundant and infeasible ones, the exact points of friction",
+       {{"hand(contacts=0,4,16,64,seed=1..8),hand(contacts=16,64,feasible=0,seed=1..5),hands(hands=2,seed=1..4),"
+         "wall(boxes=10,25,60),stack(boxes=3,10,seed=1..5),tower(boxes=5,10,20),chain(links=4,8,16,seed=1..4),"
+         "four_bar(lean=-2,-1,0,1,2),leash(dogs=4,16),arch(stones=5,9,17),pile(spheres=14,30,seed=1..3),"
+         "MR(k=0,12,24,36),MRC(k=12,24,36),NPE(k=4,14,24),LOOP(k=4,14,24),GAP(k=4,14,24),GAP(k=4,14,24,feasible=1),"
+         "INC(k=4,14,24,34),CYCLE(n=5,6,7,8),PIVOT(n=4,8),HAND(seed=1..10),random(n=20,60,seed=1..13)",
+         {}},
+        {frictional, {}}}},
+      {"friction", "contacts with friction under the convex law and Coulomb's",
+       {{frictional + ",planted(k=1,seed=11..40),MU0(k=0,10,20),MUL(k=1,4,12),APEX(k=0,10,20),SLIP(k=0,10,20),RANK(k=1,4)",
+         Law::coulomb},
+        {frictional, Law::convex}}},
+      {"atlas", "every point of the stability atlas (docs/stability.md)", {{find_suite("atlas").scenes, {}}}},
+      {"warm", "sequences: 32 successive frames of three stacks, in which contacts come and go",
+       {{"FLIP(k=9,seed=1..3,frame=0..31)", {}}}},
+  };
+  return all;
+}
+
+std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, std::uint64_t seed) {
+  std::vector<Instance> all;
+  const auto named = [&](const std::string& word) { return std::ranges::find(named_packs(), word, &NamedPack::name); };
+  for (const std::string& word : words) {
+    std::vector<Instance> some;
+    if (const auto pack = named(word); pack != named_packs().end()) {
+      for (const auto& [scenes, law] : pack->scenes)
+        for (Instance& instance : make_scenes(scenes, seed))
+          some.push_back(law ? under(*law, std::move(instance)) : std::move(instance));
+    } else if (std::filesystem::exists(word)) {
+      some = make_plan({.problems = {word}, .solvers = "dual_active_set"}).instances;
+    } else {
+      some = make_scenes(word, seed);
+    }
+    std::ranges::move(some, std::back_inserter(all));
+  }
+  std::set<std::string> seen;
+  std::erase_if(all, [&](const Instance& i) { return !seen.insert(problem_sha256(i.problem)).second; });
+  return all;
+}
+
+std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems, const std::string& made_by,
+                       const std::filesystem::path& cache,
+                       const std::function<void(std::size_t, const std::string& name)>& progress) {
+  std::filesystem::create_directories(directory / "problems");
+  Json index = {{"zwang_pack", pack_format}, {"made_by", made_by}, {"problems", Json::array()}};
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    Instance& instance = problems[k];
+    progress(k, instance.problem.name);
+    instance.reference = reference_for(instance, cache).reference;
+    const std::string file = problem_file(k);
+    write_problem(directory / file, instance);
+    index["problems"].push_back(to_json(described(instance, file)));
+  }
+  replace_file(directory / "pack.json", index.dump(1) + "\n");
+  return problems.size();
+}
+
+}  // namespace zwang

@@ -1,0 +1,203 @@
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include <zwang/bench/packs/guard.h>
+#include <zwang/bench/packs/judge_pack.h>
+#include <zwang/bench/program/commands.h>
+#include <zwang/bench/program/long_run.h>
+#include <zwang/bench/program/options.h>
+#include <zwang/bench/report/report.h>
+#include <zwang/bench/suite/progress.h>
+#include <zwang/core/problem/wording.h>
+
+namespace zwang {
+namespace {
+
+std::function<void(std::size_t, const std::string&)> progress_of(Progress& bar, std::size_t all) {
+  return [&bar, all](std::size_t k, const std::string& name) {
+    bar.show(static_cast<double>(k) / static_cast<double>(all), name, -1);
+  };
+}
+
+void print_missing(const Answers& answers, const Pack& pack) {
+  if (answers.missing.empty()) return;
+  std::printf("%s: no answer to %s of %zu problems, %s first\n", answers.file.c_str(),
+              grouped(answers.missing.size()).c_str(), pack.problems().size(), answers.missing[0].c_str());
+}
+
+}  // namespace
+
+int pack_command(std::vector<std::string> words) {
+  CLI::App options("Writes problems for solvers of any origin: a folder of files with an index, or checks one.");
+  std::string named;
+  for (const NamedPack& pack : named_packs())
+    named += "\n  " + std::string(pack.name) + std::string(10 - pack.name.size(), ' ') + std::string(pack.line);
+  introduce(options, "pack",
+            "  ./zwang pack guard --out guard\n"
+            "  ./zwang pack \"hand(contacts=4,16,seed=1..5)\" rover/Rover4396.dat --out mine\n"
+            "  ./zwang pack guard --check\n"
+            "Packs made from seeds:" + named);
+  std::vector<std::string> what;
+  std::string out;
+  bool check = false;
+  std::uint64_t seed = 1;
+  options.add_option("WHAT", what, "a named pack, scenes, problem files or folders; with --check: a pack's folder")->required();
+  options.add_option("--out", out, "folder of the pack")->type_name("DIR");
+  options.add_option("--seed", seed, "of every scene whose knobs do not say")->check(from_to(0));
+  options.add_flag("--check", check, "read the whole pack and say whether files and index fit");
+  if (!read(options, std::move(words))) return done;
+  if (check) {
+    if (what.size() != 1 || !out.empty()) throw std::invalid_argument("--check takes one pack's folder and nothing else");
+    const Pack pack(what[0]);
+    pack.check();
+    std::printf("%s: %zu problems, as its index says\n", what[0].c_str(), pack.problems().size());
+    return done;
+  }
+  if (out.empty()) throw std::invalid_argument("--out DIR is required");
+  if (std::filesystem::exists(std::filesystem::path(out) / "pack.json"))
+    throw std::invalid_argument(out + " holds a pack already");
+  std::vector<Instance> problems = problems_of_pack(what, seed);
+  what.insert(what.end(), {"--seed", std::to_string(seed)});
+  Progress bar(isatty(STDERR_FILENO));
+  const std::size_t all = problems.size();
+  write_pack(out, std::move(problems), command_line("pack", what), reference_cache(), progress_of(bar, all));
+  bar.clear();
+  std::printf("%zu problems -> %s\n", all, out.c_str());
+  return done;
+}
+
+int solve_pack_command(std::vector<std::string> words) {
+  CLI::App options("Solves every problem of a pack with one solver and writes its answers (docs/packs.md).");
+  introduce(options, "solve-pack", "  ./zwang solve-pack guard --solver dual_active_set --out dual.jsonl");
+  std::string directory, out;
+  PackRun run;
+  options.add_option("PACK", directory, "the pack's folder")->required();
+  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")->type_name("NAME")->required();
+  options.add_option("--out", out, "the file of answers")->type_name("FILE")->required();
+  options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
+      ->type_name("T")
+      ->check(above(0));
+  options.add_option("--time-limit", run.time_limit, "seconds of CPU time a problem; default: 10")->type_name("S")->check(above(0));
+  if (!read(options, std::move(words))) return done;
+  if (!(run.tolerance < 1)) throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
+  make_solver(run.solver);
+  const Pack pack(directory);
+  const std::atomic<bool>& interrupted = stop_on_interrupt();
+  Progress bar(isatty(STDERR_FILENO));
+  const std::size_t solved = solve_pack(pack, run, out, progress_of(bar, pack.problems().size()), interrupted);
+  bar.clear();
+  std::printf("%s of %s answers -> %s\n", grouped(solved).c_str(), grouped(pack.problems().size()).c_str(), out.c_str());
+  return interrupted ? stopped : done;
+}
+
+namespace {
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw BadFile(file.string() + ": cannot be written");
+}
+
+// "a.jsonl,b.jsonl" -> answers.
+std::vector<Answers> read_runs(const std::string& files, const Pack& pack) {
+  std::vector<Answers> all;
+  std::stringstream names(files);
+  for (std::string name; std::getline(names, name, ',');) {
+    all.push_back(read_answers(name, pack));
+    print_missing(all.back(), pack);
+  }
+  return all;
+}
+
+}  // namespace
+
+int judge_command(std::vector<std::string> words) {
+  CLI::App options("Judges answers to a pack: verdicts, proven distances, false claims, a report. Exit code 1: a false claim.");
+  introduce(options, "judge", "  ./zwang judge guard mine.jsonl theirs.jsonl --out judged --junit judged.xml");
+  std::string directory, out, junit;
+  std::vector<std::string> files;
+  options.add_option("PACK", directory, "the pack's folder")->required();
+  options.add_option("ANSWERS", files, "files of answers (docs/packs.md), one a solver")->required();
+  options.add_option("--out", out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
+  options.add_option("--junit", junit, "also: a test case an answer, for continuous integration")->type_name("FILE");
+  const std::string command = command_line("judge", words);
+  if (!read(options, std::move(words))) return done;
+  const Pack pack(directory);
+  std::vector<Answers> contestants;
+  for (const std::string& file : files) {
+    contestants.push_back(read_answers(file, pack));
+    print_missing(contestants.back(), pack);
+  }
+  SuiteSettings settings{.directory = new_directory(out, "./zwang judge"), .cache = reference_cache(), .command = command,
+                         .terminal = isatty(STDERR_FILENO) == 1};
+  const auto [outcome, rows] = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
+  if (outcome.interrupted) {
+    std::puts("Stopped: no report.");
+    return stopped;
+  }
+  const Tally& t = outcome.tally;
+  std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n", grouped(t.runs).c_str(),
+              grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(), grouped(t.failed).c_str(),
+              grouped(t.undecided).c_str(), grouped(t.lies).c_str());
+  if (!junit.empty()) write_text(junit, to_junit(rows));
+  std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
+  return t.lies > 0 ? found : done;
+}
+
+int guard_command(std::vector<std::string> words) {
+  CLI::App options(
+      "Compares one solver's answers to a pack before and after a change. Exit code 1: newly wrong or unsolved, less "
+      "accurate, or slower beyond noise.");
+  introduce(options, "guard",
+            "  ./zwang guard guard before.jsonl after.jsonl --out guarded\n"
+            "  ./zwang guard guard b1.jsonl,b2.jsonl,b3.jsonl a1.jsonl,a2.jsonl,a3.jsonl      times, too");
+  std::string directory, before, after, out, junit;
+  options.add_option("PACK", directory, "the pack's folder")->required();
+  options.add_option("BEFORE", before, "files of answers, with commas between repeated runs")->required();
+  options.add_option("AFTER", after, "likewise")->required();
+  options.add_option("--out", out, "folder for map.svg, badge.svg and both judgements; default: results/<date>-<time>")
+      ->type_name("DIR");
+  options.add_option("--junit", junit, "also: a test case a problem")->type_name("FILE");
+  const std::string command = command_line("guard", words);
+  if (!read(options, std::move(words))) return done;
+  const Pack pack(directory);
+  std::vector<Answers> runs = read_runs(before, pack), later = read_runs(after, pack);
+  if (runs.empty() || later.empty()) throw std::invalid_argument("guard takes a file or more a side");
+  for (const auto* side : {&runs, &later})
+    for (const Answers& a : *side)
+      if (a.tolerance != runs[0].tolerance)
+      throw std::invalid_argument(a.file.string() + " was asked for another tolerance than " + runs[0].file.string());
+  const std::size_t first = runs.size();
+  std::ranges::move(later, std::back_inserter(runs));
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    runs[k].solver = (k < first ? "before" : "after") + ((k < first ? first : runs.size() - first) > 1
+                         ? "-" + std::to_string(k < first ? k + 1 : k - first + 1) : std::string());
+  SuiteSettings settings{.directory = new_directory(out, "./zwang guard"), .cache = reference_cache(), .command = command,
+                         .terminal = isatty(STDERR_FILENO) == 1};
+  const std::size_t all = runs.size();
+  const auto [outcome, rows] = judge_pack(pack, std::move(runs), settings, stop_on_interrupt());
+  if (outcome.interrupted) {
+    std::puts("Stopped: nothing is compared.");
+    return stopped;
+  }
+  std::vector<std::vector<Result>> sides[2];
+  for (std::size_t k = 0; k < all; ++k) {
+    auto& run = sides[k < first ? 0 : 1].emplace_back();
+    for (std::size_t i = k; i < rows.size(); i += all) run.push_back(rows[i]);
+  }
+  const Guarded guarded = compare(sides[0], sides[1]);
+  std::printf("%s", describe(guarded, 20).c_str());
+  write_text(settings.directory / "map.svg", to_map(guarded));
+  write_text(settings.directory / "badge.svg", to_badge(guarded));
+  if (!junit.empty()) write_text(junit, to_junit(guarded));
+  std::printf("Map: %s   report: %s\n", (settings.directory / "map.svg").c_str(),
+              report::write_report(settings.directory).c_str());
+  return guarded.alarm() ? found : done;
+}
+
+}  // namespace zwang

@@ -1,0 +1,187 @@
+"""Packs, answers, judge and guard as people meet them.
+
+Usage: packs.py PROGRAM
+"""
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+
+program = os.path.abspath(sys.argv[1])
+scenes = "hand(contacts=0,4,16,seed=1..4),chain(links=4,8),GAP(k=4,14),random(n=20,seed=1..6),incline(mu=0.5),ROD(k=3)"
+failures = 0
+
+
+def run(*words):
+    return subprocess.run([program, *words], capture_output=True, text=True, timeout=120)
+
+
+def check(what, holds, detail=""):
+    global failures
+    if not holds:
+        failures += 1
+        print(f"FAILED: {what}\n{detail}")
+
+
+def read(name):
+    header, *answers = (json.loads(line) for line in open(name))
+    return header, answers
+
+
+def write(name, header, answers):
+    with open(name, "w") as file:
+        for line in (header, *answers):
+            print(json.dumps(line), file=file)
+    return name
+
+
+def spoilt(answers, size, seed=1):
+    """Every motion moved by this part of its largest entry."""
+    draw, moved = random.Random(seed), []
+    for answer in answers:
+        z = answer.get("z", [])
+        reach = size * max(map(abs, z), default=0)
+        moved.append({**answer, **({"z": [x + reach * draw.uniform(-1, 1) for x in z]} if z else {})})
+    return moved
+
+
+def check_packs():
+    made = run("pack", scenes, "--out", "pack")
+    check("a pack is written", made.returncode == 0 and "24 problems -> pack" in made.stdout, made.stdout + made.stderr)
+    run("pack", scenes, "--out", "again")
+    files = sorted(os.path.join(place, name) for place, _, names in os.walk("pack") for name in names)
+    same = all(open(name, "rb").read() == open(name.replace("pack", "again", 1), "rb").read() for name in files)
+    check("the same bytes for the same seed", same and len(files) == 25)
+    problems = json.load(open("pack/pack.json"))["problems"]
+    known = [p["known"] for p in problems]
+    check("what is known", known.count("infeasible") == 2 and known.count("nothing") == 0, str(known))
+    check("a whole pack passes", run("pack", "pack", "--check").returncode == 0)
+    os.replace("again/problems/0000.h5", "again/problems/0001.h5")
+    os.link("again/problems/0001.h5", "again/problems/0000.h5")
+    swapped = run("pack", "again", "--check")
+    check("a swapped file", swapped.returncode == 3 and "problems/0001.h5" in swapped.stderr, swapped.stderr)
+    for words, code, said in ((["pack", "pack"], 2, "--out DIR"), (["pack", "nosuch", "--out", "x"], 2, "nosuch"),
+                              (["pack", scenes, "--out", "pack"], 2, "holds a pack already"),
+                              (["pack", "nosuch", "--check"], 3, "nosuch/pack.json")):
+        wrong = run(*words)
+        check(f"{words}", wrong.returncode == code and said in wrong.stderr and wrong.stderr.count("\n") == 1, wrong.stderr)
+    return problems
+
+
+def check_judge(problems):
+    for solver in ("dual_active_set", "cone"):
+        solved = run("solve-pack", "pack", "--solver", solver, "--out", solver + ".jsonl")
+        check(solver, solved.returncode == 0 and "24 of 24 answers" in solved.stdout, solved.stdout + solved.stderr)
+    judged = run("judge", "pack", "dual_active_set.jsonl", "cone.jsonl", "--out", "judged", "--junit", "judged.xml")
+    check("judged", judged.returncode == 0 and "0 claimed falsely" in judged.stdout, judged.stdout + judged.stderr)
+    rows = {(r["solver"], r["problem"]): r for r in map(json.loads, open("judged/results.jsonl"))}
+    check("a row an answer", len(rows) == 48)
+    run("bench", "--problems", "pack/problems", "--solvers", "dual_active_set,cone", "--tolerances", "1e-10", "--accuracy", "--out",
+        "benched")
+    for r in map(json.loads, open("benched/results.jsonl")):
+        there = rows[r["solver"], r["problem"]]
+        check("the bench says the same", all(there[key] == r[key] for key in ("claimed", "verified", "z_error", "primal")),
+              f"{there}\n{r}")
+    cases = xml.parse("judged.xml").getroot()
+    check("JUnit", len(cases) == 48 and cases.get("failures") == "0", open("judged.xml").read()[:300])
+    header, answers = read("dual_active_set.jsonl")
+    check("times stay", all(rows["dual_active_set", p["name"]]["solve_s"] == a["seconds"] for p, a in zip(problems, answers)
+                            if a["status"] != "unsupported"))
+    given = [a for a in answers if a["status"] == "solved"]
+    for size, verdict in ((1e-4, "wrong"), (1e-7, "near")):
+        write("moved.jsonl", header, spoilt(given, size))
+        moved = run("judge", "pack", "moved.jsonl", "--out", f"moved{size}")
+        of = [json.loads(line)["verified"] for line in open(f"moved{size}/results.jsonl")]
+        check(f"answers moved by {size}", of.count(verdict) >= len(given) - 2 and of.count("solved") == 0 and
+              moved.returncode == (1 if "wrong" in of else 0), f"{moved.stdout}{of}")
+    upside = [{**a, "lambda": [-x for x in a["lambda"]]} if "lambda" in a else a for a in given]
+    random.Random(3).shuffle(upside)
+    write("upside.jsonl", header, upside[:-1])
+    turned = run("judge", "pack", "upside.jsonl", "--out", "upside")
+    check("the truth of z does not hang on lambda", f"{len(given) - 1} right" in turned.stdout and "no answer to" in turned.stdout,
+          turned.stdout)
+
+
+def check_bad_answers():
+    header, answers = read("dual_active_set.jsonl")
+    first = answers[0]
+    text = json.dumps(first)
+    bad = {
+        "no head": [text], "another version": [json.dumps({**header, "zwang_answers": 7})],
+        "a name with a comma": [json.dumps({**header, "solver": "a,b"})],
+        "tolerance": [json.dumps({**header, "tolerance": 0})],
+        "twice": [json.dumps(header), text, text],
+        "another pack": [json.dumps(header), json.dumps({**first, "sha256": "0" * 64})],
+        "too short": [json.dumps(header), json.dumps({**first, "z": first["z"][1:]})],
+        "NaN": [json.dumps(header), json.dumps({**first, "z": [float("nan")] + first["z"][1:]})],
+        "Infinity": [json.dumps(header), json.dumps({**first, "lambda": [float("inf")] * len(first["lambda"])})],
+        "text in z": [json.dumps(header), json.dumps({**first, "z": ["1"] + first["z"][1:]})],
+        "no z": [json.dumps(header), json.dumps({k: v for k, v in first.items() if k != "z"})],
+        "status": [json.dumps(header), json.dumps({**first, "status": "sloved"})],
+        "a list": [json.dumps(header), "[]"], "torn": [json.dumps(header), text[:300]],
+        "seconds": [json.dumps(header), json.dumps({**first, "seconds": -1})], "empty": [],
+    }
+    for what, lines in bad.items():
+        with open("bad.jsonl", "w") as file:
+            file.write("".join(line + "\n" for line in lines))
+        wrong = run("judge", "pack", "bad.jsonl", "--out", "never")
+        check(f"bad answers: {what}", wrong.returncode == 3 and wrong.stderr.startswith("bad.jsonl") and
+              wrong.stderr.count("\n") == 1 and not os.path.exists("never"), wrong.stdout + wrong.stderr)
+    whole, draw = open("dual_active_set.jsonl", "rb").read(), random.Random(5)
+    for k in range(40):  # damaged anywhere: refused with one line, or a valid other number
+        bytes_ = bytearray(whole)
+        for _ in range(draw.randint(1, 3)):
+            bytes_[draw.randrange(len(bytes_))] = draw.randrange(256)
+        with open("bad.jsonl", "wb") as file:
+            file.write(bytes_[:draw.choice((len(bytes_), draw.randrange(len(bytes_))))])
+        done = run("judge", "pack", "bad.jsonl", "--out", f"damaged{k}")
+        fine = done.returncode == 3 and done.stderr.count("\n") == 1 or done.returncode in (0, 1)
+        check("damaged answers", fine, f"{done.returncode} {done.stderr}")
+
+
+def check_guard():
+    header, answers = read("dual_active_set.jsonl")
+    right = [a for a in answers if a["status"] in ("solved", "infeasible")]
+    write("before.jsonl", header, right)
+
+    def guard(changed, *more):
+        write("after.jsonl", header, changed)
+        guard.count = getattr(guard, "count", 0) + 1
+        return run("guard", "pack", "before.jsonl", "after.jsonl", "--out", f"guard{guard.count}", *more)
+
+    same = guard(right, "--junit", "guard.xml")
+    check("nothing changed", same.returncode == 0 and "24 same" in same.stdout, same.stdout + same.stderr)
+    check("map, badge, JUnit", xml.parse("guard1/map.svg") and "no worse" in open("guard1/badge.svg").read() and
+          xml.parse("guard.xml").getroot().get("failures") == "0")
+    rounding = guard(spoilt(right, 1e-16))
+    check("rounding is no alarm", rounding.returncode == 0, rounding.stdout)
+    wrong = guard(spoilt(right, 1e-3))
+    check("newly wrong", wrong.returncode == 1 and "newly wrong: hand" in wrong.stdout, wrong.stdout)
+    lost = guard(right[1:])
+    check("newly unsolved", lost.returncode == 1 and ", 1 newly unsolved" in lost.stdout, lost.stdout)
+    worse = guard(spoilt(right, 3e-13))
+    check("less accurate within the tolerance", worse.returncode == 1 and "more than chance" in worse.stdout, worse.stdout)
+    for k in range(3):
+        write(f"fast{k}.jsonl", header, [{**a, "seconds": 1e-5 * (1 + 0.05 * k)} for a in right])
+        write(f"slow{k}.jsonl", header, [{**a, "seconds": 1.5e-5 * (1 + 0.05 * k)} for a in right])
+    fast, slow = (",".join(f"{word}{k}.jsonl" for k in range(3)) for word in ("fast", "slow"))
+    check("slower", run("guard", "pack", fast, slow, "--out", "slower").returncode == 0, "too few problems for five sigmas")
+    timed = run("guard", "pack", slow, fast, "--out", "faster")
+    check("times are compared", timed.returncode == 0 and "time x 0.67" in timed.stdout, timed.stdout)
+    other = {**header, "tolerance": 1e-6}
+    write("other.jsonl", other, right)
+    mixed = run("guard", "pack", "before.jsonl", "other.jsonl", "--out", "mixed")
+    check("two tolerances", mixed.returncode == 2 and "another tolerance" in mixed.stderr, mixed.stderr)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    os.environ["XDG_CACHE_HOME"] = folder
+    check_judge(check_packs())
+    check_bad_answers()
+    check_guard()
+    os.chdir("/")
+sys.exit(1 if failures else 0)
