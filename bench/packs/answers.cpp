@@ -24,7 +24,8 @@ constexpr int format = 1;
 std::string plain(const std::exception& wrong) {
   std::string line = one_line(wrong.what());
   if (line.starts_with("[json")) line = line.substr(line.find("] ") + 2);
-  std::ranges::replace_if(line, [](char ch) { return static_cast<unsigned char>(ch) > 126; }, '?');
+  std::ranges::replace_if(
+      line, [](char ch) { return static_cast<unsigned char>(ch) > 126; }, '?');
   return line;
 }
 
@@ -42,7 +43,8 @@ double number_or_unknown(const Json& record, const char* key) {
 // The vector under this key; empty where it may be absent and is.
 Vector vector_of(const Json& record, const char* key, Index size, bool required) {
   if (!record.contains(key) || record[key].is_null() || (record[key].is_array() && record[key].empty())) {
-    if (required && size > 0) throw std::runtime_error(std::string(key) + ": expected " + std::to_string(size) + " numbers");
+    if (required && size > 0)
+      throw std::runtime_error(std::string(key) + ": expected " + std::to_string(size) + " numbers");
     return {};
   }
   const Json& list = record[key];
@@ -61,14 +63,16 @@ Status status_of(const std::string& name) {
     names.emplace_back(to_string(static_cast<Status>(k)));
     if (names.back() == name) return static_cast<Status>(k);
   }
-  throw std::runtime_error("status '" + name + "': expected solved, infeasible, iteration limit or another of docs/packs.md" +
+  throw std::runtime_error("status '" + name +
+                           "': expected solved, infeasible, iteration limit or another of docs/packs.md" +
                            did_you_mean(name, names));
 }
 
 // What may stand in a list of solvers.
 bool is_name(const std::string& text) {
-  return !text.empty() &&
-         std::ranges::all_of(text, [](char ch) { return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("_-+.", ch); });
+  return !text.empty() && std::ranges::all_of(text, [](char ch) {
+    return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("_-+.", ch);
+  });
 }
 
 Answer answer_of(const Json& record, const PackedProblem& problem) {
@@ -103,14 +107,17 @@ Answers read_answers(const std::filesystem::path& file, const Pack& pack) {
         if (!record.contains("zwang_answers"))
           throw std::runtime_error("expected {\"zwang_answers\": 1, \"solver\": ...} (docs/packs.md)");
         if (const int version = record["zwang_answers"].get<int>(); version != format)
-          throw std::runtime_error("zwang_answers is " + std::to_string(version) + ", expected " + std::to_string(format));
+          throw std::runtime_error("zwang_answers is " + std::to_string(version) + ", expected " +
+                                   std::to_string(format));
         all.solver = record.at("solver").get<std::string>();
-        if (!is_name(all.solver)) throw std::runtime_error("solver '" + all.solver + "': expected letters, digits and _ - + . alone");
+        if (!is_name(all.solver))
+          throw std::runtime_error("solver '" + all.solver + "': expected letters, digits and _ - + . alone");
         all.version = record.value("version", "");
         all.settings = record.value("settings", "");
         all.machine = record.value("machine", "");
         if (record.contains("tolerance")) all.tolerance = number(record["tolerance"], "tolerance");
-        if (!(all.tolerance > 0 && all.tolerance < 1)) throw std::runtime_error("tolerance: expected a number between 0 and 1");
+        if (!(all.tolerance > 0 && all.tolerance < 1))
+          throw std::runtime_error("tolerance: expected a number between 0 and 1");
         continue;
       }
       const std::string sha256 = record.at("sha256").get<std::string>();
@@ -130,8 +137,12 @@ Answers read_answers(const std::filesystem::path& file, const Pack& pack) {
 }
 
 std::string answers_header(const Answers& a) {
-  return Json({{"zwang_answers", format}, {"solver", a.solver}, {"version", a.version}, {"settings", a.settings},
-               {"machine", a.machine}, {"tolerance", a.tolerance}})
+  return Json({{"zwang_answers", format},
+               {"solver", a.solver},
+               {"version", a.version},
+               {"settings", a.settings},
+               {"machine", a.machine},
+               {"tolerance", a.tolerance}})
              .dump() +
          "\n";
 }

@@ -21,13 +21,13 @@ struct Answer {
 struct Answers {
   std::filesystem::path file = {};
   std::string solver = {}, version = {}, settings = {}, machine = {};
-  double tolerance = 1e-10;                // that it was asked for
-  std::map<std::string, Answer> of = {};   // by the problem's sha256
-  std::vector<std::string> missing = {};   // names of the pack's problems that have none
+  double tolerance = 1e-10;               // that it was asked for
+  std::map<std::string, Answer> of = {};  // by the problem's sha256
+  std::vector<std::string> missing = {};  // names of the pack's problems that have none
 };
 
-// Throws BadFile with one line (file, line, what was expected): no JSON, a number that is not finite, a vector of another
-// length than the problem's, a problem answered twice or not in the pack.
+// Throws BadFile with one line (file, line, what was expected): no JSON, a number that is not finite, a vector of
+// another length than the problem's, a problem answered twice or not in the pack.
 Answers read_answers(const std::filesystem::path& file, const Pack& pack);
 
 // The file's lines, to the last digit.

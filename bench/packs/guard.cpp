@@ -70,11 +70,16 @@ constexpr std::array colours{"#c8ccd0", "#2e7d32", "#f0a202", "#d96c06", "#b0002
 
 std::string_view to_string(Change::Kind kind) {
   switch (kind) {
-    case Change::Kind::same: return "same";
-    case Change::Kind::better: return "better";
-    case Change::Kind::less_accurate: return "less accurate";
-    case Change::Kind::newly_unsolved: return "newly unsolved";
-    case Change::Kind::newly_wrong: return "newly wrong";
+    case Change::Kind::same:
+      return "same";
+    case Change::Kind::better:
+      return "better";
+    case Change::Kind::less_accurate:
+      return "less accurate";
+    case Change::Kind::newly_unsolved:
+      return "newly unsolved";
+    case Change::Kind::newly_wrong:
+      return "newly wrong";
   }
   return "";
 }
@@ -89,7 +94,8 @@ std::size_t Guarded::count(Change::Kind kind) const {
 }
 
 bool Guarded::alarm() const {
-  return count(Change::Kind::newly_wrong) + count(Change::Kind::newly_unsolved) + count(Change::Kind::less_accurate) > 0 ||
+  return count(Change::Kind::newly_wrong) + count(Change::Kind::newly_unsolved) + count(Change::Kind::less_accurate) >
+             0 ||
          error.alarm() || time.alarm();
 }
 
@@ -100,7 +106,8 @@ Guarded compare(const std::vector<std::vector<Result>>& before, const std::vecto
   std::vector<double> ratios;
   for (const Result& first : before.at(0)) {
     const Side &a = old.at(first.problem_sha256), &b = now.at(first.problem_sha256);
-    all.changes.push_back({first.problem, kind_of(a, b), a.worst->metrics.verdict, b.worst->metrics.verdict, a.error, b.error});
+    all.changes.push_back(
+        {first.problem, kind_of(a, b), a.worst->metrics.verdict, b.worst->metrics.verdict, a.error, b.error});
     if (!is_right(all.changes.back().before) || !is_right(all.changes.back().after)) continue;
     count(all.error, b.error > drifts * a.error, a.error > drifts * b.error);
     count(all.iterations, b.iterations > a.iterations, b.iterations < a.iterations);
@@ -142,23 +149,25 @@ std::string describe(const Guarded& g, std::size_t most) {
 std::string to_map(const Guarded& g) {
   constexpr std::size_t columns = 25, side = 22;
   const std::size_t rows = (g.changes.size() + columns - 1) / columns, height = rows * side + 44;
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(columns * side + 20) + "\" height=\"" +
-                    std::to_string(height) + "\" font-family=\"sans-serif\" font-size=\"12\">\n"
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(columns * side + 20) +
+                    "\" height=\"" + std::to_string(height) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\">\n"
                     "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (std::size_t k = 0; k < g.changes.size(); ++k) {
     const Change& c = g.changes[k];
-    svg += "<rect x=\"" + std::to_string(10 + k % columns * side) + "\" y=\"" + std::to_string(10 + k / columns * side) +
-           "\" width=\"20\" height=\"20\" rx=\"3\" fill=\"" + colours[static_cast<std::size_t>(c.kind)] + "\"><title>" +
+    svg += "<rect x=\"" + std::to_string(10 + k % columns * side) + "\" y=\"" +
+           std::to_string(10 + k / columns * side) + "\" width=\"20\" height=\"20\" rx=\"3\" fill=\"" +
+           colours[static_cast<std::size_t>(c.kind)] + "\"><title>" +
            in_xml(c.problem + ": " + std::string(to_string(c.before)) + " -> " + std::string(to_string(c.after))) +
            "</title></rect>\n";
   }
   std::size_t x = 10;
   for (std::size_t k = 0; k < colours.size(); ++k) {
-    const std::string label = grouped(g.count(static_cast<Change::Kind>(k))) + " " +
-                              std::string(to_string(static_cast<Change::Kind>(k)));
-    svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(height - 24) + "\" width=\"12\" height=\"12\" fill=\"" +
-           colours[k] + "\"/><text x=\"" + std::to_string(x + 16) + "\" y=\"" + std::to_string(height - 14) + "\">" + label +
-           "</text>\n";
+    const std::string label =
+        grouped(g.count(static_cast<Change::Kind>(k))) + " " + std::string(to_string(static_cast<Change::Kind>(k)));
+    svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(height - 24) +
+           "\" width=\"12\" height=\"12\" fill=\"" + colours[k] + "\"/><text x=\"" + std::to_string(x + 16) +
+           "\" y=\"" + std::to_string(height - 14) + "\">" + label + "</text>\n";
     x += 30 + 7 * label.size();
   }
   return svg + "</svg>\n";
@@ -166,24 +175,32 @@ std::string to_map(const Guarded& g) {
 
 std::string to_badge(const Guarded& g) {
   const std::size_t worse = g.changes.size() - g.count(Change::Kind::same) - g.count(Change::Kind::better);
-  const std::string said = !g.alarm() ? "no worse" : worse > 0 ? grouped(worse) + " worse" : g.error.alarm() ? "less accurate" : "slower";
+  const std::string said = !g.alarm()        ? "no worse"
+                           : worse > 0       ? grouped(worse) + " worse"
+                           : g.error.alarm() ? "less accurate"
+                                             : "slower";
   const std::size_t width = 110 + 7 * said.size();
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(width) +
-         "\" height=\"20\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"96\" height=\"20\" fill=\"#444444\"/><rect x=\"96\" width=\"" +
+         "\" height=\"20\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"96\" height=\"20\" "
+         "fill=\"#444444\"/><rect x=\"96\" width=\"" +
          std::to_string(width - 96) + "\" height=\"20\" fill=\"" + (g.alarm() ? colours.back() : colours[1]) +
-         "\"/>\n<text x=\"8\" y=\"14\" fill=\"#ffffff\">contact guard</text><text x=\"103\" y=\"14\" fill=\"#ffffff\">" + said +
-         "</text>\n</svg>\n";
+         "\"/>\n<text x=\"8\" y=\"14\" fill=\"#ffffff\">contact guard</text><text x=\"103\" y=\"14\" "
+         "fill=\"#ffffff\">" +
+         said + "</text>\n</svg>\n";
 }
 
 std::string to_junit(const Guarded& g) {
   std::vector<XmlCase> cases;
   for (const Change& c : g.changes)
-    cases.push_back({"guard", c.problem, c.kind == Change::Kind::same || c.kind == Change::Kind::better
-                                             ? ""
-                                             : std::string(to_string(c.kind)) + ": " + std::string(to_string(c.before)) +
-                                                   " -> " + std::string(to_string(c.after))});
-  cases.push_back({"guard", "accuracy over the pack", g.error.alarm() ? "proven errors grew on more problems than chance explains" : ""});
-  cases.push_back({"guard", "time over the pack", g.time.alarm() ? "slower on more problems than chance explains" : ""});
+    cases.push_back({"guard", c.problem,
+                     c.kind == Change::Kind::same || c.kind == Change::Kind::better
+                         ? ""
+                         : std::string(to_string(c.kind)) + ": " + std::string(to_string(c.before)) + " -> " +
+                               std::string(to_string(c.after))});
+  cases.push_back({"guard", "accuracy over the pack",
+                   g.error.alarm() ? "proven errors grew on more problems than chance explains" : ""});
+  cases.push_back(
+      {"guard", "time over the pack", g.time.alarm() ? "slower on more problems than chance explains" : ""});
   return junit(cases);
 }
 

@@ -28,7 +28,7 @@ struct Drift {
 // What a change did to a solver's answers.
 struct Guarded {
   std::vector<Change> changes = {};  // one a problem
-  Drift error = {};       // problems on which the proven error grew, or fell, more than twofold
+  Drift error = {};                  // problems on which the proven error grew, or fell, more than twofold
   Drift time = {};        // whose every time after is above, or below, every time before; of two runs a side or more
   Drift iterations = {};  // reported by the solver
   double time_ratio = Result::unknown;  // median over the problems of after / before

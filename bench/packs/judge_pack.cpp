@@ -41,21 +41,24 @@ std::string described(const Answers& a) {
 }  // namespace
 
 Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
-                   const std::atomic<bool>& interrupted) {
+                  const std::atomic<bool>& interrupted) {
   std::vector<SolverEntry> entries;
   std::map<std::string, std::shared_ptr<const Answers>> by_name;
   std::set<double> tolerances;
   for (Answers& given : contestants) {
     std::string name = given.solver;
     if (by_name.contains(name)) name += "@" + given.file.stem().string();
-    if (by_name.contains(name)) throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
+    if (by_name.contains(name))
+      throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
     const auto answers = by_name.emplace(name, std::make_shared<const Answers>(std::move(given))).first->second;
     tolerances.insert(answers->tolerance);
-    entries.push_back({.name = name, .method = described(*answers), .laws = {Contestant::laws.begin(), Contestant::laws.end()},
+    entries.push_back({.name = name,
+                       .method = described(*answers),
+                       .laws = {Contestant::laws.begin(), Contestant::laws.end()},
                        .make = [answers](std::string_view) -> AnySolver { return Contestant{answers}; }});
   }
-  Plan plan = make_plan({.problems = pack.files(), .tolerances = {tolerances.begin(), tolerances.end()}, .accuracy = true},
-                        entries);
+  Plan plan = make_plan(
+      {.problems = pack.files(), .tolerances = {tolerances.begin(), tolerances.end()}, .accuracy = true}, entries);
   plan.answers = true;
   std::erase_if(plan.runs, [&](const Run& run) { return run.tolerance != by_name.at(run.solver)->tolerance; });
   settings.solvers = entries;
@@ -110,8 +113,8 @@ std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesyst
     name.resize(colon);
   }
   std::ofstream out(file, std::ios::binary);
-  out << answers_header({.solver = name, .version = here.version, .settings = settings, .machine = here.cpu,
-                         .tolerance = run.tolerance});
+  out << answers_header(
+      {.solver = name, .version = here.version, .settings = settings, .machine = here.cpu, .tolerance = run.tolerance});
   std::size_t done = 0;
   for (const PackedProblem& packed : pack.problems()) {
     progress(done, packed.name);

@@ -41,15 +41,20 @@ PackedProblem described(const Instance& instance, std::string file) {
 }
 
 Json to_json(const PackedProblem& p) {
-  return {{"file", p.file}, {"sha256", p.sha256}, {"name", p.name},   {"family", p.family}, {"law", p.law},
-          {"n", p.n},       {"m", p.m},           {"equalities", p.equalities}, {"known", p.known},
-          {"method", p.method}};
+  return {{"file", p.file},   {"sha256", p.sha256}, {"name", p.name}, {"family", p.family},
+          {"law", p.law},     {"n", p.n},           {"m", p.m},       {"equalities", p.equalities},
+          {"known", p.known}, {"method", p.method}};
 }
 
 PackedProblem from_json(const Json& j) {
   PackedProblem p;
-  for (auto [key, text] : {std::pair("file", &p.file), {"sha256", &p.sha256}, {"name", &p.name}, {"family", &p.family},
-                           {"law", &p.law}, {"known", &p.known}, {"method", &p.method}})
+  for (auto [key, text] : {std::pair("file", &p.file),
+                           {"sha256", &p.sha256},
+                           {"name", &p.name},
+                           {"family", &p.family},
+                           {"law", &p.law},
+                           {"known", &p.known},
+                           {"method", &p.method}})
     *text = j.at(key).get<std::string>();
   for (auto [key, count] : {std::pair("n", &p.n), {"m", &p.m}, {"equalities", &p.equalities}})
     *count = j.at(key).get<Index>();
@@ -68,7 +73,8 @@ Pack::Pack(std::filesystem::path directory) : directory_(std::move(directory)) {
   try {
     const Json all = Json::parse(text);
     if (const int version = all.at("zwang_pack").get<int>(); version != pack_format)
-      throw std::runtime_error("zwang_pack is " + std::to_string(version) + ", expected " + std::to_string(pack_format));
+      throw std::runtime_error("zwang_pack is " + std::to_string(version) + ", expected " +
+                               std::to_string(pack_format));
     std::set<std::string> seen;
     for (const Json& problem : all.at("problems")) {
       problems_.push_back(from_json(problem));
@@ -117,12 +123,15 @@ std::span<const NamedPack> named_packs() {
          "INC(k=4,14,24,34),CYCLE(n=5,6,7,8),PIVOT(n=4,8),HAND(seed=1..10),random(n=20,60,seed=1..13)",
          {}},
         {frictional, {}}}},
-      {"friction", "contacts with friction under the convex law and Coulomb's",
-       {{frictional + ",planted(k=1,seed=11..40),MU0(k=0,10,20),MUL(k=1,4,12),APEX(k=0,10,20),SLIP(k=0,10,20),RANK(k=1,4)",
+      {"friction",
+       "contacts with friction under the convex law and Coulomb's",
+       {{frictional +
+             ",planted(k=1,seed=11..40),MU0(k=0,10,20),MUL(k=1,4,12),APEX(k=0,10,20),SLIP(k=0,10,20),RANK(k=1,4)",
          Law::coulomb},
         {frictional, Law::convex}}},
       {"atlas", "every point of the stability atlas (docs/stability.md)", {{find_suite("atlas").scenes, {}}}},
-      {"warm", "sequences: 32 successive frames of three stacks, in which contacts come and go",
+      {"warm",
+       "sequences: 32 successive frames of three stacks, in which contacts come and go",
        {{"FLIP(k=9,seed=1..3,frame=0..31)", {}}}},
   };
   return all;
@@ -149,8 +158,8 @@ std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, st
   return all;
 }
 
-std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems, const std::string& made_by,
-                       const std::filesystem::path& cache,
+std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems,
+                       const std::string& made_by, const std::filesystem::path& cache,
                        const std::function<void(std::size_t, const std::string& name)>& progress) {
   std::filesystem::create_directories(directory / "problems");
   Json index = {{"zwang_pack", pack_format}, {"made_by", made_by}, {"problems", Json::array()}};

@@ -51,10 +51,10 @@ std::span<const NamedPack> named_packs();
 // std::invalid_argument or BadFile.
 std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, std::uint64_t seed);
 
-// Writes the problems with what is known of their answers, and the index: the same bytes for the same problems. `cache`:
-// of references. Returns how many there are. Throws BadFile.
-std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems, const std::string& made_by,
-                       const std::filesystem::path& cache,
+// Writes the problems with what is known of their answers, and the index: the same bytes for the same problems.
+// `cache`: of references. Returns how many there are. Throws BadFile.
+std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems,
+                       const std::string& made_by, const std::filesystem::path& cache,
                        const std::function<void(std::size_t, const std::string& name)>& progress);
 
 }  // namespace zwang

@@ -41,18 +41,21 @@ int pack_command(std::vector<std::string> words) {
             "  ./zwang pack guard --out guard\n"
             "  ./zwang pack \"hand(contacts=4,16,seed=1..5)\" rover/Rover4396.dat --out mine\n"
             "  ./zwang pack guard --check\n"
-            "Packs made from seeds:" + named);
+            "Packs made from seeds:" +
+                named);
   std::vector<std::string> what;
   std::string out;
   bool check = false;
   std::uint64_t seed = 1;
-  options.add_option("WHAT", what, "a named pack, scenes, problem files or folders; with --check: a pack's folder")->required();
+  options.add_option("WHAT", what, "a named pack, scenes, problem files or folders; with --check: a pack's folder")
+      ->required();
   options.add_option("--out", out, "folder of the pack")->type_name("DIR");
   options.add_option("--seed", seed, "of every scene whose knobs do not say")->check(from_to(0));
   options.add_flag("--check", check, "read the whole pack and say whether files and index fit");
   if (!read(options, std::move(words))) return done;
   if (check) {
-    if (what.size() != 1 || !out.empty()) throw std::invalid_argument("--check takes one pack's folder and nothing else");
+    if (what.size() != 1 || !out.empty())
+      throw std::invalid_argument("--check takes one pack's folder and nothing else");
     const Pack pack(what[0]);
     pack.check();
     std::printf("%s: %zu problems, as its index says\n", what[0].c_str(), pack.problems().size());
@@ -77,12 +80,16 @@ int solve_pack_command(std::vector<std::string> words) {
   std::string directory, out;
   PackRun run;
   options.add_option("PACK", directory, "the pack's folder")->required();
-  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")->type_name("NAME")->required();
+  options.add_option("--solver", run.solver, "name, or name:key=value,... (./zwang solvers)")
+      ->type_name("NAME")
+      ->required();
   options.add_option("--out", out, "the file of answers")->type_name("FILE")->required();
   options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
       ->type_name("T")
       ->check(above(0));
-  options.add_option("--time-limit", run.time_limit, "seconds of CPU time a problem; default: 10")->type_name("S")->check(above(0));
+  options.add_option("--time-limit", run.time_limit, "seconds of CPU time a problem; default: 10")
+      ->type_name("S")
+      ->check(above(0));
   if (!read(options, std::move(words))) return done;
   if (!(run.tolerance < 1)) throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
   make_solver(run.solver);
@@ -91,7 +98,8 @@ int solve_pack_command(std::vector<std::string> words) {
   Progress bar(isatty(STDERR_FILENO));
   const std::size_t solved = solve_pack(pack, run, out, progress_of(bar, pack.problems().size()), interrupted);
   bar.clear();
-  std::printf("%s of %s answers -> %s\n", grouped(solved).c_str(), grouped(pack.problems().size()).c_str(), out.c_str());
+  std::printf("%s of %s answers -> %s\n", grouped(solved).c_str(), grouped(pack.problems().size()).c_str(),
+              out.c_str());
   return interrupted ? stopped : done;
 }
 
@@ -117,7 +125,8 @@ std::vector<Answers> read_runs(const std::string& files, const Pack& pack) {
 }  // namespace
 
 int judge_command(std::vector<std::string> words) {
-  CLI::App options("Judges answers to a pack: verdicts, proven distances, false claims, a report. Exit code 1: a false claim.");
+  CLI::App options(
+      "Judges answers to a pack: verdicts, proven distances, false claims, a report. Exit code 1: a false claim.");
   introduce(options, "judge", "  ./zwang judge guard mine.jsonl theirs.jsonl --out judged --junit judged.xml");
   std::string directory, out, junit;
   std::vector<std::string> files;
@@ -133,7 +142,9 @@ int judge_command(std::vector<std::string> words) {
     contestants.push_back(read_answers(file, pack));
     print_missing(contestants.back(), pack);
   }
-  SuiteSettings settings{.directory = new_directory(out, "./zwang judge"), .cache = reference_cache(), .command = command,
+  SuiteSettings settings{.directory = new_directory(out, "./zwang judge"),
+                         .cache = reference_cache(),
+                         .command = command,
                          .terminal = isatty(STDERR_FILENO) == 1};
   const auto [outcome, rows] = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
   if (outcome.interrupted) {
@@ -141,9 +152,9 @@ int judge_command(std::vector<std::string> words) {
     return stopped;
   }
   const Tally& t = outcome.tally;
-  std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n", grouped(t.runs).c_str(),
-              grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(), grouped(t.failed).c_str(),
-              grouped(t.undecided).c_str(), grouped(t.lies).c_str());
+  std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n",
+              grouped(t.runs).c_str(), grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(),
+              grouped(t.failed).c_str(), grouped(t.undecided).c_str(), grouped(t.lies).c_str());
   if (!junit.empty()) write_text(junit, to_junit(rows));
   std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
   return t.lies > 0 ? found : done;
@@ -171,13 +182,16 @@ int guard_command(std::vector<std::string> words) {
   for (const auto* side : {&runs, &later})
     for (const Answers& a : *side)
       if (a.tolerance != runs[0].tolerance)
-      throw std::invalid_argument(a.file.string() + " was asked for another tolerance than " + runs[0].file.string());
+        throw std::invalid_argument(a.file.string() + " was asked for another tolerance than " + runs[0].file.string());
   const std::size_t first = runs.size();
   std::ranges::move(later, std::back_inserter(runs));
   for (std::size_t k = 0; k < runs.size(); ++k)
     runs[k].solver = (k < first ? "before" : "after") + ((k < first ? first : runs.size() - first) > 1
-                         ? "-" + std::to_string(k < first ? k + 1 : k - first + 1) : std::string());
-  SuiteSettings settings{.directory = new_directory(out, "./zwang guard"), .cache = reference_cache(), .command = command,
+                                                             ? "-" + std::to_string(k < first ? k + 1 : k - first + 1)
+                                                             : std::string());
+  SuiteSettings settings{.directory = new_directory(out, "./zwang guard"),
+                         .cache = reference_cache(),
+                         .command = command,
                          .terminal = isatty(STDERR_FILENO) == 1};
   const std::size_t all = runs.size();
   const auto [outcome, rows] = judge_pack(pack, std::move(runs), settings, stop_on_interrupt());

@@ -69,6 +69,7 @@ shorter = [
     (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out problems"),
     (r"(./zwang bench --problems) FOLDER (.*)", r"\1 first.h5 \2 --out folder"),
     (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
+    (r"./zwang pack (guard|DIR) .*", None), ("./zwang guard pack b1.*", None),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),
     (r"(./zwang report DIR) --figures (svg,pdf|pdf)", r"\1 --figures svg"),
     (r"(./zwang capture) (docs/\S+) --steps \d+ (.*)", r"\1 SOURCE/\2 --steps 5 \3"), (r"./zwang capture.*", None),
@@ -125,7 +126,7 @@ class Page:
         self.run += 1
         done = subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.env, text=True, timeout=300,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
-        printed = re.sub(r"^ *\d+ %.* left\n", "", done.stdout.replace("\r", "\n"), flags=re.M)
+        printed = re.sub(r"^ *\d+ %(?:.* left| *)\n", "", done.stdout.replace("\r", "\n"), flags=re.M)
         if must_succeed and done.returncode:
             self.faults.append(f"{self.page.name}: {line}: exit code {done.returncode}\n{printed}")
         self.compare(line, expected, printed)

@@ -11,7 +11,7 @@ import tempfile
 import xml.etree.ElementTree as xml
 
 program = os.path.abspath(sys.argv[1])
-scenes = "hand(contacts=0,4,16,seed=1..4),chain(links=4,8),GAP(k=4,14),random(n=20,seed=1..6),incline(mu=0.5),ROD(k=3)"
+scenes = "hand(contacts=0,4,16,seed=1..12),chain(links=4,8),GAP(k=4,14),random(n=20,seed=1..6),incline(mu=0.5),ROD(k=3)"
 failures = 0
 
 
@@ -50,11 +50,11 @@ def spoilt(answers, size, seed=1):
 
 def check_packs():
     made = run("pack", scenes, "--out", "pack")
-    check("a pack is written", made.returncode == 0 and "24 problems -> pack" in made.stdout, made.stdout + made.stderr)
+    check("a pack is written", made.returncode == 0 and "48 problems -> pack" in made.stdout, made.stdout + made.stderr)
     run("pack", scenes, "--out", "again")
     files = sorted(os.path.join(place, name) for place, _, names in os.walk("pack") for name in names)
     same = all(open(name, "rb").read() == open(name.replace("pack", "again", 1), "rb").read() for name in files)
-    check("the same bytes for the same seed", same and len(files) == 25)
+    check("the same bytes for the same seed", same and len(files) == 49)
     problems = json.load(open("pack/pack.json"))["problems"]
     known = [p["known"] for p in problems]
     check("what is known", known.count("infeasible") == 2 and known.count("nothing") == 0, str(known))
@@ -74,11 +74,11 @@ def check_packs():
 def check_judge(problems):
     for solver in ("dual_active_set", "cone"):
         solved = run("solve-pack", "pack", "--solver", solver, "--out", solver + ".jsonl")
-        check(solver, solved.returncode == 0 and "24 of 24 answers" in solved.stdout, solved.stdout + solved.stderr)
+        check(solver, solved.returncode == 0 and "48 of 48 answers" in solved.stdout, solved.stdout + solved.stderr)
     judged = run("judge", "pack", "dual_active_set.jsonl", "cone.jsonl", "--out", "judged", "--junit", "judged.xml")
     check("judged", judged.returncode == 0 and "0 claimed falsely" in judged.stdout, judged.stdout + judged.stderr)
     rows = {(r["solver"], r["problem"]): r for r in map(json.loads, open("judged/results.jsonl"))}
-    check("a row an answer", len(rows) == 48)
+    check("a row an answer", len(rows) == 96)
     run("bench", "--problems", "pack/problems", "--solvers", "dual_active_set,cone", "--tolerances", "1e-10", "--accuracy", "--out",
         "benched")
     for r in map(json.loads, open("benched/results.jsonl")):
@@ -86,16 +86,16 @@ def check_judge(problems):
         check("the bench says the same", all(there[key] == r[key] for key in ("claimed", "verified", "z_error", "primal")),
               f"{there}\n{r}")
     cases = xml.parse("judged.xml").getroot()
-    check("JUnit", len(cases) == 48 and cases.get("failures") == "0", open("judged.xml").read()[:300])
+    check("JUnit", len(cases) == 96 and cases.get("failures") == "0", open("judged.xml").read()[:300])
     header, answers = read("dual_active_set.jsonl")
     check("times stay", all(rows["dual_active_set", p["name"]]["solve_s"] == a["seconds"] for p, a in zip(problems, answers)
                             if a["status"] != "unsupported"))
     given = [a for a in answers if a["status"] == "solved"]
-    for size, verdict in ((1e-4, "wrong"), (1e-7, "near")):
+    for size, verdicts in ((1e-4, ("wrong",)), (3e-8, ("near", "wrong"))):
         write("moved.jsonl", header, spoilt(given, size))
         moved = run("judge", "pack", "moved.jsonl", "--out", f"moved{size}")
         of = [json.loads(line)["verified"] for line in open(f"moved{size}/results.jsonl")]
-        check(f"answers moved by {size}", of.count(verdict) >= len(given) - 2 and of.count("solved") == 0 and
+        check(f"answers moved by {size}", sum(map(of.count, verdicts)) == len(given) and
               moved.returncode == (1 if "wrong" in of else 0), f"{moved.stdout}{of}")
     upside = [{**a, "lambda": [-x for x in a["lambda"]]} if "lambda" in a else a for a in given]
     random.Random(3).shuffle(upside)
@@ -153,7 +153,7 @@ def check_guard():
         return run("guard", "pack", "before.jsonl", "after.jsonl", "--out", f"guard{guard.count}", *more)
 
     same = guard(right, "--junit", "guard.xml")
-    check("nothing changed", same.returncode == 0 and "24 same" in same.stdout, same.stdout + same.stderr)
+    check("nothing changed", same.returncode == 0 and "48 same" in same.stdout, same.stdout + same.stderr)
     check("map, badge, JUnit", xml.parse("guard1/map.svg") and "no worse" in open("guard1/badge.svg").read() and
           xml.parse("guard.xml").getroot().get("failures") == "0")
     rounding = guard(spoilt(right, 1e-16))
@@ -168,7 +168,7 @@ def check_guard():
         write(f"fast{k}.jsonl", header, [{**a, "seconds": 1e-5 * (1 + 0.05 * k)} for a in right])
         write(f"slow{k}.jsonl", header, [{**a, "seconds": 1.5e-5 * (1 + 0.05 * k)} for a in right])
     fast, slow = (",".join(f"{word}{k}.jsonl" for k in range(3)) for word in ("fast", "slow"))
-    check("slower", run("guard", "pack", fast, slow, "--out", "slower").returncode == 0, "too few problems for five sigmas")
+    check("slower", run("guard", "pack", fast, slow, "--out", "slower").returncode == 1)
     timed = run("guard", "pack", slow, fast, "--out", "faster")
     check("times are compared", timed.returncode == 0 and "time x 0.67" in timed.stdout, timed.stdout)
     other = {**header, "tolerance": 1e-6}
