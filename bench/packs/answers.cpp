@@ -83,6 +83,8 @@ Answer answer_of(const Json& record, const PackedProblem& problem) {
   s.lambda = vector_of(record, "lambda", problem.m, false);
   s.certificate = vector_of(record, "certificate", problem.m, false);
   s.iterations = record.value("iterations", 0);
+  s.handed_to = record.value("answered_by", "");
+  if (!s.handed_to.empty() && !is_name(s.handed_to)) throw std::runtime_error("answered_by: expected a solver's name");
   answer.seconds = number_or_unknown(record, "seconds");
   if (answer.seconds < 0) throw std::runtime_error("seconds: expected a number from 0 on");
   answer.residual = number_or_unknown(record, "residual");
@@ -153,6 +155,7 @@ std::string answers_line(const std::string& sha256, const Answer& answer) {
   for (const auto& [key, v] : {std::pair("z", &s.z), {"lambda", &s.lambda}, {"certificate", &s.certificate}})
     if (v->size() > 0 && v->allFinite()) line[key] = numbers(*v);
   line["iterations"] = s.iterations;
+  if (!s.handed_to.empty()) line["answered_by"] = s.handed_to;
   if (std::isfinite(answer.seconds)) line["seconds"] = answer.seconds;
   if (std::isfinite(answer.residual)) line["residual"] = answer.residual;
   return line.dump() + "\n";

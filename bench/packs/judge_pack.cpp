@@ -68,6 +68,7 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
     if (contestant == by_name.end()) return;  // an answer that came with its problem
     const auto& answers = contestant->second->of;
     const auto found = answers.find(r.problem_sha256);
+    r.machine = contestant->second->machine;  // the report compares times of one machine alone
     r.setup_s = r.prepare_s = r.allocations = Result::unknown;
     r.solve_s = r.solve_s_q1 = r.solve_s_q3 = found == answers.end() ? Result::unknown : found->second.seconds;
     judged.rows.push_back(r);

@@ -165,6 +165,7 @@ void read_conditions(const json& about, Run& run) {
   add_text("cores", "cores");
   const json libraries = about.value("libraries", json::object());
   for (const auto& [name, version] : libraries.items()) add(name, get<std::string>(libraries, name.c_str()));
+  if (about.value("answers", false)) run.judged_by = get<std::string>(about, "command");
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
   for (const json& line : about.value("solvers", json::array())) {
     SolverInfo& s = run.solvers.emplace_back();
@@ -283,6 +284,7 @@ std::string replay_command(const fs::path& dir, const Result& result) {
 }
 
 std::string replay_of(const Run& run, const Result& result) {
+  if (!run.judged_by.empty()) return run.judged_by;
   return result.replay.empty() ? replay_command(run.dir, result) : result.replay;
 }
 

@@ -107,6 +107,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["options"] = to_json(plan.options);
   j["problem_sha256"] = hashes;
   j["problem_names"] = names;
+  if (plan.answers) j["answers"] = true;
   j["notes"] = record.notes;
   replace_record(directory, j.dump(2));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdarg>
 #include <cstdio>
@@ -10,10 +11,12 @@ namespace zwang {
 
 // As printf writes it.
 [[gnu::format(printf, 1, 2)]] inline std::string printed(const char* format, ...) {
-  char text[400];
-  std::va_list values;
+  std::va_list values, again;
   va_start(values, format);
-  std::vsnprintf(text, sizeof text, format, values);
+  va_copy(again, values);
+  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, format, values))), ' ');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
   va_end(values);
   return text;
 }

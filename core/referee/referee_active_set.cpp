@@ -5,9 +5,6 @@
 #include <limits>
 
 namespace zwang {
-namespace {
-
-}  // namespace
 
 OrthogonalRows::Split RefereeActiveSet::split(Index row) {
   work_left_ -= 8.0 * static_cast<double>(scaled_.size()) * static_cast<double>(rows.rank() + 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <optional>
 
 #include <zwang/core/referee/exact_rank.h>
@@ -270,8 +271,8 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
 
   const bool jointed = !equalities.empty();
   std::vector<InteriorAnswer> inner;
-  const auto correct_inner = [&] {
-    for (InteriorAnswer& iterate : inner) {
+  const auto correct_from = [&](std::size_t first) {
+    for (InteriorAnswer& iterate : inner | std::views::drop(first)) {
       duality.correct(iterate.x);
       best.interior |= duality.strictly_inside(iterate.x);
     }
@@ -312,16 +313,17 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   // A guess of modes that are right needs a point inside, and no good one.
   if (guess && p.rows() <= referee::polished_rows) {
     inner = interior_point<double>(p, equalities, &sigma, {.target = referee::interior_target_rough});
-    correct_inner();
+    correct_from(0);
     polished(*guess);
     if (best.upper <= enough) return best;
   }
+  const std::size_t corrected = inner.size();
   // Without joints, in double-double at once; with them first in double.
   std::ranges::move(
       jointed ? interior_point<double>(p, equalities, &sigma)
               : interior_point<DoubleDouble>(p, equalities, &sigma, {.target = referee::interior_target_extended}),
       std::back_inserter(inner));
-  correct_inner();
+  correct_from(corrected);
   // Iterates may come to the answer along the outside of a cone: then a point inside is looked for.
   for (const double inward : referee::interior_inward) {
     if (best.interior || jointed) break;

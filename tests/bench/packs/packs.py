@@ -83,7 +83,7 @@ def check_judge(problems):
         "benched")
     for r in map(json.loads, open("benched/results.jsonl")):
         there = rows[r["solver"], r["problem"]]
-        check("the bench says the same", all(there[key] == r[key] for key in ("claimed", "verified", "z_error", "primal")),
+        check("the bench says the same", all(there[key] == r[key] for key in ("claimed", "verified", "z_error", "primal", "handed_to")),
               f"{there}\n{r}")
     cases = xml.parse("judged.xml").getroot()
     check("JUnit", len(cases) == 96 and cases.get("failures") == "0", open("judged.xml").read()[:300])
@@ -122,6 +122,7 @@ def check_bad_answers():
         "no z": [json.dumps(header), json.dumps({k: v for k, v in first.items() if k != "z"})],
         "status": [json.dumps(header), json.dumps({**first, "status": "sloved"})],
         "a list": [json.dumps(header), "[]"], "torn": [json.dumps(header), text[:300]],
+        "answered by": [json.dumps(header), json.dumps({**first, "answered_by": "a, b"})],
         "seconds": [json.dumps(header), json.dumps({**first, "seconds": -1})], "empty": [],
     }
     for what, lines in bad.items():
