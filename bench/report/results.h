@@ -107,7 +107,7 @@ struct Run {
   std::string suite, title, commit;                             // title: "standard suite", "your problems"
   std::vector<std::pair<std::string, std::string>> conditions;  // name and value, as the page shows them
   std::vector<std::string> notes;
-  std::string judged_by;  // the command, where answers of files were judged: it repeats every line
+  std::string judged_by;            // the command, where answers of files were judged: it repeats every line
   std::vector<SolverInfo> solvers;  // in the order of the run
   std::vector<Result> results;
   // Who handed over to whom, and on which problems. In `results` stands who answered.

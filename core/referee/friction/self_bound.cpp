@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <optional>
+#include <ranges>
 
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/core/referee/friction/interior_point.h>
