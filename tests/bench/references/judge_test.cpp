@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/files/problem_file.h>
 #include "tests/core/referee/friction/attacks.h"
 #include "tests/solvers/small_problems.h"
@@ -106,6 +107,39 @@ TEST(Judge, AFileDoesNotMakeOneOfSeveralSolutionsTheOnlyOne) {
     const Instance pinch = stored(test::pinch(), vector({0, 3}), unique);
     EXPECT_NE(judge(pinch, vector({0, 1}), {}, 1e-8).verdict, Verdict::wrong);
   }
+}
+
+// Every law, one and several solutions, redundant rows, no solution at all: what a file keeps of a reference decides as
+// the scene's own does, for the stored answer, without multipliers, and spoilt.
+TEST(Judge, AProblemReadBackIsJudgedAsBefore) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("zwang-judge-back-" + std::to_string(::getpid()) + ".h5");
+  int answers = 0;
+  for (const char* scenes :
+       {"stack(boxes=2),hand(contacts=4),leash,MR,NPE,LOOP,INC", "stack(boxes=2,mu=0.5),RANK,ROD,HELD,JAM,PINCH,PUCK"})
+    for (Instance in : make_scenes(scenes)) {
+      in.reference = reference_for(in, {}).reference;
+      write_problem(file, in);
+      const Instance back = read_problems(file).front();
+      std::filesystem::remove(file);
+      ASSERT_EQ(back.reference.has_value(), in.reference.has_value()) << in.family;
+      const Problem& p = in.problem;
+      std::vector<std::pair<Vector, Vector>> given = {{p.z_u, {}}};
+      if (in.reference && in.reference->feasible) {
+        const Vector& z = in.reference->z;
+        given.emplace_back(z, in.reference->lambda);
+        for (const double spoilt : {0., 1e-10, 1e-4}) given.emplace_back(z + spoilt * (p.z_u - z), Vector());
+      }
+      for (const auto& [z, lambda] : given) {
+        const Judgement now = judge(in, z, lambda, 1e-8), then = judge(back, z, lambda, 1e-8);
+        EXPECT_EQ(then.verdict, now.verdict) << in.family << ": " << now.text << " / " << then.text;
+        EXPECT_EQ(then.at_least, now.at_least) << in.family << ": " << now.text << " / " << then.text;
+        EXPECT_TRUE(then.at_most == now.at_most || (std::isnan(then.at_most) && std::isnan(now.at_most)))
+            << in.family << ": " << now.text << " / " << then.text;
+        ++answers;
+      }
+    }
+  EXPECT_GT(answers, 50);
 }
 
 // What there is no solution of in rationals has none, whatever solves rows nearby: walls that overlap by a rounding.
