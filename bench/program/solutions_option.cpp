@@ -53,6 +53,7 @@ nlohmann::ordered_json to_json(const CoulombSolution& s) {
           {"free_split", s.free_split},
           {"modes", modes},
           {"method", s.method},
+          {"by_slopes", s.by_slopes},
           {"z", std::vector<double>(s.z.begin(), s.z.end())},
           {"lambda", std::vector<double>(s.lambda.begin(), s.lambda.end())}};
 }
@@ -79,12 +80,12 @@ void print_solutions(const Instance& instance, bool json) {
   std::printf("%-10s %s\n", "solutions", in_words(found).c_str());
   for (std::size_t k = 0; k < found.solutions.size(); ++k) {
     const CoulombSolution& s = found.solutions[k];
-    std::printf("%-10zu at most %s off%s%s   %s", k + 1, report::scientific(s.bound).c_str(),
+    std::printf("%-10zu at most %s off%s%s   %s%s", k + 1, report::scientific(s.bound).c_str(),
                 s.delta > 0 ? (", for rows off by " + report::scientific(s.delta)).c_str() : "",
                 s.isolated     ? ", isolated"
                 : s.free_split ? ", one of many"
                                : "",
-                s.method.c_str());
+                s.method.c_str(), s.by_slopes ? ", proven by slopes, too" : "");
     std::printf("   %s\n", in_words(s.modes).c_str());
   }
 }

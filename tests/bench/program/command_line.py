@@ -196,6 +196,8 @@ def check_solutions():
         # How many points of a continuum are found is no property of the problem.
         right = found["proven"] >= 1 if proven is None else found["proven"] == proven
         check(f"solutions of {scene}", right and said == (complete, continuum), str(found))
+        if scene == "ROD":
+            check("second witness", all(s["by_slopes"] for s in found["solutions"]), str(found))
     people = run(["solve", "point.h5", "--solutions"]).stdout
     check("solutions in words", "a continuum: interval Newton" in people and "slide slide" in people, people)
     convex = run(["solve", "point.h5", "--law", "convex", "--solutions"])
