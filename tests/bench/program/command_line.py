@@ -118,6 +118,8 @@ MISTAKES = [
     (["report", "box.h5", "--figures", "pfd"], 2, "did you mean 'pdf'?"),
     (["report"], 2, "DIR"),
     (["solvers", "--all"], 2, "no option '--all'"),
+    (["scenes", "towr"], 2, "did you mean 'tower'"),
+    (["solvers", "nnlls"], 2, "did you mean 'nnls'"),
 ]
 
 KEYS = set("""problem family knob knob_value n m equalities seed problem_sha256 problem_file law solver foreign tolerance
@@ -142,8 +144,13 @@ def check_help():
         check(f"{words} has examples", result.returncode == 0 and "Examples:" in result.stdout, result.stdout)
     check("version", run(["--version"]).stdout.startswith("zwang "))
     check("no words at all", run([]).returncode == 2)
-    check("scenes lists knobs", "boxes=" in run(["scenes"]).stdout)
-    check("solvers lists settings", "max_sweeps=" in run(["solvers"]).stdout)
+    scenes, solvers = run(["scenes"]).stdout, run(["solvers"]).stdout
+    check("scenes by groups", "Friction decides" in scenes and len(scenes.splitlines()) < 80, scenes)
+    check("solvers by what they read", "cone                        QP, convex, coulomb" in solvers, solvers)
+    whole = run(["scenes", "hand", "tower"]).stdout
+    check("scenes NAME lists knobs", "boxes=10   1..1000" in whole and "96 unknowns" in whole and "2^-13" in whole, whole)
+    whole = run(["solvers", "pgs"]).stdout
+    check("solvers NAME lists settings", "max_sweeps=" in whole, whole)
     said = run(["solve", "block.h5", "--solver", "pgs"]).stdout
     check("what is not supported has no numbers", "unsupported" in said and "unknown" not in said.replace("unknowns", ""), said)
     said = run(["solve", "no_unknowns.h5", "--solver", "cone"])
