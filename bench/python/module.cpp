@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdlib>
 
+#include <zwang/bench/packs/judge_pack.h>
 #include <zwang/bench/references/judge.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/suite/suite.h>
@@ -223,6 +224,16 @@ void bench(SuiteOptions options, const std::filesystem::path& directory, bool pr
             interrupted);
 }
 
+void judge_answers(const std::filesystem::path& directory, const std::vector<std::filesystem::path>& files,
+                   const std::filesystem::path& out) {
+  const Pack pack(directory);
+  std::vector<Answers> contestants;
+  for (const std::filesystem::path& file : files) contestants.push_back(read_answers(file, pack));
+  std::atomic<bool> interrupted = false;
+  judge_pack(pack, std::move(contestants),
+             {.directory = out, .cache = reference_cache(), .command = "zwang.judge_pack", .quiet = true}, interrupted);
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_zwang, m) {
@@ -360,6 +371,7 @@ PYBIND11_MODULE(_zwang, m) {
     const py::gil_scoped_release working;
     return judge(program, x_, y_, z_, box, tolerance);
   });
+  m.def("judge_pack", &judge_answers, free);
   m.def("add_solver", &add_python_solver);
   m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
                     const std::vector<std::filesystem::path>& files, const std::string& chosen,

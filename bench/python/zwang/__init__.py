@@ -21,9 +21,10 @@ import scipy.sparse.linalg
 
 from . import _zwang
 from ._zwang import BadFile, Judgement, Solution, __version__
+from .packs import judge_pack, write_answers
 
-__all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_qp",
-           "load", "save", "scene", "scenes", "solve", "solvers"]
+__all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_pack",
+           "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
 
 
 def _numbers(value, name, size=None):

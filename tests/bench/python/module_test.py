@@ -1,6 +1,7 @@
 """The Python module as its users meet it. Run by ctest with PYTHONPATH set to the built package."""
 import doctest
 import gc
+import json
 import math
 import os
 import random
@@ -35,6 +36,61 @@ def solution_of(program):
     problem = zwang.Problem(program["P"], -numpy.linalg.solve(program["P"], program["q"]), J, c,
                             equality=len(program["b"]))
     return zwang.solve(problem, tolerance=1e-12)
+
+
+class Packs(unittest.TestCase):
+    """A pack of two problems, made here, and answers of two kinds of file."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.pack = os.path.join(self.folder.name, "pack")
+        os.mkdir(self.pack)
+        self.problems = zwang.scene("hand(contacts=4,16)")
+        listed = []
+        for k, p in enumerate(self.problems):
+            zwang.save(os.path.join(self.pack, f"{k}.h5"), p)
+            listed.append({"file": f"{k}.h5", "sha256": p.sha256, "name": p.name, "family": "hand", "law": "frictionless",
+                           "n": p.size, "m": p.rows, "equalities": int(p.equality.sum()), "known": "nothing", "method": ""})
+        with open(os.path.join(self.pack, "pack.json"), "w", encoding="utf-8") as out:
+            json.dump({"zwang_pack": 1, "made_by": "a test", "problems": listed}, out)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def test_right_and_wrong_answers_are_told_apart_in_both_formats(self):
+        right = [zwang.solve(p) for p in self.problems]
+        zwang.write_answers(self.path("right.jsonl"), solver="mine", tolerance=1e-9, answers=[
+            {"sha256": p.sha256, "status": "solved", "z": s.z, "lambda": s.lambda_, "iterations": s.iterations}
+            for p, s in zip(self.problems, right)])
+        arrays = {}
+        for p, s in zip(self.problems, right):
+            arrays |= {p.sha256 + "/status": "solved", p.sha256 + "/z": s.z * (1 + 1e-4)}
+        numpy.savez(self.path("spoilt.npz"), solver="spoilt", tolerance=1e-9, **arrays)
+        rows = zwang.judge_pack(self.pack, self.path("right.jsonl"), self.path("spoilt.npz"))
+        said = sorted((r["solver"], r["problem"], r["verified"]) for r in rows)
+        names = [p.name for p in self.problems]
+        self.assertEqual(said, sorted([("mine", n, "solved") for n in names] + [("spoilt", n, "wrong") for n in names]))
+        for row in rows:
+            if row["solver"] == "mine":
+                problem = self.problems[names.index(row["problem"])]
+                judged = zwang.judge(problem, right[names.index(row["problem"])].z, tolerance=1e-9)
+                self.assertLessEqual(row["z_error"], judged.at_most)
+
+    def test_damaged_answers_are_refused_with_one_line(self):
+        p = self.problems[0]
+        with open(self.path("text.npz"), "w", encoding="utf-8") as out:
+            out.write("no archive")
+        numpy.savez(self.path("nobody.npz"), **{p.sha256 + "/z": numpy.zeros(p.size)})
+        numpy.savez(self.path("short.npz"), solver="s", **{p.sha256 + "/status": "solved", p.sha256 + "/z": numpy.zeros(3)})
+        numpy.savez(self.path("nan.npz"), solver="s", **{p.sha256 + "/status": "solved",
+                                                         p.sha256 + "/z": numpy.full(p.size, math.nan)})
+        for name, says in (("text.npz", "numpy.savez"), ("nobody.npz", "solver"), ("short.npz", "96"), ("nan.npz", "z"),
+                           ("absent.npz", "cannot be read"), ("absent.jsonl", "absent.jsonl")):
+            with self.assertRaises(zwang.BadFile) as refused:
+                zwang.judge_pack(self.pack, self.path(name))
+            self.assertIn(says, str(refused.exception))
+            self.assertNotIn("\n", str(refused.exception))
 
 
 class Problems(unittest.TestCase):
