@@ -195,8 +195,8 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
 
   // results -> report
   try {
-    if (const std::string line = report::accuracy_headline(report::read_run(directory).results); !line.empty())
-      std::printf("%s\n", line.c_str());
+    for (const report::Run& part : report::by_class(report::read_run(directory)))
+      if (const std::string line = report::accuracy_headline(part); !line.empty()) std::printf("%s\n", line.c_str());
     std::printf("Report: %s\n", report::write_report(directory).c_str());
   } catch (const std::runtime_error& broken) {
     std::fprintf(stderr, "No report: %s (the results are kept; again with: ./zwang report %s)\n", broken.what(),

@@ -24,9 +24,10 @@ void write(const fs::path& file, const std::string& text) {
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
-std::string title(const Run& run) {
-  if (!run.title.empty()) return "zwang: " + run.title;
-  return run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite";
+// Of the names of files: "-convex-cone"; "" where there is one class.
+std::string class_ending(std::string name) {
+  for (char& ch : name) ch = ch == ' ' ? '-' : static_cast<char>(std::tolower(ch));
+  return name.empty() ? "" : "-" + name;
 }
 
 std::string collision_data(const fs::path& file) try {
@@ -45,26 +46,25 @@ fs::path write_report(const fs::path& dir) {
     write(page_file, collision_page(collision_data(collision)));
     return page_file;
   }
-  const Run run = read_run(dir);
+  Run run = read_run(dir);
   fs::remove_all(dir / "runs");
-  if (!run.is_large()) {
-    write(page_file, page(page_data(run, {title(run), headline(run)}, all_tables(run))));
-    return page_file;
-  }
-  const SingleRuns single = single_run_scripts(run);
+  const PageText text = page_text(run);
+  const SingleRuns single = run.is_large() ? single_run_scripts(run) : SingleRuns();
   for (std::size_t i = 0; i < single.scripts.size(); ++i)
     write(dir / "runs" / (std::to_string(i) + ".js"), single.scripts[i]);
-  write(page_file, page_with_scripts(page_data(run, {title(run), headline(run)}, all_tables(run), single.index)));
+  const std::string data = page_data(text, by_class(std::move(run)), single.index);
+  write(page_file, single.scripts.empty() ? page(data) : page_with_scripts(data));
   return page_file;
 }
 
 fs::path write_comparison(const fs::path& run_a, const fs::path& run_b, const fs::path& out) {
-  const Run a = read_run(run_a), b = read_run(run_b), both = merged(a, b);
-  std::vector<Table> tables = all_tables(both);
-  tables.insert(tables.begin(), comparison_table(a, b));
-  std::vector<std::string> lines = headline(both);
-  lines.insert(lines.begin(), "Run A is " + a.label + ", run B is " + b.label + ".");
-  write(out, page(page_data(both, {"zwang: " + a.label + " against " + b.label, lines}, tables)));
+  const Run a = read_run(run_a), b = read_run(run_b);
+  Run both = merged(a, b);
+  PageText text = page_text(both);
+  text.title = "zwang: " + a.label + " against " + b.label;
+  text.headline.insert(text.headline.begin(), "Run A is " + a.label + ", run B is " + b.label + ".");
+  text.tables.push_back(comparison_table(a, b));
+  write(out, page(page_data(text, by_class(std::move(both)))));
   return out;
 }
 
@@ -72,16 +72,21 @@ std::vector<fs::path> write_figures(const fs::path& dir, const std::vector<std::
   for (const std::string& format : formats)
     if (format != "svg" && format != "pdf")
       throw std::runtime_error("no figure format '" + format + "'; there are svg and pdf");
-  const Run run = read_run(dir);
-  const std::vector<Table> tables = all_tables(run);
+  Run run = read_run(dir);
+  const PageText text = page_text(run);
+  const std::vector<Run> classes = by_class(std::move(run));
   std::vector<fs::path> files;
-  for (const Table& table : tables) {
-    if (table.rows.empty()) continue;
-    write(files.emplace_back(dir / "tables" / (table.id + ".csv")), to_csv(table));
-    write(files.emplace_back(dir / "tables" / (table.id + ".tex")), to_tex(table));
-  }
+  const auto write_tables = [&](const std::vector<Table>& tables, const std::string& ending) {
+    for (const Table& table : tables) {
+      if (table.rows.empty()) continue;
+      write(files.emplace_back(dir / "tables" / (table.id + ending + ".csv")), to_csv(table));
+      write(files.emplace_back(dir / "tables" / (table.id + ending + ".tex")), to_tex(table));
+    }
+  };
+  write_tables(text.tables, "");
+  for (const Run& part : classes) write_tables(class_tables(part), class_ending(part.problem_class));
   const fs::path figures = dir / "figures", data = figures / "data.json";
-  write(data, page_data(run, {title(run), headline(run)}, tables));
+  write(data, page_data(text, classes));
   draw_figures(data, figures, formats);
   fs::remove(data);
   for (const auto& entry : fs::directory_iterator(figures)) files.push_back(entry.path());

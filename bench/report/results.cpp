@@ -204,7 +204,8 @@ void credit_who_answered(Run& run) {
     return !answered.insert({r.problem, r.law, r.tolerance, r.solver}).second && !r.lies();
   });
   for (const auto& [names, problems] : run.handed_over)
-    std::erase_if(run.traces, [&](const TracePoint& p) { return p.solver == names.first && problems.contains(p.problem); });
+    std::erase_if(run.traces,
+                  [&](const TracePoint& p) { return p.solver == names.first && problems.contains(p.problem); });
 }
 
 std::vector<std::string> distinct(const std::vector<Result>& results, std::string Result::*field) {
@@ -272,6 +273,31 @@ Run read_run(const fs::path& dir) {
     if (std::ranges::find(run.solvers, name, &SolverInfo::name) == run.solvers.end())
       run.solvers.push_back({.name = name});
   return run;
+}
+
+std::vector<Run> by_class(Run run) {
+  const auto class_of = [](const Result& r) {
+    return r.law == "coulomb" ? "Coulomb" : r.law == "convex" ? "convex cone" : "QP";
+  };
+  std::map<std::string, std::string> class_of_problem;
+  std::set<std::string> present;
+  for (const Result& r : run.results) present.insert(class_of_problem[r.problem] = class_of(r));
+  std::vector<Run> classes;
+  for (const char* name : {"QP", "convex cone", "Coulomb"}) {
+    if (!present.contains(name)) continue;
+    Run& part = classes.emplace_back(present.size() > 1 ? run : std::move(run));
+    if (present.size() > 1) part.problem_class = name;
+    const auto of_another = [&](const Result& r) { return class_of(r) != std::string(name); };
+    std::erase_if(part.results, of_another);
+    std::erase_if(part.recorded, of_another);
+    std::erase_if(part.traces, [&](const TracePoint& p) { return class_of_problem[p.problem] != name; });
+    std::set<std::string> readers;
+    for (const Result& r : part.results)
+      if (!r.is_blank()) readers.insert(r.solver);
+    std::erase_if(part.solvers, [&](const SolverInfo& s) { return !readers.contains(s.name); });
+  }
+  if (classes.empty()) classes.push_back(std::move(run));
+  return classes;
 }
 
 std::vector<std::string> families_of(const std::vector<Result>& results) { return distinct(results, &Result::family); }

@@ -103,8 +103,9 @@ struct SolverInfo {
 
 struct Run {
   std::filesystem::path dir;
-  std::string label;                                            // names the run where two are compared
-  std::string suite, title, commit;                             // title: "standard suite", "your problems"
+  std::string problem_class;         // of by_class(), where there are several: "QP", "convex cone" or "Coulomb"
+  std::string label;                 // names the run where two are compared
+  std::string suite, title, commit;  // title: "standard suite", "your problems"
   std::vector<std::pair<std::string, std::string>> conditions;  // name and value, as the page shows them
   std::vector<std::string> notes;
   std::string judged_by;            // the command, where answers of files were judged: it repeats every line
@@ -131,6 +132,11 @@ struct Run {
 // torn last line (a killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line
 // and reason in one line.
 Run read_run(const std::filesystem::path& dir);
+
+// The run's problems by class, those without any left out: QP (frictionless, or pyramids of friction), convex cone,
+// Coulomb. Classes are never averaged: few solvers read all of them, and they cost differently. A solver is in the
+// classes of which it reads a problem.
+std::vector<Run> by_class(Run run);
 
 // Everything the charts group by, in the order of appearance.
 std::vector<std::string> families_of(const std::vector<Result>& results);

@@ -100,14 +100,17 @@ json profiles(const Run& run) {
         for (const Curve& curve : curves)
           if (!curve.empty()) end = std::max(end, curve.back().at);
         for (std::size_t s = 0; s < curves.size(); ++s) {
+          const auto reads = std::ranges::count_if(times, [s](const auto& row) { return !std::isnan(row[s]); });
+          if (reads == 0) continue;
           const Curve curve = thinned(curves[s]);
+          const auto add_step = [&](double at, double share) {
+            rows.push_back({kind, family, known(error), solvers[s], known(at), known(share), reads});
+          };
           const double last = curve.empty() ? 0 : curve.back().share;
           // Every staircase runs from the left edge to the right one, also that of a solver that solves nothing.
-          if (curve.empty() || curve.front().at > start)
-            rows.push_back({kind, family, known(error), solvers[s], known(start), 0});
-          for (const Step& step : curve)
-            rows.push_back({kind, family, known(error), solvers[s], known(step.at), known(step.share)});
-          rows.push_back({kind, family, known(error), solvers[s], known(1.3 * end), known(last)});
+          if (curve.empty() || curve.front().at > start) add_step(start, 0);
+          for (const Step& step : curve) add_step(step.at, step.share);
+          add_step(1.3 * end, last);
         }
       };
       double first = std::numeric_limits<double>::infinity();
@@ -117,7 +120,7 @@ json profiles(const Run& run) {
       add("ratio", performance_profile(times), 1);
       add("time", data_profile(times), 0.8 * first);
     }
-  return chart("kind family level solver at share", rows);
+  return chart("kind family level solver at share reads", rows);
 }
 
 json sweep_states(const Run& run) {

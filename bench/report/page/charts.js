@@ -140,13 +140,19 @@
     return out;
   }
 
+  // Classes of problems never share a chart or a mean: the data of one of them stand in its place.
+  const take_class = (data, k) => {
+    data.common ??= data.tables;
+    const {charts, families, tables} = data.classes[k];
+    Object.assign(data, {charts, families, tables: {...data.common, ...tables}});
+    return data.classes[k];
+  };
+
   const unpacked = new Map();
   function all_rows(data, name) {
-    if (!unpacked.has(name)) {
-      const {fields, rows} = data.charts[name];
-      unpacked.set(name, rows.map(row => Object.fromEntries(fields.map((field, i) => [field, row[i]]))));
-    }
-    return unpacked.get(name);
+    const {fields, rows} = data.charts[name];
+    if (!unpacked.has(rows)) unpacked.set(rows, rows.map(row => Object.fromEntries(fields.map((field, i) => [field, row[i]]))));
+    return unpacked.get(rows);
   }
 
   // Two strips beside the axis of errors hold what has no place on it: errors from 0 to 1e-17 at the left, runs without
@@ -215,6 +221,7 @@
     const at = Object.entries(columns).map(([key, name]) => [key, table.columns.findIndex(column => column.name === name)]);
     return table.rows.map(row => ({...Object.fromEntries(at.map(([key, i]) => [key, row.cells[i]])), solver: row.solver}));
   }
+  const share_text = row => `${Math.round(100 * row.share)} % of the ${row.reads} it reads`;
   const speed_rows = data => table_rows(data, 'speed', {family: 'family', size: 'size', time: 'time', ratio: 'x ours', verified: 'verified', error: 'worst z_error'})
     .filter(row => row.ratio.value !== undefined);
   const speed_families = data => [...new Set(speed_rows(data).map(row => row.family.text))];
@@ -232,10 +239,10 @@
       .filter(row => (state.on.has(row.solver) || is_recorded(row)) && stands_in_medians(row)), data, state, true),
     'profile': (data, state) => all_rows(data, 'profile')
       .filter(row => row.kind === 'ratio' && state.on.has(row.solver) && row.family === state.group && row.level === state.level)
-      .map(row => ({...row, share_text: `${Math.round(100 * row.share)} %`})),
+      .map(row => ({...row, share_text: share_text(row)})),
     'data-profile': (data, state) => all_rows(data, 'profile')
       .filter(row => row.kind === 'time' && state.on.has(row.solver) && row.family === state.group && row.level === state.level)
-      .map(row => ({...row, share_text: `${Math.round(100 * row.share)} %`, time_text: duration(row.at)})),
+      .map(row => ({...row, share_text: share_text(row), time_text: duration(row.at)})),
     'convergence-iteration': (data, state) => converging(data, state, 'iteration'),
     'convergence-time': (data, state) => converging(data, state, 'time'),
     'scaling': (data, state) => [
@@ -280,5 +287,5 @@
     'scaling': (data, state) => ({SIZE: `${all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'} (number)`}),
   };
 
-  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, all_rows, speed_families, measures, scientific, duration, superscript};
+  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, take_class, all_rows, speed_families, measures, scientific, duration, superscript};
 })();

@@ -10,7 +10,7 @@ import {use_font} from './font.mjs';
 
 const [data_file, out, ...formats] = process.argv.slice(2);
 const data = JSON.parse(fs.readFileSync(data_file, 'utf8'));
-const {register, spec, rows, words, all_rows, speed_families} = zwang_charts;
+const {register, spec, rows, words, take_class, all_rows, speed_families} = zwang_charts;
 const {labelled} = zwang_labels;
 const font = 'Liberation Sans';
 use_font(vega, font);
@@ -27,7 +27,7 @@ const lean = svg => svg.replace(/<[^>]*>/g, tag => tag
   .replace(/-?\d+\.\d{3,}/g, number => String(Number(Number(number).toFixed(2)))));
 
 // What stands in one file: the chart, its file name, its title, and the choices made.
-const figures = [
+const figures = () => [
   ...distinct('work-precision', 'family').map(family =>
     ['work-precision', `work-precision-${file_name(family)}`, `Speed against accuracy: ${family}`, {family}]),
   ['families', 'work-precision', 'Speed against accuracy by family', {}],
@@ -44,12 +44,12 @@ const figures = [
   ['stages', 'stages', 'Where the time of dual_active_set goes', {}],
 ];
 
-const shown = new Set(data.solvers.filter(s => s.shown).map(s => s.name));
 const logger = vega.logger(vega.Error);
-for (const [chart, name, title, choices] of figures) {
-  const state = {on: shown, listed: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
+async function draw({shown, name: of}, [chart, plain_name, plain_title, choices]) {
+  const name = of ? `${plain_name}-${file_name(of)}` : plain_name, title = of ? `${plain_title}; ${of}` : plain_title;
+  const state = {on: new Set(shown), listed: new Set(data.solvers.map(s => s.name)), group: '', level: 1e-6, measure: 'z_error', problem: '', ...choices};
   const drawn = rows[chart](data, state);
-  if (drawn.length === 0) continue;
+  if (drawn.length === 0) return;
   const template = structuredClone(CHARTS[chart]);
   const labels = labelled(chart, drawn, {width: template.width, height: template.height});
   const options = {font, title: {text: title, subtitle: data.circumstances},
@@ -62,4 +62,9 @@ for (const [chart, name, title, choices] of figures) {
   if (formats.includes('pdf'))
     execFileSync('rsvg-convert', ['--dpi-x', '96', '--dpi-y', '96', '-f', 'pdf', '-o', `${out}/${name}.pdf`, svg]);
   if (!formats.includes('svg')) fs.unlinkSync(svg);
+}
+
+for (const k of data.classes.keys()) {
+  const part = take_class(data, k);
+  for (const figure of figures()) await draw(part, figure);
 }

@@ -79,6 +79,19 @@ json to_json(const Table& table) {
   return {{"note", note}, {"columns", columns}, {"rows", rows}};
 }
 
+json to_json(const std::vector<Table>& tables) {
+  json all = json::object();
+  for (const Table& table : tables) all[table.id] = to_json(table);
+  return all;
+}
+
+// The object as text, with one member more that is text already.
+std::string with_member(const json& object, const char* name, const std::string& value) {
+  std::string text = object.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.back() = ',';
+  return text + "\"" + name + "\":" + value + "}";
+}
+
 constexpr std::size_t drawn_by_default = 14;  // as many as there are marker shapes and colours
 
 const std::string& style(const SolverInfo& s) { return s.style.empty() ? s.name : s.style; }
@@ -144,7 +157,6 @@ std::vector<std::string> headline(const Run& run) {
   else
     lines.push_back(counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") + " wrong (" +
                     joined(lies) + "): see the table of false claims.");
-  if (const std::string line = accuracy_headline(run.results); !line.empty()) lines.push_back(line + ".");
   if (const std::string line = handed_over(run); !line.empty()) lines.push_back(line);
   if (!run.recorded.empty())
     lines.push_back(counted(run.recorded.size(), "recorded answer") + " judged beside the runs, " +
@@ -153,38 +165,53 @@ std::vector<std::string> headline(const Run& run) {
   return lines;
 }
 
-std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables,
-                      const std::string& single) {
-  json solvers = json::array();
-  const std::set<std::string> shown = styles_shown(run);
-  for (const SolverInfo& s : run.solvers)
-    solvers.push_back({{"name", s.name},
-                       {"method", s.method},
-                       {"style", style(s)},
-                       {"second", s.second},
-                       {"exact", s.exact},
-                       {"shown", shown.contains(style(s))}});
-  json all;
-  for (const Table& table : tables) all[table.id] = to_json(table);
+PageText page_text(const Run& run) {
   std::vector<std::string> circumstances;
   for (const auto& [name, value] : run.conditions) {
     if (name == "commit") circumstances.push_back("commit " + value.substr(0, 12));
     if (name == "seed") circumstances.push_back("seed " + value);
     if (name == "compiler" || name == "CPU") circumstances.push_back(value);
   }
-  const json about = {{"title", text.title},
-                      {"opening", opening(run)},
-                      {"headline", text.headline},
-                      {"circumstances", joined(circumstances)},
-                      {"notes", notes(run)},
-                      {"solvers", solvers},
-                      {"families", families_of(run.results)},
-                      {"levels", error_levels},
-                      {"tables", all}};
-  std::string data = about.dump(-1, ' ', false, json::error_handler_t::replace);
-  data.back() = ',';  // the rows are appended to the object as they are
-  if (!single.empty()) data += "\"single\":" + single + ",";
-  return data + "\"charts\":" + chart_rows(run) + "}";
+  const std::string title =
+      run.title.empty() ? run.suite.empty() ? "zwang report" : "zwang: " + run.suite + " suite" : "zwang: " + run.title;
+  return {title, headline(run), opening(run), joined(circumstances), notes(run), run.solvers, common_tables(run)};
+}
+
+std::string page_data(const PageText& text, const std::vector<Run>& classes, const std::string& single) {
+  std::string parts;
+  std::set<std::string> shown_somewhere;
+  for (const Run& part : classes) {
+    const std::set<std::string> shown = styles_shown(part);
+    json solvers = json::array(), drawn = json::array();
+    for (const SolverInfo& s : part.solvers) {
+      solvers.push_back(s.name);
+      if (!shown.contains(style(s))) continue;
+      drawn.push_back(s.name);
+      shown_somewhere.insert(s.name);
+    }
+    const std::string ranking = accuracy_headline(part);
+    const json about = {{"name", part.problem_class},
+                        {"ranking", ranking.empty() ? "" : ranking + "."},
+                        {"families", families_of(part.results)},
+                        {"solvers", solvers},
+                        {"shown", drawn},
+                        {"tables", to_json(class_tables(part))}};
+    parts += (parts.empty() ? "" : ",") + with_member(about, "charts", chart_rows(part));
+  }
+  json solvers = json::array();
+  for (const SolverInfo& s : text.solvers)
+    solvers.push_back({{"name", s.name},
+                       {"method", s.method},
+                       {"style", style(s)},
+                       {"second", s.second},
+                       {"exact", s.exact},
+                       {"shown", shown_somewhere.contains(s.name)}});
+  json about = {{"title", text.title},       {"opening", text.opening},
+                {"headline", text.headline}, {"circumstances", text.circumstances},
+                {"notes", text.notes},       {"solvers", solvers},
+                {"levels", error_levels},    {"tables", to_json(text.tables)}};
+  if (!single.empty()) about["single"] = json::parse(single);
+  return with_member(about, "classes", "[" + parts + "]");
 }
 
 std::string page(const std::string& data) { return filled(report_html(), data); }

@@ -8,17 +8,23 @@
 
 namespace zwang::report {
 
-// The title and the sentences at the top of a page.
+// What a page says of its run as a whole.
 struct PageText {
   std::string title;
   std::vector<std::string> headline;  // sentences, most important first
+  std::string opening;                // the section whose picture answers the question of the run's suite
+  std::string circumstances;
+  std::vector<std::string> notes;
+  std::vector<SolverInfo> solvers;
+  std::vector<Table> tables;
 };
+PageText page_text(const Run& run);
 
 std::vector<std::string> headline(const Run& run);
 
-// Everything the page and the figures draw, as one JSON object. `single`: the index of single_run_scripts(), or "".
-std::string page_data(const Run& run, const PageText& text, const std::vector<Table>& tables,
-                      const std::string& single = "");
+// Everything the page and the figures draw, as one JSON object: of by_class(). `single`: the index of
+// single_run_scripts(), or "".
+std::string page_data(const PageText& text, const std::vector<Run>& classes, const std::string& single = "");
 
 // The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);

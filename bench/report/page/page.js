@@ -1,7 +1,7 @@
 // The page: chips and selectors drive every chart and table; all data lies in the page itself.
 (() => {
   'use strict';
-  const {styles, register, spec, rows, words, all_rows, speed_families, measures, scientific} = zwang_charts;
+  const {styles, register, spec, rows, words, take_class, all_rows, speed_families, measures, scientific} = zwang_charts;
   const {labelled} = zwang_labels;
   const {element, typeset, table} = zwang_tables;
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -9,30 +9,58 @@
   const distinct = (name, field) => [...new Set(all_rows(data, name).map(row => row[field]))];
   register(vega);
 
-  const names = data.solvers.map(s => s.name);
-  const drawn_families = distinct('work-precision', 'family');
+  const everybody = data.solvers.map(s => s.name);
+  const drawn_families = () => distinct('work-precision', 'family');
   const state = {
-    on: new Set(data.solvers.filter(s => s.shown).map(s => s.name)),  // drawn in charts
-    listed: new Set(names),                                            // in tables and heat maps: all, until a reader chooses
+    listed: new Set(everybody),  // in tables and heat maps: all, until a reader chooses
     focus: '',
     theme: matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light',
-    family: drawn_families.includes('hand') ? 'hand' : drawn_families[0] ?? '',
-    problem: '',
     time: 'whole',
-    group: '',
     level: 1e-6,
-    trace: distinct('convergence', 'problem').sort((a, b) => b.startsWith('hand(') - a.startsWith('hand('))[0] ?? '',
     measure: 'z_error',
-    sweep: distinct('scaling', 'family')[0] ?? '',
-    size_family: ['hand', 'H'].find(family => speed_families(data).includes(family)) ?? speed_families(data)[0] ?? '',
   };
+  // A paragraph on each stability family of the class.
+  function stability() {
+    const there = STABILITY.filter(of => data.families.includes(of.family));
+    return {
+      note: there.length ? '' : 'This run holds none of the stability families (docs/stability.md).',
+      columns: ['family', 'knob', 'what it shows, and why methods fail there'].map(name => ({name, numeric: false})),
+      rows: there.map(of => ({solver: '', group: '', cells: [of.family, of.knob, of.shows].map(text => ({text}))})),
+    };
+  }
+  // The class of problems shown, and what is chosen within it. What a reader chose of the solvers stays.
+  let names, chosen;
+  function show_class(k) {
+    const {solvers, shown} = take_class(data, k);
+    names = solvers;
+    data.tables.stability = stability();
+    const hands = names => names.find(name => /^hand\b/.test(name)) ?? names[0] ?? '';
+    Object.assign(state, {
+      problem_class: String(k),
+      on: new Set(chosen?.some(name => solvers.includes(name)) ? chosen : shown),  // drawn in charts
+      family: hands(drawn_families()),
+      problem: '',
+      group: '',
+      trace: hands(distinct('convergence', 'problem')),
+      sweep: distinct('scaling', 'family')[0] ?? '',
+      size_family: ['hand', 'H'].find(family => speed_families(data).includes(family)) ?? speed_families(data)[0] ?? '',
+    });
+    document.getElementById('ranking').textContent = typeset(data.classes[k].ranking);
+    const undrawn = data.families.filter(family => !drawn_families().includes(family));
+    document.getElementById('undrawn').textContent = drawn_families().length && undrawn.length
+      ? `Not drawn: ${undrawn.join(', ')}. Where no z exists there is no error; the break points show who proves it and who lies.` : '';
+    const left_out = names.filter(name => !state.on.has(name));
+    document.getElementById('left-out').textContent = left_out.length && !chosen
+      ? `Charts show the ${state.on.size} solvers that got most runs right; click ${left_out.slice(0, 4).join(', ')}${left_out.length > 4 ? ', ...' : ''} to add one. Tables show all ${everybody.length}.` : '';
+    chips();
+  }
   const views = {};
   const errors = [];
 
   // ---- charts ----
 
   function reason(name) {
-    if (names.length === 0) return 'The run holds no results yet.';
+    if (everybody.length === 0) return 'The run holds no results yet.';
     if (state.on.size === 0) return 'No solver is chosen in the row at the top.';
     const none = {
       'work-precision': 'No run of this family has an error to draw: its answers are proofs of infeasibility, or the solvers shown do not apply.',
@@ -147,7 +175,7 @@
   function chips() {
     const holder = document.getElementById('chips');
     const button = (label, pick) => element('button', {className: 'chip', textContent: label, onclick: () => choose(new Set(pick))});
-    holder.replaceChildren(button('all', names), button('none', []), ...styles(data.solvers, state.theme).map(s => {
+    holder.replaceChildren(button('all', names), button('none', []), ...styles(data.solvers, state.theme).filter(s => names.includes(s.name)).map(s => {
       const chip = element('button', {className: 'chip', ariaPressed: String(state.on.has(s.name)), title: data.solvers.find(x => x.name === s.name).method});
       chip.dataset.solver = s.name;
       chip.style.setProperty('--chip', s.color);
@@ -167,23 +195,30 @@
   }
   function choose(on) {
     state.on = state.listed = on;
-    location.replace(`#${chosen_by_hash}${[...on].map(encodeURIComponent).join(',')}`);
-    document.getElementById('left-out').hidden = true;
+    chosen = [...on];
+    write_hash();
+    document.getElementById('left-out').textContent = '';
     for (const chip of all('.chip[data-solver]')) chip.ariaPressed = String(on.has(chip.dataset.solver));
     tables();
     return update_all();
   }
 
-  // A choice of solvers in the address: #solvers=nnls,pgs
-  const chosen_by_hash = 'solvers=';
+  // Choices in the address: #class=Coulomb&solvers=nsgs,cone
+  function write_hash() {
+    const words = [...state.problem_class === '0' ? [] : [`class=${encodeURIComponent(data.classes[state.problem_class].name)}`],
+                   ...chosen ? [`solvers=${chosen.map(encodeURIComponent).join(',')}`] : []];
+    location.replace(`#${words.join('&')}`);
+  }
   function read_hash() {
-    if (!location.hash.startsWith(`#${chosen_by_hash}`)) return;
-    const wanted = location.hash.slice(1 + chosen_by_hash.length).split(',').map(decodeURIComponent);
-    state.on = state.listed = new Set(names.filter(name => wanted.includes(name)));
+    const asked = Object.fromEntries(location.hash.slice(1).split('&').map(word => word.split('=')));
+    const wanted = asked.solvers?.split(',').map(decodeURIComponent);
+    if (wanted) state.listed = new Set(chosen = everybody.filter(name => wanted.includes(name)));
+    return Math.max(0, data.classes.findIndex(part => asked.class !== undefined && part.name === decodeURIComponent(asked.class)));
   }
 
   const options = {
-    family: () => drawn_families.map(f => [f, f]),
+    problem_class: () => data.classes.map((part, k) => [k, part.name]),
+    family: () => drawn_families().map(f => [f, f]),
     problem: () => {
       const runs = all_rows(data, 'work-precision').filter(row => row.family === state.family);
       const problems = [...new Set(runs.filter(row => row.level === 'run' && row.drawn === 'ok').map(row => row.problem))];
@@ -208,6 +243,10 @@
       select.onchange = () => {
         state[key] = key === 'level' ? Number(select.value) : select.value;
         if (key === 'family') state.problem = '';
+        if (key === 'problem_class') {
+          show_class(Number(select.value));
+          write_hash();
+        }
         selectors();
         tables();
         update_all();
@@ -264,21 +303,14 @@
   for (const section of all('main > section[data-short]')) {
     const holder = section.querySelector('[data-table]');
     const needed = section.dataset.needs ?? (section.querySelector('[data-chart]') ? undefined : holder?.dataset.table);
-    if (needed && !data.tables[needed]) section.remove();
+    if (needed && ![data, ...data.classes].some(part => part.tables[needed])) section.remove();
   }
   document.querySelector('nav').append(...all('main > section[data-short]').map(s => element('a', {href: `#${s.id}`, textContent: s.dataset.short})));
-  const undrawn = data.families.filter(family => !drawn_families.includes(family));
-  document.getElementById('undrawn').textContent = drawn_families.length && undrawn.length
-    ? `Not drawn: ${undrawn.join(', ')}. Where no z exists there is no error; the break points show who proves it and who lies.` : '';
   const notes = document.getElementById('notes');
   notes.append(...data.notes.map(note => element('li', {textContent: note})));
   if (!data.notes.length) notes.replaceWith(element('p', {className: 'reason', textContent: 'The run holds no notes.'}));
   document.getElementById('theme').onclick = () => set_theme(state.theme === 'dark' ? 'light' : 'dark');
-  read_hash();
-  const left_out = names.filter(name => !state.on.has(name));
-  if (left_out.length && state.listed.size > state.on.size)
-    document.getElementById('left-out').textContent =
-      `Charts show the ${state.on.size} solvers that got most runs right; click ${left_out.slice(0, 4).join(', ')}${left_out.length > 4 ? ', ...' : ''} to add one. Tables show all ${names.length}.`;
+  show_class(read_hash());
   selectors();
   set_theme(state.theme);
 

@@ -30,6 +30,7 @@ std::vector<ProblemRuns> group_by_problem(const std::vector<Result>& results, co
 
 double time_to_error(const std::vector<const Result*>& runs, double error) {
   constexpr double floor = 1e-17;  // an error of 0 has a logarithm here
+  if (std::ranges::all_of(runs, &Result::is_blank)) return unknown;
   double best = infinite;
   std::vector<const Result*> ladder;
   for (const Result* r : runs) {
@@ -63,7 +64,7 @@ std::vector<AccuracyMatched> accuracy_matched(const std::vector<Result>& results
   std::vector<AccuracyMatched> table;
   for (std::size_t s = 0; s < solvers.size(); ++s) {
     std::vector<double> reached = time[s];
-    std::erase(reached, infinite);
+    std::erase_if(reached, [](double t) { return !std::isfinite(t); });
     if (reached.empty()) continue;
     order.emplace_back(-static_cast<int>(reached.size()), geometric_mean(reached), s);
   }
@@ -73,40 +74,46 @@ std::vector<AccuracyMatched> accuracy_matched(const std::vector<Result>& results
     std::vector<double> ratios;
     for (std::size_t p = 0; p < leader.size(); ++p)
       if (std::isfinite(time[s][p]) && std::isfinite(leader[p])) ratios.push_back(time[s][p] / leader[p]);
-    table.push_back({solvers[s], mean, geometric_mean(ratios), -misses, static_cast<int>(leader.size())});
+    const auto read = std::ranges::count_if(time[s], [](double t) { return !std::isnan(t); });
+    table.push_back(
+        {solvers[s], mean, geometric_mean(ratios), -misses, static_cast<int>(read), static_cast<int>(leader.size())});
   }
   return table;
 }
+
+// "hand", and "hand (convex)" where a run holds several laws.
+static bool is_hand(const std::string& family) { return family == "hand" || family.starts_with("hand ("); }
 
 std::string headline_family(const std::vector<Result>& results) {
   std::string best;
   std::size_t most = 0;
   for (const std::string& family : families_of(results)) {
     const std::size_t solvers = accuracy_matched(results, family, 1e-9).size();
-    if (solvers > most || (solvers > 0 && family == "hand")) best = family, most = solvers;
-    if (family == "hand" && solvers > 0) break;
+    if (solvers > most || (solvers > 0 && is_hand(family))) best = family, most = solvers;
+    if (is_hand(family) && solvers > 0) break;
   }
   return best;
 }
 
-std::string accuracy_headline(const std::vector<Result>& results, double error) {
-  const std::string family = headline_family(results);
+std::string accuracy_headline(const Run& run, double error) {
+  const std::string family = headline_family(run.results);
   std::string on_all, on_some;
   int problems = 0;
-  for (const AccuracyMatched& entry : accuracy_matched(results, family, error)) {
+  for (const AccuracyMatched& entry : accuracy_matched(run.results, family, error)) {
     problems = entry.problems;
     const bool all = entry.reached == problems;
     std::string aside = entry.ratio == 1 ? "" : ratio_text(entry.ratio);
-    if (!all) aside += (aside.empty() ? "" : ", ") + part_of(entry.reached, problems);
+    if (!all) aside += (aside.empty() ? "" : ", ") + part_of(entry.reached, entry.reads);
     std::string& list = all ? on_all : on_some;
     list += (list.empty() ? "" : ", ") + entry.solver + " " + duration(entry.time_s);
     if (!aside.empty()) list += " (" + aside + ")";
   }
   if (problems == 0) return "";
-  std::string subject = family == "hand" ? "hand" : family + " problem";
+  std::string subject = is_hand(family) ? "hand" : family + " problem";
   subject = problems == 1 ? "one " + subject : std::to_string(problems) + " " + subject + "s";
   if (!on_all.empty() && !on_some.empty()) on_all += "; not on all: ";
-  return "On " + subject + " at " + scientific(error, 0) + " achieved error: " + on_all + on_some;
+  return (run.problem_class.empty() ? "On " : run.problem_class + ": on ") + subject + " at " + scientific(error, 0) +
+         " achieved error: " + on_all + on_some;
 }
 
 std::string ratio_text(double ratio) {

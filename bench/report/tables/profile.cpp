@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <zwang/bench/report/tables/statistics.h>
 
@@ -9,7 +10,8 @@ namespace zwang::report {
 namespace {
 
 // A staircase through the sorted values, one step for equal ones.
-Curve staircase(std::vector<double> values, std::size_t problems) {
+Curve staircase(std::vector<double> values) {
+  const auto problems = std::ranges::count_if(values, [](double v) { return !std::isnan(v); });
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   std::sort(values.begin(), values.end());
   Curve curve;
@@ -32,7 +34,7 @@ std::vector<Curve> curves(const Times& times, Cost cost) {
   for (std::size_t s = 0; s < solvers_in(times); ++s) {
     std::vector<double> costs;
     for (const auto& row : times) costs.push_back(cost(row[s], row));
-    all.push_back(staircase(costs, times.size()));
+    all.push_back(staircase(costs));
   }
   return all;
 }
@@ -50,7 +52,11 @@ Times times_to_error(const std::vector<ProblemRuns>& groups, const std::string& 
 }
 
 std::vector<Curve> performance_profile(const Times& times) {
-  return curves(times, [](double time, const auto& row) { return time / std::ranges::min(row); });
+  return curves(times, [](double time, const auto& row) {
+    double fastest = std::numeric_limits<double>::infinity();
+    for (const double t : row) fastest = std::fmin(fastest, t);
+    return std::isinf(time) ? time : time / fastest;
+  });
 }
 
 std::vector<Curve> data_profile(const Times& times) {
@@ -65,7 +71,7 @@ std::vector<double> shifted_geometric_means(const Times& times, double shift, do
       double slowest = 0;
       for (const double t : row)
         if (std::isfinite(t)) slowest = std::max(slowest, t);
-      if (slowest > 0) column.push_back(std::isfinite(row[s]) ? row[s] : penalty * slowest);
+      if (slowest > 0 && !std::isnan(row[s])) column.push_back(std::isfinite(row[s]) ? row[s] : penalty * slowest);
     }
     means.push_back(geometric_mean(column, shift));
   }

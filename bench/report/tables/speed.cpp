@@ -16,13 +16,6 @@ constexpr const char* ours = "dual_active_set";
 constexpr const char* ours_when_large = "newton";
 constexpr const char* ours_with_friction = "cone";
 
-// The floor that earlier measurements of a hand estimate, in runs of the neutral kernel, which took 47 us there: 4.4 us
-// for eliminating the joints and 0.25 us for each row that enters or leaves (docs/performance.md).
-constexpr double kernel_us = 47, elimination_us = 4.4, step_us = 0.25;
-double floor_in_kernels(double steps) { return (elimination_us + step_us * steps) / kernel_us; }
-
-bool is_one_hand(const std::string& family) { return family == "hand" || family == "H"; }
-
 // One solver on all problems of one size of a family.
 struct Size {
   std::string family, knob;
@@ -30,7 +23,7 @@ struct Size {
   auto operator<=>(const Size&) const = default;
 };
 struct SpeedTimes {
-  std::vector<double> solve_s, kernels, distance, allocations, error;
+  std::vector<double> solve_s, kernels, allocations, error;
   int problems = 0, right = 0, unsupported = 0, lies = 0;
   bool bound = false, stopped = false;
   std::string verdict;
@@ -52,7 +45,6 @@ std::map<Size, std::map<std::string, SpeedTimes>> by_size(const Run& run) {
     t.solve_s.push_back(r.solve_s);
     t.kernels.push_back(r.solve_s / r.kernel_s);
     t.allocations.push_back(r.allocations);
-    t.distance.push_back(r.solve_s / r.kernel_s / floor_in_kernels(static_cast<double>(r.iterations)));
   }
   return sizes;
 }
@@ -72,13 +64,11 @@ Cell at_least(bool stopped, double value, const std::string& text) {
 }  // namespace
 
 Table speed_table(const Run& run) {
-  Table table("speed",
-              "family; size; solver; #time; #kernels; #x ours; #worst z_error; verified; #allocations; #x floor");
+  Table table("speed", "family; size; solver; #time; #kernels; #x ours; #worst z_error; verified; #allocations");
   table.note =
       "Whole solves from M, z_u, J, c at tolerance 1e-10, cold; medians of interleaved repetitions, and over the "
-      "problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. Floor: the "
-      "least time of a hand, estimated from measurements of its parts (4.4 us and 0.25 us a step where the kernel "
-      "takes 47 us). Allocations: heap blocks of a warm solve. x ours: against dual_active_set, newton where that was "
+      "problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. "
+      "Allocations: heap blocks of a warm solve. x ours: against dual_active_set, newton where that was "
       "not run, or cone where friction follows Coulomb's law. A time with > is that of a solver stopped at its "
       "deadline, and so is its ratio. mujoco_newton has "
       "soft rows and serves as a yardstick of speed: its z_error is how far the rows are violated.";
@@ -96,14 +86,13 @@ Table speed_table(const Run& run) {
     for (const auto& [solver, t] : order) {
       const double time = t->time(), ratio = time / reference;
       const double error = t->error.empty() ? unknown : std::ranges::max(t->error);
-      const bool has_floor = solver == ours && is_one_hand(size.family);
       table.add(
           solver, size.family,
           {size.family, Cell(size.knob.empty() ? size.family : knob_text(size.value) + " " + size.knob, size.value),
            solver, at_least(t->stopped, time, duration(time)), fixed_cell(median(t->kernels), 2),
            at_least(t->stopped, ratio, ratio_text(ratio)),
            Cell(std::isfinite(error) ? (t->bound ? "<= " : "") + scientific(error) : "", error), verdict_cell(*t),
-           fixed_cell(median(t->allocations), 0), fixed_cell(has_floor ? median(t->distance) : unknown, 1)});
+           fixed_cell(median(t->allocations), 0)});
     }
   }
   return table;

@@ -8,7 +8,8 @@
 
 namespace zwang::report {
 
-// Families of the stability atlas: their knob goes from benign to impossible at a fixed size.
+// Families of the stability atlas: their knob goes from benign to impossible at a fixed size. page/stability.json says
+// what each shows.
 bool is_stability_family(const std::string& family);
 
 // The run at the tightest tolerance; null where there is none.

@@ -90,19 +90,22 @@ Table conditions_table(const Run& run) {
   return table;
 }
 
-std::vector<Table> all_tables(const Run& run) {
-  std::vector<Table> tables = {claim_counts_table(run), claims_table(run),      accuracy_table(run),
-                               means_table(run),        break_point_table(run), exponent_table(run),
-                               verdict_table(run),      worst_row_table(run),   range_gap_table(run),
-                               reference_table(run),    solver_table(run),      conditions_table(run),
-                               stability_table(run)};
-  if (run.is_of_speed())
-    for (Table& table : std::vector{speed_table(run), speed_exponent_table(run), assembly_table(run)})
-      tables.push_back(std::move(table));
+std::vector<Table> common_tables(const Run& run) {
+  std::vector<Table> tables = {claim_counts_table(run), claims_table(run), verdict_table(run),   worst_row_table(run),
+                               reference_table(run),    solver_table(run), conditions_table(run)};
+  if (run.is_of_speed()) tables.push_back(assembly_table(run));
   for (Table& table : std::vector{law_table(run), conformance_table(run), phenomenon_table(run)})
     if (!table.rows.empty()) tables.push_back(std::move(table));
   if (!run.sequences.empty()) tables.push_back(sequence_table(run));
   if (!run.recorded.empty()) tables.push_back(recorded_table(run));
+  return tables;
+}
+
+std::vector<Table> class_tables(const Run& run) {
+  std::vector<Table> tables = {accuracy_table(run), means_table(run), break_point_table(run), exponent_table(run),
+                               range_gap_table(run)};
+  if (run.is_of_speed())
+    for (Table& table : std::vector{speed_table(run), speed_exponent_table(run)}) tables.push_back(std::move(table));
   return tables;
 }
 

@@ -50,7 +50,6 @@ Table claims_table(const Run& run);        // every claim the referee rejects, f
 Table accuracy_table(const Run& run);      // time at equal achieved error, per family and over all ("all")
 Table means_table(const Run& run);         // shifted geometric means, two shifts
 Table break_point_table(const Run& run);   // first failure / first false claim of each solver on each stability family
-Table stability_table(const Run& run);     // a paragraph on each stability family of the run
 Table exponent_table(const Run& run);      // fitted scaling exponents
 Table verdict_table(const Run& run);       // counts of claimed against verified, per solver
 Table worst_row_table(const Run& run);     // worst violated row per constraint type, among claims of success
@@ -63,12 +62,14 @@ Table speed_table(const Run& run);           // time, kernels, ratios, error and
 Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
 Table assembly_table(const Run& run);
 // Where there are such lines:
-Table law_table(const Run& run);                // one problem under several laws of friction
-Table conformance_table(const Run& run);        // which solver shows which phenomenon of friction
-Table phenomenon_table(const Run& run);         // what they are
-Table sequence_table(const Run& run);           // cold and warm over frames
-Table recorded_table(const Run& run);           // answers that came with the problems
-std::vector<Table> all_tables(const Run& run);  // some only where there is something to say
+Table law_table(const Run& run);          // one problem under several laws of friction
+Table conformance_table(const Run& run);  // which solver shows which phenomenon of friction
+Table phenomenon_table(const Run& run);   // what they are
+Table sequence_table(const Run& run);     // cold and warm over frames
+Table recorded_table(const Run& run);     // answers that came with the problems
+// The page's tables, some only where there is something to say: those of all problems, and those of one class.
+std::vector<Table> common_tables(const Run& run);
+std::vector<Table> class_tables(const Run& of_class);
 
 std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 

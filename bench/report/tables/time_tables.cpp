@@ -30,15 +30,17 @@ Table accuracy_table(const Run& run) {
       for (const AccuracyMatched& entry : accuracy_matched(run.results, family, error_levels[level])) {
         const bool everywhere = entry.reached == entry.problems;
         std::string text = duration(entry.time_s) + " (" + ratio_text(entry.ratio) + ")";
-        if (!everywhere) text += " on " + part_of(entry.reached, entry.problems);
+        if (!everywhere) text += " on " + part_of(entry.reached, entry.reads);
         rows[entry.solver][2 + level] = {text, entry.time_s, tone_of(false, entry.ratio == 1 && everywhere)};
       }
     for (auto& [solver, cells] : rows.items) table.add(solver, shown, std::move(cells));
   }
   table.explain(
-      "Time to the achieved error, geometric mean over the problems on which it was reached. First come solvers that "
-      "reached 1e-9 on the most problems, the fastest of those first; in brackets the ratio to that error's leader on "
-      "the problems both reached.",
+      "Time to the achieved error, geometric mean over the problems on which it was reached (on 3 of 5: of the 5 that "
+      "the "
+      "solver reads). First come solvers that reached 1e-9 on the most problems, the fastest of those first; in "
+      "brackets "
+      "the ratio to that error's leader on the problems both reached.",
       "No solver reached 1e-3 on a problem with a reference.");
   return table;
 }
@@ -56,7 +58,8 @@ Table means_table(const Run& run) {
     table.columns.push_back({"solved at " + scientific(error, 0), true});
     for (std::size_t s = 0; s < solvers.size(); ++s) {
       const auto solved = std::ranges::count_if(times, [s](const auto& row) { return std::isfinite(row[s]); });
-      table.rows[s].cells.push_back(part_cell(solved, std::ssize(times)));
+      const auto read = std::ranges::count_if(times, [s](const auto& row) { return !std::isnan(row[s]); });
+      table.rows[s].cells.push_back(part_cell(solved, read));
     }
     for (const double shift : {near, 10 * near}) {
       table.columns.push_back({"mean at " + scientific(error, 0) + ", shift " + duration(shift), true});
@@ -66,8 +69,9 @@ Table means_table(const Run& run) {
   }
   if (table.columns.size() == 1) table.rows.clear();
   table.explain(
-      "Shifted geometric mean of the time over all problems that somebody solved; a failure counts as 10 times the "
-      "slowest success on that problem.",
+      "Shifted geometric mean of the time over the problems that the solver reads and somebody solved; a failure "
+      "counts as "
+      "10 times the slowest success on that problem.",
       "No solver reached 1e-3 on a problem with a reference.");
   return table;
 }

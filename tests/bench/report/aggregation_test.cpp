@@ -71,6 +71,25 @@ TEST(Accuracy, LiesNeverCount) {
   EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "iteration limit", "wrong")}, 1e-3), 1);
 }
 
+TEST(Accuracy, PartsAreOfTheProblemsThatASolverReads) {
+  const auto of = [](const std::string& problem, const std::string& solver, double seconds,
+                     const std::string& verified) {
+    return run(problem, solver, 1e-9, verified == "solved" ? 1e-12 : unknown, seconds, verified, verified);
+  };
+  report::Run all;
+  all.problem_class = "QP";
+  all.results = {of("p", "every", 1, "solved"), of("q", "every", 1, "solved"),   of("r", "every", 1, "solved"),
+                 of("p", "some", 3, "solved"),  of("q", "some", 2, "no answer"), of("r", "some", 9, "unsupported")};
+  const auto table = accuracy_matched(all.results, "f", 1e-9);
+  ASSERT_EQ(table.size(), 2u);
+  EXPECT_EQ(table[1].reached, 1);
+  EXPECT_EQ(table[1].reads, 2);
+  EXPECT_EQ(table[1].problems, 3);
+  EXPECT_EQ(accuracy_headline(all),
+            "QP: on 3 f problems at 1e-9 achieved error: every 1.0 s; not on all: some 3.0 s (3.0x, 1 of 2)");
+  EXPECT_TRUE(std::isnan(reach({all.results[5]}, 1e-9)));
+}
+
 TEST(Accuracy, OnlyAProofCountsOnAnInfeasibleProblem) {
   EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, proven")}, 1e-9), 2);
   EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, claimed only")}, 1e-9), infinite);
@@ -91,12 +110,14 @@ TEST(Accuracy, RanksBySolvedProblemsThenByTimeWithRatiosOnCommonProblems) {
   EXPECT_EQ(table[2].reached, 1);
   EXPECT_EQ(table[2].problems, 2);
   EXPECT_NEAR(table[2].ratio, 0.5, 1e-12);
+  report::Run all;
+  all.results = results;
   EXPECT_EQ(
-      accuracy_headline(results, 1e-9),
+      accuracy_headline(all, 1e-9),
       "On 2 f problems at 1e-9 achieved error: quick 1.0 s, slow 6.0 s (6.0x); not on all: partial 500 ms (0.5x, 1 "
       "of 2)");
   EXPECT_TRUE(accuracy_matched(results, "another", 1e-9).empty());
-  EXPECT_EQ(accuracy_headline(results, 1e-14), "");
+  EXPECT_EQ(accuracy_headline(all, 1e-14), "");
 }
 
 // Three problems, two solvers; nobody solves the third.
@@ -117,6 +138,16 @@ TEST(Profile, EqualRatiosAreOneStep) {
   ASSERT_EQ(curves[1].size(), 1u);
   EXPECT_EQ(curves[1][0].at, 2);
   EXPECT_EQ(curves[1][0].share, 1);
+}
+
+TEST(Profile, AProblemThatASolverDoesNotReadIsNoFailure) {
+  const Times read_in_part = {{1, unknown}, {2, 4}, {infinite, 3}, {infinite, infinite}};
+  const auto ratios = performance_profile(read_in_part), budgets = data_profile(read_in_part);
+  EXPECT_EQ(ratios[0].back().share, 2.0 / 4);
+  EXPECT_NEAR(ratios[1].back().share, 2.0 / 3, 1e-15);
+  EXPECT_EQ(ratios[1].back().at, 2);
+  EXPECT_NEAR(budgets[1].back().share, 2.0 / 3, 1e-15);
+  EXPECT_NEAR(shifted_geometric_means(read_in_part, 0, 10)[1], std::sqrt(12.0), 1e-12);
 }
 
 TEST(Profile, DataProfileCountsSeconds) {

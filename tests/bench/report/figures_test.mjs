@@ -69,3 +69,8 @@ const column = zwang_labels.stack([5, 5, 5, 5, 100, 199, 199].map((y, i) => ({x:
 for (let i = 1; i < column.length; ++i) assert.ok(column[i].at_y - column[i - 1].at_y >= 12.99);
 assert.ok(column[0].at_y >= 6 && column.at(-1).at_y <= 194);
 assert.equal(column[4].at_y, 100);
+
+// The page has a paragraph on each family that the program takes for one of the atlas.
+const report = `${here}../../../bench/report/`, families = JSON.parse(fs.readFileSync(`${report}page/stability.json`, 'utf8')).map(of => of.family);
+const [, listed] = /std::set<std::string> families = \{([^}]*)\}/.exec(fs.readFileSync(`${report}tables/sweeps.cpp`, 'utf8'));
+assert.deepEqual(listed.match(/\w+/g), families);

@@ -1,6 +1,6 @@
 // node make_results.mjs DIR [CASE]: a SYNTHETIC run folder for tests of the report. Nothing in it was ever measured.
 // CASE: full (default), later (the same with other times and one more solver), crowd (16 solvers), atlas (stability families
-// alone), large (more than 20,000 runs), speed, empty, one, undecided, torn.
+// alone), laws (three classes of problems), large (more than 20,000 runs), speed, empty, one, undecided, torn.
 import fs from 'node:fs';
 
 const [dir, kind = 'full'] = process.argv.slice(2);
@@ -42,10 +42,15 @@ if (kind === 'large')
 fs.mkdirSync(dir, {recursive: true});
 const chosen_solvers = kind === 'one' ? solvers.slice(3, 4) : kind === 'empty' ? [] : solvers;
 const stability = ['MR', 'NPE', 'LOOP', 'INC', 'WEAK'];
-const chosen_problems = kind === 'one' ? problems.slice(3, 4) : kind === 'atlas' ? problems.filter(p => stability.includes(p.family)) : problems;
+const under = law => problems.filter(p => ['hand', 'tower'].includes(p.family)).map(p => {
+  const named = name => ['frictionless', 'coulomb'].includes(law) ? name : `${name} (${law})`;
+  return {...p, law, family: named(p.family), problem: law === 'coulomb' ? `${p.problem} mu` : named(p.problem)};
+});
+const readers = {convex: ['apgd', 'pgs', 'ipopt'], coulomb: ['cholesky', 'bullet_pgs']};
+const chosen_problems = kind === 'laws' ? ['frictionless', 'pyramid', 'convex', 'coulomb'].flatMap(under) : kind === 'one' ? problems.slice(3, 4) : kind === 'atlas' ? problems.filter(p => stability.includes(p.family)) : problems;
 const lines = [], traces = [];
 chosen_problems.forEach((p, at) => {
-  const in_sweep = problems.filter(q => q.family === p.family).indexOf(p);
+  const in_sweep = chosen_problems.filter(q => q.family === p.family).indexOf(p);
   for (const [solver, foreign, floor, time, exponent, growth] of chosen_solvers)
     tolerances.forEach((tolerance, rung) => {
       const {hard = 0, type = 'contact', ...about} = p;
@@ -59,6 +64,7 @@ chosen_problems.forEach((p, at) => {
       if (solver.includes('cobyla') && p.n > 200) claimed = 'time limit', error = null, seconds = null;
       if (solver.startsWith('bullet') && p.equalities > 200) claimed = 'unsupported', error = null;
       if (solver === 'nnls' && error > 1e-3) claimed = 'solved, ill-conditioned';
+      if (p.law in readers && !readers[p.law].includes(solver)) claimed = 'unsupported', error = seconds = null;
       const limit = Math.max(10 * tolerance, 1e-12);
       let verified = error === null ? (claimed === 'unsupported' ? 'unsupported' : claimed === 'time limit' ? 'timeout' : 'no answer')
         : error <= limit ? 'solved' : error <= 1000 * limit ? 'near' : 'wrong';

@@ -34,6 +34,7 @@ try {
   await sets_two_runs_side_by_side();
   await draws_fourteen_of_sixteen();
   await opens_with_the_picture_of_its_suite();
+  await never_mixes_classes();
 } finally {
   await browser.close();
   fs.rmSync(folder, {recursive: true, force: true});
@@ -192,8 +193,45 @@ async function opens_with_the_picture_of_its_suite() {
     assert.deepEqual(await page.evaluate(`[...document.querySelectorAll('main [data-chart]')].slice(0, ${first.length}).map(x => x.dataset.chart)`), first);
     for (const name of first) assert.ok(await page.evaluate(ink(name)) > 0.005, `${name} has ink`);
     const tables = await page.evaluate(`[...document.querySelectorAll('main [data-table]')].map(x => x.dataset.table)`);
+    if (kind === 'atlas') assert.equal(await page.evaluate(`document.querySelectorAll('[data-table=stability] tbody tr').length`), 5);
     assert.ok(kind === 'speed' ? tables[0] === 'claim-counts' : tables.indexOf('claim-counts') > tables.indexOf('break-points'), `${tables}`);
     await is_quiet(page, 'zwang_page');
     await page.close();
   }
+}
+
+async function never_mixes_classes() {
+  const classes = {QP: 11, 'convex cone': 3, Coulomb: 2};
+  const page = await browser.open_page(report_of('laws'));
+  await page.evaluate('zwang_page.draw_all()');
+  const picker = `document.querySelector('select[data-state=problem_class]')`;
+  assert.deepEqual(await page.evaluate(`[...${picker}.options].map(option => option.textContent)`), Object.keys(classes));
+  for (const [k, [name, readers]] of Object.entries(classes).entries()) {
+    await page.evaluate(`(${picker}.value = '${k}', ${picker}.onchange(), ${settled})`);
+    assert.match(await page.evaluate(`document.getElementById('ranking').textContent`), new RegExp(`^${name}: on \\d+ hand`));
+    assert.equal(await page.evaluate(`document.querySelectorAll('.chip[data-solver]').length`), readers);
+    assert.equal((await page.evaluate(solvers_in('profile'))).length, readers);
+    const families = await page.evaluate(`[...new Set(zwang_page.views['families'].data('rows').map(row => row.family))]`);
+    assert.deepEqual(families.sort(), name === 'QP' ? ['hand', 'hand (pyramid)', 'tower', 'tower (pyramid)'] : name === 'Coulomb' ? ['hand', 'tower'] : ['hand (convex)', 'tower (convex)']);
+    // Whoever reads all problems of the class can reach 100 % of them; nobody is measured against those of another class.
+    const reads = await page.evaluate(`[...new Set(zwang_page.views['profile'].data('rows').map(row => row.reads).filter(Boolean))]`);
+    assert.ok(reads.every(n => n <= (name === 'QP' ? 24 : 12)), `${name}: ${reads}`);
+    for (const chart of ['work-precision', 'families', 'profile', 'data-profile', 'scaling']) assert.ok(await page.evaluate(ink(chart)) > 0.005, `${chart} of ${name}`);
+    const solved = await page.evaluate(`[...document.querySelectorAll('[data-table=means] tbody td:nth-child(2)')].map(td => Number(td.textContent.split(' of ')[1]))`);
+    assert.ok(solved.length === readers && solved.every(n => n <= (name === 'QP' ? 24 : 12)));
+    assert.ok(await page.evaluate(`document.querySelectorAll('[data-table=claim-counts] tbody tr').length`) > 2, 'false claims are of all classes');
+  }
+  assert.equal(await page.evaluate('location.hash'), '#class=Coulomb');
+  await page.evaluate(`zwang_page.choose(new Set(['cholesky']))`);
+  assert.equal(await page.evaluate('location.hash'), '#class=Coulomb&solvers=cholesky');
+  await is_quiet(page, 'zwang_page');
+  await page.close();
+  const linked = await browser.open_page(`${folder}/laws/report.html`, {hash: 'class=convex%20cone&solvers=apgd,pgs'});
+  await linked.evaluate('zwang_page.draw_all()');
+  assert.deepEqual((await linked.evaluate(solvers_in('profile'))).sort(), ['apgd', 'pgs']);
+  await is_quiet(linked, 'zwang_page');
+  await linked.close();
+  const one_class = await browser.open_page(`${folder}/full/report.html`);
+  assert.equal(await one_class.evaluate(`${picker}.closest('label').hidden`), true, 'one class needs no picker');
+  await one_class.close();
 }

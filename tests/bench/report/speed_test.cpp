@@ -49,10 +49,8 @@ TEST(SpeedTables, TimesStandAgainstTheKernelAndAgainstOurs) {
   const Row& ours = row_of(table, "dual_active_set", "16 contacts");
   EXPECT_DOUBLE_EQ(ours.cells[4].value, 16e-6 / 50e-6);
   EXPECT_EQ(ours.cells[7].text, "1 of 1");
-  EXPECT_NEAR(ours.cells[9].value, 16e-6 / 50e-6 / ((4.4 + 0.25 * 20) / 47), 1e-12);
   const Row& peer = row_of(table, "ipopt", "16 contacts");
   EXPECT_NEAR(peer.cells[5].value, 16000, 1e-6);
-  EXPECT_EQ(peer.cells[9].text, "") << "the floor is that of our method";
 }
 
 TEST(SpeedTables, AStoppedSolverGivesALowerBoundAgainstNewtonWhereOursIsNotRun) {
@@ -82,7 +80,7 @@ TEST(SpeedTables, AWarmStartThatLosesIsShown) {
 
 TEST(SpeedTables, StandOnThePageOfASpeedRunOnly) {
   const auto holds = [](const auto& run) {
-    const auto tables = all_tables(run);
+    const auto tables = class_tables(run);
     return std::any_of(tables.begin(), tables.end(), [](const Table& t) { return t.id == "speed"; });
   };
   auto run = speed_run();

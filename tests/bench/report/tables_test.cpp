@@ -144,6 +144,55 @@ TEST(Headline, SaysWhoseAnswersAndTimesTheyAre) {
   EXPECT_EQ(headline(all).back().find("Handed over"), std::string::npos);
 }
 
+// One family under three laws, in which a solver of one class is a thousand times as fast as those of another.
+report::Run under_three_laws() {
+  report::Run all;
+  all.solvers = {{.name = "qp_solver"}, {.name = "cone_solver"}};
+  for (const char* law : {"frictionless", "pyramid", "convex", "coulomb"})
+    for (const char* solver : {"qp_solver", "cone_solver"}) {
+      const bool is_qp = law == std::string("frictionless") || law == std::string("pyramid");
+      const bool reads = is_qp || solver == std::string("cone_solver");
+      Result& r = all.results.emplace_back(run(std::string("p under ") + law, solver, 1e-10, reads ? 1e-14 : unknown,
+                                               solver == std::string("cone_solver") ? 1 : 1e-3,
+                                               reads ? "solved" : "unsupported", reads ? "solved" : "unsupported"));
+      r.law = law;
+      all.traces.push_back({.problem = r.problem, .solver = solver});
+    }
+  return all;
+}
+
+TEST(Classes, AreNeverAveraged) {
+  const std::vector<report::Run> classes = by_class(under_three_laws());
+  ASSERT_EQ(classes.size(), 3u);
+  EXPECT_EQ(classes[0].problem_class, "QP");
+  EXPECT_EQ(classes[1].problem_class, "convex cone");
+  EXPECT_EQ(classes[2].problem_class, "Coulomb");
+  EXPECT_EQ(classes[0].solvers.size(), 2u);
+  EXPECT_EQ(classes[1].solvers.size(), 1u) << "who reads no problem of a class is not in it";
+  EXPECT_EQ(classes[0].traces.size(), 4u);
+  EXPECT_EQ(classes[2].traces.size(), 2u);
+  EXPECT_EQ(accuracy_headline(classes[0]),
+            "QP: on 2 f problems at 1e-9 achieved error: qp_solver 1.0 ms, cone_solver 1.0 s (1000x)");
+  EXPECT_EQ(accuracy_headline(classes[2]), "Coulomb: on one f problem at 1e-9 achieved error: cone_solver 1.0 s");
+  const Table means = means_table(classes[0]);
+  EXPECT_EQ(means.rows[0].cells[1].text, "2 of 2");
+  EXPECT_NEAR(means.rows[0].cells[2].value, 1e-3, 1e-12);
+  EXPECT_EQ(means_table(classes[1]).rows[0].cells[1].text, "1 of 1");
+  for (const report::Run& part : classes)
+    for (const Table& table : class_tables(part))
+      for (const Row& row : table.rows) EXPECT_NE(row.cells[0].text, part.problem_class == "QP" ? "" : "qp_solver");
+}
+
+TEST(Classes, ARunOfOneClassHasNoNameForIt) {
+  report::Run all = under_three_laws();
+  std::erase_if(all.results, [](const Result& r) { return r.law == "convex" || r.law == "coulomb"; });
+  const std::vector<report::Run> classes = by_class(all);
+  ASSERT_EQ(classes.size(), 1u);
+  EXPECT_EQ(classes[0].problem_class, "");
+  EXPECT_EQ(classes[0].results.size(), 4u);
+  EXPECT_EQ(by_class(report::Run()).size(), 1u);
+}
+
 TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
   report::Run all;
   all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, "iteration limit", "wrong")};
