@@ -7,8 +7,8 @@
 
 #include <zwang/bench/report/tables/statistics.h>
 #include <zwang/bench/suite/flow.h>
-#include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/tools/play.h>
 #include <zwang/experiments/questions/list.h>
 #include <zwang/experiments/questions/play.h>
 #include <zwang/solvers/runs_apart.h>
@@ -105,8 +105,7 @@ Findings growth_with_contacts(const Asking& asking) {
   chart.log_x = chart.log_y = true;
   std::vector<double> counts, times;
   Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
-  const Run run{
-      .solver = asking.solver, .foreign = runs_apart(asking.solver), .tolerance = options.tolerance};
+  const Run run{.solver = asking.solver, .foreign = runs_apart(asking.solver), .tolerance = options.tolerance};
   const std::atomic<bool> never = false;
   for (const auto& [number_of_bin, bin] : bins) {
     std::vector<double> solves;

@@ -6,7 +6,7 @@
 #include <zwang/bench/results/statistics.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
-#include <zwang/experiments/god_hand/play.h>
+#include <zwang/experiments/god_hand/tools/play.h>
 
 namespace zwang::questions {
 

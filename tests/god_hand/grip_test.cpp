@@ -1,6 +1,6 @@
 #include <zwang/experiments/god_hand/motion/motions.h>
-#include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/tools/play.h>
 #include "tests/god_hand/loose_box.h"
 #include "tests/god_hand/tracked.h"
 

@@ -7,6 +7,13 @@ import {is_quiet, open_browser} from '../bench/report/chromium.mjs';
 
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-replay-`);
 const write = (name, frames) => execFileSync(process.argv[2], [`${folder}/${name}`, String(frames)], {encoding: 'utf8'}).trim();
+// The page begins after it is drawn, and plays: paused here, for software draws slowly.
+const open = async (file, options = {}, then = 'zwang_replay.play(false)') => {
+  const page = await browser.open_page(file, options);
+  for (let tries = 0; tries < 100 && !(await page.evaluate('!!globalThis.zwang_replay')); ++tries) await page.evaluate(wait(100));
+  if (then) await page.evaluate(then);
+  return page;
+};
 const wait = milliseconds => `new Promise(done => setTimeout(done, ${milliseconds}))`;
 const text = selector => `document.querySelector('${selector}').textContent`;
 const frame = 'zwang_replay.frame';
@@ -26,6 +33,7 @@ const ink = `(() => {
 const browser = await open_browser();
 try {
   await replays_a_run();
+  await opens_where_something_happens();
   await remembers_its_state();
   await fits_a_phone_in_the_dark();
   await thins_a_long_run();
@@ -37,8 +45,9 @@ try {
 async function replays_a_run() {
   const file = write('run', 300);
   assert.ok(fs.statSync(file).size < 5e6, `${fs.statSync(file).size} bytes`);
-  const page = await browser.open_page(file, {width: 1280, height: 800});
+  const page = await open(file, {width: 1280, height: 800});
   assert.equal(await page.evaluate('document.title'), 'zwang: dip in ground');
+  await page.evaluate('zwang_replay.show(0)');
   const drawn = await page.evaluate(ink);
   assert.ok(drawn.solid > .3 && drawn.blue > .005, `objects and hand are drawn: ${JSON.stringify(drawn)}`);
   await page.key('h');
@@ -111,21 +120,36 @@ async function replays_a_run() {
   await page.close();
 }
 
+// It plays from before the first push on; of a link, it rests at the frame with that number.
+async function opens_where_something_happens() {
+  const page = await open(`${folder}/run/replay.html`, {width: 400, height: 400}, '');
+  const pushed = await page.evaluate('zwang_replay.pushed');
+  assert.ok(pushed > 0, `frame ${pushed}`);
+  assert.equal(await page.evaluate('zwang_replay.playing'), true);
+  const early = await page.evaluate(frame);
+  assert.ok(early >= pushed - 41, `plays from frame ${early}, pushes in ${pushed}`);
+  await page.evaluate(wait(1200));
+  assert.ok(await page.evaluate(frame) > early, 'plays on');
+  assert.equal(await page.evaluate(`document.getElementById('loading')`), null);
+  await page.close();
+  assert.match(fs.readFileSync(`${folder}/run/replay.html`, 'utf8'), /<p id="loading" role="status">Loading/);
+}
+
 async function remembers_its_state() {
-  const page = await browser.open_page(`${folder}/run/replay.html`, {hash: 'f=77&cam=side&theme=dark&not=ghost,xray&speed=0.5'});
+  const page = await open(`${folder}/run/replay.html`, {hash: 'frame=77&cam=side&theme=dark&not=ghost,xray&speed=0.5'});
   assert.equal(await page.evaluate(frame), 77);
   assert.equal(await page.evaluate('document.documentElement.dataset.theme'), 'dark');
   assert.deepEqual(await page.evaluate('[zwang_replay.world.layers.ghost, zwang_replay.world.layers.xray]'), [false, true]);
   await page.key('ArrowRight');
   await page.key('t');
   await page.evaluate(wait(400));
-  assert.equal(await page.evaluate('location.hash'), '#f=78&cam=side&theme=light&not=ghost,xray&speed=0.5');
+  assert.equal(await page.evaluate('location.hash'), '#frame=78&cam=side&theme=light&not=ghost,xray&speed=0.5');
   await is_quiet(page, 'zwang_replay');
   await page.close();
 }
 
 async function fits_a_phone_in_the_dark() {
-  const page = await browser.open_page(`${folder}/run/replay.html`, {width: 390, height: 800, dark: true});
+  const page = await open(`${folder}/run/replay.html`, {width: 390, height: 800, dark: true});
   assert.equal(await page.evaluate('document.documentElement.dataset.theme'), 'dark');
   const outside = await page.evaluate(`[...document.querySelectorAll('button, select, #clock, .panel')].filter(x => { const b = x.getBoundingClientRect(); return x.checkVisibility() && b.width > 0 && (b.right > 391 || b.left < -1 || b.bottom > 801); }).map(x => x.id || x.textContent)`);
   assert.deepEqual(outside, [], 'nothing sticks out');
@@ -136,12 +160,17 @@ async function fits_a_phone_in_the_dark() {
 
 // Of 7,000 frames 3,000 are shown, and the few that matter are among them.
 async function thins_a_long_run() {
-  const page = await browser.open_page(write('long', 7000), {width: 1280, height: 800});
+  const page = await open(write('long', 7000), {width: 1280, height: 800});
   assert.equal(await page.evaluate('zwang_replay.frames'), 3000);
+  await page.evaluate('zwang_replay.show(0)');
   assert.match(await page.evaluate(text('#lines')), /3,000 of 7,000 frames are shown/);
   const numbers = [];
   for (let k = 0; k < 4; ++k) numbers.push(await page.evaluate(`(zwang_replay.next_wrong(), document.querySelector('#clock small').textContent)`));
   assert.deepEqual(numbers, [60, 90, 120, 150].map(n => `frame ${n} of 7,000`));
+  await page.evaluate(`(zwang_replay.show(2900), ${wait(400)})`);
+  const shown = Number((await page.evaluate(text('#clock small'))).match(/^frame ([\d,]+)/)[1].replace(',', ''));
+  assert.ok(shown > 6000, `${shown}`);
+  assert.match(await page.evaluate('location.hash'), new RegExp(`^#frame=${shown}&`), 'the address has the frame of the run');
   await is_quiet(page, 'zwang_replay');
   await page.close();
 }

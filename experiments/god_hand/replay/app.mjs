@@ -84,7 +84,7 @@ let remembering = 0;
 function remember() {
   clearTimeout(remembering);
   remembering = setTimeout(() => {
-    const parts = [`f=${state.frame}`, `cam=${state.camera === 'free' ? world.view().map(x => x.toFixed(4)).join(',') : state.camera}`, `theme=${state.theme}`];
+    const parts = [`frame=${run.numbers.number[state.frame]}`, `cam=${state.camera === 'free' ? world.view().map(x => x.toFixed(4)).join(',') : state.camera}`, `theme=${state.theme}`];
     const off = Object.entries(world.layers).filter(([name, on]) => on !== defaults[name]).map(([name]) => name);
     if (off.length > 0) parts.push(`not=${off.join(',')}`);
     if (state.speed !== 1) parts.push(`speed=${state.speed}`);
@@ -201,7 +201,11 @@ state.playing = true;
 play(false);
 set_speed(speeds.includes(Number(asked.speed)) ? Number(asked.speed) : 1);
 set_theme(['light', 'dark'].includes(asked.theme) ? asked.theme : matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
-show(Number(asked.f) || 0);
+// A link opens at its moment. Else the page plays, from a moment before the hand first pushes something.
+const {start, numbers: contact} = run.contacts;
+const pushed = Math.max(0, times.findIndex((t, frame) => { for (let k = start[frame]; k < start[frame + 1]; k++) if (contact[8 * k + 7] > 1e-6) return true; return false; }));
+const linked = asked.frame !== undefined, first = linked ? run.numbers.number.findIndex(n => n >= Number(asked.frame)) : times.findIndex(t => t >= times[pushed] - .4);
+show(first < 0 ? last : first);
 for (const name of (asked.not ?? '').split(',')) if (name in defaults) set_layer(name, !defaults[name]);
 const view = (asked.cam ?? '').split(',').map(Number);
 if (view.length === 6 && view.every(Number.isFinite)) {
@@ -210,5 +214,8 @@ if (view.length === 6 && view.every(Number.isFinite)) {
   press_camera();
 } else set_camera(cameras.includes(asked.cam) ? asked.cam : 'iso');
 
-globalThis.zwang_replay = {show, play, step, next_wrong, set_theme, set_camera, set_layer, set_speed, errors, frames: run.frames, marks: run.numbers.marks, world,
+$('loading').remove();
+play(!linked && !matchMedia('(prefers-reduced-motion: reduce)').matches);
+
+globalThis.zwang_replay = {show, play, step, next_wrong, set_theme, set_camera, set_layer, set_speed, errors, pushed, frames: run.frames, marks: run.numbers.marks, world,
   get frame() { return state.frame; }, get playing() { return state.playing; }};

@@ -9,6 +9,8 @@ const read = name => fs.readFileSync(here + name, 'utf8');
 const {outputFiles: [script]} = buildSync({
   entryPoints: [here + 'app.mjs'], bundle: true, minify: true, format: 'iife', target: 'es2022', charset: 'utf8',
   legalComments: 'eof', write: false, nodePaths: [node_modules],
+  // Begins once the page is drawn, which says that it loads.
+  banner: {js: "addEventListener('load', () => setTimeout(() => {"}, footer: {js: '}, 60));'},
   alias: {meshopt_decoder: node_modules + '/meshoptimizer/meshopt_decoder_reference.js'},
 });
 // A script element's text ends at "</script"; "<!--" and "<script" change how it is read. All three occur in strings only.

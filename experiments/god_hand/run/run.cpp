@@ -8,10 +8,10 @@
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/measure/disturbance.h>
-#include <zwang/experiments/god_hand/play.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/tools/play.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang::god {
@@ -67,19 +67,14 @@ Setup set_up(Record& record) {
 
 long simulate(const std::filesystem::path& directory, const Record& record, const Setup& setup, bool resume,
               const ShowProgress& progress, const std::atomic<bool>& interrupted) {
-  std::optional<Play> hands;
-  std::optional<ToolPlay> tool;
-  if (setup.tool)
-    tool.emplace(setup.surroundings, setup.motion, *setup.tool, record.asked.options);
-  else
-    hands.emplace(setup.surroundings, setup.motion, record.asked.options);
-  Simulation& simulation = tool ? tool->simulation() : hands->simulation();
+  Play play(setup.surroundings, setup.motion, record.asked.options, setup.tool ? &*setup.tool : nullptr);
+  Simulation& simulation = play.simulation();
   const Checkpoint from = resume ? read_checkpoint(directory) : Checkpoint{};
   if (from.frames > 0) simulation.restore(from.state);
   FrameWriter writer(directory, record.bodies, record.loose, from.frames);
   long k = from.frames;
   for (; k < record.asked.frames && !interrupted; ++k) {
-    const Frame& frame = tool ? tool->step(k) : hands->step(k);
+    const Frame& frame = play.step(k);
     writer.write(frame);
     progress(static_cast<double>(k + 1) / static_cast<double>(record.asked.frames),
              grouped(static_cast<std::size_t>(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");

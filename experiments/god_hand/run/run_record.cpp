@@ -97,26 +97,28 @@ Json load(const std::filesystem::path& directory) {
   return j;
 }
 
-// FNV-1a over the bits of numbers.
-class Fingerprint {
- public:
-  void add(std::uint64_t word) { hash_ = fnv1a({reinterpret_cast<const char*>(&word), sizeof word}, hash_); }
-  void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
-  void add(const Vec3& v) {
-    for (const double number : v) add(number);
-  }
-  void add(const Pose<double>& pose) {
-    add(pose.position);
-    for (const double number : pose.rotation.reshaped()) add(number);
-  }
-  void add(const collision::Shape& shape) {
-    add(shape.radius());
-    for (const Vec3& corner : shape.corners()) add(corner);
-  }
-  std::uint64_t hash() const { return hash_; }
+// FNV-1a over the bits of numbers: of words, poses, shapes, matrices, and lists of them.
+struct Fingerprint {
+  std::uint64_t hash = fnv1a({});
 
- private:
-  std::uint64_t hash_ = fnv1a({});
+  void add(const auto&... parts) { (add_one(parts), ...); }
+  template <class T>
+  void add_one(const T& part) {
+    if constexpr (std::is_same_v<T, double>) {
+      add_one(std::bit_cast<std::uint64_t>(part));
+    } else if constexpr (std::is_integral_v<T>) {
+      const auto word = static_cast<std::uint64_t>(part);
+      hash = fnv1a({reinterpret_cast<const char*>(&word), sizeof word}, hash);
+    } else if constexpr (std::is_same_v<T, Pose<double>>) {
+      add(part.position, part.rotation);
+    } else if constexpr (std::is_same_v<T, collision::Shape>) {
+      add(part.radius(), part.corners());
+    } else if constexpr (requires { part.reshaped(); }) {
+      for (const double number : part.reshaped()) add(number);
+    } else {
+      for (const auto& one : part) add(one);
+    }
+  }
 };
 
 }  // namespace
@@ -153,37 +155,24 @@ void require_same_program(const std::filesystem::path& directory) {
 std::uint64_t fingerprint(const HandMotion& motion) {
   Fingerprint f;
   for (const Track& track : motion.hands) {
-    f.add(track.model.palm_widths);
-    f.add(track.patience);
+    f.add(track.model.palm_widths, track.patience);
     for (int body = 1; body < hand::bodies; ++body) f.add(track.model.phalanx(body).length);
-    for (const Track::Key& key : track.keys) {
-      f.add(key.time);
-      f.add(key.target.palm);
-      for (const double angle : key.target.angles) f.add(angle);
-      for (const double angle : key.target.hinges) f.add(angle);
-      f.add(std::uint64_t{key.target.tracked});
-    }
+    for (const auto& [time, target] : track.keys)
+      f.add(time, target.palm, target.angles, target.hinges, target.tracked);
   }
-  return f.hash();
+  return f.hash;
 }
 
 std::uint64_t fingerprint(const Surroundings& surroundings) {
   Fingerprint f;
   f.add(surroundings.gravity);
   for (const Object& object : surroundings.objects) {
-    f.add(object.pose);
-    f.add(object.mass);
-    f.add(object.friction);
-    for (const double number : object.inertia.reshaped()) f.add(number);
+    f.add(object.pose, object.mass, object.friction, object.inertia);
     if (object.mesh)
-      for (const collision::Triangle& triangle : object.mesh->triangles())
-        for (const Vec3& corner : triangle.corner) f.add(corner);
-    for (const Object::Piece& piece : object.pieces) {
-      f.add(piece.at);
-      f.add(piece.shape);
-    }
+      for (const collision::Triangle& triangle : object.mesh->triangles()) f.add(triangle.corner);
+    for (const Object::Piece& piece : object.pieces) f.add(piece.at, piece.shape);
   }
-  return f.hash();
+  return f.hash;
 }
 
 // At rest all joints are closed: each anchor of a second body, and where it is.
@@ -192,17 +181,12 @@ std::uint64_t fingerprint(const Tool& tool) {
   GodObjects objects = tool.objects;
   for (std::size_t b = 0; b < objects.shapes.size(); ++b) {
     const Body& body = objects.scene.bodies[b];
-    f.add(body.pose);
-    f.add(body.mass);
-    for (const double number : body.inertia.reshaped()) f.add(number);
-    f.add(objects.shapes[b]);
-    f.add(objects.filters[b].mask);
+    f.add(body.pose, body.mass, body.inertia, objects.shapes[b], objects.filters[b].mask);
   }
   const auto add_joints = [&]<class J>(const ConstraintListOf<J>& list) {
-    f.add(std::uint64_t{list.all.size()});
+    f.add(list.all.size());
     for (const J& joint : list.all) {
-      for (const BodyId b : joint.bodies) f.add(static_cast<std::uint64_t>(b));
-      f.add(joint.anchor_b);
+      f.add(joint.bodies, joint.anchor_b);
       if constexpr (requires { joint.axis_b; }) f.add(joint.axis_b);
     }
   };
@@ -210,17 +194,10 @@ std::uint64_t fingerprint(const Tool& tool) {
   add_joints(objects.scene.list_of<RevoluteJoint>());
   add_joints(objects.scene.list_of<UniversalJoint>());
   add_joints(objects.scene.list_of<Weld>());
-  for (const JointLimit& limit : objects.scene.list_of<JointLimit>().all) {
-    for (const BodyId b : limit.bodies) f.add(static_cast<std::uint64_t>(b));
-    f.add(limit.bound);
-    f.add(std::uint64_t{limit.side == Side::lower});
-  }
-  for (const Tool::Drive& drive : tool.drives) {
-    f.add(drive.scale);
-    f.add(drive.rest);
-    f.add(fnv1a(drive.name));
-  }
-  return f.hash();
+  for (const JointLimit& limit : objects.scene.list_of<JointLimit>().all)
+    f.add(limit.bodies, limit.bound, limit.side == Side::lower);
+  for (const Tool::Drive& drive : tool.drives) f.add(drive.scale, drive.rest, fnv1a(drive.name));
+  return f.hash;
 }
 
 }  // namespace zwang::god

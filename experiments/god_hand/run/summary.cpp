@@ -3,30 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
-#include <zwang/bench/suite/progress.h>
+#include <zwang/bench/results/statistics.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::god {
 namespace {
 
 constexpr double closed = 1e-9;  // m and rad: what joints and limits are kept to
 
-// The smaller of two middle ones, 0 of none: what is counted stays a count.
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 std::string length(double metres) {
   if (metres == 0) return "0";
   if (std::abs(metres) >= 1e-5) return printed("%.3g mm", 1e3 * metres);
   return printed("%.1e m", metres);
 }
-std::string milliseconds(double seconds) { return printed("%.3g ms", 1e3 * seconds); }
-std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+std::string rate(double seconds) { return seconds > 0 ? grouped(std::lround(1 / seconds)) + " Hz" : "any rate"; }
 
 // "1,204 solved, 3 near"
 std::string tally(const std::map<std::string, long>& counts) {
@@ -55,11 +46,9 @@ std::string fault(const Frame& frame) {
 }
 
 void Summary::add(const Frame& f) {
-  totals_.push_back(f.times.total());
-  const std::array<double, 6> of_frame = stages(f.times);
-  for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_frame[k];
+  cost_.add(f.times);
   columns_.add(f);
-  broken_ += !fault(f).empty();
+  if (const std::string what = fault(f); !what.empty()) ++faults_[what];
   ++origins_[static_cast<std::size_t>(f.origin)];
   if (f.raw > 0) {
     raw_.push_back(f.raw);
@@ -81,27 +70,21 @@ void Summary::set_audit(long looked, long found, long first, long crossed) {
 std::vector<std::string> Summary::lines(const Record& record) const {
   if (frames() == 0) return {"No frame was simulated."};
   const auto n = static_cast<double>(frames());
-  std::vector<std::string> out;
+  // The verdict, in one line.
+  std::vector<std::string> out = {faults_.empty()
+                                      ? "Nothing penetrated, joints and limits held"
+                                      : "Faults (\"next wrong\" in the replay shows them): " + tally(faults_)};
+  out[0] += (count("stuck") == 0 ? ", nothing stuck" : ", stuck in " + counted(count("stuck"), "frame")) + "; " +
+            milliseconds(cost_.quantile(0.5)) + " a step: " + rate(cost_.quantile(0.5)) + " in the median, " +
+            rate(cost_.quantile(0.99)) + " at the 99th percentile";
   out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
-                grouped(static_cast<std::size_t>(std::lround(1 / dt_))) + " Hz: deepest penetration " +
+                grouped(std::lround(1 / dt_)) + " Hz: deepest penetration " +
                 length(std::max(0.0, -columns_.least("gap"))) + ", joints " + length(most("joint")) + ", " +
                 (most("limit") <= closed ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
-                ", stuck " + std::to_string(count("stuck")) + ", held " + std::to_string(count("held")));
-  const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
-  std::vector<std::size_t> order(stages_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return stages_[a] != stages_[b] ? stages_[a] > stages_[b] : a < b; });
-  std::string shares;
-  for (const std::size_t k : order)
-    if (stages_[k] > 0)
-      shares += (shares.empty() ? "" : ", ") + std::string(stage_names[k]) + " " + percent(stages_[k] / all);
-  out.push_back("median " + milliseconds(quantile(totals_, 0.5)) + " a step" +
-                (shares.empty() ? "" : " (" + shares + ")") + ", 99th percentile " +
-                milliseconds(quantile(totals_, 0.99)) + ", worst " + milliseconds(quantile(totals_, 1)) +
-                (raw_.empty() ? ""
-                              : ", contacts " + printed("%.0f", quantile(raw_, 0.5)) + " -> " +
-                                    printed("%.0f", quantile(kept_, 0.5)) + " (medians)"));
+                ", held " + std::to_string(count("held")));
+  out.push_back(cost_.line() + (raw_.empty() ? ""
+                                             : ", contacts " + printed("%.0f", median(raw_)) + " -> " +
+                                                   printed("%.0f", median(kept_)) + " (medians)"));
   out.push_back("The hand touches in " + percent(static_cast<double>(columns_.touching()) / n) +
                 " of the frames; its target is at most " + length(most("depth")) + " inside an object and " +
                 length(most("dist")) + " from the hand" +
@@ -131,23 +114,25 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   if (const long returned = count("returned"); returned > 0)
     out.push_back(counted(returned, "object") + " put back clear of the hand");
   if (!claimed_.empty())
-    out.push_back("Solves claimed: " + tally(claimed_) + "; verified: " +
-                  (verified_.empty() ? "none looked at" : tally(verified_)) + " (by frame, the worst)");
+    out.push_back("Solves claimed: " + tally(claimed_) + "; the referee " +
+                  (verified_.empty()
+                       ? "looked at none"
+                       : "on one frame in " + std::to_string(record.asked.options.verify) + ": " + tally(verified_)) +
+                  " (by frame, the worst)");
   if (audited_ > 0)
     out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
                   counted(audited_, "body-frame") +
                   (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
                   (crossed_ > 0 ? "; the hands cross each other in " + counted(crossed_, "body-frame") : ""));
-  if (broken_ > 0) out.push_back(counted(broken_, "frame") + " with a fault: \"next wrong\" in the replay shows them");
   return out;
 }
 
 std::string Summary::json(const Record& record) const {
   using Json = nlohmann::ordered_json;
-  Json shares;
-  const double all = std::accumulate(stages_.begin(), stages_.end(), 0.0);
-  for (std::size_t k = 0; k < stages_.size(); ++k) shares[stage_names[k]] = all > 0 ? stages_[k] / all : 0;
-  Json origins;
+  Json shares, origins;
+  for (std::size_t k = 0; k < stage_names.size(); ++k) shares[stage_names[k]] = cost_.shares()[k];
+  long faulty = 0;
+  for (const auto& [what, n] : faults_) faulty += n;
   for (std::size_t k = 0; k < origins_.size(); ++k) origins[origin_names[k]] = origins_[k];
   const Json j = {
       {"scene", record.asked.scene},
@@ -163,7 +148,7 @@ std::string Summary::json(const Record& record) const {
       {"stuck_frames", count("stuck")},
       {"held_frames", count("held")},
       {"origins", origins},
-      {"faulty_frames", broken_},
+      {"faulty_frames", faulty},
       {"target_beyond_thin_part_frames", count("behind")},
       {"untracked_frames", frames() - count("tracked")},
       {"objects_put_back", count("returned")},
@@ -184,12 +169,13 @@ std::string Summary::json(const Record& record) const {
       {"disturbance_held_n", disturbance_at_ < 0 ? Json(nullptr) : Json(disturbance_)},
       {"disturbance_frame", disturbance_at_ < 0 ? Json(nullptr) : Json(disturbance_at_)},
       {"step_s",
-       {{"median", quantile(totals_, 0.5)},
-        {"p99", quantile(totals_, 0.99)},
-        {"worst", quantile(totals_, 1)},
-        {"median_hz", quantile(totals_, 0.5) > 0 ? 1 / quantile(totals_, 0.5) : 0},
+       {{"median", cost_.quantile(0.5)},
+        {"p99", cost_.quantile(0.99)},
+        {"worst", cost_.quantile(1)},
+        {"median_hz", cost_.quantile(0.5) > 0 ? 1 / cost_.quantile(0.5) : 0},
         {"shares", shares}}},
-      {"contacts", {{"raw_median", quantile(raw_, 0.5)}, {"kept_median", quantile(kept_, 0.5)}}},
+      {"contacts",
+       {{"raw_median", raw_.empty() ? 0 : median(raw_)}, {"kept_median", raw_.empty() ? 0 : median(kept_)}}},
       {"claimed", claimed_},
       {"verified", verified_},
       {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}, {"hands_crossed", crossed_}}

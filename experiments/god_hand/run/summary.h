@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <zwang/experiments/god_hand/measure/columns.h>
+#include <zwang/experiments/god_hand/measure/step_cost.h>
 #include <zwang/experiments/god_hand/run/run_record.h>
 
 namespace zwang::god {
@@ -15,12 +15,13 @@ class Summary {
  public:
   explicit Summary(double dt) : dt_(dt) {}
   void add(const Frame& frame);
-  // What an audit (audit.h) of all frames came to.
   // What the last firm hold of the run withstands (measure/disturbance.h) [N], and in which frame that was.
   void set_disturbance(double force, long frame) { disturbance_ = force, disturbance_at_ = frame; }
+  // What an audit (audit.h) of all frames came to.
   void set_audit(long looked, long found, long first, long crossed);
 
   long frames() const { return columns_.frames(); }
+  const StepCost& cost() const { return cost_; }
   // For people, most important first. `record` says what is known of the motion.
   std::vector<std::string> lines(const Record& record) const;
   std::string json(const Record& record) const;
@@ -31,15 +32,13 @@ class Summary {
 
   double dt_;
   Totals columns_ = {};
-  std::vector<double> totals_ = {};    // s, a step
-  std::array<double, 6> stages_ = {};  // s, of all frames
+  StepCost cost_ = {};
   std::array<long, origin_names.size()> origins_ = {};
-  long broken_ = 0;
   double disturbance_ = 0;
   long disturbance_at_ = -1;
   long audited_ = 0, overlaps_ = 0, first_overlap_ = -1, crossed_ = 0;
   std::vector<double> raw_ = {}, kept_ = {};  // of the frames with contacts
-  std::map<std::string, long> claimed_ = {}, verified_ = {};
+  std::map<std::string, long> claimed_ = {}, verified_ = {}, faults_ = {};
 };
 
 // What is wrong with a frame, or "": penetration, an open joint, a limit crossed, an answer that is not right, NaN.

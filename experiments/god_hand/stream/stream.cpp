@@ -1,9 +1,14 @@
 #include <zwang/experiments/god_hand/stream/stream.h>
 
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <stdexcept>
@@ -15,20 +20,18 @@ namespace {
 
 constexpr int room = 1 << 20;  // bytes that a reader may lag behind
 
-sockaddr_un address_of(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path)
-    throw std::invalid_argument("socket '" + path + "': a path of 1 to " + std::to_string(sizeof address.sun_path - 1) +
-                                " bytes is expected");
-  std::memcpy(address.sun_path, path.data(), path.size());
-  return address;
-}
-
 template <class Part>
 void append(std::vector<unsigned char>& out, const Part& part) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(&part);
   out.insert(out.end(), bytes, bytes + sizeof part);
+}
+
+// Bytes that had room, at once; 0: none; below 0: the other side has gone.
+ssize_t put(int socket, std::span<const unsigned char> bytes) {
+  if (bytes.empty()) return 0;
+  const ssize_t sent = ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  const bool later = errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS || errno == EINTR;
+  return sent < 0 && later ? 0 : sent;
 }
 
 void copy(const Vec3& v, double (&to)[3]) { std::copy_n(v.data(), 3, to); }
@@ -55,37 +58,80 @@ std::int64_t monotonic_ns() {
   return std::int64_t{1000000000} * now.tv_sec + now.tv_nsec;
 }
 
-Stream::Stream(std::string path, std::size_t bodies, Say say)
-    : path_(std::move(path)), bodies_(bodies), say_(std::move(say)) {
-  const sockaddr_un address = address_of(path_);
+Stream::Stream(const Place& place, std::size_t bodies, Say say) : bodies_(bodies), say_(std::move(say)) {
+  if (place.address.empty() || !place.socket.empty()) listen_at(place.socket);
+  if (!place.address.empty()) listen_on(place.address);
+}
+
+void Stream::fail(const std::string& where, const std::string& why) {
+  close_all();
+  throw std::invalid_argument(where + ": " + why);
+}
+
+void Stream::listen_at(const std::string& path) {
+  const std::string name = "socket '" + path + "'";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path)
+    fail(name, "a path of 1 to " + std::to_string(sizeof address.sun_path - 1) + " bytes is expected");
+  std::memcpy(address.sun_path, path.data(), path.size());
   const auto* at = reinterpret_cast<const sockaddr*>(&address);
-  const auto fail = [&](const std::string& why) {
-    if (listener_ >= 0) close(listener_);
-    throw std::invalid_argument("socket '" + path_ + "': " + why);
-  };
   const int probe = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
   const int answer = connect(probe, at, sizeof address), error = errno;
   close(probe);
-  if (answer == 0) fail("another program listens there");
-  if (error == ECONNREFUSED) unlink(path_.c_str());
-  listener_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (listener_ < 0 || bind(listener_, at, sizeof address) != 0 || listen(listener_, 16) != 0)
-    fail(std::strerror(errno));
-  in_.resize(sizeof(stream::Header) + bodies * sizeof(stream::Pose) + 1);
+  if (answer == 0) fail(name, "another program listens there");
+  if (error == ECONNREFUSED) unlink(path.c_str());
+  local_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (local_ < 0 || bind(local_, at, sizeof address) != 0 || listen(local_, 16) != 0) fail(name, std::strerror(errno));
+  where_ = path_ = path;
 }
 
-Stream::~Stream() {
-  for (const Peer& peer : peers_) close(peer.socket);
-  close(listener_);
-  unlink(path_.c_str());
+void Stream::listen_on(const std::string& address) {
+  const std::string name = "--listen " + address;
+  const std::size_t colon = address.rfind(':');
+  const std::string host = colon == std::string::npos ? "127.0.0.1" : address.substr(0, colon),
+                    port = address.substr(colon + 1);  // npos + 1: from the beginning
+  std::uint16_t number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (error != std::errc{} || end != port.data() + port.size())
+    fail(name, "HOST:PORT, or a port from 0 to 65535, is expected");
+  addrinfo hints{};
+  hints.ai_family = AF_INET, hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int wrong = getaddrinfo(host.c_str(), nullptr, &hints, &found); wrong != 0) fail(name, gai_strerror(wrong));
+  sockaddr_in place{};
+  std::memcpy(&place, found->ai_addr, sizeof place);
+  freeaddrinfo(found);
+  place.sin_port = htons(number);
+  auto* at = reinterpret_cast<sockaddr*>(&place);
+  socklen_t size = sizeof place;
+  tcp_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int on = 1;  // a port whose last connections are not quite closed may be taken again
+  setsockopt(tcp_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (tcp_ < 0 || bind(tcp_, at, size) != 0 || listen(tcp_, 16) != 0) fail(name, std::strerror(errno));
+  getsockname(tcp_, at, &size);
+  where_ += (where_.empty() ? "" : " and ") + host + ":" + std::to_string(ntohs(place.sin_port));
 }
+
+void Stream::close_all() {
+  for (const Peer& peer : peers_) close(peer.socket);
+  for (const int listener : {local_, tcp_})
+    if (listener >= 0) close(listener);
+  if (!path_.empty()) unlink(path_.c_str());
+}
+
+Stream::~Stream() { close_all(); }
 
 void Stream::accept() {
-  for (int s; (s = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0;) {
-    setsockopt(s, SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
-    peers_.push_back({s, 0});
-    say_("a reader is there from frame " + std::to_string(last_) + " on");
-  }
+  for (const int listener : {local_, tcp_})
+    for (int s; listener >= 0 && (s = accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0;) {
+      setsockopt(s, SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
+      const int at_once = 1;
+      if (listener == tcp_) setsockopt(s, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
+      peers_.push_back({.socket = s, .whole = listener == local_, .in = {}});
+      peers_.back().in.resize(sizeof(stream::Header) + bodies_ * sizeof(stream::Pose) + 1);
+      say_("a reader is there from frame " + std::to_string(last_) + " on");
+    }
 }
 
 void Stream::drop(std::size_t peer, const std::string& why) {
@@ -129,12 +175,20 @@ void Stream::send(const Frame& frame) {
   if (peers_.empty()) return;
   write(frame);
   for (std::size_t p = 0; p < peers_.size();) {
-    const ssize_t sent = ::send(peers_[p].socket, out_.data(), out_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != ENOBUFS && errno != EINTR) {
+    Peer& peer = peers_[p];
+    ssize_t sent = put(peer.socket, peer.rest);
+    if (sent > 0) peer.rest.erase(peer.rest.begin(), peer.rest.begin() + sent);
+    if (sent >= 0 && peer.rest.empty()) {
+      sent = put(peer.socket, out_);
+      if (sent > 0) peer.rest.assign(out_.begin() + sent, out_.end());
+    } else if (sent > 0) {
+      sent = 0;
+    }
+    if (sent < 0) {
       drop(p, "has left");
       continue;
     }
-    if (sent < 0) ++peers_[p].missed, ++missed_;
+    if (sent == 0) ++peer.missed, ++missed_;
     ++p;
   }
 }
@@ -144,7 +198,10 @@ bool Stream::receive(std::vector<Pose<double>>& targets) {
   accept();
   bool any = false;
   for (std::size_t p = 0; p < peers_.size();) {
-    const ssize_t got = recv(peers_[p].socket, in_.data(), in_.size(), MSG_DONTWAIT);
+    Peer& peer = peers_[p];
+    const std::size_t whole = peer.in.size() - 1;
+    // Of a local socket one byte more than is right, so that what is too long is seen.
+    const ssize_t got = recv(peer.socket, peer.in.data() + peer.have, whole - peer.have + peer.whole, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
       ++p;
       continue;
@@ -153,18 +210,22 @@ bool Stream::receive(std::vector<Pose<double>>& targets) {
       drop(p, "has left");
       continue;
     }
+    peer.have += static_cast<std::size_t>(got);
     Header h{};
-    std::memcpy(&h, in_.data(), std::min(sizeof h, static_cast<std::size_t>(got)));
-    if (static_cast<std::size_t>(got) != in_.size() - 1 || h.magic != magic || h.version != version ||
-        h.kind != Kind::targets || h.bodies != bodies_) {
-      drop(p, "sent " + std::to_string(got) + " bytes that are not targets for " + std::to_string(bodies_) +
+    std::memcpy(&h, peer.in.data(), std::min(sizeof h, peer.have));
+    const bool targets_for_us =
+        h.magic == magic && h.version == version && h.kind == Kind::targets && h.bodies == bodies_;
+    if (peer.whole ? peer.have != whole || !targets_for_us : peer.have >= sizeof h && !targets_for_us) {
+      drop(p, "sent " + std::to_string(peer.have) + " bytes that are not targets for " + std::to_string(bodies_) +
                   " god objects (docs/stream.md): disconnected");
       continue;
     }
+    if (peer.have < whole) continue;
+    peer.have = 0;
     targets.resize(bodies_);
     for (std::size_t b = 0; b < bodies_; ++b) {
       stream::Pose pose{};
-      std::memcpy(&pose, in_.data() + sizeof h + b * sizeof pose, sizeof pose);
+      std::memcpy(&pose, peer.in.data() + sizeof h + b * sizeof pose, sizeof pose);
       targets[b] = pose_of(pose);
     }
     answers_ = h.number;

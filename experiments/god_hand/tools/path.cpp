@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/constraints/joint_limit.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
 
@@ -61,45 +60,6 @@ std::optional<HandMotion> read_path(const std::filesystem::path& file, const Too
   motion.duration = motion.hands[0].keys.back().time;
   motion.hands[0].patience = std::max(motion.hands[0].patience, motion.duration);
   return motion;
-}
-
-namespace {
-
-const Target& first_of(const HandMotion& motion) {
-  if (motion.hands.size() != 1) throw std::invalid_argument("a tool follows one hand, and the motion has two");
-  const auto& keys = motion.hands[0].keys;
-  const auto seen = std::ranges::find_if(keys, [](const Track::Key& key) { return key.target.tracked; });
-  if (seen == keys.end()) throw std::invalid_argument("the motion has a pose at no time");
-  return seen->target;
-}
-
-std::vector<GodObjects> started(Tool tool, const Target& at, const Options& options) {
-  const std::vector<Pose<double>> poses = tool.poses(at);
-  for (std::size_t b = 0; b < poses.size(); ++b) tool.objects.scene.bodies[b].pose = poses[b];
-  for (JointLimit& limit : tool.objects.scene.list_of<JointLimit>().all)
-    limit.reach = options.limits == Options::Limits::predictive ? 0.25 : 0;  // rad, as of a hand
-  std::vector<GodObjects> clusters;
-  clusters.push_back(std::move(tool.objects));
-  return clusters;
-}
-
-// With every hinge as the tool is made: there it does not touch itself.
-std::vector<Pose<double>> at_rest(const Tool& tool, const Target& at) {
-  std::vector<Pose<double>> poses;
-  for (const Body& body : tool.objects.scene.bodies) poses.push_back(placed(at.palm, body.pose));
-  return poses;
-}
-
-}  // namespace
-
-ToolPlay::ToolPlay(const Surroundings& surroundings, const HandMotion& motion, const Tool& tool, const Options& options)
-    : motion_(motion),
-      tool_(tool),
-      dt_(options.dt),
-      simulation_(surroundings, started(tool, first_of(motion), options), options, at_rest(tool, first_of(motion))) {}
-
-const Frame& ToolPlay::step(long number) {
-  return simulation_.step(tool_.poses(motion_.hands[0].at(static_cast<double>(number) * dt_)));
 }
 
 }  // namespace zwang::god

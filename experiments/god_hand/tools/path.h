@@ -11,18 +11,4 @@ namespace zwang::god {
 // columns with the names of hinges [rad], which set these. None: the file is not such a table. Throws BadFile.
 std::optional<HandMotion> read_path(const std::filesystem::path& file, const Tool& tool);
 
-// A simulation of a tool that follows a motion, from where it is first tracked.
-class ToolPlay {
- public:
-  ToolPlay(const Surroundings& surroundings, const HandMotion& motion, const Tool& tool, const Options& options);
-  const Frame& step(long number);  // as Play::step
-  Simulation& simulation() { return simulation_; }
-
- private:
-  const HandMotion& motion_;
-  const Tool& tool_;
-  double dt_;
-  Simulation simulation_;
-};
-
 }  // namespace zwang::god

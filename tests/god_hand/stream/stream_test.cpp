@@ -1,7 +1,9 @@
 #include <zwang/experiments/god_hand/stream/stream.h>
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 #include <algorithm>
@@ -10,9 +12,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <thread>
 
-#include <zwang/experiments/god_hand/step/options.h>
+#include <zwang/experiments/god_hand/scenes/scenes.h>
+#include <zwang/experiments/god_hand/simulation.h>
 
 #include "tests/folders.h"
 
@@ -56,9 +60,174 @@ struct Client {
   ssize_t size = 0;
 };
 
+// Of this machine, over TCP: a frame is as long as its header says.
+struct TcpClient {
+  explicit TcpClient(const Stream& stream) : socket(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::string& where = stream.where();
+    at.sin_port = htons(static_cast<std::uint16_t>(std::stoi(where.substr(where.rfind(':') + 1))));
+    there = connect(socket, reinterpret_cast<sockaddr*>(&at), sizeof at) == 0;
+    const timeval patience{.tv_sec = 20, .tv_usec = 0};
+    setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  ~TcpClient() { close(socket); }
+  // The next frame whole; empty: the other side has gone.
+  std::vector<unsigned char> next() {
+    std::vector<unsigned char> message(sizeof(stream::Header));
+    if (recv(socket, message.data(), message.size(), MSG_WAITALL) != static_cast<ssize_t>(message.size())) return {};
+    stream::Header h{};
+    std::memcpy(&h, message.data(), sizeof h);
+    const std::size_t rest =
+        h.bodies * sizeof(stream::Body) + h.loose * sizeof(stream::Pose) + h.contacts * sizeof(stream::Contact);
+    message.resize(sizeof h + rest);
+    if (recv(socket, message.data() + sizeof h, rest, MSG_WAITALL) != static_cast<ssize_t>(rest)) return {};
+    return message;
+  }
+
+  int socket;
+  bool there;
+};
+
+Stream::Say silent() {
+  return [](const std::string&) {};
+}
+
+// With the time of sending left out.
+std::vector<unsigned char> without_clock(std::vector<unsigned char> message) {
+  std::fill_n(message.begin() + offsetof(stream::Header, sent), sizeof(stream::Header::sent), 0);
+  return message;
+}
+
+TEST(Stream, TcpGetsTheBytesOfTheLocalSocket) {
+  Stream out({socket_path(), "0"}, 32, silent());
+  EXPECT_TRUE(out.where().starts_with(socket_path() + " and 127.0.0.1:")) << out.where();
+  Client local(socket_path());
+  TcpClient tcp(out);
+  ASSERT_TRUE(local.there && tcp.there);
+  for (long k = 0; k < 50; ++k) {
+    out.send(frame_of(k));
+    ASSERT_EQ(local.next().number, static_cast<std::uint64_t>(k));
+    local.message.resize(static_cast<std::size_t>(local.size));
+    ASSERT_EQ(tcp.next(), local.message) << k;
+    local.message.resize(1 << 18);
+  }
+}
+
+TEST(Stream, ASlowTcpReaderGetsWholeFramesAndSeesThoseItMissed) {
+  constexpr std::uint64_t frames = 5000;
+  Stream out({.address = "0"}, 32, silent());
+  TcpClient client(out);
+  for (std::uint64_t k = 0; k < frames; ++k) out.send(frame_of(static_cast<long>(k)));
+  EXPECT_GT(out.missed(), 0);
+  std::uint64_t got = 0, last = 0;
+  const auto take = [&] {
+    const std::vector<unsigned char> message = client.next();
+    stream::Header h{};
+    ASSERT_GE(message.size(), sizeof h);
+    std::memcpy(&h, message.data(), sizeof h);
+    ASSERT_EQ(h.magic, stream::magic);
+    if (got++ > 0) {
+      ASSERT_GT(h.number, last);
+    }
+    last = h.number;
+  };
+  const std::uint64_t wait = frames - static_cast<std::uint64_t>(out.missed());
+  while (got + 1 < wait) take();  // of the last one a part may wait on the other side
+  out.send(frame_of(frames));
+  while (last < frames && got < wait + 1) take();
+  EXPECT_EQ(last, frames);
+}
+
+// The same commands, one a step.
+TEST(Stream, OneSimulationOverEitherSocketToTheBit) {
+  const auto run = [](bool by_tcp) {
+    Target hand{.palm = {{0, 0, 0.08}, Mat3::Identity()}};
+    Simulation simulation(make_surroundings("box", ""), std::span(&hand::standard(), 1), std::span(&hand, 1),
+                          {.verify = 0});
+    Stream stream(by_tcp ? Stream::Place{.address = "127.0.0.1:0"} : Stream::Place{socket_path()}, hand::bodies,
+                  silent());
+    std::optional<TcpClient> tcp;
+    std::optional<Client> local;
+    if (by_tcp)
+      tcp.emplace(stream);
+    else
+      local.emplace(socket_path());
+    std::vector<std::vector<unsigned char>> frames;
+    std::vector<Pose<double>> targets;
+    for (int k = 0; k < 150; ++k) {
+      hand.palm.position += Vec3(1e-4, 0, -5e-4);
+      const hand::Poses wanted = hand::forward_kinematics(hand.palm, hand.angles, hand::standard());
+      stream::Header h{};
+      h.magic = stream::magic, h.version = stream::version, h.kind = stream::Kind::targets;
+      h.number = static_cast<std::uint64_t>(k) + 1, h.bodies = hand::bodies;
+      std::vector<unsigned char> message(sizeof h + hand::bodies * sizeof(stream::Pose));
+      std::memcpy(message.data(), &h, sizeof h);
+      for (std::size_t b = 0; b < wanted.size(); ++b) {
+        const Eigen::Quaterniond q(wanted[b].rotation);
+        stream::Pose pose{};
+        std::copy_n(wanted[b].position.data(), 3, pose.position);
+        std::copy_n(q.coeffs().data(), 4, pose.quaternion);
+        std::memcpy(message.data() + sizeof h + b * sizeof pose, &pose, sizeof pose);
+      }
+      // Over TCP in two parts, the second of which is not there yet.
+      const std::size_t cut = by_tcp ? message.size() / 3 : message.size();
+      const int socket = by_tcp ? tcp->socket : local->socket;
+      EXPECT_EQ(send(socket, message.data(), cut, 0), static_cast<ssize_t>(cut));
+      if (by_tcp) {
+        EXPECT_FALSE(stream.receive(targets));
+        EXPECT_EQ(send(socket, message.data() + cut, message.size() - cut, 0),
+                  static_cast<ssize_t>(message.size() - cut));
+      }
+      for (int tries = 0; !stream.receive(targets) && tries < 10000; ++tries)
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      stream.send(simulation.step(targets));
+      if (by_tcp) {
+        frames.push_back(without_clock(tcp->next()));
+      } else {
+        local->message.resize(1 << 18);
+        EXPECT_EQ(local->next().answers, static_cast<std::uint64_t>(k) + 1);
+        local->message.resize(static_cast<std::size_t>(local->size));
+        frames.push_back(without_clock(local->message));
+      }
+    }
+    return frames;
+  };
+  const auto local = run(false), tcp = run(true);
+  EXPECT_EQ(local, tcp);
+  stream::Header last{};
+  std::memcpy(&last, local.back().data(), sizeof last);
+  EXPECT_TRUE(last.flags & stream::Flag::touching);
+}
+
+TEST(Stream, WhatIsNotTargetsEndsATcpConnectionToo) {
+  std::vector<std::string> said;
+  Stream in({.address = "0"}, 2, [&](const std::string& line) { said.push_back(line); });
+  TcpClient client(in);
+  const std::string request = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: text/html, and so on and so forth\r\n\r\n";
+  ASSERT_EQ(send(client.socket, request.data(), request.size(), 0), static_cast<ssize_t>(request.size()));
+  std::vector<Pose<double>> targets;
+  EXPECT_FALSE(in.receive(targets));
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_TRUE(said[1].find("that are not targets for 2 god objects") != std::string::npos) << said[1];
+  EXPECT_TRUE(client.next().empty());
+}
+
+TEST(Stream, AnAddressThatCannotBeHadIsNamed) {
+  const Stream first({.address = "0"}, 2, silent());
+  for (const std::string& address : {first.where(), std::string("70000"), std::string("no port"), std::string(":")})
+    try {
+      Stream second({.address = address}, 2, silent());
+      ADD_FAILURE() << address;
+    } catch (const std::invalid_argument& refused) {
+      EXPECT_TRUE(std::string(refused.what()).starts_with("--listen " + address + ": ")) << refused.what();
+    }
+}
+
 TEST(Stream, AReaderThatKeepsUpGetsAllInOrderWithinAMillisecond) {
   constexpr long frames = 2000;
-  Stream out(socket_path(), 32, [](const std::string&) {});
+  Stream out({socket_path()}, 32, silent());
   Client client(socket_path());
   ASSERT_TRUE(client.there);
   std::vector<double> age;  // s
@@ -84,7 +253,7 @@ TEST(Stream, AReaderThatKeepsUpGetsAllInOrderWithinAMillisecond) {
 }
 
 TEST(Stream, HoldsTheFrame) {
-  Stream out(socket_path(), 32, [](const std::string&) {});
+  Stream out({socket_path()}, 32, silent());
   Client client(socket_path());
   out.send(frame_of(7));
   const stream::Header h = client.next();
@@ -102,7 +271,7 @@ TEST(Stream, HoldsTheFrame) {
 
 TEST(Stream, ASlowReaderMissesFramesAndSeesIt) {
   constexpr long frames = 5000;
-  Stream out(socket_path(), 32, [](const std::string&) {});
+  Stream out({socket_path()}, 32, silent());
   Client client(socket_path());
   const Frame f = frame_of(0);
   const std::int64_t start = monotonic_ns();
@@ -124,7 +293,8 @@ TEST(Stream, ASlowReaderMissesFramesAndSeesIt) {
 
 TEST(Stream, EitherSideSurvivesTheOthersDeath) {
   std::vector<std::string> said;
-  auto out = std::make_unique<Stream>(socket_path(), 32, [&](const std::string& line) { said.push_back(line); });
+  auto out = std::make_unique<Stream>(Stream::Place{socket_path()}, 32,
+                                      [&](const std::string& line) { said.push_back(line); });
   {
     Client client(socket_path());
     out->send(frame_of(0));
@@ -133,7 +303,7 @@ TEST(Stream, EitherSideSurvivesTheOthersDeath) {
   for (long k = 1; k < 10; ++k) out->send(frame_of(k));
   EXPECT_EQ(said, (std::vector<std::string>{"a reader is there from frame 0 on",
                                             "a reader has left at frame 1, which missed 0 frames"}));
-  EXPECT_THROW(Stream(socket_path(), 32, [](const std::string&) {}), std::invalid_argument);  // taken
+  EXPECT_THROW(Stream({socket_path()}, 32, [](const std::string&) {}), std::invalid_argument);  // taken
   Client last(socket_path());
   out->send(frame_of(10));
   EXPECT_EQ(last.next().number, 10u);
@@ -144,7 +314,7 @@ TEST(Stream, EitherSideSurvivesTheOthersDeath) {
 
 TEST(Stream, TakesTheNewestTargetsAndNothingElse) {
   std::vector<std::string> said;
-  Stream in(socket_path(), 2, [&](const std::string& line) { said.push_back(line); });
+  Stream in({socket_path()}, 2, [&](const std::string& line) { said.push_back(line); });
   std::vector<Pose<double>> targets;
   EXPECT_FALSE(in.receive(targets));
   Client client(socket_path());

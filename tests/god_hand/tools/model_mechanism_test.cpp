@@ -89,7 +89,7 @@ TEST(ModelMechanism, FollowsAndBends) {
   append(motion.hands[0], {0, closed(0, at(0, 0, 0.1))});
   append(motion.hands[0], {0.5, closed(1.6, at(0, 0, -0.02))});
   append(motion.hands[0], {1, closed(1.6, at(0.05, 0, -0.02))});
-  ToolPlay play(floor_of(), motion, tool, unverified());
+  Play play(floor_of(), motion, unverified(), &tool);
   Kept kept;
   for (long k = 0; k <= 1000; ++k) kept.add(play.step(k));
   EXPECT_GT(kept.gap, 0);
@@ -207,7 +207,7 @@ void plays_soundly(const Tool& tool, const std::string& scene, const std::string
   std::vector<Obstacle> obstacles;
   for (const MetPart& part : parts) obstacles.push_back(part.body);
   Audit audit({tool.objects.shapes}, obstacles);
-  ToolPlay play(s, motion, tool, unverified());
+  Play play(s, motion, unverified(), &tool);
   Kept kept;
   double bent = 0;
   std::vector<Pose<double>> poses;

@@ -44,7 +44,7 @@ TEST(SceneMechanism, ThreeFingersTakeABoxAndLiftIt) {
   const Surroundings s = make_surroundings("box", "");
   Options options;
   options.verify = 0;
-  ToolPlay play(s, *motion, tool, options);
+  Play play(s, *motion, options, &tool);
   Kept kept;
   double grip = 0, high = 0, turned = 0;
   for (long k = 0; k <= 2400; ++k) {
@@ -67,7 +67,7 @@ TEST(SceneMechanism, MotionsOfAHandBendIt) {
   const Tool tool = make_tool(fingers);
   const Surroundings s = make_surroundings("box", "");
   const HandMotion motion = synthetic_motion("grasp", s);
-  ToolPlay play(s, motion, tool, unverified());
+  Play play(s, motion, unverified(), &tool);
   Kept kept;
   for (long k = 0; k < static_cast<long>(1e3 * motion.duration); ++k) kept.add(play.step(k));
   EXPECT_GT(kept.gap, 0);
@@ -114,7 +114,7 @@ TEST(SceneMechanism, JointsMayBeWrittenDownTheOtherWay) {
     append(motion.hands[0], {1, target});
     motion.hands[0].patience = 2;
     for (const Tool* tool : {&forward, &backward}) {
-      ToolPlay play({.name = "nothing"}, motion, *tool, unverified());
+      Play play({.name = "nothing"}, motion, unverified(), &*tool);
       for (long s = 0; s < 400; ++s) play.step(s);
       const Frame& frame = play.step(400);
       EXPECT_NEAR(angle_of(forward, "h", frame.god), std::clamp(angle, -0.2, 0.3), 1e-9);
@@ -133,7 +133,7 @@ TEST(SceneMechanism, BallsUniversalJointsAndWeldsHold) {
   append(motion.hands[0], {0, {.palm = at(0, 0, 0.3)}});
   append(motion.hands[0], {0.5, {.palm = at(0, 0, -0.1, {0.5, 0, 0.3})}});
   motion.hands[0].patience = 2;
-  ToolPlay play(floor_of(), motion, tool, unverified());
+  Play play(floor_of(), motion, unverified(), &tool);
   Kept kept;
   for (long k = 0; k <= 500; ++k) kept.add(play.step(k));
   EXPECT_GT(kept.gap, 0);
@@ -149,7 +149,7 @@ TEST(SceneMechanism, ARangeOfMoreThanHalfATurnIsKept) {
   append(motion.hands[0], {0, closed(0)});
   append(motion.hands[0], {2, closed(3)});
   append(motion.hands[0], {6, closed(-3)});
-  ToolPlay play({.name = "nothing"}, motion, tool, unverified());
+  Play play({.name = "nothing"}, motion, unverified(), &tool);
   double most = 0, least = 0;
   for (long k = 0; k <= 6000; ++k) {
     const Frame& f = play.step(k);
@@ -171,7 +171,7 @@ TEST(SceneMechanism, APathSetsHingesByName) {
   EXPECT_NEAR(angle_of(tool, "first_base", half), -0.1, 1e-12);
   EXPECT_NEAR(angle_of(tool, "first_end", half), 0.1, 1e-12);
   EXPECT_NEAR(angle_of(tool, "thumb_end", half), 1, 1e-12);
-  ToolPlay play({.name = "nothing"}, *motion, tool, unverified());
+  Play play({.name = "nothing"}, *motion, unverified(), &tool);
   for (long k = 0; k < 1000; ++k) play.step(k);
   const Frame& f = play.step(1000);
   EXPECT_NEAR(angle_of(tool, "thumb_end", f.god), 1.5, 1e-9);  // its limit; its target is beyond
@@ -262,7 +262,7 @@ TEST(SceneMechanism, ItDoesNotTouchItselfAtRestAndMeetsItselfElsewhere) {
   motion.hands[0].patience = 2;
   append(motion.hands[0], {0, closed(2)});
   append(motion.hands[0], {1, closed(2.2)});
-  ToolPlay play({.name = "nothing"}, motion, tool, unverified());
+  Play play({.name = "nothing"}, motion, unverified(), &tool);
   Kept kept;
   for (long k = 0; k <= 1000; ++k) kept.add(play.step(k));
   EXPECT_GT(kept.gap, 0);

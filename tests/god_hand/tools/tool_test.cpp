@@ -8,6 +8,7 @@
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/god_hand/tools/path.h>
+#include <zwang/experiments/god_hand/tools/play.h>
 #include "tests/god_hand/tracked.h"
 
 namespace zwang::god {
@@ -23,7 +24,7 @@ Extremes play(const std::string& scene, const std::string& name, const std::stri
   const Surroundings s = make_surroundings(scene, "");
   const HandMotion motion = synthetic_motion(motion_name, s);
   const Tool tool = make_tool(name);
-  ToolPlay play(s, motion, tool, unverified());
+  Play play(s, motion, unverified(), &tool);
   Extremes e;
   for (long k = 0; k < static_cast<long>(1e3 * motion.duration); ++k) {
     const Frame& f = play.step(k);
@@ -50,7 +51,7 @@ TEST(Tool, AKeyHoldsWhereItIsTurned) {
   const Surroundings s = make_surroundings("lock", "");
   const HandMotion motion = synthetic_motion("unlock", s);
   const Tool tool = make_tool("key");
-  ToolPlay play(s, motion, tool, unverified());
+  Play play(s, motion, unverified(), &tool);
   double pulled = 1, target = -1, last = -1;
   for (long k = 0; k < static_cast<long>(1e3 * motion.duration); ++k) {
     const Frame& f = play.step(k);
@@ -77,7 +78,7 @@ TEST(Tool, AGripperClosesAsFarAsThereIsRoom) {
   append(motion.hands[0], {0, open});
   append(motion.hands[0], {1, shut});
   motion.hands[0].patience = 2;
-  ToolPlay play({.name = "nothing"}, motion, tool, unverified());
+  Play play({.name = "nothing"}, motion, unverified(), &tool);
   for (long k = 0; k <= 1000; ++k) {
     const Frame& f = play.step(k);
     ASSERT_GT(f.gap, 0) << k;
@@ -96,7 +97,7 @@ TEST(Tool, FollowsAPathFromATable) {
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->duration, 1);
   EXPECT_NEAR(motion->hands[0].at(0.5).palm.position.x(), 0.1, 1e-12);
-  ToolPlay play({.name = "nothing"}, *motion, tool, unverified());
+  Play play({.name = "nothing"}, *motion, unverified(), &tool);
   for (long k = 0; k < 500; ++k) play.step(k);
   EXPECT_NEAR(play.step(500).god[0].position.x(), 0.1, 1e-9);
   std::ofstream(file) << "time,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n";
