@@ -25,8 +25,7 @@ struct Reading {
   const char* solver;
 };
 constexpr std::array readings{Reading{"pyramid", Law::pyramid, "dual_active_set"},
-                              Reading{"convex", Law::convex, "cone"}, Reading{"Coulomb", Law::coulomb, "cone"},
-                              Reading{"Coulomb, adaptive", Law::coulomb, "cone:adaptive=on"}};
+                              Reading{"convex", Law::convex, "cone"}, Reading{"Coulomb", Law::coulomb, "cone"}};
 
 // Of one reading on one scene, against a proven solution z* of Coulomb's law.
 struct Price {
@@ -94,7 +93,7 @@ std::vector<Price> prices(const Instance& scene, Dispatcher& desk, const Asking&
   return all;
 }
 
-double median_of(const std::vector<Price>& all, double Price::* field) {
+double median_of(const std::vector<Price>& all, double Price::*field) {
   std::vector<double> values;
   for (const Price& p : all) values.push_back(p.*field);
   return median(values);
@@ -103,7 +102,7 @@ double median_of(const std::vector<Price>& all, double Price::* field) {
 struct Measure {
   const char* name;
   const char* axis;
-  double Price::* field;
+  double Price::*field;
 };
 constexpr std::array measures{
     Measure{"lift", "lift (m/s^2)", &Price::lift}, Measure{"creep", "creep (m/s^2)", &Price::creep},
@@ -112,7 +111,7 @@ constexpr std::array measures{
 constexpr double least_shown = 1e-9;
 
 std::string paragraph(const std::map<std::string, std::vector<Price>>& all, std::size_t scenes, std::size_t left_out) {
-  const auto most = [&](const char* name, double Price::* field) {
+  const auto most = [&](const char* name, double Price::*field) {
     double value = 0;
     for (const Price& p : all.at(name)) value = std::max(value, p.*field);
     return number(value, 2);
@@ -126,9 +125,9 @@ std::string paragraph(const std::map<std::string, std::vector<Price>>& all, std:
          " and " + most("pyramid", &Price::lift) + " m/s^2 where they should stay closed, and slip by up to " +
          most("convex", &Price::creep) + " and " + most("pyramid", &Price::creep) +
          " m/s^2 otherwise. Where nothing slides all laws agree. Median times are " + time("pyramid") + " (pyramid), " +
-         time("convex") + " (convex), " + time("Coulomb") + " (Coulomb) and " + time("Coulomb, adaptive") +
-         " (Coulomb, adaptive) neutral kernels; Coulomb's answers are proven or consistent on " +
-         std::to_string(right) + " of " + std::to_string(scenes) + "." +
+         time("convex") + " (convex) and " + time("Coulomb") +
+         " (Coulomb) neutral kernels; Coulomb's answers are proven or consistent on " + std::to_string(right) + " of " +
+         std::to_string(scenes) + "." +
          (left_out == 0
               ? ""
               : " On " + std::to_string(left_out) + " more stacks no solution was proven; they are left out.");

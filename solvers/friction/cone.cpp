@@ -145,8 +145,6 @@ bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const Solve
   return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
 }
 
-bool Cone::Work::slides(const ConeProgram& program) const { return program.cones() > 0 && modes_.slides(); }
-
 // From an earlier answer, from nothing, and from so many starts inside the cones.
 Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool finish, const Problem& p,
                                         const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
@@ -289,16 +287,6 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
   if (!p.has_tangents()) return solve_without_friction(p, options, solution);
   const Deadline deadline(options.time_limit);
   const bool coulomb = p.has_tangents() && p.law == Law::coulomb;
-  if (coulomb && cone.adaptive) {
-    // No contact that slides: the convex answer meets Coulomb's law, too.
-    if (solve_under(Law::convex, cone.finish, p, options, deadline, options.warm_start, solution) && !slides(program_))
-      return;
-    if (solution.status == Status::time_limit || solution.status == Status::iteration_limit) return;
-    const int before = solution.iterations;
-    solve_under(Law::coulomb, cone.finish, p, options, deadline, options.warm_start, solution);
-    solution.iterations += before;
-    return;
-  }
   solve_under(coulomb ? Law::coulomb : Law::convex, cone.finish, p, options, deadline, options.warm_start, solution);
   if (solution.status == Status::numerical_failure &&
       contradicts_itself(cone.normals_.own(p.size(), p.rows()), p, options, deadline)) {

@@ -41,13 +41,10 @@ struct Cone {
   static constexpr std::string_view name = "cone";
   static constexpr std::array laws{Law::convex, Law::coulomb};
 
-  bool adaptive = false;
   bool finish = true;
 
   static std::vector<Setting<Cone>> settings() {
-    return {{"adaptive", &Cone::adaptive,
-             "under Coulomb's law, solve the convex law first and go on only where a contact slides, island by island"},
-            {"finish", &Cone::finish, "Newton's method on the modes behind the interior point"}};
+    return {{"finish", &Cone::finish, "Newton's method on the modes behind the interior point"}};
   }
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
@@ -78,7 +75,6 @@ struct Cone {
     bool contradicts_itself(Work& normals, const Problem& problem, const SolveOptions& options,
                             const Deadline& deadline);
     void keep(const Vector& v, const Vector& y, double natural);
-    bool slides(const ConeProgram& program) const;
 
     ConeProgram program_;
     InteriorPoint inside_;

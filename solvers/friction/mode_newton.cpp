@@ -227,10 +227,4 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
   residual = best;
 }
 
-bool ModeNewton::slides() const {
-  for (std::size_t k = 0; k < mode_.size(); ++k)
-    if (mode_[k] == Mode::slide) return true;
-  return false;
-}
-
 }  // namespace zwang

@@ -36,7 +36,6 @@ class ModeNewton {
   void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);
   // One of its steps; false on a breakdown.
   bool step(ConeProgram& program);
-  bool slides() const;  // does a contact that pushes?
 
  private:
   struct Direction {

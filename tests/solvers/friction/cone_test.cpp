@@ -339,18 +339,6 @@ TEST(Cone, LimitsEndTheSolveWithAnIterate) {
   EXPECT_GE(shown, s.iterations / 2);
 }
 
-TEST(Cone, AdaptiveGoesToCoulombWhereContactsSlide) {
-  Cone adaptive;
-  adaptive.adaptive = true;
-  const Problem sticks = block(0.5, Vec3(-8, 1.5, 2), Law::coulomb), slides = block(0.5, Vec3(-8, 6, 8), Law::coulomb);
-  const Solution still = solve(sticks, adaptive), moving = solve(slides, adaptive);
-  ASSERT_EQ(still.status, Status::solved) << still.message;
-  ASSERT_EQ(moving.status, Status::solved) << moving.message;
-  EXPECT_LE(law_error(sticks, still), 1e-12);
-  EXPECT_LE(law_error(slides, moving), 1e-12);
-  EXPECT_GT(moving.iterations, solve(slides).iterations);
-}
-
 TEST(Cone, IslandsAreSolvedApart) {
   const auto one = planted(Law::coulomb, 0.5, 1, 3, 1), two = planted(Law::coulomb, 0.5, 1, 4, 2);
   Problem both;
