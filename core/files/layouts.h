@@ -9,7 +9,7 @@
 namespace zwang {
 
 // zwang's own layout: the group "zwang" of a problem.
-Instance read_own(const hdf5::Group& group, std::optional<Law> law);
+Instance read_own(const hdf5::Group& group);
 void write_own(hdf5::Group& group, const Instance& instance);
 
 // FCLIB's groups "fclib_global" or "fclib_global_rolling", and "fclib_local". Without tangent rows where the law wants

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include <zwang/core/files/layouts.h>
-#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 namespace {
@@ -75,70 +73,6 @@ std::vector<RecordedAnswer> read_recorded(const hdf5::Group& group, Index n) {
   return all;
 }
 
-// Files of an earlier program keep the tangents of some contacts in a group beside the rows. Here they are tangent
-// rows, as if everything were at rest: what stood in their c was not kept. Reference and recorded answers were
-// frictionless.
-void insert_friction(const hdf5::Group& group, Instance& instance) {
-  Problem& p = instance.problem;
-  const std::size_t count = length(group, "row");
-  const std::vector<std::int64_t> row = group.read<std::int64_t>("row", count);
-  const std::vector<std::int64_t> tangents = group.read<std::int64_t>("tangents_per_row", count);
-  const Vector mu = read_vector(group, "mu", count);
-  Index rows = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (row[k] < 0 || row[k] >= p.rows() || p.is_equality(row[k]) || (k > 0 && row[k] <= row[k - 1]))
-      group.fail("row", "holds " + std::to_string(row[k]) + "; expected inequality rows, rising");
-    if (tangents[k] != 1 && tangents[k] != 2)
-      group.fail("tangents_per_row", "holds " + std::to_string(tangents[k]) + "; expected 1 or 2");
-    if (!(mu[static_cast<Index>(k)] >= 0)) group.fail("mu", "negative; expected friction coefficients");
-    rows += tangents[k];
-  }
-  using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-  const RowMajor T = read_matrix(group, "T", rows, p.size(), Storage::rows);
-  if (count == 0 || !(mu.maxCoeff() > 0)) return;
-
-  const Instance before = std::exchange(instance, {.family = instance.family,
-                                                   .knob = instance.knob,
-                                                   .knob_value = instance.knob_value,
-                                                   .seed = instance.seed,
-                                                   .notes = instance.notes});
-  const Problem& old = before.problem;
-  p = {.name = old.name, .M = old.M, .z_u = old.z_u, .law = Law::coulomb};
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> c, friction;
-  const auto add_row = [&](const RowMajor& from, Index of, double right, RowKind kind, Index contact, int slip,
-                           bool slips) {
-    for (RowMajor::InnerIterator e(from, of); e; ++e)
-      entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(e.col()), e.value());
-    c.push_back(right);
-    friction.push_back(0);
-    p.kind.push_back(kind);
-    RowKey key = old.key[static_cast<std::size_t>(contact)];
-    if (slips) key = {mix_bits(key.constraint + key.row), static_cast<std::uint32_t>(slip)};
-    p.key.push_back(key);
-    if (before.origin.empty()) return;
-    instance.origin.push_back(before.origin[static_cast<std::size_t>(contact)]);
-    if (slip > 0) instance.origin.back().row = slip;
-  };
-  Index next = 0;  // of T's rows
-  std::size_t k = 0;
-  for (Index i = 0; i < old.rows(); ++i) {
-    const bool listed = k < count && row[k] == i;
-    const double coefficient = listed ? mu[static_cast<Index>(k)] : 0;
-    add_row(old.J, i, old.c[i], old.kind[static_cast<std::size_t>(i)], i, 0, coefficient > 0);
-    friction.back() = coefficient;
-    if (!listed) continue;
-    for (int slip = 1; slip <= tangents[k]; ++slip, ++next)
-      if (coefficient > 0) add_row(T, next, 0, RowKind::tangent, i, slip, true);
-    ++k;
-  }
-  p.J.resize(static_cast<Index>(c.size()), p.size());
-  p.J.setFromTriplets(entries.begin(), entries.end());
-  p.c = Eigen::Map<const Vector>(c.data(), p.J.rows());
-  p.mu = Eigen::Map<const Vector>(friction.data(), p.J.rows());
-  instance.notes.push_back("written without the velocities of slip: bodies and surfaces count as being at rest");
-}
-
 template <class T>
 std::span<const T> span_of(const T* data, Index size) {
   return {data, static_cast<std::size_t>(size)};
@@ -175,7 +109,7 @@ void write_recorded(hdf5::Group& parent, const std::vector<RecordedAnswer>& reco
 
 }  // namespace
 
-Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
+Instance read_own(const hdf5::Group& group) {
   Instance instance;
   Problem& p = instance.problem;
   const Index n = static_cast<Index>(length(group, "z_u")), m = static_cast<Index>(length(group, "c"));
@@ -219,7 +153,6 @@ Instance read_own(const hdf5::Group& group, std::optional<Law> law) {
   if (group.has_group("reference"))
     instance.reference = read_reference(group.group("reference"), n, m, p.law != Law::coulomb);
   if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
-  if (group.has_group("friction") && law != Law::frictionless) insert_friction(group.group("friction"), instance);
   return instance;
 }
 

@@ -57,7 +57,7 @@ Instance read_problem(const hdf5::Group& group, const std::string& name, std::op
   Instance instance;
   std::string layout = own;
   if (group.has_group(own)) {
-    instance = read_own(group.group(own), law);
+    instance = read_own(group.group(own));
   } else if (group.has_group("fclib_local")) {
     instance = read_fclib_local(group.group(layout = "fclib_local"), law);
   } else {

@@ -101,44 +101,6 @@ TEST_F(ProblemFile, TangentRowsComeBackWithMuAndLaw) {
   }
 }
 
-// What capture wrote before there were tangent rows.
-TEST_F(ProblemFile, AGroupOfFrictionBesideTheRowsIsReadIntoThem) {
-  {
-    hdf5::Group root = hdf5::Group::create(path("b.h5"));
-    hdf5::Group g = root.add_group("zwang"), friction = g.add_group("friction"), T = friction.add_group("T");
-    const std::vector<double> M{2, 0, 0, 2}, z_u{1, 2}, c{0.5, 0.25}, mu{0.5, 0};
-    const std::vector<std::uint8_t> kind{1, 1};
-    for (const char* name : {"M", "J"}) {
-      hdf5::Group A = g.add_group(name);
-      A.write("p", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1, 2}));
-      A.write("i", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1}));
-      A.write("x", std::span<const double>(std::vector<double>{1, 2}));
-    }
-    g.write("z_u", std::span<const double>(z_u));
-    g.write("c", std::span<const double>(c));
-    g.write("kind", std::span<const std::uint8_t>(kind));
-    friction.write("row", std::span<const std::int64_t>(std::vector<std::int64_t>{0, 1}));
-    friction.write("tangents_per_row", std::span<const std::int64_t>(std::vector<std::int64_t>{1, 2}));
-    friction.write("mu", std::span<const double>(mu));
-    T.write("p", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1, 2, 3}));
-    T.write("i", std::span<const std::int32_t>(std::vector<std::int32_t>{1, 0, 1}));
-    T.write("x", std::span<const double>(std::vector<double>{7, 8, 9}));
-  }
-  const Instance out = read_problems(path("b.h5")).at(0);
-  const Problem& p = out.problem;
-  EXPECT_EQ(p.kind, (std::vector{RowKind::inequality, RowKind::tangent, RowKind::inequality}));
-  Matrix J(3, 2);
-  J << 1, 0, 0, 7, 0, 2;
-  EXPECT_EQ(Matrix(p.J), J);
-  EXPECT_EQ(p.c, Vec3(0.5, 0, 0.25));
-  EXPECT_EQ(p.mu, Vec3(0.5, 0, 0));
-  EXPECT_EQ(p.law, Law::coulomb);
-  EXPECT_EQ(out.notes.size(), 1u);
-  const Problem without = read_problems(path("b.h5"), Law::frictionless).at(0).problem;
-  EXPECT_EQ(without.rows(), 2);
-  EXPECT_FALSE(without.has_tangents());
-}
-
 TEST_F(ProblemFile, InfeasibleReferenceComesBack) {
   Instance in = awkward();
   in.reference = Reference{.feasible = false, .certificate = Vector::Unit(3, 1), .method = "mpfr 100 digits"};
