@@ -1,8 +1,10 @@
 #include <zwang/bench/collision/study.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 #include <zwang/bench/collision/bullet_sweep.h>
 #include <zwang/bench/collision/hand_shapes.h>
@@ -48,6 +50,53 @@ double gap_of(World& world) {
   for (const collision::Touch& t : world.touches(0.01)) least = std::min(least, t.gap);
   return least;
 }
+
+struct Placement {
+  Pose<double> pose;
+  Vec<double, 6> twist;
+};
+
+struct Pairs {
+  std::shared_ptr<const Tree> tree;
+  Shape finger;
+  std::vector<Placement> placements;
+};
+
+Pairs make_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
+  Pairs pairs{
+      std::make_shared<const Tree>(meshes::bumpy_sphere(0.15, 0.006, 8, triangles)), Shape::capsule(0.04, 0.008), {}};
+  Draw draw(5);
+  World world;
+  world.add(pairs.tree);
+  const int finger = world.add(pairs.finger);
+  while (static_cast<int>(pairs.placements.size()) < count) {
+    // From outside toward the middle until the gap is what was asked for.
+    const Vec3 out = draw.direction();
+    Pose<double> pose{0.25 * out, rotation(draw.cube(2))};
+    for (int k = 0; k < 60; ++k) {
+      world.place(finger, pose);
+      const double here = gap_of(world);
+      if (here < 0.01 && std::abs(here - gap) < 1e-3 * gap) break;
+      pose.position -= (here - gap) * out * (here < 0.01 ? 0.9 : 1);
+    }
+    world.place(finger, pose);
+    double least = 1;
+    Vec3 n = out;
+    for (const collision::Touch& t : world.touches(0.03))
+      if (t.gap < least) least = t.gap, n = t.normal;
+    if (std::abs(least - gap) > 0.05 * gap) continue;
+    const Vec3 along = n.unitOrthogonal();
+    Vec<double, 6> twist;
+    twist << 1e-3 * (motion == "pressing"  ? Vec3(-n)
+                     : motion == "sliding" ? along
+                                           : Vec3(0.7 * along - 0.7 * n)),
+        draw.cube(2e-3);
+    pairs.placements.push_back({pose, twist});
+  }
+  return pairs;
+}
+
+constexpr std::array<const char*, 3> methods = {"zwang", "fcl", "bullet"};
 
 }  // namespace
 
@@ -129,79 +178,38 @@ HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, doub
   return s;
 }
 
-PairBench make_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
-  PairBench bench{
-      std::make_shared<const Tree>(meshes::bumpy_sphere(0.15, 0.006, 8, triangles)), Shape::capsule(0.04, 0.008), {}};
-  Draw draw(5);
-  World world;
-  world.add(bench.tree);
-  const int finger = world.add(bench.finger);
-  while (static_cast<int>(bench.placements.size()) < count) {
-    // From outside toward the middle until the gap is what was asked for.
-    const Vec3 out = draw.direction();
-    Pose<double> pose{0.25 * out, rotation(draw.cube(2))};
-    for (int k = 0; k < 60; ++k) {
-      world.place(finger, pose);
-      const double here = gap_of(world);
-      if (here < 0.01 && std::abs(here - gap) < 1e-3 * gap) break;
-      pose.position -= (here - gap) * out * (here < 0.01 ? 0.9 : 1);
-    }
-    world.place(finger, pose);
-    double least = 1;
-    Vec3 n = out;
-    for (const collision::Touch& t : world.touches(0.03))
-      if (t.gap < least) least = t.gap, n = t.normal;
-    if (std::abs(least - gap) > 0.05 * gap) continue;
-    const Vec3 along = n.unitOrthogonal();
-    Vec<double, 6> twist;
-    twist << 1e-3 * (motion == "pressing"  ? Vec3(-n)
-                     : motion == "sliding" ? along
-                                           : Vec3(0.7 * along - 0.7 * n)),
-        draw.cube(2e-3);
-    bench.placements.push_back({pose, twist});
-  }
-  return bench;
-}
-
-PairBench::Query PairBench::query(const std::string& method) const {
-  if (method == "fcl")
-    return [witness = std::make_shared<const Witness>(std::span(&tree, 1)), shape = finger](const Placement& p) {
-      return witness->advance(shape, p.pose, p.twist, 0, stop);
-    };
-  if (method == "bullet")
-    return [sweep = std::make_shared<const BulletSweep>(*tree), shape = finger](const Placement& p) {
-      return sweep->time(shape, p.pose, retract(p.pose, p.twist));
-    };
-  const auto world = std::make_shared<World>();
-  world->add(tree);
-  return [world, body = world->add(finger)](const Placement& p) {
-    world->place(body, p.pose);
-    const Move move{body, p.twist};
-    return world->time_of_contact({&move, 1}).time;
-  };
-}
-
 PairStudy study_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
-  const PairBench bench = make_pairs(triangles, gap, motion, count);
-  PairStudy s{.triangles = bench.tree->size(), .gap = gap, .motion = motion, .placements = count};
+  const Pairs pairs = make_pairs(triangles, gap, motion, count);
+  PairStudy s{.triangles = pairs.tree->size(), .gap = gap, .motion = motion, .placements = count};
   World world;
-  world.add(bench.tree);
-  const int finger = world.add(bench.finger);
-  const auto end_gap = [&](const PairBench::Placement& p, double time) {
+  world.add(pairs.tree);
+  const int finger = world.add(pairs.finger);
+  const auto end_gap = [&](const Placement& p, double time) {
     world.place(finger, retract(p.pose, Vec<double, 6>(time * p.twist)));
     return gap_of(world);
   };
-  constexpr std::size_t count_of_methods = PairBench::methods.size();
-  std::array<PairBench::Query, count_of_methods> query;
-  std::array<std::vector<double>, count_of_methods> times;
-  for (std::size_t k = 0; k < query.size(); ++k) query[k] = bench.query(PairBench::methods[k]);
-  for (const PairBench::Placement& p : bench.placements)  // lists grow
-    for (const PairBench::Query& ask : query) ask(p);
-  for (const PairBench::Placement& p : bench.placements) {
-    std::array<double, count_of_methods> time;
+  World asked;
+  asked.add(pairs.tree);
+  const int body = asked.add(pairs.finger);
+  const Witness witness(std::span(&pairs.tree, 1));
+  const BulletSweep sweep(*pairs.tree);
+  // Where a motion ends, as a part of it.
+  const std::array<std::function<double(const Placement&)>, methods.size()> query = {
+      [&](const Placement& p) {
+        asked.place(body, p.pose);
+        const Move move{body, p.twist};
+        return asked.time_of_contact({&move, 1}).time;
+      },
+      [&](const Placement& p) { return witness.advance(pairs.finger, p.pose, p.twist, 0, stop); },
+      [&](const Placement& p) { return sweep.time(pairs.finger, p.pose, retract(p.pose, p.twist)); }};
+  std::array<std::vector<double>, methods.size()> times;
+  for (const Placement& p : pairs.placements)  // lists grow
+    for (const auto& ask : query) ask(p);
+  for (const Placement& p : pairs.placements) {
+    std::array<double, methods.size()> time;
     for (std::size_t k = 0; k < query.size(); ++k) time[k] = timed(times[k], [&] { return query[k](p); });
     for (std::size_t k = 0; k < query.size(); ++k) {
-      const std::string method = PairBench::methods[k];
+      const std::string method = methods[k];
       const double here = end_gap(p, time[k]);
       if (time[k] < 1) ++s.hits[method], s.stops[method] += here;
       if (k == 0) s.smallest_gap = std::min(s.smallest_gap, here);
@@ -212,7 +220,7 @@ PairStudy study_pairs(std::size_t triangles, double gap, const std::string& moti
     s.true_hits += least <= stop;
   }
   for (std::size_t k = 0; k < query.size(); ++k) {
-    const std::string method = PairBench::methods[k];
+    const std::string method = methods[k];
     s.stops[method] /= std::max(1, s.hits[method]);
     s.times[method] = median(times[k]), s.p95[method] = quantile(times[k], 0.95);
   }

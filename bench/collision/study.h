@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <map>
 
 #include <zwang/bench/collision/moving_hand.h>
@@ -32,26 +31,8 @@ struct HandStudy {
 enum class HandRun { timed, audited, audited_with_friction };
 HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, HandRun run);
 
-// A finger (a capsule) over a bumpy sphere, and motions of 1 mm that start at one gap from it.
-struct PairBench {
-  struct Placement {
-    Pose<double> pose;
-    Vec<double, 6> twist;
-  };
-  // Where a motion ends, as a part of it.
-  using Query = std::function<double(const Placement&)>;
-
-  std::shared_ptr<const collision::Tree> tree;
-  collision::Shape finger;
-  std::vector<Placement> placements;
-
-  static constexpr std::array<const char*, 3> methods = {"zwang", "fcl", "bullet"};
-  Query query(const std::string& method) const;  // needs nothing of this afterwards
-};
-// motion: "pressing", "sliding", "passing".
-PairBench make_pairs(std::size_t triangles, double gap, const std::string& motion, int count);
-
-// One pair, many placements, asked of every method.
+// A finger (a capsule) over a bumpy sphere, and motions of 1 mm that start at one gap from it, asked of every method:
+// zwang, fcl, bullet.
 struct PairStudy {
   std::size_t triangles = 0;
   double gap = 0;  // m
@@ -63,6 +44,7 @@ struct PairStudy {
   int true_hits = 0;
   double smallest_gap = 1;  // m, after our motions
 };
+// motion: "pressing", "sliding", "passing".
 PairStudy study_pairs(std::size_t triangles, double gap, const std::string& motion, int count);
 
 }  // namespace zwang

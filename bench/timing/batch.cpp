@@ -1,9 +1,9 @@
 #include <zwang/bench/timing/batch.h>
 
-#include <benchmark/benchmark.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 
 #include <zwang/bench/timing/neutral_kernel.h>
 #include <zwang/core/problem/islands.h>
@@ -26,36 +26,6 @@ bool has_answer(const Timed& t) {
   using enum Status;
   const Status s = t.solution.status;
   return s == solved || s == solved_ill_conditioned || s == infeasible || s == iteration_limit;
-}
-
-// Google Benchmark's reporter: takes the repetitions' times, prints nothing.
-class Samples final : public benchmark::BenchmarkReporter {
- public:
-  Samples(std::vector<Timed>& timed, std::vector<double>& kernel) : timed_(timed), kernel_(kernel) {}
-  bool ReportContext(const Context&) override { return true; }
-  void ReportRuns(const std::vector<Run>& repetitions) override {
-    for (const Run& r : repetitions)
-      if (r.run_type == Run::RT_Iteration && !r.error_occurred) {
-        const std::size_t i = std::stoul(r.run_name.function_name);
-        (i < timed_.size() ? timed_[i].samples : kernel_)
-            .push_back(r.real_accumulated_time / static_cast<double>(r.iterations));
-      }
-  }
-
- private:
-  std::vector<Timed>& timed_;
-  std::vector<double>& kernel_;
-};
-
-void initialize_google_benchmark() {
-  static const bool once = [] {
-    std::string program = "zwang", interleave = "--benchmark_enable_random_interleaving=true";
-    char* arguments[] = {program.data(), interleave.data(), nullptr};
-    int count = 2;
-    benchmark::Initialize(&count, arguments);
-    return true;
-  }();
-  (void)once;
 }
 
 std::string too_large(const Problem& problem, const Run& run) {
@@ -139,47 +109,29 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
 
   // Repetitions.
   std::vector<int> counts = share_budget(seconds, limits.budget, BatchLimits::most);
-  std::size_t samples_left = 0;
+  std::vector<std::size_t> order;  // whose turn it is; runs.size(): the neutral kernel
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (limits.repetitions > 0) counts[i] = has_answer(timed[i]) ? limits.repetitions : 0;
-    samples_left += static_cast<std::size_t>(counts[i]);
+    order.insert(order.end(), static_cast<std::size_t>(counts[i]), i);
   }
-  const double samples = static_cast<double>(samples_left);
-  initialize_google_benchmark();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (counts[i] == 0) continue;
-    const auto sample = [&, i](benchmark::State& state) {
-      for ([[maybe_unused]] auto _ : state) {
-        if (!interrupted) progress(1 - 0.5 * static_cast<double>(samples_left--) / samples, i);
-        const SolveReply answer = interrupted ? SolveReply() : desk.run(problem, runs[i], calls[i], &interrupted);
-        if (answer.solution.status != timed[i].solution.status) {
-          state.SkipWithError("no sample");
-          return;
-        }
-        state.SetIterationTime(answer.seconds);
-        timed[i].prepare_s.push_back(answer.prepare_s);
-      }
-    };
-    benchmark::RegisterBenchmark(std::to_string(i).c_str(), sample)
-        ->Iterations(1)
-        ->Repetitions(counts[i])
-        ->UseManualTime();
-  }
-  std::vector<double> unasked;
+  const auto samples = static_cast<double>(order.size());
   if (kernel)
-    benchmark::RegisterBenchmark(std::to_string(runs.size()).c_str(),
-                                 [](benchmark::State& state) {
-                                   for ([[maybe_unused]] auto _ : state)
-                                     state.SetIterationTime(neutral_kernel_seconds());
-                                 })
-        ->Iterations(1)
-        ->Repetitions(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most)
-        ->UseManualTime();
-  else if (samples_left == 0)
-    return timed;
-  Samples reporter(timed, kernel ? *kernel : unasked);
-  benchmark::RunSpecifiedBenchmarks(&reporter, "all");
-  benchmark::ClearRegisteredBenchmarks();
+    order.insert(order.end(), static_cast<std::size_t>(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most),
+                 runs.size());
+  std::shuffle(order.begin(), order.end(), std::mt19937_64());
+  double done = 0;
+  for (const std::size_t i : order) {
+    if (interrupted) return {};
+    if (i == runs.size()) {
+      kernel->push_back(neutral_kernel_seconds());
+      continue;
+    }
+    progress(0.5 + 0.5 * done++ / samples, i);
+    const SolveReply answer = desk.run(problem, runs[i], calls[i], &interrupted);
+    if (answer.solution.status != timed[i].solution.status) continue;
+    timed[i].samples.push_back(answer.seconds);
+    timed[i].prepare_s.push_back(answer.prepare_s);
+  }
   return interrupted ? std::vector<Timed>() : timed;
 }
 

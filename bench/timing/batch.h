@@ -58,8 +58,8 @@ using BatchProgress = std::function<void(double fraction, std::size_t run)>;
 // large islands.
 //
 // Every run is solved once by a fresh solver (whose surplus over the median is the set-up time) and once more as
-// warm-up; then the repetitions of all runs are shuffled into one sequence by Google Benchmark, so that a slow minute
-// of the machine hits all solvers alike. A sample is the mean of as many solves as fill 50 us. Runs without an answer
+// warm-up; then the repetitions of all runs are shuffled into one sequence, so that a slow minute of the machine hits
+// all solvers alike. A sample is the mean of as many solves as fill 50 us. Runs without an answer
 // are not repeated. `kernel` gets samples of the neutral kernel (neutral_kernel.h) from the same sequence. Empty when
 // interrupted.
 std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits,
