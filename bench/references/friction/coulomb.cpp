@@ -11,6 +11,7 @@
 #include <zwang/core/referee/friction/natural_map.h>
 #include <zwang/core/referee/friction/self_bound.h>
 #include <zwang/core/referee/tolerances.h>
+#include <zwang/solvers/friction/nsgs.h>
 
 namespace zwang {
 namespace {
@@ -26,93 +27,10 @@ double first_scale(const Problem& problem, const ScaledProblem& scaled) {
   return scale;
 }
 
-// Block Gauss-Seidel: each contact in turn is solved exactly with the others held (Jourdan, Alart & Jean 1998). In the
-// units of a ContactProblem.
-class GaussSeidel {
- public:
-  explicit GaussSeidel(const ContactProblem& problem) : p_(problem) {
-    for (const Index i : p_.equalities) blocks_.push_back({i, 1, -1});
-    for (const ContactRows& contact : p_.contacts)
-      if (contact.unit > 0) blocks_.push_back({contact.row, contact.rows(), contact.mu});
-    columns_.resize(p_.size(), p_.rows());
-    for (const Block& block : blocks_)
-      for (Index t = 0; t < block.rows; ++t) {
-        ExtendedVector push(static_cast<std::size_t>(p_.rows()));
-        push[static_cast<std::size_t>(block.row + t)] = 1.0;
-        const ExtendedVector x = p_.motion_by(push);
-        for (Index j = 0; j < p_.size(); ++j) columns_(j, block.row + t) = x[static_cast<std::size_t>(j)].hi;
-      }
-  }
-
-  // lambda: where to begin, and where it ended.
-  void solve(Vector& lambda, int sweeps) const {
-    Vector x = columns_ * lambda;
-    double before = 0;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      double change = 0;
-      for (const Block& block : blocks_) {
-        Vector free(block.rows), now = lambda.segment(block.row, block.rows);
-        Matrix W(block.rows, block.rows);
-        for (Index t = 0; t < block.rows; ++t) {
-          const auto row = p_.J.row(block.row + t);
-          free[t] = row.dot(x) - p_.h[static_cast<std::size_t>(block.row + t)].hi;
-          for (Index u = 0; u < block.rows; ++u) W(t, u) = row.dot(columns_.col(block.row + u));
-        }
-        free -= W * now;
-        const Vector next = local(W, free, block.mu);
-        if (!next.allFinite()) continue;
-        change = std::max(change, (next - now).lpNorm<Eigen::Infinity>());
-        x += columns_.middleCols(block.row, block.rows) * (next - now);
-        lambda.segment(block.row, block.rows) = next;
-      }
-      if (change < referee::settled) return;
-      if (sweep % 200 == 199) {
-        x = columns_ * lambda;
-        if (change > .999 * before && sweep > 1000) return;
-        before = change;
-      }
-    }
-  }
-
- private:
-  struct Block {
-    Index row, rows;
-    double mu;  // -1: an equality row
-  };
-
-  // One contact: s = W lambda + q under Coulomb's law. Sliding: (W_tt + a I) l_t = -(q_t + W_tn l_n) with the a >= 0 at
-  // which |l_t| = mu l_n, by bisection; a is the ratio of slip and friction.
-  static Vector local(const Matrix& W, const Vector& q, double mu) {
-    const Index k = q.size();
-    Vector out = Vector::Zero(k);
-    if (mu < 0) return Vector::Constant(1, -q[0] / W(0, 0));
-    if (q[0] >= 0) return out;
-    if (k == 1) return Vector::Constant(1, -q[0] / W(0, 0));
-    const auto at = [&](double a) {
-      Matrix shifted = W;
-      for (Index t = 1; t < k; ++t) shifted(t, t) += a;
-      return Vector(shifted.partialPivLu().solve(-q));
-    };
-    const auto inside = [&](const Vector& l) { return l[0] >= 0 && l.tail(k - 1).norm() <= mu * l[0]; };
-    out = at(0);
-    if (out.allFinite() && inside(out)) return out;
-    double low = -80, high = 80;  // of log2 a
-    for (int step = 0; step < 70; ++step) {
-      const double middle = (low + high) / 2;
-      (inside(at(std::exp2(middle))) ? high : low) = middle;
-    }
-    return at(std::exp2(high));
-  }
-
-  const ContactProblem& p_;
-  std::vector<Block> blocks_;
-  Matrix columns_;  // M^-1 J'
-};
-
 class Search {
  public:
   Search(const Problem& problem, const ScaledProblem& scaled, double scale)
-      : scaled_(scaled), p_(problem, scaled, scale) {}
+      : problem_(problem), scaled_(scaled), p_(problem, scaled, scale) {}
 
   bool usable() {
     bool contradictory = p_.fixed_contradiction;
@@ -170,19 +88,21 @@ class Search {
     }
   }
 
+  // nsgs from no force, and from normal forces drawn at random.
   void gauss_seidel(const SolutionSearch& search) {
-    if (!more(search)) return;
-    const GaussSeidel method(p_);
+    AnySolver method(Nsgs{.max_sweeps = search.sweeps});
     std::mt19937_64 random(search.seed);
     const auto draw = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
+    Solution end;
     for (int k = 0; k <= search.random_starts && more(search); ++k) {
-      Vector lambda = Vector::Zero(p_.rows());
+      ExtendedVector push(static_cast<std::size_t>(p_.rows()));
       for (const ContactRows& contact : p_.contacts)
-        if (k > 0 && contact.unit > 0) lambda[contact.row] = 4 * draw() / contact.unit;
-      method.solve(lambda, search.sweeps);
-      ModePoint point;
-      point.lambda = ExtendedVector(lambda.data(), lambda.data() + lambda.size());
-      point.x = p_.motion_by(point.lambda);
+        if (k > 0 && contact.unit > 0) push[at(contact.row)] = 4 * draw() / contact.unit;
+      const WarmStart start{problem_.key, scaled_.rounded_multipliers(p_.to_multipliers(push))};
+      method.solve(problem_,
+                   {.tolerance = referee::settled, .time_limit = search.deadline.left(), .warm_start = &start}, end);
+      if (end.z.size() != problem_.size() || !end.z.allFinite() || !end.lambda.allFinite()) return;
+      ModePoint point{p_.motion(scaled_.motion(end.z)), p_.multipliers(scaled_.multipliers(end.lambda)), {}};
       for (const double cut : {referee::mode_cut, referee::coarse_mode_cut}) {
         point.modes = modes_by_size(p_, point.x, point.lambda, cut);
         if (keep(prove_near(p_, scaled_, point), "Gauss-Seidel")) break;
@@ -248,6 +168,7 @@ class Search {
     return p_.norm(b);
   }
 
+  const Problem& problem_;
   const ScaledProblem& scaled_;
   ContactProblem p_;
   std::vector<Index> equalities_;

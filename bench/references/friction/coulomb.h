@@ -27,7 +27,7 @@ struct CoulombSolution {
 
 struct SolutionSearch {
   int starts = 6;         // of the interior point; sizes from .03 to 100
-  int random_starts = 0;  // of Gauss-Seidel, beyond the one from zero
+  int random_starts = 0;  // of nsgs, beyond the one from zero
   int sweeps = 3000;
   int mode_choices = 0;           // of all open, stuck and sliding contacts, where there are no more choices than this
   std::vector<Vector> near = {};  // motions to begin at
@@ -38,10 +38,10 @@ struct SolutionSearch {
 
 // Proven solutions, no two of them alike: the balls that hold them are apart, and where forces are
 // free to change and move z, one stands for all of the same modes. Interior point on Coulomb's law from several sizes,
-// in wider arithmetic where doubles are not enough, then block Gauss-Seidel with exact local solves; each is polished
-// on the modes it ends at and proven. Then what `search` says: motions given, and Newton's method from choices of
-// modes. Empty where nothing was proven; `why_not` then says what came nearest. Shares no code with a solver. Dense:
-// O(rows^3) an iteration.
+// in wider arithmetic where doubles are not enough, then nsgs (solvers/friction/nsgs.h); each is polished on the modes
+// it ends at and proven. Then what `search` says: motions given, and Newton's method from choices of modes. Empty where
+// nothing was proven; `why_not` then says what came nearest. What proves shares no code with a solver. Dense: O(rows^3)
+// an iteration.
 std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const SolutionSearch& search = {},
                                                std::string* why_not = nullptr);
 
