@@ -5,14 +5,19 @@
 #include <cstdio>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/results/measured_files.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/runs_apart.h>
+
+ZWANG_EMBEDDED(suites_json, ZWANG_SUITES)
 
 namespace zwang {
 namespace {
@@ -72,144 +77,25 @@ void state_under(const std::vector<Law>& laws, Plan& plan) {
 
 }  // namespace
 
-static const std::vector<Law> three_laws{Law::pyramid, Law::convex, Law::coulomb};
-
-// Everyday scenes (towers, hands), and the families in which methods are known to fail.
 std::span<const Suite> suites() {
-  static const std::vector<Suite> all = {
-      {"quick",
-       "tower(boxes=5),stack(boxes=5),wall(boxes=10),pile(spheres=14),arch(stones=7),chain(links=8),four_bar,"
-       "hand(contacts=4,16,64),MR(k=8,40),NPE(k=8,32),LOOP(k=8,60),GAP(k=8,44),INC(k=8,44),WEAK(k=8,44),random,"
-       "incline(mu=0.5),hand(contacts=4,mu=0.5),ROD,HELD,PUCK",
-       {1e-2, 1e-6, 1e-10, 1e-14},
-       45,
-       0.5,
-       true,
-       "",
-       false,
-       false,
-       three_laws,
-       true},
-      {"standard",
-       "tower(boxes=5,10,20,40),stack(boxes=10,30),wall(boxes=25,60),pile(spheres=30,91),arch(stones=9,31),"
-       "chain(links=8,16,32),four_bar,leash,hand(contacts=0,4,16,64,200),hands(hands=2,4),"
-       "MR(k=0,12,24,36,48),MR1(k=24,48),MRC(k=24,48),NPE(k=4,14,24,34,44),LOOP(k=4,14,24,34,44,60),"
-       "GAP(k=4,14,24,34,44,60),INC(k=4,14,24,34,44,60),WEAK(k=4,14,24,34,44,60),random(n=60,200),"
-       "incline(mu=0.5),crate(push=0.75),ladder(slope=0.5),belt,peg,cards,stack(boxes=3,mu=0.5),wall(boxes=10,mu=0.5),"
-       "hand(contacts=4,16,mu=0.5),planted(k=1,seed=1..3),MRF(k=0,16,32),STKF(boxes=2,4),JAM(k=4,24,44),"
-       "ROD(k=4,24,44),HELD,PINCH,PUCK",
-       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
-       480,
-       2,
-       true,
-       "",
-       false,
-       false,
-       three_laws,
-       true},
-      {"full",
-       "tower(boxes=5,10,20,50,100,200),stack(boxes=5,10,20,50,100,seed=1..3),wall(boxes=25,100,200,seed=1..3),"
-       "pile(spheres=14,30,91,204,seed=1..3),arch(stones=5,9,17,33,65),chain(links=4,8,16,32,64,128,seed=1..3),"
-       "four_bar(lean=-2,-1,0,1,2),leash(dogs=4,16,64),hand(contacts=0,4,16,64,200,seed=1..10),"
-       "hand(contacts=16,64,feasible=0,seed=1..10),hands(hands=2,4,8),MR(k=0..48),MR1(k=0..48),MRC(k=0..48),"
-       "NPE(k=1..45),LOOP(k=0..48),LOOP(k=60),GAP(k=1..48),GAP(k=1..48,feasible=1),GAP(k=60),INC(k=0..48),INC(k=60),"
-       "WEAK(k=0..48),WEAK(k=60),random(n=20,60,200,600,seed=1..3)",
-       {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14},
-       0,
-       20},
-      // The families of docs/stability.md, from benign to impossible.
-      {"atlas",
-       "MR(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
-       "MR1(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
-       "MRC(k=0,4,8,12,16,20,24,28,32,36,40,44,48),"
-       "NPE(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45),"
-       "NPI(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45),"
-       "WED(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48),"
-       "LOOP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
-       "MANYF(contacts=6,12,30,60,120,300),"
-       "MANYR(contacts=6,12,30,60,120,300),"
-       "GAP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
-       "GAP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,feasible=1),"
-       "INC(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,60),"
-       "UNIT(k=0,-4,4,-8,8,-12,12,-16,16,-20,20),"
-       "ROW(k=0,-50,50,-100,100,-150,150,-200,200,-250,250,-300,300,-350,350,-400,400,-450,450,-500,500),"
-       "ROW(zero=1,2,3),"
-       "HUGE(k=0,50,100,150,200,250,300,350,400,450,500,550,600,650,700,750,800,850,900,950,1000),"
-       "ANI(k=0,4,8,12,16,20,24,28,32,36,40,44),"
-       "WEAK(k=0,4,8,12,16,20,24,28,32,36,40,44,48,60),"
-       "CHAIN(links=2,4,8,16,32,64,128,256,512,1024,2048,4096),"
-       "STK(boxes=2,4,8,16,32,64,128,256,512,1024,2048,4096),"
-       "PIVOT(n=2,4,6,8,10,12,14,16),"
-       "PIVOT(n=2,4,6,8,10,12,14,16,reversed=1),"
-       "CYCLE(n=5,6,7,8),"
-       "FLIP(k=3,6,9,12,15,18,21,24,27,30,33,36,39,42,45,48,frame=17),"
-       "HAND(seed=1..100),"
-       "HAND(hands=2,4),"
-       "MU0(k=0,5,10,15,20,25,30,35,40),"
-       "MUL(k=0,1,2,3,4,6,8,12,16,20),"
-       "APEX(k=0,5,10,15,20,25,30,35,40),"
-       "SLIP(k=0,5,10,15,20,25,30,35,40),"
-       "MRF(k=0,4,8,12,16,20,24,28,32,36,40),"
-       "STKF(boxes=1,2,3,4,6,8),"
-       "RANK(k=1,2,4,8),"
-       "JAM(k=2,5,8,11,14,17,20,23,26,29,32,35,38,41,44),"
-       "JAM(k=2,11,20,29,38,beyond=1),"
-       "HELD(k=2,11,20,29,38),"
-       "HELD(k=2,11,20,29,38,above=0),"
-       "ROD(k=3,9,15,21,27,33,39,45),"
-       "ROD(k=3,9,15,21,27,33,39,45,above=0),"
-       "PINCH,"
-       "PUCK",
-       {1e-12},
-       840,
-       1,
-       false},
-      // docs/performance.md. Large problems last: what the small ones leave of the time is theirs.
-      {"speed",
-       "hand(contacts=0,4,16,64,200,seed=1..3),hands(hands=1,2,4,8,16,32,64,contacts=16),"
-       "tower(boxes=10,30,100,300),wall(boxes=25,50,100,200),tower(boxes=1000),wall(boxes=400,1000),"
-       "wall(boxes=100,200,400,1000,push=0),random(n=300,m=180,equalities=.83),"
-       "random(n=600,m=360,equalities=.83),random(n=1200,m=720,equalities=.83),"
-       "hand(contacts=4,16,64,mu=0.5),stack(boxes=3,10,30,mu=0.5)",
-       {1e-10},
-       400,
-       20,
-       true,
-       "dual_active_set,nnls:reduce=on,cholesky:reduce=on,newton,ipopt,nlopt_slsqp,bullet_dantzig,bullet_pgs,"
-       "mujoco_newton,mujoco_newton:stiffness=1e12,cone,nsgs,siconos_nsgs,siconos_nsn_fb,siconos_global_admm",
-       false,
-       true},
-      // docs/campaigns.md: a million runs of native solvers on at most 100 unknowns, for accuracy alone.
-      {"big",
-       "stack(boxes=2,5,10,16,seed=1..250),wall(boxes=4,8,12,seed=1..250),pile(spheres=5,14,seed=1..400),"
-       "chain(links=4,8,16,seed=1..250),hand(contacts=0,4,16,64,seed=1..250),HAND(seed=1..500),"
-       "MR(k=0..48),MR1(k=0..48),MRC(k=0..48,seed=1..20),NPE(k=1..45,seed=1..30),NPI(k=1..45,seed=1..30),"
-       "WED(k=1..48),LOOP(k=0..48),GAP(k=1..48),GAP(k=1..48,feasible=1),INC(k=0..48),WEAK(k=0..48,seed=1..30),"
-       "UNIT(k=-20,-18,-16,-14,-12,-10,-8,-6,-4,-2,0,2,4,6,8,10,12,14,16,18,20,seed=1..60),"
-       "ANI(k=0..44,seed=1..30),HUGE(k=0,100,200,300,400,500,600,700,800,900,1000,seed=1..40),"
-       "ROW(k=-500,-400,-300,-200,-100,0,100,200,300,400,500,seed=1..40),MANYF(contacts=6,12,30,60,seed=1..50),"
-       "MANYR(contacts=6,12,30,60,seed=1..50),FLIP(k=3..48,seed=1..10),CYCLE(n=5,6,7,8),PIVOT(n=1..16),"
-       "leash(dogs=1..10,seed=1..20),random(n=10,20,40,60,80,100,m=60,seed=1..520)",
-       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
-       0,
-       0.1,
-       false,
-       "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd",
-       true},
-      // docs/campaigns.md: twenty thousand runs of native and foreign solvers on hundreds of unknowns.
-      {"large",
-       "tower(boxes=20,40,80),stack(boxes=20,40,seed=1..10),wall(boxes=25,60,seed=1..10),"
-       "pile(spheres=30,91,seed=1..10),chain(links=32,64,seed=1..10),hand(contacts=64,200,seed=1..25),"
-       "hands(hands=2,4,seed=1..5),arch(stones=17,33),random(n=150,200,300,seed=1..12),MANYF(contacts=120,300),"
-       "MANYR(contacts=120,300)",
-       {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14},
-       0,
-       2,
-       false,
-       "dual_active_set,nnls,cholesky,newton,nnls_paper,projected_gradient,pgs,apgd,ipopt,nlopt_slsqp,nlopt_mma,"
-       "nlopt_ccsaq,nlopt_cobyla,bullet_dantzig,bullet_pgs,mujoco_newton,daqp,piqp,osqp,proxqp,qpoases",
-       true},
-  };
+  static const std::vector<Suite> all = [] {
+    std::vector<Suite> read;
+    using Texts = std::vector<std::string>;
+    for (const nlohmann::json& j : nlohmann::json::parse(suites_json())) {
+      Suite& suite = read.emplace_back(Suite{.name = j.at("name"),
+                                             .scenes = joined(j.at("scenes").get<Texts>(), ","),
+                                             .tolerances = j.at("tolerances"),
+                                             .limit_s = j.at("limit_s"),
+                                             .time_limit = j.at("time_limit"),
+                                             .fills_time = j.value("fills_time", true),
+                                             .solvers = joined(j.value("solvers", Texts()), ","),
+                                             .accuracy = j.value("accuracy", false),
+                                             .speed = j.value("speed", false),
+                                             .conformance = j.value("conformance", false)});
+      for (const std::string& law : j.value("laws", Texts())) suite.laws.push_back(parse_law(law));
+    }
+    return read;
+  }();
   return all;
 }
 
@@ -217,11 +103,10 @@ const Suite& find_suite(const std::string& name) {
   std::vector<std::string> names;
   for (const Suite& s : suites()) {
     if (s.name == name) return s;
-    names.emplace_back(s.name);
+    names.push_back(s.name);
   }
   names.emplace_back("collision");  // a suite without solvers, run by bench_collision
-  throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) +
-                              " (quick, standard, full, atlas, speed, big, large, collision)");
+  throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) + " (" + joined(names) + ")");
 }
 
 std::vector<std::string> split_solvers(const std::string& text) {

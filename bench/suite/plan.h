@@ -38,9 +38,10 @@ struct Shard {
 };
 Shard read_shard(const std::string& text);  // "K/N" or "". Throws std::invalid_argument.
 
-// A named choice of scenes and tolerances that fits into a time.
+// A named choice of scenes and tolerances that fits into a time: everyday scenes (towers, hands), and the families in
+// which methods are known to fail. They are listed in suites.json.
 struct Suite {
-  std::string_view name;
+  std::string name;
   std::string scenes;
   std::vector<double> tolerances;
   double limit_s;              // of the whole run, references and repetitions included; 0: none
