@@ -2,24 +2,25 @@
 
 #include <poll.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <numeric>
-#include <sstream>
 #include <system_error>
 #include <tuple>
 
 #include <zwang/bench/suite/progress.h>
+#include <zwang/core/files/child_process.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/files/wire.h>
 
 namespace zwang {
+
+void fields(auto visit, same_but_const<Finding> auto& x) { visit(x.number, x.solver, x.what, x.file); }
+
 namespace {
 
 constexpr std::size_t most_solvers = 32, most_files = 20;
@@ -46,9 +47,7 @@ SharedMemory shared_memory() {
 
 struct Worker {
   SharedMemory shared = shared_memory();
-  pid_t pid = -1;
-  int from = -1;
-  std::string text = {};  // what came and is not yet a whole line
+  Peer peer = {};  // which sends its findings
   std::uint64_t seen = 0;
   double moved = 0;  // when it last went on
 };
@@ -57,10 +56,10 @@ std::string name_of(const Fault& fault) {
   return std::to_string(fault.number) + "-" + fault.solver.substr(0, fault.solver.find(':'));
 }
 
-std::filesystem::path write(const std::filesystem::path& directory, const std::string& name, const Fault& fault) {
+std::string write(const std::filesystem::path& directory, const std::string& name, const Fault& fault) {
   try {
     std::filesystem::create_directories(directory);
-    const auto file = directory / (name + ".h5");
+    const std::string file = directory / (name + ".h5");
     write_problem(file, fault.instance);
     return file;
   } catch (const std::runtime_error&) {
@@ -80,30 +79,17 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
   const double start = wall_seconds();
-  const pid_t parent = getpid();
   std::map<std::string, std::size_t> files, same_name;  // by solver; of further faults of one solver on one problem
 
-  const auto work = [&](Shared& shared, int to) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(0);
-    std::signal(SIGINT, SIG_IGN);
-    const rlimit no_core{0, 0};
-    setrlimit(RLIMIT_CORE, &no_core);
+  const auto work = [&](Shared& shared, int socket) {
     const auto report = [&](const Fault& fault) {
-      std::filesystem::path file;
+      Finding finding{fault.number, fault.solver, fault.what, {}};
       if (files[fault.solver]++ < most_files) {
         std::string name = name_of(fault);
         if (const std::size_t number = ++same_name[name]; number > 1) name.append("-").append(std::to_string(number));
-        file = write(directory, name, fault);
+        finding.file = write(directory, name, fault);
       }
-      std::ostringstream line;
-      line << fault.number << '\t' << fault.solver << '\t' << file.string() << '\t' << fault.what << '\n';
-      const std::string text = line.str();
-      for (std::size_t at = 0; at < text.size();) {
-        const ssize_t written = ::write(to, text.data() + at, text.size() - at);
-        if (written <= 0) _exit(1);
-        at += static_cast<std::size_t>(written);
-      }
+      send_message(socket, pack(finding));
     };
     Fuzzer fuzzer(options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
     while (shared.next < end) {
@@ -111,29 +97,10 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       ++shared.done;
       shared.next += step;
     }
-    _exit(0);
   };
   const auto launch = [&](Worker& worker) {
-    int ends[2];
-    if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "no pipe");
-    worker.pid = fork();
-    if (worker.pid < 0) throw std::system_error(errno, std::generic_category(), "no child process");
-    if (worker.pid == 0) {
-      close(ends[0]);
-      work(*worker.shared, ends[1]);
-    }
-    close(ends[1]);
-    worker.from = ends[0];
+    worker.peer.start([&](int socket) { work(*worker.shared, socket); });
     worker.moved = wall_seconds();
-  };
-  const auto take_lines = [&](Worker& worker) {
-    for (std::size_t at; (at = worker.text.find('\n')) != std::string::npos; worker.text.erase(0, at + 1)) {
-      std::stringstream line(worker.text.substr(0, at));
-      std::string number, solver, file, what;
-      std::getline(std::getline(std::getline(line, number, '\t'), solver, '\t'), file, '\t');
-      std::getline(line, what);
-      outcome.findings.push_back({std::stoull(number), solver, what, file});
-    }
   };
   // The worker died or hung: a fault of the solver that was running.
   const auto bury = [&](Worker& worker, const std::string& how) {
@@ -157,30 +124,23 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     return std::accumulate(workers.begin(), workers.end(), std::uint64_t{0},
                            [](std::uint64_t sum, const Worker& w) { return sum + w.shared->done; });
   };
-  const auto running = [&] { return std::ranges::any_of(workers, [](const Worker& w) { return w.pid >= 0; }); };
-  while (running()) {
+  while (std::ranges::any_of(workers, [](const Worker& w) { return w.peer.runs(); })) {
     std::vector<pollfd> waiting;
-    for (const Worker& w : workers) waiting.push_back({w.from, POLLIN, 0});
+    for (const Worker& w : workers) waiting.push_back({w.peer.socket(), POLLIN, 0});
     poll(waiting.data(), waiting.size(), 200);
     for (std::size_t j = 0; j < workers.size(); ++j) {
       Worker& w = workers[j];
-      if (w.pid < 0) continue;
-      char bytes[4096];
-      ssize_t got = 1;
-      if (waiting[j].revents != 0 && (got = read(w.from, bytes, sizeof bytes)) > 0)
-        w.text.append(bytes, static_cast<std::size_t>(got));
-      take_lines(w);
+      if (!w.peer.runs()) continue;
+      std::string message;
+      const bool lives = waiting[j].revents == 0 || receive_message(w.peer.socket(), message);
+      if (!message.empty() && lives) outcome.findings.push_back(unpack<Finding>(message));
       if (w.seen != w.shared->next) {
         w.seen = w.shared->next;
         w.moved = wall_seconds();
       }
       const bool hangs = wall_seconds() - w.moved > hang;
-      if (interrupted || hangs) kill(w.pid, SIGKILL);
-      if (got > 0 && !interrupted && !hangs) continue;
-      int status = 0;
-      waitpid(w.pid, &status, 0);
-      close(w.from);
-      w.pid = w.from = -1;
+      if (lives && !interrupted && !hangs) continue;
+      const int status = w.peer.stop();
       if (interrupted || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
       bury(w, hangs ? "hangs" : WIFSIGNALED(status) ? std::string("dies: ") + strsignal(WTERMSIG(status)) : "dies");
       if (w.shared->next < end) launch(w);

@@ -11,7 +11,7 @@ namespace zwang {
 struct Finding {
   std::uint64_t number;
   std::string solver, what;
-  std::filesystem::path file;  // "" where none could be written, or beyond the first 20 of a solver
+  std::string file;  // "" where none could be written, or beyond the first 20 of a solver
 };
 
 struct FuzzOutcome {

@@ -88,7 +88,7 @@ int fuzz_command(std::vector<std::string> words) {
       std::printf("  ./zwang fuzz --referee --seed %llu --first %llu --count 1\n",
                   static_cast<unsigned long long>(fuzz.seed), static_cast<unsigned long long>(f.number));
     else if (!f.file.empty())
-      std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file.string()).c_str(), f.solver.c_str());
+      std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file).c_str(), f.solver.c_str());
   }
   if (o.findings.size() > most_shown)
     std::printf("and %s more; files in %s\n", grouped(o.findings.size() - most_shown).c_str(), out.c_str());

@@ -43,12 +43,13 @@ void Peer::start(const std::function<void(int socket)>& life) {
   socket_ = ends[0];
 }
 
-void Peer::stop() {
-  if (pid_ < 0) return;
+int Peer::stop() {
+  if (pid_ < 0) return 0;
   kill(pid_, SIGKILL);
-  wait_for_child(pid_);
+  const int status = wait_for_child(pid_);
   close(socket_);
   pid_ = socket_ = -1;
+  return status;
 }
 
 bool send_message(int socket, std::string_view bytes) {

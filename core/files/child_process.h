@@ -26,7 +26,7 @@ class Peer {
 
   // Runs `life` with its end of the socket, as start_child does.
   void start(const std::function<void(int socket)>& life);
-  void stop();
+  int stop();  // its status as of waitpid
   bool runs() const { return pid_ >= 0; }
   int pid() const { return pid_; }
   int socket() const { return socket_; }
