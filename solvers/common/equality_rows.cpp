@@ -32,40 +32,28 @@ struct EqualityRows::Gram {
   std::vector<int> start_, index_;
 };
 
-bool EqualityRows::clearly_independent(const UnitProgram& program) {
+void EqualityRows::find(const UnitProgram& program) {
   equality_.clear();
-  Index entries = 0;
-  for (Index i = 0; i < program.rows(); ++i) {
-    if (!program.is_equality(i)) continue;
-    equality_.push_back(i);
-    entries += program.G().outerIndexPtr()[i + 1] - program.G().outerIndexPtr()[i];
-  }
+  for (Index i = 0; i < program.rows(); ++i)
+    if (program.is_equality(i)) equality_.push_back(i);
+}
+
+bool EqualityRows::clearly_independent(const UnitProgram& program) {
+  find(program);
   const auto count = static_cast<Index>(equality_.size());
   if (count == 0) return true;
   if (count > program.size()) return false;
-  UnitProgram::Rows G(count, program.size());
-  G.reserve(entries);
-  for (Index k = 0; k < count; ++k) {
-    G.startVec(k);
-    for (UnitProgram::Rows::InnerIterator it(program.G(), equality_[static_cast<std::size_t>(k)]); it; ++it)
-      G.insertBack(k, it.col()) = it.value();
-  }
-  G.finalize();
+  const UnitProgram::Rows G = program.some(equality_);
   Gram& gram = gram_.open();
   gram.S = G * G.transpose();
   return gram.factorize() && gram.factor.vectorD().minCoeff() > tolerances::clear_squared_share;
 }
 
 void EqualityRows::factorize(const UnitProgram& program) {
-  equality_.clear();
+  find(program);
   kept_.clear();
   dropped_.clear();
-  for (Index i = 0; i < program.rows(); ++i)
-    if (program.is_equality(i)) equality_.push_back(i);
-  Matrix columns = Matrix::Zero(program.size(), static_cast<Index>(equality_.size()));
-  for (Index j = 0; j < columns.cols(); ++j)
-    for (UnitProgram::Rows::InnerIterator it(program.G(), equality_[static_cast<std::size_t>(j)]); it; ++it)
-      columns(it.col(), j) = it.value();
+  const Matrix columns = program.some(equality_).transpose();
   rank_ = 0;
   if (columns.size() == 0) return;
   qr_.compute(columns);

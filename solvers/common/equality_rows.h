@@ -33,6 +33,8 @@ class EqualityRows {
   Matrix free_motions(const UnitProgram& program) const;
 
  private:
+  void find(const UnitProgram& program);
+
   Eigen::ColPivHouseholderQR<Matrix> qr_;  // of G_E': n x (equality rows)
   Index rank_ = 0;
   std::vector<Index> equality_, kept_, dropped_;

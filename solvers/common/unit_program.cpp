@@ -29,6 +29,16 @@ bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Sol
   return true;
 }
 
+UnitProgram::Rows UnitProgram::some(const std::vector<Index>& rows) const {
+  Rows chosen(std::ssize(rows), size());
+  for (Index k = 0; k < chosen.rows(); ++k) {
+    chosen.startVec(k);
+    for (Rows::InnerIterator it(G(), rows[at(k)]); it; ++it) chosen.insertBack(k, it.col()) = it.value();
+  }
+  chosen.finalize();
+  return chosen;
+}
+
 void UnitProgram::motion(const Vector& lambda, Vector& y) const {
   y.setZero(size());
   for (Index i = 0; i < rows(); ++i)

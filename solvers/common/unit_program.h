@@ -21,8 +21,9 @@ class UnitProgram {
 
   Index size() const { return whitened_.size(); }
   Index rows() const { return whitened_.rows(); }
-  const Rows& G() const { return whitened_.G; }  // k x n
-  const Vector& h() const { return h_; }         // k
+  const Rows& G() const { return whitened_.G; }     // k x n
+  const Vector& h() const { return h_; }            // k
+  Rows some(const std::vector<Index>& rows) const;  // of G
   bool is_equality(Index i) const { return whitened_.equality[static_cast<std::size_t>(i)] != 0; }
   Index problem_row(Index i) const { return whitened_.row[static_cast<std::size_t>(i)]; }
 

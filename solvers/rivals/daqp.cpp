@@ -29,9 +29,7 @@ Status meaning(int flag) {
 }  // namespace
 
 std::string Daqp::supports(const Problem& problem) const {
-  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
-  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
-         std::to_string(most_rows) + " rows";
+  return too_large_for_dense(problem, most_unknowns, most_rows);
 }
 
 void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
@@ -95,14 +93,8 @@ void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   solution.status = meaning(result.exitflag);
   solution.message = "DAQP: exit flag " + std::to_string(result.exitflag);
   lambda = -lambda;  // DAQP's is negative at a lower bound
-  if (solution.status == Status::solved) {
-    program.write(problem, y, lambda, solution);
-  } else if (solution.status == Status::infeasible) {
-    write_infeasible(problem, program, lambda, solution);
-  } else {
-    solution.empty_z();
-    solution.empty_lambda();
-  }
+  if (solution.status != Status::solved) y.resize(0);
+  write_answer(problem, program, y, lambda, lambda, solution);
 }
 
 }  // namespace zwang

@@ -3,6 +3,7 @@
 #include <nlopt.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include <zwang/solvers/common/farkas.h>
@@ -59,29 +60,13 @@ DenseRows dense_rows(const UnitProgram& program, bool equality, const DenseProgr
   for (Index i = 0; i < program.rows(); ++i)
     if (program.is_equality(i) == equality) chosen.push_back(i);
   const Index m = static_cast<Index>(chosen.size());
-  DenseRows rows{.minus_A = RowMajor::Zero(m, program.size()), .b = Vector(m)};
-  for (Index r = 0; r < m; ++r) {
-    const Index i = chosen[static_cast<std::size_t>(r)];
-    for (UnitProgram::Rows::InnerIterator it(program.G(), i); it; ++it) rows.minus_A(r, it.col()) = -it.value();
-    rows.b[r] = program.h()[i] - program.dot(i, frame.origin);
-  }
+  DenseRows rows{.minus_A = RowMajor(-program.some(chosen)), .b = program.h()(chosen)};
+  for (Index r = 0; r < m; ++r) rows.b[r] -= program.dot(chosen[at(r)], frame.origin);
   if (frame.basis.size()) rows.minus_A = RowMajor(rows.minus_A * frame.basis);
   return rows;
 }
 
-nlopt_algorithm algorithm(NloptMethod method) {
-  switch (method) {
-    case NloptMethod::slsqp:
-      return NLOPT_LD_SLSQP;
-    case NloptMethod::mma:
-      return NLOPT_LD_MMA;
-    case NloptMethod::ccsaq:
-      return NLOPT_LD_CCSAQ;
-    case NloptMethod::cobyla:
-      break;
-  }
-  return NLOPT_LN_COBYLA;
-}
+constexpr std::array algorithms{NLOPT_LD_SLSQP, NLOPT_LD_MMA, NLOPT_LD_CCSAQ, NLOPT_LN_COBYLA};  // as NloptMethod
 
 Status claim(nlopt_result result) {
   switch (result) {
@@ -109,7 +94,8 @@ Vector off_the_origin(const DenseRows& rows, Index size) {
 
 nlopt_result run(NloptMethod method, DenseProgram& program, const SolveOptions& options, int evaluations, Vector& v) {
   const unsigned n = static_cast<unsigned>(program.size());
-  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> owner(nlopt_create(algorithm(method), n), nlopt_destroy);
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> owner(
+      nlopt_create(algorithms[static_cast<std::size_t>(method)], n), nlopt_destroy);
   nlopt_opt optimizer = program.optimizer = owner.get();
   nlopt_set_min_objective(optimizer, DenseProgram::objective, &program);
   const auto add = [&](DenseRows& rows, auto add_constraints) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <zwang/solvers/common/equality_rows.h>
 #include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/common/unit_program.h>
@@ -25,10 +27,8 @@ enum class NloptMethod { slsqp, mma, ccsaq, cobyla };
 // empty, since recovering it would be charged to NLopt's time. One iteration is one evaluation of the objective.
 template <NloptMethod method>
 struct Nlopt {
-  static constexpr auto name = method == NloptMethod::slsqp   ? "nlopt_slsqp"
-                               : method == NloptMethod::mma   ? "nlopt_mma"
-                               : method == NloptMethod::ccsaq ? "nlopt_ccsaq"
-                                                              : "nlopt_cobyla";
+  static constexpr const char* name =
+      std::array{"nlopt_slsqp", "nlopt_mma", "nlopt_ccsaq", "nlopt_cobyla"}[static_cast<std::size_t>(method)];
   static constexpr Index most_unknowns = method == NloptMethod::cobyla ? 30 : 1000;  // dense n^3 work a step
 
   int max_evaluations = 20000;

@@ -58,7 +58,7 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   UnitProgram& program = work.program;
   if (!program.build(problem, options, solution)) return;
   const Index n = program.size(), k = program.rows();
-  Vector lambda, y;
+  Vector lambda, y, ray;
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
   Eigen::SparseMatrix<double> identity(n, n);
@@ -90,9 +90,7 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   if (error != 0) {
     solution.status = Status::numerical_failure;
     solution.message = std::string("OSQP: ") + osqp_error_message(error);
-    solution.empty_z();
-    solution.empty_lambda();
-    return;
+    return write_answer(problem, program, {}, {}, {}, solution);
   }
   if (options.warm_start) {
     lambda = -lambda;
@@ -106,18 +104,10 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   solution.message = std::string("OSQP: ") + info.status;
   if (solution.status == Status::solved && polish && info.status_polish != OSQP_POLISH_SUCCESS)
     solution.message += ", not polished";
-  if (solution.status == Status::infeasible) {
-    write_infeasible(problem, program, -Eigen::Map<const Vector>(solver->solution->prim_inf_cert, k), solution);
-    return;
-  }
+  if (solution.status == Status::infeasible) ray = -Eigen::Map<const Vector>(solver->solution->prim_inf_cert, k);
   y = Eigen::Map<const Vector>(solver->solution->x, n);
   lambda = -Eigen::Map<const Vector>(solver->solution->y, k);
-  if (y.allFinite() && lambda.allFinite()) {
-    program.write(problem, y, lambda, solution);
-  } else {
-    solution.empty_z();
-    solution.empty_lambda();
-  }
+  write_answer(problem, program, y, lambda, ray, solution);
 }
 
 }  // namespace zwang

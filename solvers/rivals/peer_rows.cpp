@@ -9,17 +9,6 @@
 namespace zwang {
 namespace {
 
-UnitProgram::Rows some(const UnitProgram& program, const std::vector<Index>& rows) {
-  UnitProgram::Rows chosen(std::ssize(rows), program.size());
-  for (Index at = 0; at < chosen.rows(); ++at) {
-    chosen.startVec(at);
-    for (UnitProgram::Rows::InnerIterator it(program.G(), rows[static_cast<std::size_t>(at)]); it; ++it)
-      chosen.insertBack(at, it.col()) = it.value();
-  }
-  chosen.finalize();
-  return chosen;
-}
-
 // u_E with G_E'u_E as near to -G_I'u_I as can be. False where the dense factorization would be large.
 bool fit_equalities(const UnitProgram& program, Vector& u) {
   constexpr Index large = 4'000'000;
@@ -40,8 +29,8 @@ void RowsApart::build(const UnitProgram& program) {
   equalities.clear();
   inequalities.clear();
   for (Index i = 0; i < program.rows(); ++i) (program.is_equality(i) ? equalities : inequalities).push_back(i);
-  E = some(program, equalities);
-  F = some(program, inequalities);
+  E = program.some(equalities);
+  F = program.some(inequalities);
   part(program.h(), e, f);
 }
 
@@ -56,11 +45,7 @@ void RowsApart::join(const Vector& of_E, const Vector& of_F, Vector& lambda) con
   lambda(inequalities) = of_F;
 }
 
-void write_dense(const UnitProgram& program, Matrix& Gt) {
-  Gt.setZero(program.size(), program.rows());
-  for (Index i = 0; i < program.rows(); ++i)
-    for (UnitProgram::Rows::InnerIterator it(program.G(), i); it; ++it) Gt(it.col(), i) = it.value();
-}
+void write_dense(const UnitProgram& program, Matrix& Gt) { Gt = program.G().transpose(); }
 
 void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution) {
   solution.status = Status::infeasible;
@@ -76,6 +61,21 @@ void write_infeasible(const Problem& problem, const UnitProgram& program, Vector
   };
   if (!proves() && !(fit_equalities(program, u) && proves())) return;
   program.write_certificate(problem, u, solution);
+}
+
+void write_answer(const Problem& problem, const UnitProgram& program, const Vector& y, const Vector& lambda, Vector ray,
+                  Solution& solution) {
+  if (solution.status == Status::infeasible) return write_infeasible(problem, program, std::move(ray), solution);
+  if (y.size() == program.size() && y.allFinite() && lambda.allFinite())
+    return program.write(problem, y, lambda, solution);
+  solution.empty_z();
+  solution.empty_lambda();
+}
+
+std::string too_large_for_dense(const Problem& problem, Index most_unknowns, Index most_rows) {
+  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
+  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
+         std::to_string(most_rows) + " rows";
 }
 
 double seconds_left(const Deadline& deadline, double unlimited) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <zwang/solvers/common/unit_program.h>
@@ -28,6 +29,14 @@ void write_dense(const UnitProgram& program, Matrix& Gt);
 // A library's word that no y meets the rows. Where `u`, the multipliers that it ended with, proves it (with the
 // multipliers of the equality rows that fit best in place of its own, if need be), the certificate is written.
 void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution);
+
+// What a library ended with, by the status that was made of its word: y and lambda, or nothing where there are none or
+// they are not finite; where it says infeasible, `ray` as above.
+void write_answer(const Problem& problem, const UnitProgram& program, const Vector& y, const Vector& lambda, Vector ray,
+                  Solution& solution);
+
+// Why a library with dense matrices is not asked, or "".
+std::string too_large_for_dense(const Problem& problem, Index most_unknowns, Index most_rows);
 
 // The seconds left, for a library that takes none for "no limit" as `unlimited`. Throws Stopped where none are.
 double seconds_left(const Deadline& deadline, double unlimited);

@@ -52,14 +52,7 @@ void Piqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   solution.message = std::string("PIQP: ") + piqp::status_to_string(status);
   Vector lambda;
   rows.join(-result.y, result.z_l, lambda);
-  if (solution.status == Status::infeasible) {
-    write_infeasible(problem, program, lambda, solution);
-  } else if (result.x.allFinite() && lambda.allFinite()) {
-    program.write(problem, result.x, lambda, solution);
-  } else {
-    solution.empty_z();
-    solution.empty_lambda();
-  }
+  write_answer(problem, program, result.x, lambda, lambda, solution);
 }
 
 }  // namespace zwang

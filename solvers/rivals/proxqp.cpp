@@ -75,15 +75,7 @@ void Proxqp::solve(const Problem& problem, const SolveOptions& options, Solution
   solution.status = meaning(qp.results.info.status);
   solution.message = in_words(solution.status);
   rows.join(-qp.results.y, -qp.results.z, lambda);
-  y = qp.results.x;
-  if (solution.status == Status::infeasible) {
-    write_infeasible(problem, program, lambda, solution);
-  } else if (y.allFinite() && lambda.allFinite()) {
-    program.write(problem, y, lambda, solution);
-  } else {
-    solution.empty_z();
-    solution.empty_lambda();
-  }
+  write_answer(problem, program, qp.results.x, lambda, lambda, solution);
 }
 
 }  // namespace zwang

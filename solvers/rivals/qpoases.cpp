@@ -29,9 +29,7 @@ Status meaning(peer::returnValue code, bool infeasible) {
 }  // namespace
 
 std::string Qpoases::supports(const Problem& problem) const {
-  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
-  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
-         std::to_string(most_rows) + " rows";
+  return too_large_for_dense(problem, most_unknowns, most_rows);
 }
 
 void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
@@ -72,19 +70,10 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
   if (solution.status == Status::iteration_limit && steps < most_steps && seconds >= 0.9 * most_seconds)
     solution.status = Status::time_limit;
   solution.message = "qpOASES: return code " + std::to_string(static_cast<int>(code));
-  if (solution.status == Status::infeasible) {
-    write_infeasible(problem, program, {}, solution);
-    return;
-  }
   qp.getPrimalSolution(y.data());
   qp.getDualSolution(start.data());
   lambda = start.tail(k);
-  if (y.allFinite() && lambda.allFinite()) {
-    program.write(problem, y, lambda, solution);
-  } else {
-    solution.empty_z();
-    solution.empty_lambda();
-  }
+  write_answer(problem, program, y, lambda, {}, solution);
 }
 
 }  // namespace zwang
