@@ -8,75 +8,47 @@
 #include <thread>
 
 #include <zwang/bench/campaign/cell_list.h>
+#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/stored_file.h>
+
+ZWANG_EMBEDDED(job_template, ZWANG_JOB)
 
 namespace zwang {
 
 NLOHMANN_JSON_SERIALIZE_ENUM(EngineKind, {{EngineKind::slurm, "slurm"},
                                           {EngineKind::parallel, "parallel"},
                                           {EngineKind::local, "local"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Handle, id, started)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Campaign, program, suite, engine, tasks, at_once, timing, hours, started)
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 // A script to be read, changed and run by hand.
 std::string job_script(const Campaign& c) {
-  std::string suite;
+  std::string suite, text(job_template());
   for (const std::string& word : c.suite) suite.append(" ").append(quoted(word));
-  const std::string here = quoted(c.directory.string()), program = quoted(c.program);
   const long minutes = std::max(1L, static_cast<long>(c.hours * 60 + 0.5));
-  std::string text =
-      "#!/bin/bash\n"
-      "# One task of a campaign: ./job.sh K, K from 0 to " +
-      std::to_string(c.tasks - 1) +
-      ". Under Slurm K is the index in the array.\n"
-      "# It goes on with what an earlier attempt left.\n"
-      "#SBATCH --job-name=zwang\n"
-      "#SBATCH --ntasks=1\n"
-      "#SBATCH --cpus-per-task=1\n"
-      "#SBATCH --time=" +
-      std::to_string(minutes) +
-      "\n"
-      "#SBATCH --no-requeue\n"
-      "#SBATCH --output=/dev/null\n";
-  if (c.timing) text += "#SBATCH --exclusive\n";
-  text += "dir=" + here + "\n" + "k=${1:-$SLURM_ARRAY_TASK_ID}\n" +
-          "part=$dir/parts/$k\n"
-          "mkdir -p \"$dir/parts\" \"$dir/logs\"\n"
-          "exec >>\"$dir/logs/$k.log\" 2>&1\n"
-          "echo \"$(date -u +%FT%TZ) $(hostname) task $k\"\n";
-  if (c.timing)
-    text +=
-        "# Pinned to the first core that this task may use.\n"
-        "pin=\"taskset -c $(taskset -cp $$ | sed 's/.*: //; s/[,-].*//')\"\n";
-  const std::string run = std::string(c.timing ? "$pin " : "") + program + " bench";
-  text +=
-      "# Two attempts at one part at a time would repeat each other's work.\n"
-      "exec 9>\"$dir/logs/$k.lock\"\n"
-      "flock -n 9 || exit 0\n"
-      "if [ -f \"$part/run.json\" ]; then\n"
-      "  " +
-      run +
-      " --resume \"$part\" 9>&-\n"
-      "else\n"
-      "  [ ! -e \"$part\" ] || mv \"$part\" \"$part.before-$(date +%s)\"\n"
-      "  " +
-      run + suite + " --shard \"$k/" + std::to_string(c.tasks) +
-      "\" --out \"$part\" 9>&-\n"
-      "fi\n";
+  const std::pair<std::string, std::string> words[] = {
+      {"@tasks@", std::to_string(c.tasks)},
+      {"@last@", std::to_string(c.tasks - 1)},
+      {"@minutes@", std::to_string(minutes)},
+      // Alone on a node, and pinned to a core there; or neither.
+      {"@exclusive@", c.timing ? "#SBATCH --exclusive" : "#"},
+      {"@core@", c.timing ? "$(taskset -cp $$ | sed 's/.*: //; s/[,-].*//')" : ""},
+      {"@dir@", quoted(c.directory.string())},
+      {"@program@", quoted(c.program)},
+      {"@suite@", suite}};
+  for (const auto& [word, value] : words)
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += value.size())
+      text.replace(at, word.size(), value);
   return text;
 }
 
-void write_record(const Campaign& c) {
-  Json started = Json::array();
-  for (const Handle& h : c.started) started.push_back({{"id", h.id}, {"started", h.started}});
-  const Json record = {{"program", c.program}, {"suite", c.suite},   {"engine", c.engine}, {"tasks", c.tasks},
-                       {"at_once", c.at_once}, {"timing", c.timing}, {"hours", c.hours},   {"started", started}};
-  replace_file(c.directory / "campaign.json", record.dump(2) + "\n");
-}
+void write_record(const Campaign& c) { replace_file(c.directory / "campaign.json", Json(c).dump(2) + "\n"); }
 
 bool has_run(const fs::path& part) { return fs::exists(part / "run.json"); }
 
@@ -120,16 +92,9 @@ Campaign read_campaign(const fs::path& directory) {
   std::ifstream in(file);
   if (!in) throw BadFile(directory.string() + " holds no campaign: campaign.json is missing");
   try {
-    const Json j = Json::parse(in);
-    Campaign c{.directory = fs::absolute(directory).lexically_normal(), .program = j.at("program")};
+    Campaign c = Json::parse(in);
+    c.directory = fs::absolute(directory).lexically_normal();
     if (!c.directory.has_filename()) c.directory = c.directory.parent_path();
-    c.suite = j.at("suite").get<std::vector<std::string>>();
-    c.engine = j.at("engine");
-    c.tasks = j.at("tasks");
-    c.at_once = j.at("at_once");
-    c.timing = j.at("timing");
-    c.hours = j.at("hours");
-    for (const Json& h : j.at("started")) c.started.push_back({h.at("id"), h.at("started")});
     return c;
   } catch (const Json::exception& wrong) {
     throw BadFile(file.string() + ": " + one_line(wrong.what()));
