@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -41,8 +42,7 @@ void set_from(const std::string& text, SettingValue value) {
 void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,
                    const std::function<void(std::size_t k, const std::string& value)>& set) {
   const std::string whose = "solver '" + std::string(solver) + "'";
-  std::stringstream parts{std::string(text)};
-  for (std::string part; std::getline(parts, part, ',');) {
+  for (const std::string& part : split(std::string(text))) {
     const auto equal = part.find('=');
     const std::string key = part.substr(0, equal), value = equal == std::string::npos ? "on" : part.substr(equal + 1);
     const auto found = std::ranges::find(known, key, &SettingInfo::name);

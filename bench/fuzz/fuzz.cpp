@@ -13,6 +13,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/suite/progress.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/measure.h>
 
 namespace zwang {
@@ -74,9 +75,7 @@ std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem&
 std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among) {
   std::vector<std::string> names;
   if (options.referee) return {referee_classes.begin(), referee_classes.end()};
-  std::stringstream parts(options.solvers);
-  for (std::string name; std::getline(parts, name, ',');) names.push_back(name);
-  if (!names.empty()) return names;
+  if (!options.solvers.empty()) return split(options.solvers);
   for (const SolverEntry& e : among)
     if (!e.foreign &&
         (options.friction ? std::ranges::find(e.laws, Law::coulomb) != e.laws.end() : e.sees_infeasibility))

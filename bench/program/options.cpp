@@ -10,6 +10,7 @@
 
 #include <zwang/bench/suite/plan.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -88,8 +89,7 @@ bool read(CLI::App& app, std::vector<std::string> words) {
 
 std::vector<double> numbers(const std::string& option, const std::string& text) {
   std::vector<double> all;
-  std::stringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
+  for (const std::string& part : split(text)) {
     double value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc{} || end != part.data() + part.size())

@@ -1,12 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <sstream>
 #include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/report/report.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -24,8 +24,7 @@ int report_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
 
   std::vector<std::string> formats;
-  std::stringstream parts(figures);
-  for (std::string format; std::getline(parts, format, ',');) {
+  for (const std::string& format : split(figures)) {
     if (format != "svg" && format != "pdf")
       throw std::invalid_argument("no figure format '" + format + "'" + did_you_mean(format, {"svg", "pdf"}) +
                                   " (svg, pdf)");

@@ -1,13 +1,11 @@
 #include <zwang/bench/references/cache.h>
 
-#include <unistd.h>
-
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
+#include <zwang/core/files/stored_file.h>
 #include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
@@ -38,13 +36,7 @@ void write_cached(const std::filesystem::path& file, const Reference& r) {
   bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
 
   std::filesystem::create_directories(file.parent_path());
-  const std::filesystem::path beside = file.string() + "." + std::to_string(::getpid());
-  {
-    std::ofstream out(beside, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!out.flush()) throw std::runtime_error(beside.string() + ": cannot be written");
-  }
-  std::filesystem::rename(beside, file);
+  replace_file(file, bytes);
 }
 
 std::optional<Reference> read_cached(const std::filesystem::path& file) {

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
+std::string number(double x) { return printed("%.3g", x); }
 
 std::string in_words(const Judgement& j, const char* variable) {
   std::string text(to_string(j.verdict));

@@ -8,6 +8,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -159,11 +160,8 @@ std::vector<JsonValue> JsonValue::items() const {
 void JsonValue::only(const std::vector<std::string>& members) const {
   if (!value_->is_object()) fail("an object");
   for (const auto& [name, unused] : value_->items())
-    if (std::find(members.begin(), members.end(), name) == members.end()) {
-      std::string all;
-      for (const std::string& m : members) all += (all.empty() ? "" : ", ") + m;
-      document_->fail(below(at_, name), "one of the members " + all + did_you_mean(name, members));
-    }
+    if (std::find(members.begin(), members.end(), name) == members.end())
+      document_->fail(below(at_, name), "one of the members " + joined(members) + did_you_mean(name, members));
 }
 
 double JsonValue::number() const {
@@ -195,11 +193,8 @@ std::vector<double> JsonValue::numbers(std::size_t size) const {
 
 std::string JsonValue::word(const std::vector<std::string>& words) const {
   const std::string given = text();
-  if (std::find(words.begin(), words.end(), given) == words.end()) {
-    std::string all;
-    for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-    fail("one of " + all + did_you_mean(given, words));
-  }
+  if (std::find(words.begin(), words.end(), given) == words.end())
+    fail("one of " + joined(words) + did_you_mean(given, words));
   return given;
 }
 

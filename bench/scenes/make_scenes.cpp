@@ -7,6 +7,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/scenes/scene_file.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -61,8 +62,7 @@ void append_values(const SceneEntry& scene, const std::string& text, KnobValues&
 
 std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& text) {
   std::vector<KnobValues> all;
-  std::stringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
+  for (const std::string& part : split(text)) {
     const auto equal = part.find('=');
     if (equal != std::string::npos) {
       const std::string name = part.substr(0, equal);

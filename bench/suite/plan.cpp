@@ -6,7 +6,6 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 
 #include <zwang/bench/report/page/embedded.h>
@@ -43,14 +42,12 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
 
 // "": all. Throws std::invalid_argument where a family has no problem here.
 void keep_families(const std::string& families, std::vector<Instance>& instances, std::size_t& given) {
-  std::vector<std::string> present, kept;
+  std::vector<std::string> present;
   for (const Instance& i : instances) present.push_back(i.family);
-  std::stringstream parts(families);
-  for (std::string family; std::getline(parts, family, ',');) {
+  const std::vector<std::string> kept = split(families);
+  for (const std::string& family : kept)
     if (std::ranges::find(present, family) == present.end())
       throw std::invalid_argument("no problem of family '" + family + "'" + did_you_mean(family, present));
-    kept.push_back(family);
-  }
   if (kept.empty()) return;
   const auto is_kept = [&](const Instance& i) { return std::ranges::find(kept, i.family) != kept.end(); };
   given = static_cast<std::size_t>(std::ranges::count_if(std::span(instances).first(given), is_kept));
@@ -111,8 +108,7 @@ const Suite& find_suite(const std::string& name) {
 
 std::vector<std::string> split_solvers(const std::string& text) {
   std::vector<std::string> all;
-  std::stringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
+  for (const std::string& part : split(text)) {
     const bool setting = part.find('=') != std::string::npos && part.find(':') == std::string::npos;
     if (setting && !all.empty())
       all.back() += "," + part;
@@ -124,8 +120,7 @@ std::vector<std::string> split_solvers(const std::string& text) {
 
 std::vector<Law> parse_laws(const std::string& text) {
   std::vector<Law> laws;
-  std::stringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : split(text)) {
     const Law law = parse_law(word);
     if (std::ranges::find(laws, law) != laws.end()) throw std::invalid_argument("--law " + text + " names a law twice");
     laws.push_back(law);

@@ -1,8 +1,8 @@
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/core/problem/wording.h>
 
 #include <sched.h>
 #include <fstream>
-#include <sstream>
 
 #include "built_from.h"
 
@@ -38,8 +38,7 @@ Conditions conditions() {
 #endif
   c.cpu = cpu_name();
   c.cores = usable_cores();
-  std::stringstream libraries(ZWANG_LIBRARIES);
-  for (std::string part; std::getline(libraries, part, ',');) {
+  for (const std::string& part : split(ZWANG_LIBRARIES)) {
     const auto blank = part.find(' ');
     c.libraries[part.substr(0, blank)] = part.substr(blank + 1);
   }

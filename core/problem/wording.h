@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdarg>
 #include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,14 @@ inline std::string joined(const std::vector<std::string>& texts, const char* sep
   std::string all;
   for (const std::string& text : texts) all += (&text == &texts.front() ? "" : separator) + text;
   return all;
+}
+
+// "a,b" -> a | b.
+inline std::vector<std::string> split(const std::string& text, char separator = ',') {
+  std::vector<std::string> parts;
+  std::istringstream all(text);
+  for (std::string part; std::getline(all, part, separator);) parts.push_back(part);
+  return parts;
 }
 
 // For a shell: 'as it is'.

@@ -1,21 +1,17 @@
 #include <zwang/solvers/linalg/dense_storage.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 
 #include <zwang/core/problem/memory.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
 
 constexpr double never_asked_for = 0x1p28;
 
-std::string gigabytes(double bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g GB", bytes / 1e9);
-  return text;
-}
+std::string gigabytes(double bytes) { return printed("%.3g GB", bytes / 1e9); }
 
 }  // namespace
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iomanip>
 #include <limits>
-#include <sstream>
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/did_you_mean.h>
@@ -43,12 +41,6 @@ bool number(std::string_view cell, double& out) {
 // What no hand does: numbers in other units.
 constexpr double full_turn = 6.28, fastest = 20;  // rad beyond a joint's limits, m/s
 
-std::string short_text(double x) {
-  std::ostringstream text;
-  text << std::setprecision(3) << x;
-  return text.str();
-}
-
 // The median of the palm's speed between rows [m/s].
 double usual_speed(const Track& track) {
   std::vector<double> speeds;
@@ -56,10 +48,7 @@ double usual_speed(const Track& track) {
     const Track::Key &from = track.keys[k - 1], &to = track.keys[k];
     speeds.push_back((to.target.palm.position - from.target.palm.position).norm() / (to.time - from.time));
   }
-  if (speeds.empty()) return 0;
-  const auto middle = speeds.begin() + std::ssize(speeds) / 2;
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  return *middle;
+  return upper_median(std::move(speeds));
 }
 
 }  // namespace
@@ -198,9 +187,10 @@ HandMotion plain_motion(const JointTable& table) {
           "turn "
           "beyond its limits among the columns of the hand; metres and radians expected");
     if (track.beyond > 0)
-      motion.notes.push_back("angles up to " + short_text(track.beyond) + " rad beyond the hand's limits: clamped");
+      motion.notes.push_back("angles up to " + printed("%.3g", track.beyond) +
+                             " rad beyond the hand's limits: clamped");
     if (const double speed = usual_speed(track); speed > fastest)
-      table.refuse("the palm goes at " + short_text(speed) +
+      table.refuse("the palm goes at " + printed("%.3g", speed) +
                    " m/s and more in half of the rows; metres and seconds expected");
     track.misfit_mean = sum / (15 * static_cast<double>(sound));
     motion.hands.push_back(std::move(track));
