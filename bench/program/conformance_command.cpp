@@ -102,7 +102,7 @@ int conformance_command(std::vector<std::string> words) {
             "Exit code 1 where a check does not pass.");
   std::string names;
   Marks marks;
-  options.add_option("--solver", names, "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
+  options.add_option("--solvers,--solver", names, "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
   options.add_option("--tolerance", marks.tolerance, "asked of the solver; default: 1e-10")->check(above(0));
   options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6")->check(above(0));
   options.add_option("--time-limit", marks.time_limit, "s of CPU time, for each check; default: 2")->check(above(0));

@@ -52,8 +52,8 @@ int export_command(std::vector<std::string> words) {
             "  ./zwang export \"hand(contacts=64,seed=3)\" --out hand.h5\n"
             "  ./zwang export --atlas atlas --families NPE,LOOP");
   std::string scene, out, atlas, families;
-  options.add_option("SCENE", scene, "./zwang scenes lists them with their knobs");
-  options.add_option("--out", out, "the file to write")->type_name("FILE");
+  options.add_option("SCENE", scene, "REQUIRED but with --atlas: ./zwang scenes lists them with their knobs");
+  options.add_option("--out", out, "REQUIRED with SCENE: the file to write")->type_name("FILE");
   options
       .add_option("--atlas", atlas, "instead: every point of the stability atlas with its certified truth, a file each")
       ->type_name("DIR");

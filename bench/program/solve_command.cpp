@@ -15,11 +15,12 @@
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/solvers/runs_apart.h>
+#include <zwang/solvers/usual_solver.h>
 
 namespace zwang {
 namespace {
 
-constexpr double budget = 0.3;     // s for repetitions
+constexpr double budget = 0.3;  // s for repetitions
 
 std::string some_of(std::vector<std::string> names, std::size_t most) {
   const bool more = names.size() > most;
@@ -39,14 +40,15 @@ Instance choose(const std::string& file, std::vector<Instance> all, const std::s
                               " problems: choose one with --problem (" + some_of(names, 5) + ")");
 }
 
-void print(const Result& r) {
+void print(const Result& r, bool chosen) {
   using report::duration, report::scientific;
   const Metrics& k = r.metrics;
   const auto line = [](const char* what, const std::string& text) { std::printf("%-10s %s\n", what, text.c_str()); };
   line("problem", r.problem + "   " + std::to_string(r.n) + " unknowns, " + std::to_string(r.m) + " rows (" +
                       std::to_string(r.equalities) + " equalities)");
-  line("solver", r.solver + " @ " + scientific(r.tolerance));
-  if (!r.handed_to.empty()) line("answered", "by " + r.handed_to + ", to which " + r.solver + " handed this problem over");
+  line("solver", r.solver + " @ " + scientific(r.tolerance) + (chosen ? "   chosen for this problem" : ""));
+  if (!r.handed_to.empty())
+    line("answered", "by " + r.handed_to + ", to which " + r.solver + " handed this problem over");
   line("claimed", std::string(to_string(r.claimed)));
   std::string against =
       std::isnan(k.z_error) ? "no reference" : "z_error " + scientific(k.z_error) + " against " + r.reference;
@@ -54,8 +56,8 @@ void print(const Result& r) {
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))
     against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
-  line("verified", std::string(to_string(k.verdict)) + "   " + against +
-                       (lies(r.claimed, k.verdict) ? "   FALSE CLAIM" : ""));
+  line("verified",
+       std::string(to_string(k.verdict)) + "   " + against + (lies(r.claimed, k.verdict) ? "   FALSE CLAIM" : ""));
   if (r.claimed == Status::unsupported || r.claimed == Status::bad_input) {  // nothing was solved
     if (!r.message.empty()) line("message", r.message);
     return;
@@ -71,9 +73,9 @@ void print(const Result& r) {
     line("conflict", some_of(r.conflicting, 8) +
                          (k.farkas > 0 ? "   (no z within " + scientific(k.farkas) + " motions)" : "   (no proof)"));
   line("time", duration(r.solve_s) + " (quartiles " + duration(r.solve_s_q1) + ", " + duration(r.solve_s_q3) + ", " +
-                   std::to_string(r.repetitions) + " repetitions)   of it " + duration(std::min(r.prepare_s, r.solve_s)) +
-                   " to prepare the problem's form   set-up " + duration(r.setup_s) + "   " +
-                   std::to_string(r.iterations) + " iterations");
+                   std::to_string(r.repetitions) + " repetitions)   of it " +
+                   duration(std::min(r.prepare_s, r.solve_s)) + " to prepare the problem's form   set-up " +
+                   duration(r.setup_s) + "   " + std::to_string(r.iterations) + " iterations");
   if (!r.message.empty()) line("message", r.message);
 }
 
@@ -97,6 +99,7 @@ int solve_command(std::vector<std::string> words) {
   CLI::App options(
       "Solves one problem file (zwang's or FCLIB's HDF5, Siconos' .dat) and says whether the answer is right.");
   introduce(options, "solve",
+            "  ./zwang solve hand.h5\n"
             "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls --tolerance 1e-8\n"
             "  ./zwang solve H16.h5 --problem h3 --solver ipopt --json\n"
             "  ./zwang solve rod.h5 --law coulomb --solutions\n"
@@ -109,7 +112,9 @@ int solve_command(std::vector<std::string> words) {
   std::optional<Law> law;
   options.add_option("FILE", file, "the problem")->required();
   options.add_option("--problem", name, "its name, where the file holds several")->type_name("NAME");
-  options.add_option("--solver", run.solver, "required, but with --solutions: name, or name:key=value,... (./zwang solvers)")
+  options
+      .add_option("--solver", run.solver,
+                  "name, or name:key=value,... (./zwang solvers); default: auto, by the table of docs/performance.md")
       ->type_name("NAME");
   options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
       ->type_name("T");
@@ -130,24 +135,23 @@ int solve_command(std::vector<std::string> words) {
     print_solutions(choose(file, read_problems(file, law), name), json);
     return done;
   }
-  if (run.solver.empty()) throw std::invalid_argument("--solver NAME is required (./zwang solve --help)");
-  make_solver(run.solver);
+  const bool chosen = run.solver.empty() || run.solver == "auto";
+  if (!chosen) make_solver(run.solver);  // its complaint comes before the file's
+  Instance instance = choose(file, read_problems(file, law), name);
+  if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
+  if (chosen) run.solver = usual_solver(instance.problem);
   run.foreign = runs_apart(run.solver);
 
   std::vector<std::string> notes;
   const auto assemble = [&] {
-    Instance instance = choose(file, read_problems(file, law), name);
-    if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
     FoundReference found = reference_for(instance, reference_cache());
     instance.reference = std::move(found.reference);
     notes = instance.notes;
     if (!found.note.empty()) notes.push_back(found.note);
     return instance;
   };
-  Instance instance;
   Cell cell;
-  const auto keep = [&](const Instance& solved, std::vector<Cell>& cells) {
-    instance = solved;
+  const auto keep = [&](const Instance&, std::vector<Cell>& cells) {
     cell = std::move(cells[0]);
     cell.result.problem_file = file;
   };
@@ -166,7 +170,7 @@ int solve_command(std::vector<std::string> words) {
     return code;
   }
   for (const std::string& note : notes) std::printf("Note: %s\n", note.c_str());
-  print(cell.result);
+  print(cell.result, chosen);
   if (with_trace) print(points);
   return code;
 }

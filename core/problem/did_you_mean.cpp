@@ -29,7 +29,8 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
     return edit_distance(name, a) < edit_distance(name, b);
   };
   const auto best = std::min_element(names.begin(), names.end(), nearer);
-  if (best == names.end() || edit_distance(name, *best) > 1 + name.size() / 2) return {};
+  // Two slips; in a short word one, or anything would be near it.
+  if (best == names.end() || edit_distance(name, *best) > std::clamp<std::size_t>(name.size() / 3, 1, 2)) return {};
   return "; did you mean '" + *best + "'?";
 }
 

@@ -6,7 +6,9 @@
 #include <sstream>
 #include <string>
 
+#include <zwang/bench/scenes/catalog.h>
 #include <zwang/solvers/registry.h>
+#include <zwang/solvers/usual_solver.h>
 
 #include "tests/folders.h"
 
@@ -20,6 +22,18 @@ TEST(Documentation, EverySolverHasItsParagraph) {
     const auto heading = text.str().find("\n## " + entry.name + "\n\n");
     EXPECT_NE(heading, std::string::npos) << "docs/solvers.md has no paragraph on " << entry.name;
   }
+}
+
+// The table of docs/performance.md, "Which solver".
+TEST(Documentation, TheUsualSolverIsTheOneOfTheTable) {
+  const auto usual = [](const std::string& scene) { return usual_solver(make_scenes(scene)[0].problem); };
+  EXPECT_EQ(usual("hand(contacts=64)"), "dual_active_set");
+  EXPECT_EQ(usual("hands(hands=64)"), "dual_active_set");
+  EXPECT_EQ(usual("chain(links=2000)"), "dual_active_set");
+  EXPECT_EQ(usual("tower(boxes=10)"), "dual_active_set");
+  EXPECT_EQ(usual("stack(boxes=400)"), "newton");
+  EXPECT_EQ(usual("wall(boxes=1000)"), "newton");
+  EXPECT_EQ(usual("crate"), "cone");
 }
 
 std::string text_of(const std::string& file) {

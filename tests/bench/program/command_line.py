@@ -5,6 +5,7 @@ Usage: command_line.py PROGRAM
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -92,7 +93,8 @@ MISTAKES = [
     (["bench", "--problems", "missing.h5"], 3, "missing.h5"),
     (["bench", "--problems", "empty"], 3, "no *.h5, *.hdf5 or *.dat"),
     (["bench", "--problems", "box.h5", "nan.h5"], 3, "nan.h5"),
-    (["solve", "box.h5"], 2, "--solver"),
+    (["solve"], 2, "FILE"),
+    (["solve", "box.h5", "--solver", "aut"], 2, "no solver 'aut'"),
     (["solve", "box.h5", "--solutions"], 2, "no contact with friction"),
     (["solve", "box.h5", "--solutions", "--solver", "cone"], 2, "neither --solver nor --trace"),
     (["solve", "box.h5", "--solver", "pgz"], 2, "did you mean 'pgs'?"),
@@ -190,6 +192,11 @@ def check_solve():
     right = run(["solve", "box.h5", "--solver", "cone", "--check"])
     check("a claim that holds", right.returncode == 0 and "FALSE CLAIM" not in right.stdout, right.stdout)
     check("who answered", "answered   by dual_active_set" in right.stdout, right.stdout)
+    for file, solver in (("box.h5", "dual_active_set"), ("block.h5", "cone")):
+        for words in ([], ["--solver", "auto"]):
+            chosen = run(["solve", file, *words])
+            check(f"the solver for {file} {words}", chosen.returncode == 0 and re.search(rf"solver +{solver} @ 1.0e-10   chosen", chosen.stdout),
+                  chosen.stdout + chosen.stderr)
     stopped = run(["solve", "box.h5", "--solver", "pgs", "--time-limit", "0"])
     check("no time", stopped.returncode == 2 and "above 0 s" in stopped.stderr, stopped.stderr)
 
