@@ -19,7 +19,7 @@ else
   fi
 fi
 cmake -S "$work/project" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "${flags[@]}" >"$work/configure.log"
-cmake --build "$work/build" --target beads >"$work/build.log" || { tail -n 30 "$work/build.log" >&2; exit 1; }
+cmake --build "$work/build" --target beads check >"$work/build.log" || { tail -n 30 "$work/build.log" >&2; exit 1; }
 
 # As its user runs it: from elsewhere; where the right to do so is there, with nothing to be seen in the source tree.
 beads=$work/build/beads
@@ -30,6 +30,10 @@ if [ "$build" != sources ] && unshare --mount true 2>/dev/null; then
   work=/tmp/zwang-out-of-tree.$$ beads=$work/build/beads
   run() { (cd "$work" && unshare --mount bash -c 'mount -t tmpfs none "$0" && cd "$PWD" && exec env -u ZWANG_DATA "$@"' "$source" "$@"); }
 fi
+run "$work/build/check" >"$work/check.log" && [ "$(grep -c ' ok$' "$work/check.log")" -eq 6 ] || { cat "$work/check.log" >&2; exit 1; }
+! run "$work/build/check" wrong >"$work/wrong.log"
+grep -q 'on_wire.jacobian: analytic vs central differences, bodies 1 m apart: at row 1, body b, angular y it gives' "$work/wrong.log" ||
+  { cat "$work/wrong.log" >&2; exit 1; }
 run "$beads" scenes | grep -q beads
 run "$beads" solvers | grep -q delassus_sweeps
 run "$beads" bench --scenes 'beads(beads=2,5,10)' --solvers delassus_sweeps,dual_active_set --tolerances 1e-8 --out "$work/run" >"$work/bench.log" 2>&1 ||
