@@ -32,7 +32,7 @@ def tasks_running(folder):
                 words = file.read().decode(errors="replace").split("\0")
         except OSError:
             continue
-        if words[0] == program and any(word.startswith(f"{folder}/it/parts/") for word in words):
+        if words[0] in (program, program + "-all") and any(word.startswith(f"{folder}/it/parts/") for word in words):
             found.append(int(pid))
     return found
 
