@@ -110,6 +110,9 @@ void write_recorded(hdf5::Group& parent, const std::vector<RecordedAnswer>& reco
 }  // namespace
 
 Instance read_own(const hdf5::Group& group) {
+  if (group.has_group("friction"))
+    group.fail("friction",
+               "is how an earlier program kept contacts with friction; expected tangent rows (docs/formats.md)");
   Instance instance;
   Problem& p = instance.problem;
   const Index n = static_cast<Index>(length(group, "z_u")), m = static_cast<Index>(length(group, "c"));

@@ -101,6 +101,20 @@ TEST_F(ProblemFile, TangentRowsComeBackWithMuAndLaw) {
   }
 }
 
+// An earlier program kept friction beside the rows. To pass over it would be another answer.
+TEST_F(ProblemFile, AGroupOfFrictionBesideTheRowsIsRefused) {
+  {
+    hdf5::Group root = hdf5::Group::create(path("b.h5"));
+    root.add_group("zwang").add_group("friction");
+  }
+  try {
+    read_problems(path("b.h5"));
+    FAIL() << "it was read";
+  } catch (const BadFile& refused) {
+    EXPECT_NE(std::string(refused.what()).find("expected tangent rows"), std::string::npos) << refused.what();
+  }
+}
+
 TEST_F(ProblemFile, InfeasibleReferenceComesBack) {
   Instance in = awkward();
   in.reference = Reference{.feasible = false, .certificate = Vector::Unit(3, 1), .method = "mpfr 100 digits"};
