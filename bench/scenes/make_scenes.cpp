@@ -62,7 +62,7 @@ void append_values(const SceneEntry& scene, const std::string& text, KnobValues&
 
 std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& text) {
   std::vector<KnobValues> all;
-  for (const std::string& part : split(text)) {
+  for (std::string part : split(text)) {
     const auto equal = part.find('=');
     if (equal != std::string::npos) {
       const std::string name = part.substr(0, equal);
@@ -88,7 +88,7 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 
 std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std::optional<double> mu) {
   std::vector<Instance> all;
-  for (const std::string& part : split(text)) {
+  for (std::string part : split(text)) {
     if (part.ends_with(".json")) {
       all.push_back(read_scene_file(part));
       continue;
