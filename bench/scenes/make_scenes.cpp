@@ -13,7 +13,7 @@ namespace zwang {
 namespace {
 
 // Splits at commas outside parentheses.
-std::vector<std::string> split(std::string_view text) {
+std::vector<std::string> split_outside_parentheses(std::string_view text) {
   std::vector<std::string> parts(1);
   int depth = 0;
   for (const char ch : text) {
@@ -62,7 +62,7 @@ void append_values(const SceneEntry& scene, const std::string& text, KnobValues&
 
 std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& text) {
   std::vector<KnobValues> all;
-  for (std::string part : split(text)) {
+  for (std::string part : split_outside_parentheses(text)) {
     const auto equal = part.find('=');
     if (equal != std::string::npos) {
       const std::string name = part.substr(0, equal);
@@ -88,7 +88,7 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
 
 std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std::optional<double> mu) {
   std::vector<Instance> all;
-  for (std::string part : split(text)) {
+  for (const std::string& part : split_outside_parentheses(text)) {
     if (part.ends_with(".json")) {
       all.push_back(read_scene_file(part));
       continue;
