@@ -85,6 +85,18 @@ void add_options(CLI::App& options, Asked& asked) {
       ->type_name("DIR");
 }
 
+// Of a run that goes on: after the first problem, then every 10 s, and for a twentieth of the time at most. `next`: not
+// before, s of the monotonic clock. That a page cannot be written is no reason to end the run; its end says so.
+void report_so_far(const std::string& directory, double& next) {
+  const double start = wall_seconds();
+  if (start < next) return;
+  try {
+    report::write_report(directory);
+  } catch (const std::runtime_error&) {
+  }
+  next = wall_seconds() + std::max(10.0, 20 * (wall_seconds() - start));
+}
+
 int print_missing(const std::vector<std::filesystem::path>& directories) {
   const CellList cells(directories.front());
   std::vector<CellList> parts(directories.begin(), directories.end());
@@ -172,6 +184,12 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
 
   // problem -> solve -> solution -> measure -> results
   const std::string directory = settings.directory.string();
+  const bool whole = plan.options.shard.empty();  // merge writes the report of all parts
+  if (whole) {
+    std::printf("Report: %s/report.html (as results come)\n", directory.c_str());
+    std::fflush(stdout);
+    settings.between = [&directory, next = 0.0]() mutable { report_so_far(directory, next); };
+  }
   const std::string go_on = "./zwang bench --resume " + report::shell_word(directory);
   const std::atomic<bool>& interrupted = stop_on_interrupt();
   Outcome outcome;
@@ -191,7 +209,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
               earlier(outcome).c_str(), counts(outcome.tally).c_str());
   for (const std::string& note : outcome.notes) std::printf("%s\n", note.c_str());
 
-  if (!plan.options.shard.empty()) return done;  // merge writes the report of all parts
+  if (!whole) return done;
 
   // results -> report
   try {

@@ -10,6 +10,7 @@
 #include <zwang/bench/report/page/page.h>
 #include <zwang/bench/report/page/single_runs.h>
 #include <zwang/bench/report/tables/tables.h>
+#include <zwang/core/files/stored_file.h>
 
 namespace zwang::report {
 namespace {
@@ -18,10 +19,7 @@ namespace fs = std::filesystem;
 
 void write(const fs::path& file, const std::string& text) {
   if (file.has_parent_path()) fs::create_directories(file.parent_path());
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
+  replace_file(file, text);
 }
 
 // Of the names of files: "-convex-cone"; "" where there is one class.

@@ -155,8 +155,11 @@ void read_conditions(const json& about, Run& run) {
   add_text("suite", "suite");
   add_text("command", "command");
   add_text("started", "started");
-  add("finished",
-      about.contains("finished") && about["finished"].is_null() ? "not finished" : get<std::string>(about, "finished"));
+  const bool goes_on = about.contains("finished") && about["finished"].is_null();
+  add("finished", goes_on ? "not finished" : get<std::string>(about, "finished"));
+  if (const auto planned = static_cast<std::size_t>(get<long>(about, "runs")); goes_on && planned > run.results.size())
+    run.torn += std::string(run.torn.empty() ? "" : " ") + "Not finished: " + grouped(run.results.size()) + " of " +
+                grouped(planned) + " runs so far.";
   add_text("seed", "seed");
   add("tolerances", joined(tolerances));
   for (const char* name : {"problems", "compiler", "flags"}) add_text(name, name);

@@ -119,7 +119,7 @@ struct Run {
   std::vector<SequenceTimes> sequences;  // likewise
   std::vector<StageTimes> stages;        // likewise
   std::vector<Phenomenon> phenomena;
-  std::string torn;  // "" or what was left out: a line cut off by a killed run
+  std::string torn;  // "" or what is not there: a line cut off by a killed run, runs that are still to come
 
   // So large that its page holds no single runs, and that of right ones only what charts need is kept.
   static constexpr std::size_t large = 20000;  // results

@@ -148,6 +148,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     const Flow flow{assemble, runs, limits, append, plan.options.tolerances.back(), show};
     if (!run_flow(flow, desk, interrupted)) break;
     schedule.finished(std::max(0.0, wall_seconds() - start - repeating));
+    if (settings.between) settings.between();
   }
 
   if (!interrupted && plan.conformance) write_phenomena(directory, plan.runs, desk, interrupted);

@@ -34,6 +34,7 @@ struct SuiteSettings {
   bool quiet = false;                    // show no progress at all
   std::span<const SolverEntry> solvers = zwang::solvers();
   std::function<void(Result&)> amend = {};  // the last word on a row before it is stored
+  std::function<void()> between = {};       // called between two problems, when nothing is timed
 };
 
 // Runs the plan, one flow (flow.h) a problem, into settings.directory, and skips what is finished there. Each problem's

@@ -224,7 +224,8 @@ def check_export_and_bench():
     words = ["bench", "--problems", "box.h5", "tower.h5", "--solvers", "pgs", "--tolerances", "1e-6", "--out", "run"]
     bench = run(words + ["--repetitions", "2"])
     check("bench", bench.returncode == 0, bench.stdout + bench.stderr)
-    check("counts", "2 runs in" in bench.stdout and "Report: run/report.html" in bench.stdout, bench.stdout)
+    check("counts", "2 runs in" in bench.stdout and bench.stdout.endswith("Report: run/report.html\n"), bench.stdout)
+    check("place of the report at once", bench.stdout.splitlines()[1] == "Report: run/report.html (as results come)", bench.stdout)
     lines = [json.loads(line) for line in open("run/results.jsonl")]
     check("a line a run", [line["repetitions"] for line in lines] == [2, 2], str(lines))
     replay = run(["solve", os.path.join("run", lines[1]["problem_file"]), "--solver", "pgs", "--tolerance", "1e-6",

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include <zwang/bench/report/report.h>
 #include <zwang/bench/results/seal.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/suite/run_record.h>
@@ -165,6 +166,30 @@ TEST(Suite, GivesTheSameResultsTwiceButForTimes) {
     }
     EXPECT_EQ(first[i], second[i]);
   }
+}
+
+std::string text_of(std::istream&& in) { return {std::istreambuf_iterator<char>(in), {}}; }
+
+TEST(Suite, ItsReportStandsFromTheFirstProblemOnAndIsReplacedInOneStep) {
+  const Folder folder("early");
+  const fs::path page = folder.path / "report.html";
+  SuiteSettings settings = in(folder.path);
+  std::size_t written = 0;
+  settings.between = [&] {
+    std::ifstream open_page(page);
+    const std::string before = written > 0 ? text_of(std::ifstream(page)) : "";
+    EXPECT_EQ(report::write_report(folder.path), page);
+    ++written;
+    const std::string so_far = "Not finished: " + std::to_string(4 * written) + " of 12 runs so far.";
+    EXPECT_EQ(text_of(std::ifstream(page)).find(so_far) == std::string::npos, written == 3);
+    if (written > 1) {
+      EXPECT_EQ(text_of(std::move(open_page)), before) << "whoever reads the old page has all of it";
+    }
+    for (const auto& entry : fs::directory_iterator(folder.path))
+      EXPECT_FALSE(entry.path().filename().string().starts_with("report.html.")) << "no part of a page stays behind";
+  };
+  run_suite(plan("all_active,lies"), settings, tests::never);
+  EXPECT_EQ(written, 3u) << "once a problem";
 }
 
 TEST(Suite, TracesOneProblemOfAFamily) {
