@@ -11,6 +11,7 @@
 #include <zwang/bench/report/page/single_runs.h>
 #include <zwang/bench/report/tables/tables.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/did_you_mean.h>
 
 namespace zwang::report {
 namespace {
@@ -26,6 +27,14 @@ void write(const fs::path& file, const std::string& text) {
 std::string class_ending(std::string name) {
   for (char& ch : name) ch = ch == ' ' ? '-' : static_cast<char>(std::tolower(ch));
   return name.empty() ? "" : "-" + name;
+}
+
+void require_known(const std::string& what, const std::vector<std::string>& names,
+                   const std::vector<std::string>& known) {
+  for (const std::string& name : names)
+    if (std::ranges::find(known, name) == known.end())
+      throw std::invalid_argument("no " + what + " '" + name + "'" + did_you_mean(name, known) + " (" + joined(known) +
+                                  ")");
 }
 
 std::string collision_data(const fs::path& file) try {
@@ -60,32 +69,41 @@ fs::path write_comparison(const fs::path& run_a, const fs::path& run_b, const fs
   Run both = merged(a, b);
   PageText text = page_text(both);
   text.title = "zwang: " + a.label + " against " + b.label;
-  text.headline.insert(text.headline.begin(), "Run A is " + a.label + ", run B is " + b.label + ".");
+  text.headline.front().insert(0, "Run A is " + a.label + ", run B is " + b.label + ". ");
   text.tables.push_back(comparison_table(a, b));
   write(out, page(page_data(text, by_class(std::move(both)))));
   return out;
 }
 
-std::vector<fs::path> write_figures(const fs::path& dir, const std::vector<std::string>& formats) {
-  for (const std::string& format : formats)
-    if (format != "svg" && format != "pdf")
-      throw std::runtime_error("no figure format '" + format + "'; there are svg and pdf");
+std::vector<fs::path> write_figures(const fs::path& dir, const Figures& asked) {
+  require_known("figure format", asked.formats, {"svg", "pdf"});
+  require_known("chart", asked.charts,
+                {"work-precision", "families", "profile", "data-profile", "convergence-iteration", "convergence-time",
+                 "scaling", "speed-ratios", "speed-exponents", "sweep", "range-gap", "stages"});
   Run run = read_run(dir);
+  require_known("solver", asked.solvers, solvers_of(run.results));
+  require_known("family", asked.families, families_of(run.results));
   const PageText text = page_text(run);
   const std::vector<Run> classes = by_class(std::move(run));
   std::vector<fs::path> files;
   const auto write_tables = [&](const std::vector<Table>& tables, const std::string& ending) {
-    for (const Table& table : tables) {
+    for (Table table : tables) {
       if (table.rows.empty()) continue;
-      write(files.emplace_back(dir / "tables" / (table.id + ending + ".csv")), to_csv(table));
-      write(files.emplace_back(dir / "tables" / (table.id + ending + ".tex")), to_tex(table));
+      table.id += ending;
+      write(files.emplace_back(dir / "tables" / (table.id + ".csv")), to_csv(table));
+      write(files.emplace_back(dir / "tables" / (table.id + ".tex")), to_tex(table));
     }
   };
   write_tables(text.tables, "");
   for (const Run& part : classes) write_tables(class_tables(part), class_ending(part.problem_class));
   const fs::path figures = dir / "figures", data = figures / "data.json";
-  write(data, page_data(text, classes));
-  draw_figures(data, figures, formats);
+  const nlohmann::json print = {{"formats", asked.formats},
+                                {"charts", asked.charts},
+                                {"solvers", asked.solvers},
+                                {"families", asked.families},
+                                {"width", asked.width}};
+  write(data, "{\"print\":" + print.dump() + ",\"page\":" + page_data(text, classes) + "}");
+  draw_figures(data, figures);
   fs::remove(data);
   for (const auto& entry : fs::directory_iterator(figures)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());

@@ -18,9 +18,17 @@ std::filesystem::path write_report(const std::filesystem::path& run);
 std::filesystem::path write_comparison(const std::filesystem::path& run_a, const std::filesystem::path& run_b,
                                        const std::filesystem::path& out);
 
-// Each chart for a paper: DIR/figures/*.svg and *.pdf (formats: "svg", "pdf"), DIR/tables/*.tex and *.csv. Needs Node
-// and rsvg-convert, as ./zwang sets them up. Returns the files written.
-std::vector<std::filesystem::path> write_figures(const std::filesystem::path& run,
-                                                 const std::vector<std::string>& formats);
+// What is drawn for a paper: only these charts, solvers and families. Empty: all charts and families, and the six best
+// solvers of each class of problems.
+struct Figures {
+  std::vector<std::string> formats = {};  // svg, pdf
+  std::vector<std::string> charts = {}, solvers = {}, families = {};
+  double width = 0;  // of a chart [in]; 0: its own
+};
+
+// DIR/figures/*.svg and *.pdf, to each its caption as *.txt; DIR/tables/*.tex and *.csv. Needs Node and rsvg-convert,
+// as
+// ./zwang sets them up. Returns the files written. Throws std::invalid_argument for a name that is not there.
+std::vector<std::filesystem::path> write_figures(const std::filesystem::path& run, const Figures& figures);
 
 }  // namespace zwang::report

@@ -152,7 +152,7 @@ void read_conditions(const json& about, Run& run) {
     tolerances.push_back(item.is_number() ? scientific(item, 0) : item.dump());
   add_text("zwang", "zwang");
   add("commit", run.commit + (dirty && !run.commit.empty() ? " with uncommitted changes" : ""));
-  add_text("suite", "suite");
+  add("suite", run.title.empty() || run.title == run.suite + " suite" ? run.suite : "own scenes");
   add_text("command", "command");
   add_text("started", "started");
   const bool goes_on = about.contains("finished") && about["finished"].is_null();

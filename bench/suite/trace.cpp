@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/references/reference.h>
@@ -61,13 +62,14 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
                   std::vector<std::string>& notes) {
   const auto file = directory / "traces.jsonl";
   std::filesystem::remove(file);
-  std::vector<std::string> families;
+  std::map<std::pair<std::string, Law>, std::vector<const Instance*>> families;
+  for (const Instance& i : plan.instances) families[{i.family, i.problem.law}].push_back(&i);
+  for (auto& [family, problems] : families) std::ranges::stable_sort(problems, {}, &Instance::knob_value);
   std::vector<const Instance*> chosen;
   for (std::size_t b = 0; b < plan.instances.size(); ++b) {
     const Instance& i = plan.instances[b];
-    const bool first = std::ranges::find(families, i.family) == families.end();
-    if (first) families.push_back(i.family);
-    if (plan.shard.holds(b) && (first || plan.options.trace)) chosen.push_back(&i);
+    const auto& problems = families[{i.family, i.problem.law}];
+    if (plan.shard.holds(b) && (plan.options.trace || problems[problems.size() / 2] == &i)) chosen.push_back(&i);
   }
   const double tightest = plan.options.tolerances.back();
   const double start = wall_seconds();

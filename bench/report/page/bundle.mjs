@@ -24,7 +24,8 @@ const libraries = ['vega/build/vega.min.js', 'vega-lite/build/vega-lite.min.js',
 const [body, title, scripts] = process.argv[3] === 'collision' ?
   ['collision.html', 'zwang: collision suite', ['charts.js', 'collision.js']] :
   ['report.html', 'zwang report', ['charts.js', 'labels.js', 'table.js', 'page.js']];
-const script = name => inline((name === 'page.js' ? `const SPECS = ${JSON.stringify(specs)}, STABILITY = ${read('stability.json')};\n` : '') + read(name));
+const globals = {'charts.js': `const STABILITY = ${read('stability.json')};\n`, 'page.js': `const SPECS = ${JSON.stringify(specs)};\n`};
+const script = name => inline((globals[name] ?? '') + read(name));
 
 fs.writeFileSync(process.argv[2], `<!doctype html>
 <html lang="en" data-theme="light">

@@ -8,5 +8,5 @@ const charts = Object.fromEntries(fs.readdirSync(here + '../charts').sort()
 const [script, out] = process.argv.slice(2);
 buildSync({
   entryPoints: [here + script], outfile: out, bundle: true, minify: true, format: 'esm', platform: 'node', target: 'node18',
-  charset: 'utf8', legalComments: 'eof', define: {CHARTS: JSON.stringify(charts)}, logLevel: 'error',
+  charset: 'utf8', legalComments: 'eof', define: {CHARTS: JSON.stringify(charts), STABILITY: fs.readFileSync(here + 'stability.json', 'utf8')}, logLevel: 'error',
 });

@@ -182,11 +182,11 @@ json convergence(const Run& run) {
       const TracePoint* p = trace[i];
       if (trace.size() > trace_points && p->iteration < next && p != trace.back()) continue;
       next = std::max(p->iteration + 1, static_cast<long>(static_cast<double>(p->iteration) * growth));
-      rows.push_back({p->problem, p->solver, p->iteration, known(time[i]), known(p->z_error), known(p->primal),
-                      known(p->stationarity), known(p->gap)});
+      rows.push_back({p->family, p->problem, p->solver, p->iteration, known(time[i]), known(p->z_error),
+                      known(p->primal), known(p->stationarity), known(p->gap)});
     }
   }
-  return chart("problem solver iteration time z_error primal stationarity gap", rows);
+  return chart("family problem solver iteration time z_error primal stationarity gap", rows);
 }
 
 json range_gaps(const Run& run) {

@@ -8,7 +8,7 @@
     dark: ['#7f7af5', '#52abca', '#c27a9b', '#ed9d98', '#b08a5a', '#94a84d', '#a377fd',
            '#62c9c5', '#9a78cc', '#a8bafd', '#aba568', '#cf9aa9', '#7d9be0', '#b2cb58'],
   };
-  const dashes = [[1, 0], [7, 3], [2, 2.5], [9, 3, 2, 3], [14, 4]];
+  const dashes = [[1, 0], [7, 3], [2, 2.5], [9, 3, 2, 3], [14, 4], [6, 2, 1.5, 2, 1.5, 2]];
   const shapes = [
     'M.9,0A.9,.9,0,1,1,-.9,0A.9,.9,0,1,1,.9,0Z', 'M-.8,-.8L.8,-.8L.8,.8L-.8,.8Z', 'M0,-1L1,.8L-1,.8Z', 'M0,-1.1L1.1,0L0,1.1L-1.1,0Z', 'M0,1L-1,-.8L1,-.8Z',
     'M-.35,-1L.35,-1L.35,-.35L1,-.35L1,.35L.35,.35L.35,1L-.35,1L-.35,.35L-1,.35L-1,-.35L-.35,-.35Z', 'M1,0L-.8,-1L-.8,1Z',
@@ -30,7 +30,7 @@
       return {
         name: s.name,
         color: palette[theme][i % 14],
-        dash: dashes[two_runs ? (s.second ? 1 : 0) : i % 5],
+        dash: dashes[two_runs ? (s.second ? 1 : 0) : i % dashes.length],
         shape: shapes[(i + 3 * Math.floor(i / 14)) % 14],
       };
     });
@@ -97,6 +97,36 @@
     };
   };
 
+  // Where a chart is better, as a word at its corner; and a key of the glyphs above it (labels.js).
+  const corners = {LOWER_LEFT: ['↙ better', 'height', 14, 'top'], LOWER: ['↓ better', 'height', 14, 'top'], UPPER_LEFT: ['↖ better', 0, -6, 'bottom']};
+  const fixed = c => ({color: {value: c.muted}, opacity: {value: 1}});
+  const corner_layers = c => Object.fromEntries(Object.entries(corners).map(([name, [words, y, dy, baseline]]) => [name, {
+    data: {values: [{words}]},
+    mark: {type: 'text', clip: false, align: 'right', baseline, dx: -4, dy, fontSize: 11, fontWeight: 'bold', tooltip: null},
+    encoding: {x: {value: 0}, y: {value: y}, text: {field: 'words'}, ...fixed(c)},
+  }]));
+  const key_layers = c => {
+    const place = {x: {field: 'x', type: 'quantitative', scale: null, axis: null}, y: {field: 'y', type: 'quantitative', scale: null, axis: null}};
+    const glyph = (kind, mark) => ({transform: [{filter: `datum.kind === '${kind}'`}], mark: {clip: false, tooltip: null, ...mark}});
+    const point = more => ({type: 'point', ...more}), cross = 'M-.7,-.7L.7,.7M-.7,.7L.7,-.7';
+    return {
+      data: {values: '$KEY_ROWS'},
+      encoding: {...place, ...fixed(c)},
+      layer: [
+        glyph('ok', point({filled: true, size: 62})), glyph('lone', point({filled: true, size: 20})), glyph('missed', point({size: 30, strokeWidth: 1.1})),
+        glyph('undecided', point({size: 44, strokeWidth: 1.1, strokeDash: [1.5, 1.5]})), glyph('failed', point({size: 50, strokeWidth: 1.6})),
+        glyph('bar', point({shape: 'M0,-1L0,1', size: 90, strokeWidth: 1.6})), glyph('line', point({shape: 'M-1,0L1,0', size: 160, strokeWidth: 1.5, strokeDash: [2, 3]})),
+        {...glyph('wrong', {type: 'circle', size: 150, opacity: 0.34}), encoding: {color: {value: c.wrong}, opacity: {value: 0.34}}},
+        glyph('wrong', point({shape: cross, size: 80, strokeWidth: 2})),
+        {...glyph('solver', point({filled: true, size: 62})), encoding: {
+          color: {field: 'words', type: 'nominal', scale: {domain: '$SOLVERS', range: '$COLORS'}, legend: null},
+          shape: {field: 'words', type: 'nominal', scale: {domain: '$SOLVERS', range: '$SHAPES'}, legend: null},
+        }},
+        {mark: {type: 'text', align: 'left', baseline: 'middle', dx: 9, fontSize: 10, clip: false, tooltip: null}, encoding: {text: {field: 'words'}}},
+      ],
+    };
+  };
+
   const config = (theme, font) => {
     const c = themes[theme];
     return {
@@ -113,19 +143,40 @@
     };
   };
 
+  // All text of one size [px].
+  function one_size(node, size) {
+    for (const [key, value] of Object.entries(node))
+      if (/fontSize$/i.test(key)) node[key] = size;
+      else if (value && typeof value === 'object' && key !== 'values') one_size(value, size);
+  }
+
+  // Titles of axes in lines that are no longer than the axis [px].
+  function break_titles(node, plot) {
+    for (const [channel, length] of [['x', plot.width], ['y', plot.height]]) {
+      const {title} = node[channel] ?? {}, letters = Math.max(12, Math.floor(length / 5.8));
+      if (typeof title === 'string' && title.length > letters)
+        node[channel].title = title.split(' ').reduce((lines, word) =>
+          `${lines.at(-1)} ${word}`.length > letters ? [...lines, word] : [...lines.slice(0, -1), `${lines.at(-1)} ${word}`.trim()], ['']);
+    }
+    for (const value of Object.values(node)) if (value && typeof value === 'object' && !Array.isArray(value.values)) break_titles(value, plot);
+  }
+
   // A chart's spec with its colours, words and rows. Where names stand in the chart it needs no legend; on the page the
   // chips are one.
-  function spec(template, rows, solvers, {theme = 'light', words = {}, font, title, width} = {}) {
+  function spec(template, rows, solvers, {theme = 'light', words = {}, font, size, width, plot} = {}) {
     const shown = new Set(rows.map(row => row.solver));
     const style = styles(solvers, theme).filter(s => width === 'container' || shown.has(s.name));
     const c = themes[theme];
-    const out = filled(template, {
+    const values = {
       SOLVERS: style.map(s => s.name), COLORS: style.map(s => s.color), DASHES: style.map(s => s.dash), SHAPES: style.map(s => s.shape),
-      WRONG: c.wrong, EMPTY: c.empty, BACKGROUND: c.background, MUTED: c.muted, ...label_layers(c), ...words,
-    });
+      WRONG: c.wrong, EMPTY: c.empty, BACKGROUND: c.background, MUTED: c.muted, ...label_layers(c), ...corner_layers(c), ...words,
+    };
+    const out = filled(template, {...values, KEY: filled(key_layers(c), values)});
     out.data = {name: 'rows', values: rows};
     out.config = config(theme, font);
-    if (title) out.title = title;
+    if (size) one_size(out, size);
+    if (plot) break_titles(out, plot);
+    if (size) Object.assign(out.config.legend, {orient: 'bottom', columns: Math.max(1, Math.floor(plot.width / 130))});
     const is_facet = 'facet' in out;
     const no_legend = node => {
       if (!node || typeof node !== 'object') return;
@@ -203,11 +254,12 @@
     };
   }
 
+  const relative_error = 'relative error |z − z*| / max(|z_u|, |z*|), M-norm';
   const measures = {
-    z_error: 'error of z against the reference, |z − z*| / s (1)',
-    primal: 'worst violated row over the scale s (1)',
-    stationarity: 'stationarity |y − Gᵀλ| / s (1)',
-    gap: 'duality gap over s² (1)',
+    z_error: relative_error,
+    primal: 'worst violated row, over the same',
+    stationarity: 'stationarity |y − Gᵀλ|, over the same',
+    gap: 'duality gap, over the same squared',
   };
   const converging = (data, state, axis) => all_rows(data, 'convergence')
     .filter(row => state.on.has(row.solver) && row.problem === state.trace && row[state.measure] !== null && row[axis] !== null)
@@ -221,6 +273,10 @@
     const at = Object.entries(columns).map(([key, name]) => [key, table.columns.findIndex(column => column.name === name)]);
     return table.rows.map(row => ({...Object.fromEntries(at.map(([key, i]) => [key, row.cells[i]])), solver: row.solver}));
   }
+  // A heat map's head names what goes from benign to hard; a solver that reads none of the families has no row.
+  const knobs = Object.fromEntries((typeof STABILITY === 'undefined' ? [] : STABILITY).map(of => [of.family, of.knob]));
+  const panel = row => `${row.family}: ${knobs[row.family] ?? row.knob}`;
+  const readers = data => new Set(all_rows(data, 'sweep').filter(row => row.state !== '').map(row => row.solver));
   const share_text = row => `${Math.round(100 * row.share)} % of the ${row.reads} it reads`;
   const speed_rows = data => table_rows(data, 'speed', {family: 'family', size: 'size', time: 'time', ratio: 'x ours', verified: 'verified', error: 'worst z_error'})
     .filter(row => row.ratio.value !== undefined);
@@ -251,8 +307,8 @@
       ...all_rows(data, 'fit').filter(row => state.on.has(row.solver) && row.family === state.sweep).map(row => ({...row, part: 'fit'})),
     ],
     'sweep': (data, state) => all_rows(data, 'sweep')
-      .filter(row => state.listed.has(row.solver))
-      .map(row => ({...row, log_error: row.error === null ? null : Math.log10(Math.min(Math.max(row.error, 1e-16), 1)),
+      .filter(function (row) { return state.listed.has(row.solver) && this.has(row.solver); }, readers(data))
+      .map(row => ({...row, panel: panel(row), log_error: row.error === null ? null : Math.log10(Math.min(Math.max(row.error, 1e-16), 1)),
                     error_text: scientific(row.error)})),
     'range-gap': (data, state) => all_rows(data, 'range-gap')
       .filter(row => state.on.has(row.solver))
@@ -284,8 +340,9 @@
     },
     // Room for the numbers beside the bars.
     'speed-exponents': (data, state) => ({X_MAX: 1.3 * Math.max(1, ...rows['speed-exponents'](data, state).map(row => row.high))}),
-    'scaling': (data, state) => ({SIZE: `${all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'} (number)`}),
+    'scaling': (data, state) => ({SIZE: all_rows(data, 'scaling').find(row => row.family === state.sweep)?.axis ?? 'size'}),
+    'sweep': data => ({PANELS: [...new Set(all_rows(data, 'sweep').map(panel))]}),
   };
 
-  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, take_class, all_rows, speed_families, measures, scientific, duration, superscript};
+  globalThis.zwang_charts = {palette, config, styles, register, spec, rows, words, take_class, all_rows, speed_families, measures, relative_error, scientific, duration, superscript};
 })();

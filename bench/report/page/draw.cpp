@@ -56,11 +56,8 @@ void run(const char* name, std::string_view script, std::vector<std::string> wor
 
 }  // namespace
 
-void draw_figures(const std::filesystem::path& data, const std::filesystem::path& directory,
-                  const std::vector<std::string>& formats) {
-  std::vector<std::string> words = {data.string(), directory.string()};
-  words.insert(words.end(), formats.begin(), formats.end());
-  run("figures.mjs", figures_mjs(), std::move(words));
+void draw_figures(const std::filesystem::path& data, const std::filesystem::path& directory) {
+  run("figures.mjs", figures_mjs(), {data.string(), directory.string()});
 }
 
 void draw(const std::filesystem::path& findings, const std::filesystem::path& directory) {

@@ -1,7 +1,7 @@
 // The name of each solver beside its line or point, with a leader line where there is no room next to it.
 (() => {
   'use strict';
-  const {duration} = zwang_charts;
+  const {duration, relative_error} = zwang_charts;
   const glyph = 6, half_line = 6.5, gap = 8;  // px: width of a character, half the height of a line, distance to the point
   const reaches = [0, 14, 28, 42, 60, 80, 105, 135, 170, 220, 290];
   const angles = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6].map(k => k * Math.PI / 6);
@@ -100,7 +100,8 @@
   const charts = {
     'work-precision': {
       x: 'x', y: 'time', line: row => row.drawn === 'ok', order: by('tolerance', -1),
-      domains: rows => [[2e-20, 60], wider(range(rows.map(row => row.time)), 1.6, 1.6)],
+      domains: rows => [[2e-20, 60], wider(range(rows.flatMap(row => [row.time, row.q1 ?? row.time, row.q3 ?? row.time])), 1.6, 1.6)],
+      words: (rows, width, solvers) => ({KEY_ROWS: key(rows, width, solvers), ERROR: width < 480 ? 'relative error of z' : relative_error}),
       text: row => row.exact && row.drawn === 'ok' ? `${row.solver}, ${duration(row.time)}` : row.solver,
     },
     'profile': staircase,
@@ -114,8 +115,25 @@
     },
   };
 
+  // What the glyphs of speed against accuracy mean: those that are there, in lines above the plot; and solvers without a name in it.
+  const glyphs = {
+    ok: 'solved', bar: 'quartiles', lone: 'few solved', missed: 'stopped short, said so', undecided: 'not proven: upper bound', failed: 'no answer',
+    wrong: 'claimed solved, is wrong', line: 'came with the problem',
+  };
+  function key(rows, width, solvers = []) {
+    const is_there = kind => rows.some(row => kind === 'bar' ? row.drawn === 'ok' && (row.q1 ?? null) !== null : row.drawn === (kind === 'line' ? 'recorded' : kind));
+    let x = 8, line = 0;
+    const placed = [...Object.entries(glyphs).filter(([kind]) => is_there(kind)), ...solvers.map(name => ['solver', name])].map(([kind, words]) => {
+      const wide = 9 + 5.2 * words.length + 18;
+      if (x > 8 && x + wide - 10 > width) x = 8, ++line;
+      x += wide;
+      return {kind, words, x: x - wide, line};
+    });
+    return placed.map(at => ({...at, y: -11 - 15 * (line - at.line)}));
+  }
+
   // The rows of a chart with the labels among them (part: "label"), and the words its spec asks for.
-  function labelled(name, every, {width, height}) {
+  function labelled(name, every, {width, height, best = [], most = width < 420 ? 5 : Infinity, in_key = []}) {
     const chart = charts[name];
     if (!chart) return {rows: every, words: {}};
     const lines = every.filter(row => row.drawn === 'recorded'), rows = every.filter(row => row.drawn !== 'recorded');
@@ -123,15 +141,16 @@
     const domains = chart.domains ?? (shown => [with_margin(wider(range(shown.map(row => row[x])), 1.2, 1), true, width), wider(range(shown.map(row => row[y])), 1.5, 1.5)]);
     const [x_domain, y_domain] = domains(rows, width);
     const across = axis(!chart.linear_x, x_domain, width), up = axis(!chart.linear_y, y_domain, height);
-    const words = {X_DOMAIN: x_domain, Y_DOMAIN: y_domain};
-    if (width < 420) return {rows: every, words};
+    const words = {X_DOMAIN: x_domain, Y_DOMAIN: y_domain, ...chart.words?.(every, width, in_key)};
+    const drawn = [...new Set(rows.map(row => row.solver))], names = [...best.filter(name => drawn.includes(name)), ...drawn.filter(name => !best.includes(name))].slice(0, most);
     const pixel = row => ({x: across.pixel(row[x]), y: height - up.pixel(row[y])});
     const occupied = rows.map(row => ({...pixel(row), solver: row.solver, marker: true})), anchors = [];
-    for (const solver of new Set(rows.map(row => row.solver))) {
+    for (const solver of drawn) {
       const own = rows.filter(row => row.solver === solver);
       const joined = own.filter(line).sort(order);
       const corners = joined.flatMap((row, i) => chart.steps && i > 0 ? [{x: pixel(row).x, y: pixel(joined[i - 1]).y}, pixel(row)] : [pixel(row)]);
       corners.forEach((to, i) => { if (i > 0) occupied.push(...between_points(corners[i - 1], to).map(p => ({...p, solver}))); });
+      if (!names.includes(solver)) continue;
       const row = (joined.length && (chart.anchor ?? last)(joined)) || [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
       anchors.push({...pixel(row), row, solver, text: text(row)});
     }
@@ -145,5 +164,5 @@
     return {rows: [...rows, ...lines, ...labels], words};
   }
 
-  globalThis.zwang_labels = {place, stack, labelled};
+  globalThis.zwang_labels = {place, stack, key, labelled};
 })();

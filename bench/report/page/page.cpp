@@ -12,7 +12,7 @@
 #include <zwang/bench/report/page/charts.h>
 #include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/accuracy.h>
-#include <zwang/bench/report/tables/in_order.h>
+#include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/wording.h>
 
@@ -92,22 +92,25 @@ std::string with_member(const json& object, const char* name, const std::string&
   return text + "\"" + name + "\":" + value + "}";
 }
 
-constexpr std::size_t drawn_by_default = 14;  // as many as there are marker shapes and colours
+constexpr std::size_t drawn_by_default = 8;
 
 const std::string& style(const SolverInfo& s) { return s.style.empty() ? s.name : s.style; }
 
-// The styles of the solvers that charts show until a reader chooses: those that got most runs right. Both versions of a
-// solver count as two, and stay together.
-std::set<std::string> styles_shown(const Run& run) {
+// The solvers that charts show until a reader chooses, best first: those that reach the headline's error on most
+// problems of the class, the fastest of those first; then the others. Both versions of a solver stay together.
+std::vector<std::string> shown_by_default(const Run& run) {
+  std::map<std::string, std::vector<std::string>> versions;  // of a style
   std::map<std::string, std::string> style_of;
-  InOrder<std::string, std::pair<long, std::size_t>> standing;  // of a style: right runs, versions
-  for (const SolverInfo& s : run.solvers) ++standing[style_of[s.name] = style(s)].second;
-  for (const Result& r : run.results) standing[style_of[r.solver]].first += r.is_right();
-  std::ranges::stable_sort(standing.items, std::greater(), [](const auto& item) { return item.second.first; });
-  std::set<std::string> shown;
-  std::size_t drawn = 0;
-  for (const auto& [name, of] : standing.items)
-    if (drawn + of.second <= drawn_by_default) drawn += of.second, shown.insert(name);
+  for (const SolverInfo& s : run.solvers) versions[style_of[s.name] = style(s)].push_back(s.name);
+  std::vector<std::string> order;
+  for (const AccuracyMatched& entry : accuracy_matched(run.results, "", headline_error)) order.push_back(entry.solver);
+  for (const SolverInfo& s : run.solvers) order.push_back(s.name);
+  std::vector<std::string> shown;
+  for (const std::string& name : order) {
+    std::vector<std::string>& of_style = versions[style_of[name]];
+    if (shown.size() + of_style.size() <= drawn_by_default) shown.insert(shown.end(), of_style.begin(), of_style.end());
+    of_style.clear();
+  }
   return shown;
 }
 
@@ -123,12 +126,13 @@ std::string opening(const Run& run) {
 
 std::vector<std::string> headline(const Run& run) {
   if (run.results.empty()) return {"The run holds no results yet."};
-  std::map<std::string, std::size_t> verdicts, liars;
+  std::map<std::string, std::size_t> verdicts;
+  std::size_t lies = 0;
   std::map<std::string, int> problems;
   for (const Result& r : run.results) {
     ++verdicts[r.verified];
     ++problems[r.problem];
-    if (r.lies()) ++liars[r.solver];
+    lies += r.lies();
   }
   const std::size_t right = verdicts["solved"] + verdicts["infeasible, proven"], near = verdicts["near"],
                     wrong = verdicts["wrong"], consistent = verdicts["consistent"], rows_off = verdicts["rows off"],
@@ -145,23 +149,16 @@ std::vector<std::string> headline(const Run& run) {
                                 {failed, "without an answer"},
                                 {blank, "not applicable"}})
     if (n > 0) counts += ", " + grouped(n) + " " + what;
-  std::vector<std::string> lies;
-  std::size_t total = 0;
-  for (const auto& [solver, n] : liars) {
-    lies.push_back(solver + " " + grouped(n));
-    total += n;
-  }
-  std::vector<std::string> lines = {counts + "."};
-  if (total == 0)
+  std::vector<std::string> lines = {counts + (run.torn.empty() ? "." : ". " + run.torn)};
+  if (lies == 0)
     lines.push_back("No run claimed success, or infeasibility, where the referee found the opposite.");
   else
-    lines.push_back(counted(total, "run") + " claimed an answer and " + (total == 1 ? "was" : "were") + " wrong (" +
-                    joined(lies) + "): see the table of false claims.");
+    lines.push_back(counted(lies, "run") + " claimed an answer and " + (lies == 1 ? "was" : "were") +
+                    " wrong: see the table of false claims.");
   if (const std::string line = handed_over(run); !line.empty()) lines.push_back(line);
   if (!run.recorded.empty())
     lines.push_back(counted(run.recorded.size(), "recorded answer") + " judged beside the runs, " +
                     std::to_string(std::ranges::count_if(run.recorded, &Result::is_right)) + " right.");
-  if (!run.torn.empty()) lines.push_back(run.torn);
   return lines;
 }
 
@@ -181,20 +178,14 @@ std::string page_data(const PageText& text, const std::vector<Run>& classes, con
   std::string parts;
   std::set<std::string> shown_somewhere;
   for (const Run& part : classes) {
-    const std::set<std::string> shown = styles_shown(part);
-    json solvers = json::array(), drawn = json::array();
-    for (const SolverInfo& s : part.solvers) {
-      solvers.push_back(s.name);
-      if (!shown.contains(style(s))) continue;
-      drawn.push_back(s.name);
-      shown_somewhere.insert(s.name);
-    }
+    const std::vector<std::string> shown = shown_by_default(part);
+    shown_somewhere.insert(shown.begin(), shown.end());
     const std::string ranking = accuracy_headline(part);
     const json about = {{"name", part.problem_class},
                         {"ranking", ranking.empty() ? "" : ranking + "."},
                         {"families", families_of(part.results)},
-                        {"solvers", solvers},
-                        {"shown", drawn},
+                        {"solvers", names(part)},
+                        {"shown", shown},
                         {"tables", to_json(class_tables(part))}};
     parts += (parts.empty() ? "" : ",") + with_member(about, "charts", chart_rows(part));
   }

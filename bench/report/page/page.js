@@ -34,6 +34,7 @@
     const {solvers, shown} = take_class(data, k);
     names = solvers;
     data.tables.stability = stability();
+    const middle = rows => (problems => problems[problems.length >> 1])([...new Set(rows.map(row => row.problem))]);
     const hands = names => names.find(name => /^hand\b/.test(name)) ?? names[0] ?? '';
     Object.assign(state, {
       problem_class: String(k),
@@ -41,7 +42,7 @@
       family: hands(drawn_families()),
       problem: '',
       group: '',
-      trace: hands(distinct('convergence', 'problem')),
+      trace: middle(all_rows(data, 'convergence').filter(row => row.family === hands(drawn_families()))) ?? distinct('convergence', 'problem')[0] ?? '',
       sweep: distinct('scaling', 'family')[0] ?? '',
       size_family: ['hand', 'H'].find(family => speed_families(data).includes(family)) ?? speed_families(data)[0] ?? '',
     });
@@ -51,7 +52,7 @@
       ? `Not drawn: ${undrawn.join(', ')}. Where no z exists there is no error; the break points show who proves it and who lies.` : '';
     const left_out = names.filter(name => !state.on.has(name));
     document.getElementById('left-out').textContent = left_out.length && !chosen
-      ? `Charts show the ${state.on.size} solvers that got most runs right; click ${left_out.slice(0, 4).join(', ')}${left_out.length > 4 ? ', ...' : ''} to add one. Tables show all ${everybody.length}.` : '';
+      ? `Charts show the best ${state.on.size} of ${names.length} solvers; click ${left_out.slice(0, 4).join(', ')}${left_out.length > 4 ? ', ...' : ''} to add one. Tables show all.` : '';
     chips();
   }
   const views = {};
@@ -89,11 +90,14 @@
     };
   }
 
+  // The solvers that are drawn, the best of the class first.
+  const best = () => [...new Set([...data.classes[state.problem_class].shown, ...names])].filter(name => state.on.has(name));
+
   // The rows of a chart, solvers' names among them, and the words of its spec.
   function prepared(name, holder) {
     const drawn = rows[name](data, state);
     if (drawn.length === 0) return {rows: drawn, words: {}};
-    const labels = labelled(name, drawn, {width: holder.clientWidth - 75, height: SPECS[name].height});
+    const labels = labelled(name, drawn, {width: holder.clientWidth - 75, height: SPECS[name].height, best: best()});
     return {rows: labels.rows, words: {...placeholders(name, holder), ...labels.words}};
   }
 
@@ -114,7 +118,7 @@
     const zooms = ['work-precision', 'convergence-iteration', 'convergence-time', 'scaling'].includes(name);
     holder.append(plot, element('div', {className: 'tools'}, button('SVG', () => save(name, 'svg')), button('PNG', () => save(name, 'png')),
       ...(zooms ? ['drag to pan, Alt+wheel to zoom, double-click to reset'] : []), code));
-    const options = {theme: state.theme, words: drawn.words, width: 'container'};
+    const options = {theme: state.theme, words: drawn.words, width: 'container', plot: {width: holder.clientWidth - 75, height: SPECS[name].height ?? 200}};
     shown_words[name] = JSON.stringify(drawn.words);
     const result = await vegaEmbed(plot, spec(SPECS[name], drawn.rows, data.solvers, options),
       {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, logLevel: vega.Error, tooltip: {theme: state.theme}});
@@ -229,7 +233,7 @@
     group: () => [['', 'all families'], ...data.families.map(f => [f, f])],
     level: () => data.levels.map(level => [level, scientific(level)]),
     trace: () => distinct('convergence', 'problem').map(p => [p, p]),
-    measure: () => Object.entries(measures).map(([key, label]) => [key, label.replace(/ \(1\)$/, '')]),
+    measure: () => Object.entries(measures).map(([key, label]) => [key, label]),
     sweep: () => distinct('scaling', 'family').map(f => [f, f]),
     size_family: () => speed_families(data).map(f => [f, f]),
   };
@@ -298,7 +302,9 @@
   single_runs();
   document.title = data.title;
   document.querySelector('h1').textContent = data.title;
-  document.getElementById('headline').append(...data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''})));
+  const sentences = data.headline.map(line => element('p', {textContent: typeset(line), className: /and (was|were) wrong/.test(line) ? 'alarm' : ''}));
+  document.getElementById('headline').append(...sentences.slice(0, 2));
+  if (sentences.length > 2) document.getElementById('headline').append(element('details', {}, element('summary', {textContent: 'More about this run'}), ...sentences.slice(2)));
   document.getElementById('claims').before(document.getElementById(data.opening));
   for (const section of all('main > section[data-short]')) {
     const holder = section.querySelector('[data-table]');

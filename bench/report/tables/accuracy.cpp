@@ -81,8 +81,8 @@ std::vector<AccuracyMatched> accuracy_matched(const std::vector<Result>& results
   return table;
 }
 
-// "hand", and "hand (convex)" where a run holds several laws.
-static bool is_hand(const std::string& family) { return family == "hand" || family.starts_with("hand ("); }
+// "hand", and "hand with friction (convex)".
+static bool is_hand(const std::string& family) { return family == "hand" || family.starts_with("hand "); }
 
 std::string headline_family(const std::vector<Result>& results) {
   std::string best;

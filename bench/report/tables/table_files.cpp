@@ -59,19 +59,20 @@ std::string to_csv(const Table& table) {
 }
 
 std::string to_tex(const Table& table) {
-  std::string out = "% " + table.note + "\n\\begin{tabular}{";
+  std::string out = "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n\\caption{" + tex_text(table.note) +
+                    "}\n\\label{tab:zwang-" + table.id + "}\n\\begin{tabular}{";
   std::vector<std::string> fields;
   for (const Column& column : table.columns) {
     out += column.numeric ? 'r' : 'l';
     fields.push_back(tex_text(column.name));
   }
-  out += "}\n\\hline\n" + joined(fields, " & ") + " \\\\\n\\hline\n";
+  out += "}\n\\toprule\n" + joined(fields, " & ") + " \\\\\n\\midrule\n";
   for (const Row& row : table.rows) {
     fields.clear();
     for (const Cell& cell : row.cells) fields.push_back(tex_text(cell.text));
     out += joined(fields, " & ") + " \\\\\n";
   }
-  return out + "\\hline\n\\end{tabular}\n";
+  return out + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
 }  // namespace zwang::report

@@ -37,10 +37,8 @@ Table accuracy_table(const Run& run) {
   }
   table.explain(
       "Time to the achieved error, geometric mean over the problems on which it was reached (on 3 of 5: of the 5 that "
-      "the "
-      "solver reads). First come solvers that reached 1e-9 on the most problems, the fastest of those first; in "
-      "brackets "
-      "the ratio to that error's leader on the problems both reached.",
+      "the solver reads). First come solvers that reached 1e-9 on the most problems, the fastest of those first; in "
+      "brackets the ratio to that error's leader on the problems both reached.",
       "No solver reached 1e-3 on a problem with a reference.");
   return table;
 }
@@ -70,8 +68,7 @@ Table means_table(const Run& run) {
   if (table.columns.size() == 1) table.rows.clear();
   table.explain(
       "Shifted geometric mean of the time over the problems that the solver reads and somebody solved; a failure "
-      "counts as "
-      "10 times the slowest success on that problem.",
+      "counts as 10 times the slowest success on that problem.",
       "No solver reached 1e-3 on a problem with a reference.");
   return table;
 }

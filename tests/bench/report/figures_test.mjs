@@ -14,12 +14,36 @@ try {
   for (const name of ['figures/work-precision.svg', 'figures/work-precision.pdf', 'figures/profile.svg', 'tables/accuracy.tex', 'tables/accuracy.csv'])
     assert.ok(files.includes(`${dir}/${name}`), `${name} among ${files}`);
   const svg = fs.readFileSync(`${dir}/figures/work-precision-hand.svg`, 'utf8');
-  assert.match(svg, /cafebabe0000/, 'a figure names its commit');
-  assert.match(svg, /achieved error/, 'axes have titles');
+  assert.doesNotMatch(svg, /cafebabe0000|synthetic/, 'circumstances belong into the caption');
+  assert.match(fs.readFileSync(`${dir}/figures/work-precision-hand.txt`, 'utf8'), /^CPU time of a solve against the relative error .*: hand\. .*commit cafebabe0000/);
+  assert.match(svg, /relative error \|z − z\*\|/, 'axes have titles');
+  assert.match(svg, /↙ better/);
   assert.match(svg, /dual_active_set/, 'the chart names the solver');
   assert.equal(fs.readFileSync(`${dir}/figures/profile.pdf`).subarray(0, 5).toString(), '%PDF-');
   assert.match(fs.readFileSync(`${dir}/tables/accuracy.csv`, 'utf8'), /^hand,dual_active_set,\d/m);
+  assert.match(fs.readFileSync(`${dir}/tables/accuracy.tex`, 'utf8'), /\\begin\{table\}[^]*\\caption\{Time to[^]*\\label\{tab:zwang-accuracy\}[^]*\\toprule[^]*\\midrule[^]*\\bottomrule/);
   assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
+
+  // Six lines at most, 8 pt at the width asked for, and only what was chosen.
+  const full = `${dir}/full`, draw = (...words) => execFileSync(process.argv[2], [full, 'figures', ...words], {encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe']});
+  execFileSync('node', [`${here}make_results.mjs`, full, 'full']);
+  const width_of = text => Number(/ width="([\d.]+)"/.exec(text)[1]);
+  for (const [chart, file, solver, width] of [['work-precision', 'work-precision-hand', 'nnls', 3.4], ['profile', 'profile-hand', 'pgs', 2], ['families', 'work-precision', 'nnls', 3.4], ['work-precision', 'work-precision-hand', '', 3.4]]) {
+    fs.rmSync(`${full}/figures`, {recursive: true, force: true});
+    if (solver) draw(chart, solver, 'hand', String(width));
+    else draw();
+    const text = fs.readFileSync(`${full}/figures/${file}.svg`, 'utf8'), named = [...text.matchAll(/>(nnls_paper|nnls|cholesky|dual_active_set|ipopt|pgs|apgd|mine|nlopt:[a-z=]+|bullet_\w+)(?:, [^<]*)?</g)].map(match => match[1]);
+    if (solver) {
+      assert.deepEqual(fs.readdirSync(`${full}/figures`).sort(), [`${file}.pdf`, `${file}.svg`, `${file}.txt`]);
+      assert.deepEqual([...new Set(named)], [solver]);
+      if (chart !== 'families') assert.ok(Math.abs(width_of(text) - 96 * width) < 2, `${width_of(text)} px`);
+    } else {
+      assert.ok(new Set(named).size > 3 && new Set(named).size <= 6, named.join(' '));
+    }
+    for (const [, size] of text.matchAll(/font-size="([\d.]+)px"/g)) assert.ok(Math.abs(size - 8 * 96 / 72) < 0.01, `${size} px`);
+  }
+  assert.throws(() => draw('wrok-precision', 'nnls', 'hand', '3.4'), /no chart 'wrok-precision'; did you mean 'work-precision'/);
+  assert.throws(() => draw('profile', 'nnsl', 'hand', '3.4'), /no solver 'nnsl'; did you mean 'nnls'/);
 } finally {
   fs.rmSync(dir, {recursive: true, force: true});
 }

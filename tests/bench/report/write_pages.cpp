@@ -1,5 +1,5 @@
 // The report of a run; of two runs side by side; the figures of a run. For the tests in the browser.
-// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures
+// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures [CHART SOLVER FAMILY WIDTH]
 #include <exception>
 #include <iostream>
 #include <string>
@@ -13,10 +13,15 @@ int main(int argc, char** argv) try {
     std::cout << zwang::report::write_report(words[0]).string() << "\n";
   else if (words.size() == 3)
     std::cout << zwang::report::write_comparison(words[0], words[1], words[2]).string() << "\n";
-  else if (words.size() == 2 && words[1] == "figures")
-    for (const auto& file : zwang::report::write_figures(words[0], {"svg", "pdf"})) std::cout << file.string() << "\n";
-  else
+  else if (words.size() >= 2 && words[1] == "figures") {
+    zwang::report::Figures figures{{"svg", "pdf"}};
+    if (words.size() == 6)
+      figures.charts = {words[2]}, figures.solvers = {words[3]}, figures.families = {words[4]},
+      figures.width = std::stod(words[5]);
+    for (const auto& file : zwang::report::write_figures(words[0], figures)) std::cout << file.string() << "\n";
+  } else {
     return 2;
+  }
   return 0;
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";

@@ -197,7 +197,7 @@ TEST(Suite, TracesOneProblemOfAFamily) {
   run_suite(plan("all_active"), in(folder.path), tests::never);
   const auto points = lines_of(folder.path / "traces.jsonl");
   ASSERT_EQ(points.size(), 5u);
-  for (const Json& p : points) EXPECT_EQ(p["problem"], "chain(n=3)");
+  for (const Json& p : points) EXPECT_EQ(p["problem"], "chain(n=5)") << "the middle one";
   EXPECT_GT(points[0]["z_error"].get<double>(), 0.5);
   EXPECT_EQ(points[4]["iteration"], 5);
   EXPECT_LT(points[4]["z_error"].get<double>(), 1e-14);
