@@ -28,13 +28,12 @@ try {
   const full = `${dir}/full`, draw = (...words) => execFileSync(process.argv[2], [full, 'figures', ...words], {encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe']});
   execFileSync('node', [`${here}make_results.mjs`, full, 'full']);
   const width_of = text => Number(/ width="([\d.]+)"/.exec(text)[1]);
-  for (const [chart, file, solver, width] of [['work-precision', 'work-precision-hand', 'nnls', 3.4], ['profile', 'profile-hand', 'pgs', 2], ['families', 'work-precision', 'nnls', 3.4], ['work-precision', 'work-precision-hand', '', 3.4]]) {
+  for (const [chart, file, solver, width] of [['work-precision', 'work-precision-hand', 'nnls', 3.4], ['profile', 'profile-hand', 'pgs', 2], ['families', 'work-precision', 'nnls', 3.4], ['work-precision', 'work-precision-hand', '-', 3.4]]) {
     fs.rmSync(`${full}/figures`, {recursive: true, force: true});
-    if (solver) draw(chart, solver, 'hand', String(width));
-    else draw();
+    draw(chart, solver, 'hand', String(width));
     const text = fs.readFileSync(`${full}/figures/${file}.svg`, 'utf8'), named = [...text.matchAll(/>(nnls_paper|nnls|cholesky|dual_active_set|ipopt|pgs|apgd|mine|nlopt:[a-z=]+|bullet_\w+)(?:, [^<]*)?</g)].map(match => match[1]);
-    if (solver) {
-      assert.deepEqual(fs.readdirSync(`${full}/figures`).sort(), [`${file}.pdf`, `${file}.svg`, `${file}.txt`]);
+    assert.deepEqual(fs.readdirSync(`${full}/figures`).sort(), [`${file}.pdf`, `${file}.svg`, `${file}.txt`]);
+    if (solver !== '-') {
       assert.deepEqual([...new Set(named)], [solver]);
       if (chart !== 'families') assert.ok(Math.abs(width_of(text) - 96 * width) < 2, `${width_of(text)} px`);
     } else {
