@@ -15,7 +15,7 @@ source, output = (pathlib.Path(name).resolve() for name in sys.argv[1:3])
 pages, site, scratch = output / "pages", output / "site", output / "site-new"
 for folder in (pages, scratch):
     shutil.rmtree(folder, ignore_errors=True)
-shutil.copytree(source / "docs", pages, ignore=shutil.ignore_patterns("site", "CMakeLists.txt", "mkdocs.yml", "*.py"))
+shutil.copytree(source / "docs", pages, ignore=shutil.ignore_patterns("site", "CMakeLists.txt", "mkdocs.yml"))
 
 
 def inside(page, text):

@@ -60,7 +60,7 @@ shorter = [
     (r"./zwang solve", "./zwang solve first.h5 --solver nnls"), (r"./zwang solve FILE", "./zwang solve first.h5 --solver nnls"),
     (r"./zwang export", "./zwang export tower --out tower.h5"), (r"./zwang report", "./zwang report DIR"),
     (r"./zwang simulate", "./zwang simulate --help"),
-    (r"./zwang live simple --socket /tmp/hand", "./zwang live simple --socket hand --seconds 0.1"), ("./zwang live", "./zwang live --help"),
+    (r"./zwang live (simple|box) --socket /tmp/hand.*", r"./zwang live \1 --socket hand --seconds 0.1"), (r"./zwang live( .*)?", "./zwang live --help"),
     ("./zwang", "./zwang --help"),
     (r"./zwang bench --scenes my.json", "./zwang bench --scenes SOURCE/docs/examples/scenes/crane.json --solvers nnls --out mine"),
     (r"(./zwang bench --solvers) projected_gradient,nnls", r"\1 nnls --scenes 'tower(boxes=2)' --out guide"),
@@ -113,6 +113,7 @@ class Page:
             wrapper = pathlib.Path(folder, "zwang")
             wrapper.write_text(f'#!/bin/sh\nexec "{program}" "$@"\n')
             wrapper.chmod(0o755)
+            pathlib.Path(folder, "docs").symlink_to(root / "docs")
             self.env["XDG_CACHE_HOME"] = folder + "/.cache"
             self.walk(page.read_text())
 
