@@ -2,6 +2,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
@@ -35,7 +36,9 @@ std::string short_text(double value) {
 
 void print_whole(const std::string& name) {
   const Problem problem = make_scenes(name).front().problem;  // throws where there is no such scene
-  const SceneEntry& scene = *find_scene(name);
+  const SceneEntry* found = find_scene(name);
+  if (!found) throw std::invalid_argument("'" + name + "' should be a scene's name alone (./zwang scenes lists all)");
+  const SceneEntry& scene = *found;
   std::printf("%-18s %s\n", name.c_str(), scene.line.c_str());
   std::printf("%-18s %s, %s as it stands\n", "", counted(problem.size(), "unknown").c_str(),
               counted(problem.rows(), "row").c_str());

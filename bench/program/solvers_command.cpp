@@ -47,7 +47,7 @@ int solvers_command(std::vector<std::string> words) {
   if (!read(options, std::move(words))) return done;
   for (const std::string& name : names) {
     make_solver(name);  // throws where there is none
-    print_whole(*std::ranges::find(solvers(), name, &SolverEntry::name));
+    print_whole(*find_solver(name));
   }
   if (!names.empty()) return done;
   print_group("Of zwang", false);

@@ -121,6 +121,7 @@ MISTAKES = [
     (["report"], 2, "DIR"),
     (["solvers", "--all"], 2, "no option '--all'"),
     (["scenes", "towr"], 2, "did you mean 'tower'"),
+    (["scenes", "hand(contacts=4)"], 2, "should be a scene's name alone"),
     (["solvers", "nnlls"], 2, "did you mean 'nnls'"),
 ]
 
@@ -153,6 +154,7 @@ def check_help():
     check("scenes NAME lists knobs", "boxes=10   1..1000" in whole and "96 unknowns" in whole and "2^-13" in whole, whole)
     whole = run(["solvers", "pgs"]).stdout
     check("solvers NAME lists settings", "max_sweeps=" in whole, whole)
+    check("settings of a solver do not matter", run(["solvers", "pgs:max_sweeps=5"]).stdout == whole)
     said = run(["solve", "block.h5", "--solver", "pgs"]).stdout
     check("what is not supported has no numbers", "unsupported" in said and "unknown" not in said.replace("unknowns", ""), said)
     said = run(["solve", "no_unknowns.h5", "--solver", "cone"])
