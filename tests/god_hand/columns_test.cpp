@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <zwang/experiments/god_hand/measure/step_cost.h>
+
 namespace zwang::god {
 namespace {
 
@@ -23,6 +25,20 @@ TEST(Totals, AreLeastMostAndSumOfEachColumnWithoutNaN) {
   EXPECT_EQ(totals.sum("raw"), 10);
   EXPECT_THROW(totals.most("no such"), std::logic_error);
   EXPECT_TRUE(std::isnan(Totals().least("gap")));
+}
+
+TEST(StepCost, OfTheLastStepsAndOfAll) {
+  StepCost last(2), all;
+  for (const double solve : {8e-3, 1e-3, 3e-3}) {
+    last.add({.solve = solve});
+    all.add({.solve = solve});
+  }
+  EXPECT_EQ(last.quantile(0), 1e-3);
+  EXPECT_EQ(last.quantile(1), 3e-3);
+  EXPECT_EQ(all.quantile(0.5), 3e-3);
+  EXPECT_EQ(all.quantile(1), 8e-3);
+  EXPECT_NEAR(last.seconds(), 12e-3, 1e-15);
+  EXPECT_EQ(StepCost(2).quantile(0.5), 0);
 }
 
 }  // namespace

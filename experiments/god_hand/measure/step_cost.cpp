@@ -12,8 +12,15 @@ namespace zwang::god {
 std::string milliseconds(double seconds) { return printed("%.3g ms", 1e3 * seconds); }
 std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
 
+StepCost::StepCost(std::size_t last) : last_(last) { totals_.reserve(last); }
+
 void StepCost::add(const StageTimes& times) {
-  totals_.push_back(times.total());
+  if (totals_.size() < last_) {
+    totals_.push_back(times.total());
+  } else {
+    totals_[next_] = times.total();
+    next_ = (next_ + 1) % last_;
+  }
   const auto of_step = stages(times);
   for (std::size_t k = 0; k < stages_.size(); ++k) stages_[k] += of_step[k];
 }

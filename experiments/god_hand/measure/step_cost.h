@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@ namespace zwang::god {
 // What steps cost in thread CPU time, and where it went.
 class StepCost {
  public:
+  StepCost() = default;
+  // Quantiles are those of the last so many steps, whose room is taken here: add() then allocates nothing.
+  explicit StepCost(std::size_t last);
+
   void add(const StageTimes& times);
 
   double quantile(double share) const;                    // s, of a step; 0 of none
@@ -20,8 +25,9 @@ class StepCost {
   std::string line() const;
 
  private:
-  std::vector<double> totals_ = {};                     // s, a step
-  std::array<double, stage_names.size()> stages_ = {};  // s, of all steps
+  std::size_t last_ = std::numeric_limits<std::size_t>::max(), next_ = 0;  // where the oldest one is, of `last_`
+  std::vector<double> totals_ = {};                                        // s, a step
+  std::array<double, stage_names.size()> stages_ = {};                     // s, of all steps
 };
 
 std::string milliseconds(double seconds);
