@@ -26,8 +26,7 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatch
 std::string to_json(const TracePoint& point);  // one object
 
 // DIR/traces.jsonl: convergence of every solver on the problem in the middle of each family's knob (on every problem
-// with
-// --trace), at the tightest tolerance, within `budget` [s]. A note says how many curves that left without points.
+// with --trace), at the tightest tolerance, within `budget` [s]. A note says how many curves that left without points.
 void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
                   Dispatcher& desk, double budget, const std::atomic<bool>& interrupted,
                   std::vector<std::string>& notes);

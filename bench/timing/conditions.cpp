@@ -1,9 +1,9 @@
 #include <zwang/bench/timing/conditions.h>
-#include <zwang/core/problem/wording.h>
 
 #include <sched.h>
 #include <fstream>
 
+#include <zwang/core/problem/wording.h>
 #include "built_from.h"
 
 namespace zwang {

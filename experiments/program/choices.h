@@ -19,7 +19,7 @@ struct Choices {
 // Every choice as an option of `app`, and the names of scenes, god objects and motions at the end of its help.
 void add_choices(CLI::App& app, const std::string& command, const std::string& examples, Choices& choices);
 
-// The record of a run by these choices, once they were read; `words`: as typed.
+// The record of a run by these choices, once they were read.
 god::Record record_of(const CLI::App& app, const Choices& choices, const std::string& command_line);
 
 // "grasp in box: 1 hand, ...", a line or two.
