@@ -60,7 +60,7 @@ std::string names() {
   text += "\nGod objects (--god):\n";
   add("hand", "16 bodies; two where the motion has two");
   for (const auto& [name, line] : god::tools()) add(name, line);
-  add("FILE", "meshes, or a mechanism (docs/god-hand.md)");
+  add("FILE", "meshes, or a mechanism (docs/god-hand/scenes.md)");
   text += "\nMotions:\n";
   for (const auto& [name, line] : god::synthetic_motions()) add(name, line);
   return text;

@@ -10,7 +10,7 @@
 
 namespace zwang::god {
 
-// The files of a run that hold frames, both HDF5 (docs/god-hand.md lists the datasets):
+// The files of a run that hold frames, both HDF5 (docs/god-hand/files.md lists the datasets):
 //
 //   frames.h5      a dataset for each quantity, a row for each frame; appended while the run goes on
 //   checkpoint.h5  the state of the simulation after a multiple of `checkpoint_every` frames

@@ -20,7 +20,7 @@ struct Asked {
   bool audit = false;
 };
 
-// DIR/run.json: what was asked for, under which conditions, and what it takes to go on (docs/god-hand.md).
+// DIR/run.json: what was asked for, under which conditions, and what it takes to go on (docs/god-hand/files.md).
 struct Record {
   std::string command = {}, started = {}, finished = {};  // ISO 8601, UTC; finished is "" until the run is complete
   Asked asked = {};

@@ -8,7 +8,7 @@
 namespace zwang::god {
 
 // A mechanism from a file: a scene file (.json, docs/scene-files.md), or an MJCF or URDF model (.xml, .mjcf, .urdf), as
-// docs/god-hand.md says, "Other god objects". The axes of the file are the palm's, or "FILE@x-z" says which of them go
+// docs/god-hand/scenes.md says, "Other god objects". The axes of the file are the palm's, or "FILE@x-z" says which of them go
 // along the fingers and out of the back. Throws BadFile, one line: the file, where in it, what was expected.
 bool is_mechanism(const std::string& name);
 Tool read_mechanism(const std::string& name);

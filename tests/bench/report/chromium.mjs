@@ -62,10 +62,12 @@ export async function open_browser() {
       if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
       return result.value;
     };
-    const screenshot = async (png, top = 0, bottom = Infinity) => {
+    // The file's name ends in png, webp or jpeg.
+    const screenshot = async (file, top = 0, bottom = Infinity) => {
       const {cssContentSize: {height: full}} = await page('Page.getLayoutMetrics');
       const clip = {clip: {x: 0, y: top, width, height: Math.min(full, bottom) - top, scale: 1}, captureBeyondViewport: true};
-      fs.writeFileSync(png, Buffer.from((await page('Page.captureScreenshot', {format: 'png', ...clip})).data, 'base64'));
+      const format = file.split('.').at(-1), image = {format, ...format !== 'png' && {quality: 82}};
+      fs.writeFileSync(file, Buffer.from((await page('Page.captureScreenshot', {...image, ...clip})).data, 'base64'));
     };
     const mouse = (type, x, y, more = {}) => page('Input.dispatchMouseEvent', {type, x, y, ...more});
     const key = async (name, modifiers = 0) => {
