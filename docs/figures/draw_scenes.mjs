@@ -35,8 +35,9 @@ try {
       hash: `frame=${Math.round(1000 * moment)}&cam=${camera}&theme=light`});
     await page.evaluate(`${whole} || document.head.append(Object.assign(document.createElement('style'),
       {textContent: '.panel, #dock { display: none !important } #stage { position: fixed; inset: 0; height: auto }'}))`);
+    // The view has got its size by then; a camera that has a name looks from where that makes it look.
     await page.evaluate(`new Promise(done => setTimeout(done, 1000))`);
-    await page.evaluate(`${camera.includes(',')} || zwang_replay.set_camera('${camera}')`);
+    await page.evaluate(`(${camera.includes(',')} || zwang_replay.set_camera('${camera}'), zwang_replay.world.draw(), 0)`);
     await page.evaluate(`new Promise(done => setTimeout(done, 1000))`);
     await page.screenshot(path.join(here, whole ? '../replay.png' : `scenes/${name}.webp`));
     await page.close();

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""Checks what pages say of the program against its sources: statements.py ROOT.
+"""Checks what pages say of the program against it and its sources: statements.py ROOT PROGRAM.
 
-The atlas' counts, the keys of summary.json and the datasets of frames.h5, and that every figure comes from a commit.
+The atlas' counts, the keys of summary.json and the datasets of frames.h5, a picture of every scene, and that every figure comes from
+a commit.
 """
 import pathlib
 import re
+import subprocess
 import sys
 
-root = pathlib.Path(sys.argv[1]).resolve()
+root, program = (pathlib.Path(name).resolve() for name in sys.argv[1:])
 faults = []
 
 
@@ -43,6 +45,20 @@ for name in sorted(set(keys + columns)):
     says(page, f"`{name}`")
 if len(set(keys)) < 35 or len(columns) < 25:
     faults.append(f"only {len(set(keys))} keys and {len(columns)} columns found in the sources")
+
+# The gallery: every scene once, and pages that load in a moment.
+gallery = text("docs/gallery.md")
+listed = subprocess.run([program, "scenes"], check=True, capture_output=True, text=True).stdout
+scenes = re.findall(r"^  (\w+) ", listed, re.M)
+played = re.findall(r'^ *entry\("(\w+)"', text("experiments/god_hand/scenes/scenes.cpp"), re.M)
+for name in scenes + played:
+    if f"/{name}.png)" not in gallery and f"/{name}.webp)" not in gallery:
+        faults.append(f"docs/gallery.md: no picture of {name}")
+if len(scenes) < 50 or len(played) < 11:
+    faults.append(f"only {len(scenes)} and {len(played)} scenes found")
+pictures = [*(root / "docs/figures/scenes").iterdir(), *(root / "docs/figures/patterns").iterdir()]
+if (size := sum(file.stat().st_size for file in pictures)) > 600_000:
+    faults.append(f"docs/figures: the gallery's pictures have {size:,} bytes, more than 600,000")
 
 for figure in (root / "docs").rglob("*.svg"):
     if re.search(r"zwang [0-9a-f]{12}, changed", figure.read_text()):
