@@ -88,9 +88,9 @@ void print(const std::vector<TracePoint>& points) {
   };
   std::puts("");
   line("iteration", "time", "z_error", "primal", "stationarity", "gap");
-  for (const auto& [iteration, time, m] : points)
-    line(std::to_string(iteration), duration(time), scientific(m.z_error), scientific(m.primal),
-         scientific(m.stationarity), scientific(m.gap));
+  for (const TracePoint& p : points)
+    line(std::to_string(p.iteration), duration(p.time_s), scientific(p.z_error), scientific(p.primal),
+         scientific(p.stationarity), scientific(p.gap));
 }
 
 }  // namespace

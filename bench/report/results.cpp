@@ -69,36 +69,6 @@ Result parse_result(const json& line) {
   return r;
 }
 
-TracePoint parse_trace(const json& line) {
-  TracePoint p;
-  read(line, "problem", p.problem, "family", p.family, "solver", p.solver, "iteration", p.iteration, "time_s", p.time_s,
-       "z_error", p.z_error, "primal", p.primal, "stationarity", p.stationarity, "gap", p.gap);
-  return p;
-}
-
-void parse_speed(const json& line, Run& run) {
-  const std::string kind = get<std::string>(line, "kind");
-  if (kind == "assembly") {
-    AssemblyTimes& t = run.assembly.emplace_back();
-    read(line, "scene", t.scene, "contacts", t.contacts, "n", t.n, "m", t.m, "allocations", t.allocations, "assemble_s",
-         t.assemble_s, "islands_s", t.islands_s, "kernel_s", t.kernel_s);
-  }
-  if (kind == "stages") {
-    StageTimes& t = run.stages.emplace_back();
-    read(line, "scene", t.scene, "contacts", t.contacts);
-    for (const char* stage : {"checks", "whiten", "joints", "climb", "refine"})
-      t.stages.emplace_back(stage, get<double>(line, stage));
-  }
-  if (kind == "sequence") {
-    SequenceTimes t;
-    read(line, "sequence", t.sequence, "solver", t.solver);
-    for (const auto& [part, s] : {std::pair("cold", &t.cold), std::pair("warm", &t.warm)})
-      read(line.at(part), "frames", s->frames, "checked", s->checked, "right", s->right, "solve_s", s->solve_s,
-           "iterations", s->iterations, "allocations", s->allocations, "worst_z_error", s->worst_z_error);
-    run.sequences.push_back(std::move(t));
-  }
-}
-
 // A last line without its newline may be bad (a killed run), and lines whose check fails are left out. Lines of
 // programs before there were checks have none.
 template <class Parse>
@@ -116,7 +86,7 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
       continue;
     }
     try {
-      parse(json::parse(line));
+      parse(line);
     } catch (const std::exception& error) {
       if (!in.eof()) {
         const bool json_error = dynamic_cast<const json::exception*>(&error) != nullptr;
@@ -129,6 +99,16 @@ void read_lines(const fs::path& file, std::string& torn, Parse parse) {
   if (damaged > 0)
     torn = counted(damaged, "damaged line") + " of " + file.filename().string() + (damaged == 1 ? " is" : " are") +
            " left out; ./zwang bench --resume makes such runs again.";
+}
+
+// The lines of a file that may not be there, each of one of these kinds, or of a newer one.
+template <class... Records>
+void read_records(const fs::path& file, std::string& torn, std::vector<Records>&... all) {
+  const auto append = []<class Record>(const std::string& line, std::vector<Record>& records) {
+    Record record;
+    if (read_json(line, record)) records.push_back(std::move(record));
+  };
+  if (fs::exists(file)) read_lines(file, torn, [&](const std::string& line) { (append(line, all), ...); });
 }
 
 std::size_t count_lines(const fs::path& file) {
@@ -228,7 +208,8 @@ Run read_run(const fs::path& dir) {
   std::vector<std::size_t> machine_of;
   const std::size_t lines = count_lines(dir / "results.jsonl");
   run.results.reserve(lines);
-  read_lines(dir / "results.jsonl", run.torn, [&](const json& line) {
+  read_lines(dir / "results.jsonl", run.torn, [&](const std::string& text) {
+    const json line = json::parse(text);
     Result result = parse_result(line);
     if (is_recorded(result.solver)) {
       run.recorded.push_back(std::move(result));
@@ -250,16 +231,9 @@ Run read_run(const fs::path& dir) {
     r.worst_by_type = {};
     r.conflicting = {};
   });
-  if (fs::exists(dir / "traces.jsonl"))
-    read_lines(dir / "traces.jsonl", run.torn, [&run](const json& line) { run.traces.push_back(parse_trace(line)); });
-  if (fs::exists(dir / "conformance.jsonl"))
-    read_lines(dir / "conformance.jsonl", run.torn, [&run](const json& line) {
-      Phenomenon& p = run.phenomena.emplace_back();
-      read(line, "solver", p.solver, "law", p.law, "check", p.check, "expected", p.expected, "off", p.off, "passes",
-           p.passes, "applies", p.applies);
-    });
-  if (fs::exists(dir / "speed.jsonl"))
-    read_lines(dir / "speed.jsonl", run.torn, [&run](const json& line) { parse_speed(line, run); });
+  read_records(dir / "traces.jsonl", run.torn, run.traces);
+  read_records(dir / "conformance.jsonl", run.torn, run.phenomena);
+  read_records(dir / "speed.jsonl", run.torn, run.assembly, run.stages, run.sequences);
   if (fs::exists(dir / "run.json")) {
     std::ifstream in(dir / "run.json");
     try {

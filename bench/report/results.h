@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -9,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-namespace zwang::report {
+#include <zwang/bench/results/records.h>
 
-inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+namespace zwang::report {
 
 // Worst violated row of one constraint type.
 struct WorstRow {
@@ -54,43 +53,6 @@ struct Result {
   // Proven neither right nor wrong.
   bool is_open() const { return verified == "undecided" || verified == "consistent" || verified == "rows off"; }
   bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
-};
-
-// One line of traces.jsonl: the state after `iteration` steps.
-struct TracePoint {
-  std::string problem = {}, family = {}, solver = {};
-  long iteration = 0;
-  double time_s = unknown, z_error = unknown, primal = unknown, stationarity = unknown, gap = unknown;
-};
-
-// A line of speed.jsonl about assembly: one scene assembled over and over.
-struct AssemblyTimes {
-  std::string scene = {};
-  long contacts = 0, n = 0, m = 0, allocations = 0;
-  double assemble_s = unknown, islands_s = unknown, kernel_s = unknown;
-};
-
-// A line of speed.jsonl about where dual_active_set's time goes on one problem [s].
-struct StageTimes {
-  std::string scene = {};
-  long contacts = 0;
-  std::vector<std::pair<std::string, double>> stages = {};  // in their order
-};
-
-// A line of speed.jsonl about one solver over successive frames.
-struct SequenceTimes {
-  std::string sequence = {}, solver = {};
-  struct Start {
-    long frames = 0, checked = 0, right = 0;
-    double solve_s = unknown, iterations = unknown, allocations = unknown, worst_z_error = unknown;
-  } cold = {}, warm = {};
-};
-
-// A line of conformance.jsonl: a solver on a phenomenon of friction with an exact answer.
-struct Phenomenon {
-  std::string solver = {}, law = {}, check = {}, expected = {};
-  double off = unknown;  // NaN: no answer
-  bool passes = false, applies = true;
 };
 
 struct SolverInfo {

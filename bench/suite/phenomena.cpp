@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <zwang/bench/conformance/conformance.h>
+#include <zwang/bench/results/records.h>
 #include <zwang/bench/results/result.h>
 #include <zwang/core/problem/law.h>
 
@@ -15,19 +15,6 @@ namespace {
 
 // s of CPU time: of a solver on all phenomena, and of a solve. The problems have at most six unknowns.
 constexpr SolveTime patience{.left = 1.5, .longest = 0.2};
-
-std::string line_of(const Run& run, Law law, const ConformanceCheck& check, const ConformanceResult& result) {
-  return nlohmann::ordered_json{
-      {"solver", run.solver},
-      {"law", to_string(law)},
-      {"check", check.name},
-      {"expected", check.expected},
-      {"off", std::isfinite(result.off) ? nlohmann::ordered_json(result.off) : nlohmann::ordered_json(nullptr)},
-      {"passes", result.passes(conformance_accepted)},
-      {"applies", result.applies},
-      {"note", result.note}}
-      .dump();
-}
 
 }  // namespace
 
@@ -68,7 +55,14 @@ void write_phenomena(const std::filesystem::path& directory, std::span<const Run
     for (const ConformanceCheck& check : conformance_checks()) {
       if (interrupted) return;
       const ConformanceResult result = check.run(solve);
-      lines.push_back(line_of(run, law, check, result));
+      lines.push_back(to_json(Phenomenon{.solver = run.solver,
+                                         .law = std::string(to_string(law)),
+                                         .check = check.name,
+                                         .expected = check.expected,
+                                         .off = std::isfinite(result.off) ? result.off : unknown,
+                                         .passes = result.passes(conformance_accepted),
+                                         .applies = result.applies,
+                                         .note = result.note}));
     }
   }
   ResultFile(file).append(lines);

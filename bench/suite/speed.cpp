@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/results/measured_files.h>
+#include <zwang/bench/results/records.h>
 #include <zwang/bench/results/result.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/timing/allocations.h>
@@ -17,27 +17,7 @@
 namespace zwang {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int generated_frames = 500, assembly_samples = 25;
-
-void put_quartiles(const std::string& name, const std::vector<double>& samples, Json& line) {
-  const Quartiles q = quartiles(samples);
-  line[name] = q.median;
-  line[name + "_q1"] = q.q1;
-  line[name + "_q3"] = q.q3;
-}
-
-Json to_json(const SequenceTimes::Start& start) {
-  Json line = {{"frames", start.seconds.size()},
-               {"iterations", median(start.iterations)},
-               {"allocations", start.allocations},
-               {"worst_z_error", std::isfinite(start.worst_z_error) ? Json(start.worst_z_error) : Json(nullptr)},
-               {"checked", start.checked},
-               {"right", start.right}};
-  put_quartiles("solve_s", start.seconds, line);
-  return line;
-}
 
 // One scene, assembled over and over while its bodies drift by a micrometre a frame.
 struct Assembly {
@@ -92,12 +72,14 @@ std::vector<std::string> time_assembly() {
   }
   std::vector<std::string> lines;
   for (const Assembly& a : all) {
-    Json line = {{"kind", "assembly"},        {"scene", "hand"},       {"contacts", a.contacts},
-                 {"n", a.problem.size()},     {"m", a.problem.rows()}, {"allocations", a.allocations},
-                 {"kernel_s", median(kernel)}};
-    put_quartiles("assemble_s", a.assemble_s, line);
-    put_quartiles("islands_s", a.islands_s, line);
-    lines.push_back(line.dump());
+    lines.push_back(to_json(AssemblyTimes{.scene = "hand",
+                                          .contacts = a.contacts,
+                                          .n = a.problem.size(),
+                                          .m = a.problem.rows(),
+                                          .allocations = a.allocations,
+                                          .kernel_s = median(kernel),
+                                          .assemble_s = quartiles(a.assemble_s),
+                                          .islands_s = quartiles(a.islands_s)}));
   }
   return lines;
 }
@@ -106,19 +88,12 @@ std::vector<std::string> profile_stages() {
   const std::vector<int> contacts{0, 4, 16, 64, 200};
   std::vector<Problem> hands;
   for (const int c : contacts) hands.push_back(Assembly(c).problem);
-  const std::vector<StageTimes> times = time_stages(hands);
+  std::vector<StageTimes> times = time_stages(hands);
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < hands.size(); ++k) {
-    const StageTimes& t = times[k];
-    lines.push_back(Json({{"kind", "stages"},
-                          {"scene", "hand"},
-                          {"contacts", contacts[k]},
-                          {"checks", t.checks},
-                          {"whiten", t.whiten},
-                          {"joints", t.joints},
-                          {"climb", t.climb},
-                          {"refine", t.refine}})
-                        .dump());
+    times[k].scene = "hand";
+    times[k].contacts = contacts[k];
+    lines.push_back(to_json(times[k]));
   }
   return lines;
 }
@@ -130,12 +105,7 @@ bool write_sequence(Sequence& sequence, const std::filesystem::path& cache, std:
     sequence.frames[f].reference = reference_for(sequence.frames[f], cache, {}).reference;
   std::vector<std::string> lines;
   for (const SequenceTimes& t : time_sequence(sequence, runs, budget, time_limit, desk, interrupted))
-    lines.push_back(Json({{"kind", "sequence"},
-                          {"sequence", sequence.name},
-                          {"solver", t.solver},
-                          {"cold", to_json(t.cold)},
-                          {"warm", to_json(t.warm)}})
-                        .dump());
+    lines.push_back(to_json(t));
   if (!interrupted) out.append(lines);
   return !interrupted;
 }

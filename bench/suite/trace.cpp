@@ -4,15 +4,13 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include <zwang/bench/references/reference.h>
+#include <zwang/bench/results/records.h>
 #include <zwang/bench/results/result.h>
 #include <zwang/bench/suite/schedule.h>
 
 namespace zwang {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatcher& desk, double time_limit,
                               double budget, const std::atomic<bool>& interrupted) {
@@ -42,19 +40,16 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatch
     else if (seen != full.iterates.end())
       at.z = seen->z, at.lambda = seen->lambda;
     if (at.z.size() == 0) continue;
-    points.push_back({k, capped.seconds, measure(problem, at, reference, run.tolerance)});
+    const Metrics m = measure(problem, at, reference, run.tolerance);
+    const auto finite = [](double x) { return std::isfinite(x) ? x : unknown; };
+    points.push_back({.iteration = k,
+                      .time_s = capped.seconds,
+                      .z_error = finite(m.z_error),
+                      .primal = finite(m.primal),
+                      .stationarity = finite(m.stationarity),
+                      .gap = finite(m.gap)});
   }
   return points;
-}
-
-std::string to_json(const TracePoint& p) {
-  return Json{{"iteration", p.iteration},
-              {"time_s", p.time_s},
-              {"z_error", p.metrics.z_error},
-              {"primal", p.metrics.primal},
-              {"stationarity", p.metrics.stationarity},
-              {"gap", p.metrics.gap}}
-      .dump();
 }
 
 void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
@@ -84,14 +79,13 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
     for (const Run& run : plan.runs) {
       if (run.tolerance != tightest) continue;
       const double each = share / static_cast<double>(plan.solvers());
-      const auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
-                                   : std::vector<TracePoint>();
+      auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
+                             : std::vector<TracePoint>();
       if (interrupted) return;
       cut += points.empty();
-      for (const TracePoint& p : points) {
-        Json line = {{"problem", instance.problem.name}, {"family", instance.family}, {"solver", run.solver}};
-        line.update(Json::parse(to_json(p)));
-        lines.push_back(line.dump());
+      for (TracePoint& p : points) {
+        p.problem = instance.problem.name, p.family = instance.family, p.solver = run.solver;
+        lines.push_back(to_json(p));
       }
     }
     out.append(lines);

@@ -37,25 +37,37 @@ Vec<double, 6> wander(int frame) {
 class Runner {
  public:
   Runner(const Run& run, double share, double time_limit, Dispatcher& desk)
-      : run_(run), desk_(desk), left_(share), time_limit_(time_limit) {
-    times_.solver = run.solver;
-  }
+      : run_(run), desk_(desk), left_(share), time_limit_(time_limit) {}
 
   void frame(const Instance& instance, bool check, const std::atomic<bool>& interrupted) {
     if (left_ <= 0) return;
     SolveRequest call;
-    solve(instance, call, check, interrupted, times_.cold);
+    solve(instance, call, check, interrupted, cold_);
     call.warm = std::move(last_);
     last_ = {};
-    const SolveReply answer = solve(instance, call, check, interrupted, times_.warm);
+    const SolveReply answer = solve(instance, call, check, interrupted, warm_);
     if (answer.solution.lambda.size() == instance.problem.rows())
       last_ = {instance.problem.key, answer.solution.lambda};
   }
-  SequenceTimes take() { return std::move(times_); }
+  SequenceTimes times(const std::string& sequence) const {
+    return {.sequence = sequence, .solver = run_.solver, .cold = cold_.times(), .warm = warm_.times()};
+  }
 
  private:
+  struct Start : SequenceTimes::Start {
+    std::vector<double> seconds = {}, steps = {};  // of each frame
+
+    SequenceTimes::Start times() const {
+      SequenceTimes::Start all = *this;
+      all.frames = std::ssize(seconds);
+      all.iterations = median(steps);
+      all.solve_s = quartiles(seconds);
+      return all;
+    }
+  };
+
   SolveReply solve(const Instance& instance, SolveRequest& call, bool check, const std::atomic<bool>& interrupted,
-                   SequenceTimes::Start& into) {
+                   Start& into) {
     const Problem& problem = instance.problem;
     call.time_limit = time_limit_;
     call.solves = solves_;
@@ -66,7 +78,7 @@ class Runner {
     last_s_ = answer.seconds;
     solves_ = static_cast<int>(std::clamp(frame_sample_s / std::max(answer.seconds, 1e-9), 1.0, 10.0));
     into.seconds.push_back(answer.seconds);
-    into.iterations.push_back(answer.solution.iterations);
+    into.steps.push_back(answer.solution.iterations);
     // The first frame finds no storage yet.
     if (into.seconds.size() > 1) into.allocations = std::max(into.allocations, answer.allocations);
     if (!check) return answer;
@@ -85,7 +97,7 @@ class Runner {
   int solves_ = 1;
   double last_s_ = 0;
   WarmStart last_ = {};
-  SequenceTimes times_ = {};
+  Start cold_ = {{.allocations = 0, .worst_z_error = 0}}, warm_ = cold_;
 };
 
 }  // namespace
@@ -124,7 +136,7 @@ std::vector<SequenceTimes> time_sequence(const Sequence& sequence, std::span<con
     }
   }
   std::vector<SequenceTimes> all;
-  for (Runner& runner : runners) all.push_back(runner.take());
+  for (const Runner& runner : runners) all.push_back(runner.times(sequence.name));
   return all;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <zwang/bench/results/records.h>
 #include <zwang/bench/timing/batch.h>
 
 namespace zwang {
@@ -17,18 +18,6 @@ struct Sequence {
 // A hand that presses on a wall while its target wanders 10 mm and 0.1 rad along smooth curves: each frame's problem is
 // assembled where the last solution, by dual_active_set, has moved the bodies. Limits come and go.
 Sequence hand_sequence(int contacts, int frames);
-
-// One solver over a sequence.
-struct SequenceTimes {
-  std::string solver = {};
-  struct Start {
-    std::vector<double> seconds = {};     // of each frame's solve
-    std::vector<double> iterations = {};  // likewise
-    double allocations = 0;               // of one solve, the most over the frames
-    double worst_z_error = 0;             // or its proven bound, over the frames that were checked
-    int checked = 0, right = 0;           // frames checked by the referee; verified solved, or infeasible with proof
-  } cold = {}, warm = {};
-};
 
 // Every frame is solved by every solver, cold and from that solver's own solution of the frame before, one after the
 // other, so that a slow second of the machine hits all alike. Every 20th frame is checked. A solver that has used up

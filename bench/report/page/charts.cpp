@@ -205,11 +205,10 @@ json stages(const Run& run) {
   json rows = json::array();
   for (const StageTimes& t : run.stages) {
     double whole = 0;
-    for (const auto& [stage, time] : t.stages)
+    for (const double time : t.seconds)
       if (std::isfinite(time)) whole += time;
-    int order = 0;
-    for (const auto& [stage, time] : t.stages)
-      rows.push_back({t.contacts, stage, order++, known(time), known(time / whole, 3)});
+    for (std::size_t k = 0; k < t.stages.size(); ++k)
+      rows.push_back({t.contacts, t.stages[k], k, known(t.seconds[k]), known(t.seconds[k] / whole, 3)});
   }
   return chart("contacts stage order time share", rows);
 }

@@ -129,11 +129,11 @@ Table sequence_table(const Run& run) {
               "sequence; solver; #frames; #cold; #warm; #cold / warm; steps cold, warm; #worst z_error; #right; "
               "#allocations");
   for (const SequenceTimes& s : run.sequences) {
-    const double gain = s.cold.solve_s / s.warm.solve_s;
+    const double gain = s.cold.solve_s.median / s.warm.solve_s.median;
     const long right = s.cold.right + s.warm.right, checked = s.cold.checked + s.warm.checked;
     table.add(s.solver, s.sequence,
-              {s.sequence, s.solver, whole_cell(s.cold.frames), time_cell(s.cold.solve_s), time_cell(s.warm.solve_s),
-               Cell(fixed(gain, 2) + "x", gain, gain < 1 ? "warn" : ""),
+              {s.sequence, s.solver, whole_cell(s.cold.frames), time_cell(s.cold.solve_s.median),
+               time_cell(s.warm.solve_s.median), Cell(fixed(gain, 2) + "x", gain, gain < 1 ? "warn" : ""),
                fixed(s.cold.iterations, 0) + ", " + fixed(s.warm.iterations, 0),
                number_cell(std::fmax(s.cold.worst_z_error, s.warm.worst_z_error)),
                part_cell(right, checked, right == checked ? "good" : "warn"), fixed_cell(s.warm.allocations, 0)});
@@ -148,9 +148,10 @@ Table sequence_table(const Run& run) {
 Table assembly_table(const Run& run) {
   Table table("assembly", "scene; #contacts; #rows m; #assembly; #kernels; #islands; #allocations");
   for (const AssemblyTimes& a : run.assembly)
-    table.add("", "",
-              {a.scene, whole_cell(a.contacts), whole_cell(a.m), time_cell(a.assemble_s),
-               fixed_cell(a.assemble_s / a.kernel_s, 3), time_cell(a.islands_s), whole_cell(a.allocations)});
+    table.add(
+        "", "",
+        {a.scene, whole_cell(a.contacts), whole_cell(a.m), time_cell(a.assemble_s.median),
+         fixed_cell(a.assemble_s.median / a.kernel_s, 3), time_cell(a.islands_s.median), whole_cell(a.allocations)});
   table.explain("From poses to M, z_u, J, c, while the bodies move and the rows stay; and the search for islands.",
                 "The run holds no assembly times.");
   return table;
