@@ -58,15 +58,14 @@ void add_what_is_run(CLI::App& options, Asked& asked) {
   add_laws(options, s.laws);
   options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)");
   options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder");
-  options.add_option("--seed", s.seed, "of every scene whose knobs do not say")->check(from_to(0));
+  within(from(0), options.add_option("--seed", s.seed, "of every scene whose knobs do not say"));
   options.option_defaults()->group("How it is run");
-  options.add_option("--repetitions", s.repetitions, "timed solves of each run; default: as many as time allows")
-      ->check(above(0));
-  options
-      .add_option("--time-limit", s.time_limit,
-                  "seconds of CPU time a solve; default: the suite's, shortened where it would not end in time")
-      ->type_name("S")
-      ->check(above(0));
+  within(from(1), options.add_option("--repetitions", s.repetitions,
+                                     "timed solves of each run; default: as many as time allows"));
+  within(above(0, "s"),
+         options.add_option("--time-limit", s.time_limit,
+                            "CPU time of a solve; default: the suite's, shortened where it would not end in time"))
+      ->type_name("S");
   options.add_flag("--accuracy", s.accuracy, "no repetitions: accuracy alone, times are of first solves");
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
   options.add_flag("--sequence", s.sequence,

@@ -102,10 +102,11 @@ int conformance_command(std::vector<std::string> words) {
             "Exit code 1 where a check does not pass.");
   std::string names;
   Marks marks;
-  options.add_option("--solvers,--solver", names, "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
-  options.add_option("--tolerance", marks.tolerance, "asked of the solver; default: 1e-10")->check(above(0));
-  options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6")->check(above(0));
-  options.add_option("--time-limit", marks.time_limit, "s of CPU time, for each check; default: 2")->check(above(0));
+  options.add_option("--solvers,--solver", names,
+                     "NAME or NAME:key=value,...; several: a,b, a line each; default: all");
+  within(tolerances, options.add_option("--tolerance", marks.tolerance, "asked of the solver; default: 1e-10"));
+  within(above(0), options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6"));
+  within(above(0, "s"), options.add_option("--time-limit", marks.time_limit, "CPU time of each check; default: 2"));
   if (!read(options, std::move(words))) return done;
   std::vector<std::string> chosen = split_solvers(names);
   if (names.empty()) {

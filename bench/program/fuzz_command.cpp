@@ -29,14 +29,14 @@ int fuzz_command(std::vector<std::string> words) {
   FuzzOptions fuzz{.count = 20000};
   std::string out = "fuzz-findings";
   int jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
-  options.add_option("--count", fuzz.count, "number of problems; default: 20000")->check(above(0));
-  options.add_option("--seed", fuzz.seed, "of all draws; default: 1")->check(from_to(0));
-  options.add_option("--first", fuzz.first, "number of the first problem; default: 0")->check(from_to(0));
+  within(from(1), options.add_option("--count", fuzz.count, "number of problems; default: 20000"));
+  within(from(0), options.add_option("--seed", fuzz.seed, "of all draws; default: 1"));
+  within(from(0), options.add_option("--first", fuzz.first, "number of the first problem; default: 0"));
   options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
   options.add_flag("--friction", fuzz.friction, "contacts with friction instead, under Coulomb's law");
   options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
-  options.add_option("--jobs", jobs, "processes; default: one a core")->check(from_to(1, 64));
+  within(from_to(1, 64), options.add_option("--jobs", jobs, "processes; default: one a core"));
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
   if (!read(options, std::move(words))) return done;
   if (fuzz.near + fuzz.friction + fuzz.referee > 1)

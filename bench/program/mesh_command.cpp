@@ -21,8 +21,8 @@ int mesh_command(std::vector<std::string> words) {
       ->required()
       ->type_name("");
   options.add_option("--unit", unit, "of its coordinates, as after @: m (the default), cm, mm, um, in, ft");
-  options.add_option("--weld", weld, "merge vertices nearer than this [m]; default: equal ones alone")
-      ->check(from_to(0));
+  within(from(0, "m"),
+         options.add_option("--weld", weld, "merge vertices nearer than this; default: equal ones alone"));
   if (!read(options, std::move(words))) return done;
   const collision::MeshName mesh = collision::parse_mesh_name(name);
   if (!unit.empty() && mesh.file != name) throw std::invalid_argument(name + " has its unit: --unit would be another");

@@ -3,9 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
-#include <sstream>
 #include <stdexcept>
 
 #include <zwang/bench/suite/plan.h>
@@ -38,28 +36,20 @@ void add_laws(CLI::App& app, std::vector<Law>& laws) {
   add_law_option(app, ", or several: a,b", [&laws](const std::string& words) { laws = parse_laws(words); });
 }
 
+static std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
 // CLI11's own checks let NaN pass, and print bounds with 300 digits.
-static Check number_that(std::function<bool(double)> holds, std::string expected) {
-  return [=](const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole && std::isfinite(value) && holds(value) ? std::string() : text + " should be a number " + expected;
-  };
-}
-
-Check from_to(double low, double high) {
-  std::ostringstream range;
-  range << "from " << low;
-  if (std::isfinite(high)) range << " to " << high;
-  return number_that([=](double value) { return value >= low && value <= high; },
-                     range.str() + (std::isfinite(high) ? "" : " on"));
-}
-
-Check above(double low) {
-  std::ostringstream range;
-  range << "above " << low;
-  return number_that([=](double value) { return value > low; }, range.str());
+CLI::Option* within(const Range& range, CLI::Option* option) {
+  std::string line = option->get_description();
+  line.insert(std::min(line.find("; default"), line.size()), "; " + range.words());
+  return option->description(line)->check([range](const std::string& text) {
+    const std::optional<double> value = number(text);
+    return value && range.holds(*value) ? std::string() : text + " should be a number " + range.words();
+  });
 }
 
 bool read(CLI::App& app, std::vector<std::string> words) {
@@ -90,11 +80,9 @@ bool read(CLI::App& app, std::vector<std::string> words) {
 std::vector<double> numbers(const std::string& option, const std::string& text) {
   std::vector<double> all;
   for (const std::string& part : split(text)) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc{} || end != part.data() + part.size())
-      throw std::invalid_argument(option + " " + text + ": '" + part + "' should be a number, as in 1e-6");
-    all.push_back(value);
+    const std::optional<double> value = number(part);
+    if (!value) throw std::invalid_argument(option + " " + text + ": '" + part + "' should be a number, as in 1e-6");
+    all.push_back(*value);
   }
   return all;
 }

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/range.h>
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace zwang {
 
@@ -27,10 +27,9 @@ void add_law(CLI::App& app, std::optional<Law>& law);
 // The same, or several with commas between them
 void add_laws(CLI::App& app, std::vector<Law>& laws);
 
-// For Option::check: "" when the text is a finite number from low to high, or above low; else what is expected.
-using Check = std::function<std::string(const std::string& text)>;
-Check from_to(double low, double high = std::numeric_limits<double>::infinity());
-Check above(double low);
+inline const Range tolerances = between(0, 1);
+// Refuses a number out of the range, which the option's line of help says.
+CLI::Option* within(const Range& range, CLI::Option* option);
 
 // "1e-2,1e-6" -> numbers. Throws std::invalid_argument.
 std::vector<double> numbers(const std::string& option, const std::string& text);

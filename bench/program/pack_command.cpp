@@ -50,7 +50,7 @@ int pack_command(std::vector<std::string> words) {
   options.add_option("WHAT", what, "a named pack, scenes, problem files or folders; with --check: a pack's folder")
       ->required();
   options.add_option("--out", out, "folder of the pack")->type_name("DIR");
-  options.add_option("--seed", seed, "of every scene whose knobs do not say")->check(from_to(0));
+  within(from(0), options.add_option("--seed", seed, "of every scene whose knobs do not say"));
   options.add_flag("--check", check, "read the whole pack and say whether files and index fit");
   if (!read(options, std::move(words))) return done;
   if (check) {
@@ -84,14 +84,12 @@ int solve_pack_command(std::vector<std::string> words) {
       ->type_name("NAME")
       ->required();
   options.add_option("--out", out, "the file of answers")->type_name("FILE")->required();
-  options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
-      ->type_name("T")
-      ->check(above(0));
-  options.add_option("--time-limit", run.time_limit, "seconds of CPU time a problem; default: 10")
-      ->type_name("S")
-      ->check(above(0));
+  within(tolerances,
+         options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10"))
+      ->type_name("T");
+  within(above(0, "s"), options.add_option("--time-limit", run.time_limit, "CPU time of a problem; default: 10"))
+      ->type_name("S");
   if (!read(options, std::move(words))) return done;
-  if (!(run.tolerance < 1)) throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
   make_solver(run.solver);
   const Pack pack(directory);
   const std::atomic<bool>& interrupted = stop_on_interrupt();

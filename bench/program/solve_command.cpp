@@ -116,9 +116,11 @@ int solve_command(std::vector<std::string> words) {
       .add_option("--solver", run.solver,
                   "name, or name:key=value,... (./zwang solvers); default: auto, by the table of docs/performance.md")
       ->type_name("NAME");
-  options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10")
+  within(tolerances,
+         options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10"))
       ->type_name("T");
-  options.add_option("--time-limit", time_limit, "seconds of CPU time for a solve; default: 60")->type_name("S");
+  within(above(0, "s"), options.add_option("--time-limit", time_limit, "CPU time of the solve; default: 60"))
+      ->type_name("S");
   options.add_flag("--check", check, "exit code 1 where the claim is false");
   options.add_flag("--trace", with_trace, "the iterates on the way, with the time to reach them");
   options.add_flag("--json", json, "print one JSON object");
@@ -126,9 +128,6 @@ int solve_command(std::vector<std::string> words) {
                    "instead of a solver: how many solutions Coulomb's law has, each proven (docs/friction.md)");
   add_law(options, law);
   if (!read(options, std::move(words))) return done;
-  if (!(run.tolerance > 0 && run.tolerance < 1))
-    throw std::invalid_argument("--tolerance should be between 0 and 1, as in 1e-6");
-  if (!(time_limit > 0)) throw std::invalid_argument("--time-limit should be above 0 s");
   if (solutions) {
     if (!run.solver.empty() || with_trace)
       throw std::invalid_argument("--solutions goes with neither --solver nor --trace");

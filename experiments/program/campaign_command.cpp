@@ -64,10 +64,10 @@ int campaign_command(std::vector<std::string> words) {
   Campaign campaign;
   campaign.at_once = std::max(1u, std::thread::hardware_concurrency());
   options.add_option("--engine", engine, "slurm, parallel (GNU parallel) or local (the default)");
-  options.add_option("--tasks", campaign.tasks, "parts that the problems are dealt out to")->check(from_to(1, 100000));
-  options.add_option("--at-once", campaign.at_once, "tasks that run at a time; default: the cores of this machine")
-      ->check(from_to(1));
-  options.add_option("--hours", campaign.hours, "a task's time limit under Slurm; default: 4")->check(above(0));
+  within(from_to(1, 100000), options.add_option("--tasks", campaign.tasks, "parts that the problems are dealt out to"));
+  within(from(1), options.add_option("--at-once", campaign.at_once,
+                                     "tasks that run at a time; default: the cores of this machine"));
+  within(above(0, "h"), options.add_option("--hours", campaign.hours, "a task's time limit under Slurm; default: 4"));
   options.add_flag("--timing", campaign.timing, "each task alone on its node (Slurm --exclusive), pinned to a core");
   options.add_option("--out", out, "folder of the campaign")->type_name("DIR");
   options.add_option("--resume", resume, "come back to a campaign: follow it, start what is missing")->type_name("DIR");

@@ -60,11 +60,9 @@ int capture_command(std::vector<std::string> words) {
   CaptureOptions capture;
   std::string model, out;
   options.add_option("MODEL", model, "MJCF or URDF, read by MuJoCo's own loader")->type_name("FILE")->required();
-  options.add_option("--steps", capture.steps, "of the model's own length")
-      ->check(from_to(1, 1e7))
+  within(from_to(1, 1e7), options.add_option("--steps", capture.steps, "of the model's own length"))
       ->capture_default_str();
-  options.add_option("--every", capture.every, "one problem in so many steps")
-      ->check(from_to(1, 1e7))
+  within(from_to(1, 1e7), options.add_option("--every", capture.every, "one problem in so many steps"))
       ->capture_default_str();
   options.add_flag("--friction", capture.friction, "contacts have the model's friction: tangent rows, Coulomb's law");
   options.add_option("--out", out, "a folder for the problems, a file each")->type_name("DIR")->required();

@@ -42,7 +42,7 @@ struct AddOption {
   void operator()(const god::OptionText& text, T& value) const {
     if (text.name == nullptr) return;
     CLI::Option* option = app.add_option("--" + std::string(text.name), value, text.line)->group("How");
-    if constexpr (std::is_arithmetic_v<T>) option->check(text.open ? above(text.low) : from_to(text.low, text.high));
+    if constexpr (std::is_arithmetic_v<T>) within(text.range, option);
   }
   template <class T>
   void operator()(const god::OptionText& text, T& value, const god::Words& words) const {
@@ -101,15 +101,13 @@ void add_choices(CLI::App& app, const std::string& command, const std::string& e
       "fingers, its -z out of the back of the hand); default: hand")
       ->type_name("FILE|NAME");
   add("--parts", a.parts, "folder of real parts for the scenes simple and engine")->type_name("FOLDER");
-  add("--place", a.share,
-      "a recording is placed so that its target is inside an object in this share of its frames; 0: as recorded; "
-      "default: 0.45")
-      ->check(from_to(0.0, 1.0))
+  within(from_to(0, 1), add("--place", a.share,
+                            "a recording is placed so that its target is inside an object in this share of its "
+                            "frames; 0: as recorded; default: 0.45"))
       ->type_name("SHARE");
-  add("--seconds", choices.seconds, "stop after so much simulated time")->check(above(0))->type_name("S");
-  app.add_option("--rate", choices.rate, "simulated steps a second; default: 1000")
+  within(above(0, "s"), add("--seconds", choices.seconds, "stop after so much simulated time"))->type_name("S");
+  within(from_to(1, 1e5, "Hz"), app.add_option("--rate", choices.rate, "simulated steps a second; default: 1000"))
       ->group("How")
-      ->check(from_to(1.0, 1e5))
       ->type_name("HZ");
   // Before the single choices, which have the last word.
   add_words(app, "--method", {"zwang", "paper"},

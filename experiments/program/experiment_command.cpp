@@ -40,7 +40,7 @@ int experiment_command(std::vector<std::string> words) {
   options.add_option("--solver", asking.solver, "of the questions that compare no solvers")->type_name("NAME");
   options.add_option("--motion", asking.motion, "a recording in place of the question's own motion")->type_name("FILE");
   options.add_option("--parts", parts, "folder of real parts in place of procedural ones")->type_name("DIR");
-  options.add_option("--seconds", asking.seconds, "of motion; default: all of it")->check(above(0));
+  within(above(0, "s"), options.add_option("--seconds", asking.seconds, "of motion; default: all of it"));
   if (!read(options, std::move(words))) return done;
   asking.parts = parts;
 

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -10,22 +9,6 @@
 
 namespace zwang {
 namespace {
-
-// Rows of one constraint type, which lie together.
-struct Section {
-  std::string type;
-  Index first, rows;
-};
-
-std::vector<Section> sections(const Instance& instance) {
-  std::vector<Section> all;
-  for (Index i = 0; i < instance.problem.rows(); ++i) {
-    const std::string& type = instance.origin[static_cast<std::size_t>(i)].type;
-    if (all.empty() || all.back().type != type) all.push_back({type, i, 0});
-    ++all.back().rows;
-  }
-  return all;
-}
 
 const char* plural(const std::string& type) {
   if (type == "universal_joint") return "universal joints";
@@ -42,19 +25,22 @@ void print_matrix(const Instance& instance) {
   for (const char* name : {"palm", "thumb", "index", "middle", "ring", "little"})
     std::printf("%-*s", std::string(name) == "palm" ? 4 : 10, std::string(name) == "palm" ? "p" : name);
   std::puts("");
-  for (const Section& s : sections(instance))
-    for (Index i = s.first; i < s.first + s.rows; i += 2) {
-      const std::string label = i == s.first ? std::string(plural(s.type)) + " " + std::to_string(s.rows) : "";
+  // Rows of one constraint type lie together.
+  for (Index first = 0, end = 0; first < p.rows(); first = end) {
+    const std::string& type = instance.origin[static_cast<std::size_t>(first)].type;
+    while (end < p.rows() && instance.origin[static_cast<std::size_t>(end)].type == type) ++end;
+    std::string label = std::string(plural(type)) + " " + std::to_string(end - first);
+    for (Index i = first; i < end; i += 2, label.clear()) {
       std::printf("%-20s", label.c_str());
       for (Index j = 0; j < p.size(); j += 2) {
         if (j > 0 && j % 18 == 6) std::printf(" ");
-        const Index end = s.first + s.rows;
         std::printf(
             "%s",
             blocks[set(i, j, end) + 2 * set(i, j + 1, end) + 4 * set(i + 1, j, end) + 8 * set(i + 1, j + 1, end)]);
       }
       std::puts("");
     }
+  }
 }
 
 }  // namespace
@@ -67,8 +53,8 @@ int hand_command(std::vector<std::string> words) {
   bool matrix = false;
   int contacts = 24, limits = 6;
   options.add_flag("--matrix", matrix, "draw the sparsity of J, (70 + limits + contacts) x 96");
-  options.add_option("--contacts", contacts, "contact rows; default: 24")->check(from_to(0, 60));
-  options.add_option("--limits", limits, "violated limits; default: 6")->check(from_to(0, 20));
+  within(from_to(0, 60), options.add_option("--contacts", contacts, "contact rows; default: 24"));
+  within(from_to(0, 20), options.add_option("--limits", limits, "violated limits; default: 6"));
   if (!read(options, std::move(words))) return done;
   if (!matrix) throw std::invalid_argument("what of the hand? --matrix draws its sparsity (./zwang hand --help)");
 

@@ -36,7 +36,7 @@ int simulate_command(std::vector<std::string> words) {
   CLI::App options("Lets a tracked hand work among objects: the god hand follows it and stays out of them.");
   Choices choices;
   std::string out, resume;
-  options.add_option("--frames", choices.asked.frames, "stop after so many")->check(above(0))->type_name("N");
+  within(from(1), options.add_option("--frames", choices.asked.frames, "stop after so many"))->type_name("N");
   options.add_flag("--audit", choices.asked.audit, "FCL looks at every committed frame at the end");
   options.add_option("--out", out, "folder for the run; default: results/<date>-<time>")->type_name("DIR");
   options.add_option("--resume", resume, "go on with a run that was stopped, or write its page anew")->type_name("DIR");

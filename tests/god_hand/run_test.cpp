@@ -281,8 +281,7 @@ TEST(Run, RecordComesBack) {
   const Folder folder;
   Record record;
   record.asked = {.scene = "wall", .motion = "press", .share = 0.5, .frames = 12, .audit = true};
-  record.asked.options.commit = Options::Commit::printed;
-  record.asked.options.force_cap = 12;
+  record.asked.options = chosen({.commit = Options::Commit::printed, .force_cap = 12});
   record.motion = 0xfedcba9876543210;
   record.notes = {"one"};
   write_record(folder.path, record);
@@ -299,6 +298,8 @@ TEST(Run, RecordComesBack) {
   const std::string good = text_of(folder.path / "run.json");
   for (const auto& [was, is] : {std::pair{R"("sub_steps": 3)", R"("sub_steps": 0)"},
                                 {R"("gap": 0.0002)", R"("gap": 0.0)"},
+                                {R"("gap": 0.0002)", R"("gap": 2.0)"},
+                                {R"("force_stiffness": 10000.0)", R"("force_stiffness": -1.0)"},
                                 {R"("commit": "printed")", R"("commit": "print")"},
                                 {R"("clusters": true)", R"("clusters": "on")"},
                                 {R"("share": 0.5)", R"("share": 1.5)"},

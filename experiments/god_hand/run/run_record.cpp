@@ -73,8 +73,8 @@ struct Read {
   void operator()(const OptionText& text, T& option) const {
     in.at("options").at(text.key).get_to(option);
     if constexpr (std::is_arithmetic_v<T>)
-      if (!text.holds(static_cast<double>(option)))
-        throw std::invalid_argument("options: " + std::string(text.key) + " is out of its range");
+      if (!text.range.holds(static_cast<double>(option)))
+        throw std::invalid_argument("options: " + std::string(text.key) + " should be " + text.range.words());
   }
   void operator()(const OptionText& text, bool& option, const Words&) const {
     in.at("options").at(text.key).get_to(option);

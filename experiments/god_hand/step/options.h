@@ -1,8 +1,9 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <string>
+
+#include <zwang/core/problem/range.h>
 
 namespace zwang::god {
 
@@ -57,16 +58,12 @@ inline Options paper_method() {
   return o;
 }
 
-inline constexpr double unbounded = std::numeric_limits<double>::infinity();
-
 // What people type and read for an option.
 struct OptionText {
-  const char* key;                            // in run.json
-  const char* name;                           // --name; null: not typed as such
-  const char* line;                           // help
-  double low = -unbounded, high = unbounded;  // its range
-  bool open = false;                          // `low` itself is out
-  bool holds(double value) const { return (open ? value > low : value >= low) && value <= high; }
+  const char* key;   // in run.json
+  const char* name;  // --name; null: not typed as such
+  const char* line;  // help
+  Range range = {};  // of a number
 };
 // What is typed for the two values of a choice: of an enumeration in its order, of a bool false first.
 using Words = std::array<const char*, 2>;
@@ -75,12 +72,14 @@ using Words = std::array<const char*, 2>;
 // visit(text, option, words) for a choice.
 template <class SomeOptions, class Visit>
 void each_option(SomeOptions& o, const Visit& visit) {
-  visit(OptionText{"dt", nullptr, "", 1e-5, 1}, o.dt);
+  visit(OptionText{"dt", nullptr, "", from_to(1e-5, 1, "s")}, o.dt);
   visit(OptionText{"solver", "solver",
                    "NAME:key=value,...; default: cone, without friction dual_active_set (./zwang solvers)"},
         o.solver);
-  visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", 1e-16, 1}, o.tolerance);
-  visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none", 0},
+  visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", from_to(1e-16, 1)},
+        o.tolerance);
+  visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none",
+                   from(0)},
         o.mu);
   visit(OptionText{"law", "law", "how friction is read (docs/formulation.md)"}, o.law, Words{"coulomb", "convex"});
   visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
@@ -110,27 +109,27 @@ void each_option(SomeOptions& o, const Visit& visit) {
         o.lazy_contacts, Words{"off", "on"});
   visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
         Words{"reduced", "maximal"});
-  visit(OptionText{"force_stiffness", "k-f",
-                   "stiffness of the coupling to the engine [1/s^2]; default: 10,000, without friction 1,000", -1},
-        o.force_stiffness);
-  visit(OptionText{"force_cap", "cap", "largest push on one object [N]; default: 60", 0}, o.force_cap);
-  visit(OptionText{"gap", "gap", "that contact rows keep [m]; default: 2e-4", 0, unbounded, true}, o.gap);
-  visit(OptionText{"activation", "activation", "distance from which contacts are rows [m]; default: 2e-3", 0, unbounded,
-                   true},
+  visit(
+      OptionText{"force_stiffness", "k-f",
+                 "stiffness of the coupling to the engine; default: 10,000, without friction 1,000", from(0, "1/s^2")},
+      o.force_stiffness);
+  visit(OptionText{"force_cap", "cap", "largest push on one object; default: 60", from(0, "N")}, o.force_cap);
+  visit(OptionText{"gap", "gap", "that contact rows keep; default: 2e-4", between(0, 0.01, "m")}, o.gap);
+  visit(OptionText{"activation", "activation", "distance from which contacts are rows; default: 2e-3",
+                   between(0, 0.1, "m")},
         o.activation);
-  visit(OptionText{"fastest", "fastest", "targets that go faster have jumped [m/s]; default: 8", 0, unbounded, true},
-        o.fastest);
-  visit(OptionText{"jump", "jump", "and those that go farther in a frame [m]; default: 0.016", 0, unbounded, true},
-        o.jump);
-  visit(OptionText{"catch_up", "catch-up",
-                   "speed at which a pressing hand may follow a target at rest [m/s]; default: 0.8", 0},
+  visit(OptionText{"fastest", "fastest", "targets that go faster have jumped; default: 8", above(0, "m/s")}, o.fastest);
+  visit(OptionText{"jump", "jump", "and those that go farther in a frame; default: 0.016", between(0, 1, "m")}, o.jump);
+  visit(OptionText{"catch_up", "catch-up", "speed at which a pressing hand may follow a target at rest; default: 0.8",
+                   from(0, "m/s")},
         o.catch_up);
-  visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", 1, 100}, o.sub_steps);
-  visit(OptionText{"verify", "verify",
-                   "the referee looks at the solves of every N-th frame (default 10; 0: of none); it takes its time,\n"
-                   "which is not in the figures",
-                   0},
-        o.verify);
+  visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", from_to(1, 100)}, o.sub_steps);
+  visit(
+      OptionText{
+          "verify", "verify",
+          "the referee looks at the solves of every N-th frame, in time that no figure counts; 0: of none; default: 10",
+          from(0)},
+      o.verify);
 }
 
 }  // namespace zwang::god

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 program = os.path.abspath(sys.argv[1])
+source = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
 failures = 0
 
 
@@ -145,6 +146,15 @@ def check_help():
     for words in (["--help"], *([word, "--help"] for word in "bench solve export scenes solvers report".split())):
         result = run(words)
         check(f"{words} has examples", result.returncode == 0 and "Examples:" in result.stdout, result.stdout)
+    with open(os.path.join(source, "bench/program/commands.def")) as file:
+        commands = re.findall(r"^COMMAND\(([a-z-]+), zwang", file.read(), re.M)
+    numbers = 0
+    for word in commands:
+        text = run([word, "--help"]).stdout
+        for option in re.findall(r"^  --\S+ (?:INT|UINT|FLOAT|S|T|N|HZ|SHARE)\b.*(?:\n {20,}\S.*)*", text, re.M):
+            numbers += 1
+            check(f"{word}: a number has its range", re.search(r"\b(from|between|above) \d", option), option)
+    check("numbers are found", numbers > 30, str(numbers))
     check("version", run(["--version"]).stdout.startswith("zwang "))
     check("no words at all", run([]).returncode == 2)
     scenes, solvers = run(["scenes"]).stdout, run(["solvers"]).stdout
