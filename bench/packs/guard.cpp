@@ -23,14 +23,14 @@ bool is_right(Verdict v) { return v == Verdict::solved || v == Verdict::infeasib
 bool is_wrong(const Result& r) { return r.metrics.verdict == Verdict::wrong; }
 
 double error(const Result& r) {
-  const double e = std::isnan(r.metrics.z_error) ? r.metrics.z_bound : r.metrics.z_error;
-  return std::isfinite(e) ? std::max(e, rounding) : Result::unknown;
+  const double e = r.error();
+  return std::isfinite(e) ? std::max(e, rounding) : unknown;
 }
 
 // A problem's rows in all runs of a side.
 struct Side {
   const Result* worst = nullptr;
-  double error = Result::unknown;
+  double error = unknown;
   std::vector<double> seconds = {};
   int iterations = 0;
 

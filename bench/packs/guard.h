@@ -14,7 +14,7 @@ struct Change {
   std::string problem = {};
   Kind kind = Kind::same;
   Verdict before = Verdict::undecided, after = Verdict::undecided;
-  double error_before = Result::unknown, error_after = Result::unknown;  // proven, relative to the motion
+  double error_before = unknown, error_after = unknown;  // proven, relative to the motion
 };
 std::string_view to_string(Change::Kind kind);  // "newly wrong", ...
 
@@ -32,7 +32,7 @@ struct Guarded {
   Drift error = {};                  // problems on which the proven error grew, or fell, more than twofold
   Drift time = {};        // whose every time after is above, or below, every time before; of two runs a side or more
   Drift iterations = {};  // reported by the solver
-  double time_ratio = Result::unknown;  // median over the problems of after / before
+  double time_ratio = unknown;  // median over the problems of after / before
   bool timed = false;
   std::size_t count(Change::Kind kind) const;
   bool alarm() const;  // newly wrong or unsolved, less accurate, or slower

@@ -69,8 +69,8 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
     const auto& answers = contestant->second->of;
     const auto found = answers.find(r.problem_sha256);
     r.machine = contestant->second->machine;  // the report compares times of one machine alone
-    r.setup_s = r.prepare_s = r.allocations = Result::unknown;
-    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = found == answers.end() ? Result::unknown : found->second.seconds;
+    r.setup_s = r.prepare_s = r.allocations = unknown;
+    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = found == answers.end() ? unknown : found->second.seconds;
     judged.rows.push_back(r);
   };
   judged.outcome = run_suite(plan, settings, interrupted);

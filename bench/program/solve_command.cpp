@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
@@ -56,8 +55,7 @@ void print(const Result& r, bool chosen) {
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))
     against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
-  line("verified",
-       std::string(to_string(k.verdict)) + "   " + against + (lies(r.claimed, k.verdict) ? "   FALSE CLAIM" : ""));
+  line("verified", std::string(to_string(k.verdict)) + "   " + against + (r.lies() ? "   FALSE CLAIM" : ""));
   if (r.claimed == Status::unsupported || r.claimed == Status::bad_input) {  // nothing was solved
     if (!r.message.empty()) line("message", r.message);
     return;
@@ -159,13 +157,12 @@ int solve_command(std::vector<std::string> words) {
   run_flow({assemble, {run}, {.time_limit = time_limit, .budget = budget}, keep}, desk, interrupted);
   const auto points =
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();
-  const int code = check && lies(cell.result.claimed, cell.result.metrics.verdict) ? 1 : done;
+  const int code = check && cell.result.lies() ? 1 : done;
   if (json) {
-    using Json = nlohmann::ordered_json;
-    Json object = Json::parse(to_json(cell.result, &cell.timed.solution));
-    if (with_trace) object["trace"] = Json::array();
-    for (const TracePoint& point : points) object["trace"].push_back(Json::parse(to_json(point)));
-    std::puts(object.dump().c_str());
+    const Solution& s = cell.timed.solution;
+    SolvedResult solved{cell.result, {s.z.begin(), s.z.end()}, {s.lambda.begin(), s.lambda.end()}};
+    if (with_trace) solved.trace = points;
+    std::puts(to_json(solved).c_str());
     return code;
   }
   for (const std::string& note : notes) std::printf("Note: %s\n", note.c_str());

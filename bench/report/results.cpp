@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/results/recorded.h>
 #include <zwang/bench/results/seal.h>
@@ -39,34 +40,16 @@ void read(const json& line, const char* key, Member& into, Rest&&... rest) {
   read(line, rest...);
 }
 
-Result parse_result(const json& line) {
-  for (const char* key : {"problem", "solver", "tolerance", "claimed", "verified"})
-    if (!line.contains(key))
-      throw std::runtime_error(std::string("no result of this version of zwang: it has no \"") + key + "\"");
-  Result r;
-  read(line, "problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value, "problem_sha256",
-       r.problem_sha256, "problem_file", r.problem_file, "n", r.n, "m", r.m, "equalities", r.equalities);
-  read(line, "solver", r.solver, "tolerance", r.tolerance, "claimed", r.claimed, "verified", r.verified, "reference",
-       r.reference, "bound_method", r.bound_method, "message", r.message, "worst_row", r.worst_row, "fallback",
-       r.fallback, "handed_to", r.handed_to);
-  read(line, "z_error", r.z_error, "z_bound", r.z_bound, "primal", r.primal, "stationarity", r.stationarity, "gap",
-       r.gap, "range_gap", r.range_gap, "law", r.law, "coulomb_error", r.coulomb_error, "self_bound", r.self_bound);
+// What the report needs beside the columns.
+void complete(Result& r) {
   // Coulomb's law may have several solutions, and the reference is one of them: what counts is the distance to the
   // nearest one that is proven, where the referee's verdict rests on it.
-  if (r.law == "coulomb" && (std::isfinite(r.z_bound) || r.verified != "wrong"))
-    r.z_error = r.verified == "solved" || r.verified == "near" || r.verified == "wrong" ? r.z_bound : unknown;
-  read(line, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3,
-       "prepare_s", r.prepare_s, "kernel_s", r.kernel_s, "allocations", r.allocations, "iterations", r.iterations,
-       "repetitions", r.repetitions);
-  if (r.family.empty()) r.family = r.problem;
-  if (const auto it = line.find("feasible"); it != line.end() && it->is_boolean()) r.feasible = it->get<bool>();
-  for (const json& row : line.value("worst_by_type", json::array())) {
-    WorstRow& worst = r.worst_by_type.emplace_back();
-    read(row, "type", worst.type, "row", worst.row, "unit", worst.unit, "violation", worst.violation, "relative",
-         worst.relative);
+  Metrics& k = r.metrics;
+  if (r.law == "coulomb" && (std::isfinite(k.z_bound) || k.verdict != Verdict::wrong)) {
+    const bool rests = k.verdict == Verdict::solved || k.verdict == Verdict::near || k.verdict == Verdict::wrong;
+    k.z_error = rests ? k.z_bound : unknown;
   }
-  for (const json& name : line.value("conflicting", json::array())) r.conflicting.push_back(name.get<std::string>());
-  return r;
+  if (r.family.empty()) r.family = r.problem;
 }
 
 // A last line without its newline may be bad (a killed run), and lines whose check fails are left out. Lines of
@@ -157,19 +140,14 @@ void read_conditions(const json& about, Run& run) {
 }
 
 // Times of several kinds of machine do not compare: those of the one with most runs stay, the others' become unknown.
-void keep_times_of_one_machine(const std::vector<std::size_t>& machine_of, const std::vector<std::string>& machines,
-                               Run& run) {
-  if (machines.size() < 2) return;
-  std::vector<std::size_t> runs(machines.size(), 0);
-  for (const std::size_t m : machine_of) ++runs[m];
-  const auto most = static_cast<std::size_t>(std::ranges::max_element(runs) - runs.begin());
-  for (std::size_t i = 0; i < run.results.size(); ++i) {
-    if (machine_of[i] == most) continue;
-    Result& r = run.results[i];
-    r.setup_s = r.solve_s = r.solve_s_q1 = r.solve_s_q3 = r.prepare_s = r.kernel_s = unknown;
-  }
-  run.notes.push_back("Times are those of " + machines[most] +
-                      " alone: " + std::to_string(run.results.size() - runs[most]) +
+void keep_times_of_one_machine(Run& run) {
+  InOrder<std::string, std::size_t> runs;
+  for (const Result& r : run.results) ++runs[r.machine];
+  if (runs.items.size() < 2) return;
+  const auto& [machine, most] = *std::ranges::max_element(runs.items, {}, [](const auto& item) { return item.second; });
+  for (Result& r : run.results)
+    if (r.machine != machine) r.setup_s = r.solve_s = r.solve_s_q1 = r.solve_s_q3 = r.prepare_s = r.kernel_s = unknown;
+  run.notes.push_back("Times are those of " + machine + " alone: " + std::to_string(run.results.size() - most) +
                       " runs were made on other machines, and their times do not compare.");
 }
 
@@ -204,32 +182,27 @@ Run read_run(const fs::path& dir) {
   Run run;
   run.dir = dir;
   run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
-  std::vector<std::string> machines;
-  std::vector<std::size_t> machine_of;
   const std::size_t lines = count_lines(dir / "results.jsonl");
   run.results.reserve(lines);
-  read_lines(dir / "results.jsonl", run.torn, [&](const std::string& text) {
-    const json line = json::parse(text);
-    Result result = parse_result(line);
-    if (is_recorded(result.solver)) {
-      run.recorded.push_back(std::move(result));
+  read_lines(dir / "results.jsonl", run.torn, [&](const std::string& line) {
+    Result r;
+    read_json(line, r);
+    complete(r);
+    if (is_recorded(r.solver)) {
+      run.recorded.push_back(std::move(r));
       return;
     }
-    const std::string machine = get<std::string>(line, "machine");
-    const auto known = std::ranges::find(machines, machine);
-    machine_of.push_back(static_cast<std::size_t>(known - machines.begin()));
-    if (known == machines.end()) machines.push_back(machine);
-    run.results.push_back(std::move(result));
-    Result& r = run.results.back();
     if (lines <= Run::large) {
       r.replay = replay_command(run.dir, r);
-      return;
+    } else {
+      r.problem_sha256 = r.cell = {};
+      if (r.is_right()) {
+        r.message = r.worst_row = {};
+        r.worst_by_type = {};
+        r.conflicting = {};
+      }
     }
-    r.problem_sha256 = {};
-    if (!r.is_right()) return;
-    r.message = r.worst_row = {};
-    r.worst_by_type = {};
-    r.conflicting = {};
+    run.results.push_back(std::move(r));
   });
   read_records(dir / "traces.jsonl", run.torn, run.traces);
   read_records(dir / "conformance.jsonl", run.torn, run.phenomena);
@@ -242,7 +215,7 @@ Run read_run(const fs::path& dir) {
       throw std::runtime_error((dir / "run.json").string() + ": not what zwang writes");
     }
   }
-  keep_times_of_one_machine(machine_of, machines, run);
+  keep_times_of_one_machine(run);
   credit_who_answered(run);
   const std::vector<std::string> present = solvers_of(run.results);
   std::erase_if(run.solvers, [&](const SolverInfo& s) { return std::ranges::find(present, s.name) == present.end(); });

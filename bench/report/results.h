@@ -8,52 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include <zwang/bench/results/records.h>
+#include <zwang/bench/results/result.h>
 
 namespace zwang::report {
-
-// Worst violated row of one constraint type.
-struct WorstRow {
-  std::string type = {}, row = {};
-  std::string unit = {};       // of the violation: "m/s^2", "rad/s^2" or ""
-  double violation = unknown;  // in that unit
-  double relative = unknown;   // on the unit row, over the scale s
-};
-
-// One line of results.jsonl (docs/formats.md). Numbers the run does not know are NaN.
-struct Result {
-  std::string problem = {}, family = {}, knob = {}, problem_sha256 = {}, problem_file = {}, solver = {};
-  std::string claimed = {}, verified = {};
-  std::string reference = {}, bound_method = {}, message = {}, worst_row = {};
-  std::string handed_to = {};  // the solver that answered, where it is not the one that was asked
-  std::string law = {};        // of friction
-  std::string replay = {};     // the command that repeats this run; of large runs see replay_of()
-  double knob_value = unknown, tolerance = unknown;
-  long n = 0, m = 0, equalities = 0;
-  double z_error = unknown, z_bound = unknown, primal = unknown, stationarity = unknown, gap = unknown;
-  double setup_s = unknown, solve_s = unknown, solve_s_q1 = unknown, solve_s_q3 = unknown;  // [s]
-  double prepare_s = unknown;      // of solve_s: bringing the problem into the method's form
-  double coulomb_error = unknown;  // of a simpler law: the distance to a solution of Coulomb's
-  double self_bound = unknown;     // Coulomb's law: how consistent z is with its own slip
-  double kernel_s = unknown;       // the neutral kernel in the same batch
-  double allocations = unknown;    // of one warm solve
-  double range_gap = unknown;      // nnls_paper: |J k - c| / |c|
-  long iterations = 0, repetitions = 0;
-  std::optional<bool> feasible = {};
-  bool fallback = false;
-  std::vector<WorstRow> worst_by_type = {};
-  std::vector<std::string> conflicting = {};
-
-  // The error against the reference, or without one the proven upper bound; NaN when there is neither.
-  double error() const { return z_error == z_error ? z_error : z_bound; }
-  bool claims_solved() const { return claimed == "solved"; }
-  // Claims an answer (or that there is none) that the referee refutes.
-  bool lies() const { return verified == "wrong" && (claimed == "solved" || claimed == "infeasible"); }
-  bool is_right() const { return verified == "solved" || verified == "infeasible, proven"; }
-  // Proven neither right nor wrong.
-  bool is_open() const { return verified == "undecided" || verified == "consistent" || verified == "rows off"; }
-  bool is_blank() const { return verified == "unsupported" || verified == "bad input"; }
-};
 
 struct SolverInfo {
   std::string name = {}, method = {}, limits = {};

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <zwang/bench/results/result.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/problem/wording.h>
 
@@ -15,9 +16,11 @@ std::string CellKey::name(const std::string& commit) const {
 std::string without_clock(const std::string& line) {
   nlohmann::json record = nlohmann::json::parse(line);
   if (record.value("claimed", "") == "time limit") return record.value("cell", "") + " time limit";
-  for (const char* column : {"setup_s", "solve_s", "solve_s_q1", "solve_s_q3", "prepare_s", "kernel_s", "allocations",
-                             "repetitions", "machine", "check"})
-    record.erase(column);
+  const Result any;
+  Result::columns(any, [&record](const std::string& key, const auto&, Column column = {}) {
+    if (column.of_clock) record.erase(key);
+  });
+  record.erase("check");
   return record.dump();
 }
 

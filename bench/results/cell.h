@@ -14,7 +14,7 @@ struct CellKey {
   std::string name(const std::string& commit) const;
 };
 
-// A line of results.jsonl without what depends on the clock or the machine (docs/formats.md lists these columns). Of a
+// A line of results.jsonl without what depends on the clock or the machine (result.h marks these columns). Of a
 // run that a time limit ended only its name and its claim are left.
 std::string without_clock(const std::string& line);
 

@@ -1,27 +1,30 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include <zwang/bench/results/records.h>
 #include <zwang/core/referee/measure.h>
 
 namespace zwang {
 
-// One line of results.jsonl: what one solver made of one problem at one tolerance (docs/formats.md).
+// One line of results.jsonl: what one solver made of one problem at one tolerance.
 struct Result {
-  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   // the problem
   std::string problem = {}, family = {}, knob = {};
-  double knob_value = 0;
+  double knob_value = unknown;
   Index n = 0, m = 0, equalities = 0;
   std::uint64_t seed = 0;
   std::string problem_sha256 = {}, problem_file = {}, law = {};
   std::string reference = {};  // its method, or ""
   double reference_bound = unknown;
-  enum class Feasible { no, yes, unknown } feasible = Feasible::unknown;
+  std::optional<bool> feasible = {};
   // the run
   std::string solver = {};
   bool foreign = false;
@@ -33,7 +36,16 @@ struct Result {
   double coulomb_error = unknown;  // |z - z*|_M / s, z* a solution of the same problem under Coulomb's law
   std::string worst_row = {};
   struct WorstRow : TypeResidual {
-    std::string name, unit;
+    std::string name = {}, unit = {};
+
+    template <class Self, class Visit>
+    static void columns(Self& r, Visit visit) {
+      visit("type", r.type);
+      visit("violation", r.violation);
+      visit("relative", r.relative);
+      visit("unit", r.unit);
+      visit("row", r.name);
+    }
   };
   std::vector<WorstRow> worst_by_type = {};
   std::vector<std::string> conflicting = {};
@@ -52,10 +64,114 @@ struct Result {
   double range_gap = unknown;  // |J k - c| / |c| of nnls_paper
   std::string message = {};
   std::string machine = {};  // the CPU it ran on
+  std::string cell = {};     // its name (cell.h); "" outside a suite
+  // No column, of a line that was read: the command that repeats the run.
+  std::string replay = {};
+
+  // The error against the reference, or without one the proven upper bound; NaN when there is neither.
+  double error() const { return std::isnan(metrics.z_error) ? metrics.z_bound : metrics.z_error; }
+  std::string claim() const { return std::string(to_string(claimed)); }
+  std::string verdict() const { return std::string(to_string(metrics.verdict)); }
+  bool claims_solved() const { return claimed == Status::solved; }
+  // Claims an answer (or that there is none) that the referee refutes.
+  bool lies() const { return (claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong; }
+  bool is_right() const { return metrics.verdict == Verdict::solved || metrics.verdict == Verdict::infeasible_proven; }
+  // Proven neither right nor wrong.
+  bool is_open() const {
+    return metrics.verdict == Verdict::undecided || metrics.verdict == Verdict::consistent ||
+           metrics.verdict == Verdict::rows_off;
+  }
+  bool is_blank() const { return metrics.verdict == Verdict::unsupported || metrics.verdict == Verdict::bad_input; }
+
+  static constexpr std::array<const char*, 5> required = {"problem", "solver", "tolerance", "claimed", "verified"};
+
+  template <class Self, class Visit>
+  static void columns(Self& r, Visit visit) {
+    auto& k = r.metrics;
+    auto& f = k.friction;
+    const Column clock{.of_clock = true}, conic{.written = r.law == "coulomb" || r.law == "convex"};
+    const bool of_suite = !r.cell.empty();
+    visit("problem", r.problem);
+    visit("family", r.family);
+    visit("knob", r.knob);
+    visit("knob_value", r.knob_value);
+    visit("n", r.n);
+    visit("m", r.m);
+    visit("equalities", r.equalities);
+    visit("seed", r.seed);
+    visit("problem_sha256", r.problem_sha256);
+    visit("problem_file", r.problem_file);
+    visit("law", r.law);
+    visit("solver", r.solver);
+    visit("foreign", r.foreign);
+    visit("tolerance", r.tolerance);
+    visit("claimed", r.claimed);
+    visit("verified", k.verdict);
+    visit("z_error", k.z_error);
+    visit("z_bound", k.z_bound);
+    visit("bound_method", k.bound_method);
+    visit("bound_sigma_min", k.bound_sigma_min);
+    visit("primal", k.primal);
+    visit("dual", k.dual);
+    visit("stationarity", k.stationarity);
+    visit("complementarity", k.complementarity);
+    visit("gap", k.gap);
+    visit("natural", k.natural);
+    visit("scale", k.scale);
+    visit("farkas", k.farkas);
+    visit("penetration", f.penetration, conic);
+    visit("cone_violation", f.cone_violation, conic);
+    visit("dissipation", f.dissipation, conic);
+    visit("eta", f.eta, conic);
+    visit("self_bound", f.self_bound, conic);
+    visit("radius", f.radius, conic);
+    visit("delta", f.delta, conic);
+    visit("null_motion", f.null_motion, conic);
+    visit("isolated", f.isolated, conic);
+    visit("coulomb_error", r.coulomb_error, {.written = std::isfinite(r.coulomb_error)});
+    visit("setup_s", r.setup_s, clock);
+    visit("solve_s", r.solve_s, clock);
+    visit("solve_s_q1", r.solve_s_q1, clock);
+    visit("solve_s_q3", r.solve_s_q3, clock);
+    visit("prepare_s", r.prepare_s, clock);
+    visit("kernel_s", r.kernel_s, clock);
+    visit("allocations", r.allocations, clock);
+    visit("repetitions", r.repetitions, clock);
+    visit("iterations", r.iterations);
+    visit("reference", r.reference, {.null = r.reference.empty()});
+    visit("reference_bound", r.reference_bound);
+    visit("feasible", r.feasible);
+    visit("worst_row", r.worst_row);
+    visit("worst_by_type", r.worst_by_type);
+    visit("rank", r.margins.rank, {.null = r.margins.rank < 0});
+    visit("smallest_pivot", r.margins.smallest_accepted);
+    visit("largest_rejected_pivot", r.margins.largest_rejected);
+    visit("redundant", r.redundant);
+    visit("conflicting", r.conflicting);
+    visit("fallback", r.fallback);
+    visit("handed_to", r.handed_to);
+    visit("range_gap", r.range_gap);
+    visit("message", r.message);
+    visit("batch", r.batch);
+    visit("machine", r.machine, {.of_clock = true, .written = of_suite});
+    visit("cell", r.cell, {.written = of_suite});
+  }
 };
 
-// Claims solved of a wrong z, or infeasible of a feasible problem (or the reverse).
-bool lies(Status claimed, Verdict verdict);
+// What `solve --json` prints.
+struct SolvedResult {
+  Result result = {};
+  std::vector<double> z = {}, lambda = {};
+  std::optional<std::vector<TracePoint>> trace = {};
+
+  template <class Self, class Visit>
+  static void columns(Self& r, Visit visit) {
+    Result::columns(r.result, visit);
+    visit("z", r.z);
+    visit("lambda", r.lambda);
+    if (r.trace) visit("trace", *r.trace);
+  }
+};
 
 // The parts of a result that the problem alone decides, and the referee's.
 Result describe(const Instance& instance);
@@ -65,16 +181,10 @@ void judge(Result& result, const Instance& instance, const Solution& solution);
 // at this tolerance.
 Result judge_recorded(Result problem, const Instance& instance, const RecordedAnswer& answer, double tolerance);
 
-// One JSON object, without a line's end: NaN is null, +-Inf is +-1.797e308. With a solution: its z and lambda too.
-std::string to_json(const Result& result, const Solution* with = nullptr);
-
-// A line of results.jsonl, without its end: to_json with the name of its cell (cell.h) and its check (seal.h).
-std::string to_record(const Result& result, const std::string& cell);
-
 struct Tally {
   std::size_t runs = 0, solved = 0, near = 0, wrong = 0, undecided = 0, failed = 0, unsupported = 0, lies = 0;
   std::size_t recorded = 0;  // answers that came with their problems: no runs
-  void count(std::string_view solver, Status claimed, Verdict verdict);
+  void count(const Result& result);
 };
 
 // An append-only file of lines, on the disk when append() returns.

@@ -6,6 +6,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
+#include <zwang/bench/results/seal.h>
 #include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/phenomena.h>
 #include <zwang/bench/suite/progress.h>
@@ -129,12 +130,12 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
         if (const Vector& z = timed.solution.z; coulomb && z.size() == coulomb->z.size() && z.allFinite())
           result.coulomb_error = relative_distance(instance.problem, coulomb->z, z);
         if (settings.amend) settings.amend(result);
-        const std::string name = cell(result.solver, result.tolerance);
-        if (stored.finished.contains(name)) continue;
-        outcome.tally.count(result.solver, result.claimed, result.metrics.verdict);
+        result.cell = cell(result.solver, result.tolerance);
+        if (stored.finished.contains(result.cell)) continue;
+        outcome.tally.count(result);
         timed_once += timed.samples.empty() && timed.first_s > 0 && timed.solution.z.size() > 0;
         for (const double s : timed.samples) repeating += std::max(s, 50e-6);
-        lines.push_back(to_record(result, name));
+        lines.push_back(sealed(to_json(result)));
       }
       results.append(lines);
     };

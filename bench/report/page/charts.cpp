@@ -48,18 +48,18 @@ void add_recorded(const Run& run, json& rows) {
   const auto add = [&rows](const char* level, const Result& r, double error, const std::string& verified,
                            const std::string& of) {
     rows.push_back({level, r.family, r.problem, r.solver, known(r.tolerance), "recorded", known(error), json(), json(),
-                    json(), json(), json(), r.claimed, verified, of, ""});
+                    json(), json(), json(), r.claim(), verified, of, ""});
   };
   for (const Result& r : run.recorded)
-    if (std::isfinite(r.z_error)) {
-      add("run", r, r.z_error, r.verified, "a recorded answer");
+    if (std::isfinite(r.metrics.z_error)) {
+      add("run", r, r.metrics.z_error, r.verdict(), "a recorded answer");
       families[{r.family, r.solver}].push_back(&r);
     }
   for (const auto& [key, answers] : families.items) {
     std::vector<double> errors;
-    for (const Result* r : answers) errors.push_back(r->z_error);
+    for (const Result* r : answers) errors.push_back(r->metrics.z_error);
     const Result& any = *answers.front();
-    add("median", any, median(errors), answers.size() == 1 ? any.verified : "",
+    add("median", any, median(errors), answers.size() == 1 ? any.verdict() : "",
         "median of " + std::to_string(answers.size()) + " recorded answers");
   }
 }
@@ -70,7 +70,7 @@ json work_precision(const Run& run) {
     const Result& r = *d.run;
     rows.push_back({d.level, r.family, r.problem, r.solver, known(r.tolerance), drawn_as(r), known(d.error),
                     known(d.time_s), known(d.q1_s), known(d.q3_s), known(d.prepare_s), known(d.iterations, 6),
-                    r.claimed, r.verified, d.of, replay_of(run, r)});
+                    r.claim(), r.verdict(), d.of, replay_of(run, r)});
   }
   add_recorded(run, rows);
   return chart(
@@ -138,8 +138,8 @@ json sweep_states(const Run& run) {
       if (runs.empty()) continue;
       const Result& r = *tightest(runs);
       const std::string knob = std::isfinite(r.knob_value) ? knob_text(r.knob_value) : r.problem;
-      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claimed,
-                      r.verified, replay_of(run, r), sweep_mark(r), r.problem_file});
+      rows.push_back({r.family, r.problem, r.knob, knob, at, r.solver, sweep_state(r), known(r.error()), r.claim(),
+                      r.verdict(), replay_of(run, r), sweep_mark(r), r.problem_file});
     }
   }
   return chart("family problem knob value position solver state error claimed verified replay mark file", rows);
@@ -193,11 +193,11 @@ json range_gaps(const Run& run) {
   json rows = json::array();
   std::vector<const Result*> drawn;
   for (const Result& r : run.results)
-    if (std::isfinite(r.range_gap) && std::isfinite(r.z_error)) drawn.push_back(&r);
+    if (std::isfinite(r.range_gap) && std::isfinite(r.metrics.z_error)) drawn.push_back(&r);
   for (std::size_t i = 0; i < drawn.size(); ++i)
     if (const Result& r = *drawn[i]; !run.is_large() || chosen(i, drawn.size(), marks))
-      rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap), known(r.z_error),
-                      r.claimed, r.verified, replay_of(run, r)});
+      rows.push_back({r.family, r.problem, r.solver, r.m, known(r.tolerance), known(r.range_gap),
+                      known(r.metrics.z_error), r.claim(), r.verdict(), replay_of(run, r)});
   return chart("family problem solver m tolerance gap error claimed verified replay", rows);
 }
 

@@ -126,18 +126,19 @@ std::string opening(const Run& run) {
 
 std::vector<std::string> headline(const Run& run) {
   if (run.results.empty()) return {"The run holds no results yet."};
-  std::map<std::string, std::size_t> verdicts;
+  std::map<Verdict, std::size_t> verdicts;
   std::size_t lies = 0;
   std::map<std::string, int> problems;
   for (const Result& r : run.results) {
-    ++verdicts[r.verified];
+    ++verdicts[r.metrics.verdict];
     ++problems[r.problem];
     lies += r.lies();
   }
-  const std::size_t right = verdicts["solved"] + verdicts["infeasible, proven"], near = verdicts["near"],
-                    wrong = verdicts["wrong"], consistent = verdicts["consistent"], rows_off = verdicts["rows off"],
-                    undecided = verdicts["undecided"] + verdicts["infeasible, claimed only"],
-                    blank = verdicts["unsupported"] + verdicts["bad input"];
+  const std::size_t right = verdicts[Verdict::solved] + verdicts[Verdict::infeasible_proven],
+                    near = verdicts[Verdict::near], wrong = verdicts[Verdict::wrong],
+                    consistent = verdicts[Verdict::consistent], rows_off = verdicts[Verdict::rows_off],
+                    undecided = verdicts[Verdict::undecided] + verdicts[Verdict::infeasible_claimed],
+                    blank = verdicts[Verdict::unsupported] + verdicts[Verdict::bad_input];
   const std::size_t failed = run.results.size() - right - near - wrong - consistent - rows_off - undecided - blank;
   std::string counts = counted(run.results.size(), "run") + " of " + counted(run.solvers.size(), "solver") + " on " +
                        counted(problems.size(), "problem") + ": " + grouped(right) + " right";

@@ -31,7 +31,7 @@ SingleRuns single_run_scripts(const Run& run) {
     if (runs > 0 && runs + results.size() > runs_of_script) finish();
     json rows = json::array();
     for (const Result* r : results)
-      rows.push_back({r->solver, number(r->tolerance), r->claimed, r->verified, number(r->error()), number(r->solve_s),
+      rows.push_back({r->solver, number(r->tolerance), r->claim(), r->verdict(), number(r->error()), number(r->solve_s),
                       r->iterations, replay_of(run, *r)});
     script[problem] = std::move(rows);
     runs += results.size();

@@ -35,7 +35,7 @@ double time_to_error(const std::vector<const Result*>& runs, double error) {
   std::vector<const Result*> ladder;
   for (const Result* r : runs) {
     if (r->lies() || !std::isfinite(r->solve_s)) continue;
-    if (r->verified == "infeasible, proven") best = std::min(best, r->solve_s);
+    if (r->metrics.verdict == Verdict::infeasible_proven) best = std::min(best, r->solve_s);
     if (std::isfinite(r->error())) ladder.push_back(r);
   }
   std::sort(ladder.begin(), ladder.end(), [](auto* a, auto* b) { return a->tolerance > b->tolerance; });

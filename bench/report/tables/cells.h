@@ -38,8 +38,8 @@ inline const char* tone_of(bool bad, bool good) { return bad ? "bad" : good ? "g
 
 // The error the referee measured, or the bound where there is no reference.
 inline Cell error_cell(const Result& r) {
-  if (std::isfinite(r.z_error)) return number_cell(r.z_error);
-  if (std::isfinite(r.z_bound)) return {"<= " + scientific(r.z_bound), r.z_bound};
+  if (std::isfinite(r.metrics.z_error)) return number_cell(r.metrics.z_error);
+  if (std::isfinite(r.metrics.z_bound)) return {"<= " + scientific(r.metrics.z_bound), r.metrics.z_bound};
   return {r.feasible == std::optional(false) ? "no z exists"
           : r.reference.empty()              ? "no reference"
                                              : "no number",

@@ -19,8 +19,8 @@ namespace {
 // Rejected claims, worst first: 0 false, 1 flagged as ill-conditioned but wrong, 2 infeasible without proof.
 int gravity(const Result& r) {
   if (r.lies()) return 0;
-  if (r.claimed == "solved, ill-conditioned" && r.verified == "wrong") return 1;
-  if (r.verified == "infeasible, claimed only") return 2;
+  if (r.claimed == Status::solved_ill_conditioned && r.metrics.verdict == Verdict::wrong) return 1;
+  if (r.metrics.verdict == Verdict::infeasible_claimed) return 2;
   return 3;
 }
 
@@ -28,11 +28,11 @@ std::string reason(const Result& r) {
   std::string text;
   if (std::isfinite(r.range_gap) && r.range_gap > 1e-12)
     text = "c leaves range(J): |J k - c|/|c| = " + scientific(r.range_gap);
-  if (r.claims_solved() && !std::isfinite(r.primal)) text = "its z holds NaN or infinities";
+  if (r.claims_solved() && !std::isfinite(r.metrics.primal)) text = "its z holds NaN or infinities";
   if (r.feasible == std::optional(false) && r.claims_solved()) text = "the rows are inconsistent";
-  if (r.feasible == std::optional(true) && r.claimed == "infeasible") text = "the rows are consistent";
-  if (text.empty() && !r.worst_row.empty() && std::isfinite(r.primal))
-    text = "worst row " + r.worst_row + ", violation " + scientific(r.primal) + " of the scale";
+  if (r.feasible == std::optional(true) && r.claimed == Status::infeasible) text = "the rows are consistent";
+  if (text.empty() && !r.worst_row.empty() && std::isfinite(r.metrics.primal))
+    text = "worst row " + r.worst_row + ", violation " + scientific(r.metrics.primal) + " of the scale";
   return text;
 }
 
@@ -93,23 +93,24 @@ Table claims_table(const Run& run) {
   std::map<std::array<std::string, 4>, Group> groups;
   for (const Result& r : run.results) {
     if (gravity(r) > 2) continue;
-    Group& group = groups.try_emplace({r.solver, r.problem, r.claimed, r.verified}, Group{&r}).first->second;
+    Group& group = groups.try_emplace({r.solver, r.problem, r.claim(), r.verdict()}, Group{&r}).first->second;
     group.tolerances.insert(r.tolerance);
     ++group.runs;
-    if (r.z_error > group.worst->z_error) group.worst = &r;
+    if (r.metrics.z_error > group.worst->metrics.z_error) group.worst = &r;
   }
   // The worst kind first; within a kind answers where none exists, then by error, largest first.
   std::vector<Group> sorted;
   for (const auto& [key, group] : groups) sorted.push_back(group);
   std::ranges::sort(sorted, {}, [](const Group& g) {
-    return std::tuple(gravity(*g.worst), std::isfinite(g.worst->z_error) ? -g.worst->z_error : -INFINITY, g.worst);
+    return std::tuple(gravity(*g.worst),
+                      std::isfinite(g.worst->metrics.z_error) ? -g.worst->metrics.z_error : -INFINITY, g.worst);
   });
   for (const Group& group : sorted) {
     const Result& r = *group.worst;
     const std::string tone = r.lies() ? "bad" : "warn";
     table.add(r.solver, r.family,
               {r.solver, r.problem, Cell(tolerance_range(group.tolerances), *group.tolerances.begin()),
-               whole_cell(group.runs), Cell(r.claimed, unknown, tone), Cell(r.verified, unknown, tone), error_cell(r),
+               whole_cell(group.runs), Cell(r.claim(), unknown, tone), Cell(r.verdict(), unknown, tone), error_cell(r),
                reason(r)},
               replay_of(run, r));
   }
@@ -132,10 +133,10 @@ Table recorded_table(const Run& run) {
     std::vector<double> errors;
     long right = 0, near = 0, wrong = 0;
     for (const Result* r : answers) {
-      if (std::isfinite(r->z_error)) errors.push_back(r->z_error);
+      if (std::isfinite(r->metrics.z_error)) errors.push_back(r->metrics.z_error);
       right += r->is_right();
-      near += r->verified == "near";
-      wrong += r->verified == "wrong";
+      near += r->metrics.verdict == Verdict::near;
+      wrong += r->metrics.verdict == Verdict::wrong;
     }
     std::ranges::sort(errors);
     const double none = unknown;
@@ -158,32 +159,39 @@ Table recorded_table(const Run& run) {
 
 Table verdict_table(const Run& run) {
   Table table("verdicts", "solver; claimed");
-  std::vector<std::string> columns;
-  for (const char* verdict : {"solved", "near", "wrong", "infeasible, proven", "infeasible, claimed only", "undecided",
-                              "consistent", "rows off", "no answer", "timeout", "crashed", "bad input", "unsupported"})
-    if (std::ranges::find(run.results, verdict, &Result::verified) != run.results.end()) {
+  std::vector<Verdict> columns;
+  for (const Verdict verdict :
+       {Verdict::solved, Verdict::near, Verdict::wrong, Verdict::infeasible_proven, Verdict::infeasible_claimed,
+        Verdict::undecided, Verdict::consistent, Verdict::rows_off, Verdict::no_answer, Verdict::timeout,
+        Verdict::crashed, Verdict::bad_input, Verdict::unsupported})
+    if (std::ranges::any_of(run.results, [verdict](const Result& r) { return r.metrics.verdict == verdict; })) {
       columns.push_back(verdict);
-      table.columns.push_back({verdict, true});
+      table.columns.push_back({std::string(to_string(verdict)), true});
     }
   table.add_columns("#fallback used");
-  std::map<std::pair<std::string, std::string>, std::map<std::string, std::size_t>> counts;
-  std::map<std::pair<std::string, std::string>, std::size_t> fallbacks;
+  struct Count {
+    Result probe = {};  // of this claim
+    std::map<Verdict, std::size_t> runs = {};
+    std::size_t fallbacks = 0;
+  };
+  std::map<std::pair<std::string, std::string>, Count> counts;  // by solver and claim
   for (const Result& r : run.results) {
-    ++counts[{r.solver, r.claimed}][r.verified];
-    fallbacks[{r.solver, r.claimed}] += r.fallback;
+    Count& count = counts[{r.solver, r.claim()}];
+    count.probe.claimed = r.claimed;
+    ++count.runs[r.metrics.verdict];
+    count.fallbacks += r.fallback;
   }
   for (const std::string& solver : names(run))
-    for (auto& [key, row_counts] : counts) {
+    for (auto& [key, count] : counts) {
       if (key.first != solver) continue;
       std::vector<Cell> cells = {solver, key.second};
-      for (const std::string& verdict : columns) {
-        Result probe;
-        probe.claimed = key.second;
-        probe.verified = verdict;
-        const char* tone = verdict == "wrong" && !probe.lies() ? "warn" : tone_of(probe.lies(), probe.is_right());
-        cells.push_back(count_cell(row_counts[verdict], tone));
+      Result& probe = count.probe;
+      for (const Verdict verdict : columns) {
+        probe.metrics.verdict = verdict;
+        const bool flagged = verdict == Verdict::wrong && !probe.lies();
+        cells.push_back(count_cell(count.runs[verdict], flagged ? "warn" : tone_of(probe.lies(), probe.is_right())));
       }
-      cells.push_back(count_cell(fallbacks[key]));
+      cells.push_back(count_cell(count.fallbacks));
       table.add(solver, "", std::move(cells));
     }
   table.explain(
@@ -194,11 +202,11 @@ Table verdict_table(const Run& run) {
 
 Table worst_row_table(const Run& run) {
   Table table("worst-rows", "constraint type; solver; #violation; #of the scale; row; problem; #tolerance; verified");
-  using Worst = std::pair<const WorstRow*, const Result*>;
+  using Worst = std::pair<const Result::WorstRow*, const Result*>;
   std::map<std::pair<std::string, std::string>, Worst> worst;
   for (const Result& r : run.results) {
     if (!r.claims_solved()) continue;
-    for (const WorstRow& row : r.worst_by_type) {
+    for (const Result::WorstRow& row : r.worst_by_type) {
       if (!std::isfinite(row.relative) || row.relative <= 0) continue;
       Worst& found = worst.try_emplace({row.type, r.solver}, &row, &r).first->second;
       if (row.relative > found.first->relative) found = {&row, &r};
@@ -212,8 +220,8 @@ Table worst_row_table(const Run& run) {
     table.add(r.solver, r.family,
               {row->type, r.solver,
                Cell(scientific(row->violation) + (row->unit.empty() ? "" : " " + row->unit), row->violation),
-               number_cell(row->relative), row->row, r.problem, number_cell(r.tolerance, 0),
-               Cell(r.verified, unknown, tone_of(r.lies(), false))},
+               number_cell(row->relative), row->name, r.problem, number_cell(r.tolerance, 0),
+               Cell(r.verdict(), unknown, tone_of(r.lies(), false))},
               replay_of(run, r));
   }
   table.explain(
@@ -234,8 +242,8 @@ Table range_gap_table(const Run& run) {
   for (const auto& [key, kept] : tightest.items) {
     const Result& r = *kept;
     table.add(r.solver, r.family,
-              {r.problem, whole_cell(r.m), knob_cell(r.knob_value), number_cell(r.range_gap), error_cell(r), r.claimed,
-               Cell(r.verified, unknown, tone_of(r.lies(), r.verified == "solved"))},
+              {r.problem, whole_cell(r.m), knob_cell(r.knob_value), number_cell(r.range_gap), error_cell(r), r.claim(),
+               Cell(r.verdict(), unknown, tone_of(r.lies(), r.metrics.verdict == Verdict::solved))},
               replay_of(run, r));
   }
   table.explain(

@@ -57,10 +57,10 @@ Table law_table(const Run& run) {
       UnderLaw& u = rows[{family, r->law, r->solver}];
       ++u.problems;
       u.right += r->is_right();
-      u.consistent += r->verified == "consistent";
+      u.consistent += r->metrics.verdict == Verdict::consistent;
       u.lies += r->lies();
-      const double off = r->law == "coulomb" ? r->z_error : r->coulomb_error;
-      if (std::isfinite(r->z_error)) u.error.push_back(r->z_error);
+      const double off = r->law == "coulomb" ? r->metrics.z_error : r->coulomb_error;
+      if (std::isfinite(r->metrics.z_error)) u.error.push_back(r->metrics.z_error);
       if (std::isfinite(off)) u.distance.push_back(off);
       if (std::isfinite(r->solve_s)) u.time.push_back(r->solve_s);
     }

@@ -38,10 +38,10 @@ std::map<Size, std::map<std::string, SpeedTimes>> by_size(const Run& run) {
     t.unsupported += r.is_blank();
     t.lies += r.lies();
     t.right += r.is_right();
-    if (!r.is_right()) t.verdict = r.verified;
-    if (std::isfinite(r.error())) t.error.push_back(r.error()), t.bound = t.bound || !std::isfinite(r.z_error);
+    if (!r.is_right()) t.verdict = r.verdict();
+    if (std::isfinite(r.error())) t.error.push_back(r.error()), t.bound = t.bound || !std::isfinite(r.metrics.z_error);
     if (r.repetitions == 0 || r.is_blank()) continue;
-    t.stopped = t.stopped || r.claimed == "time limit";
+    t.stopped = t.stopped || r.claimed == Status::time_limit;
     t.solve_s.push_back(r.solve_s);
     t.kernels.push_back(r.solve_s / r.kernel_s);
     t.allocations.push_back(r.allocations);

@@ -32,27 +32,28 @@ bool is_stability_family(const std::string& family) {
 
 std::string sweep_state(const Result& r) {
   if (r.is_blank()) return "";
-  const bool infeasible_right = r.verified == "infeasible, proven";
-  if (infeasible_right || (r.z_error <= broken && r.feasible != std::optional(false))) return "right";
+  const bool infeasible_right = r.metrics.verdict == Verdict::infeasible_proven;
+  if (infeasible_right || (r.metrics.z_error <= broken && r.feasible != std::optional(false))) return "right";
   if (r.lies()) return "lies";
-  const bool answer = std::isfinite(r.z_error);
+  const bool answer = std::isfinite(r.metrics.z_error);
   if (answer && r.claims_solved()) return "lies";  // wrong by more than 1e-6 and says solved, at the tightest tolerance
   if (!answer && r.is_open()) return "undecided";
-  if (r.verified == "infeasible, claimed only" && r.feasible == std::optional(false)) return "undecided";
-  if (!answer && (r.verified == "solved" || r.verified == "near")) return r.z_bound <= broken ? "right" : "undecided";
+  if (r.metrics.verdict == Verdict::infeasible_claimed && r.feasible == std::optional(false)) return "undecided";
+  if (!answer && (r.metrics.verdict == Verdict::solved || r.metrics.verdict == Verdict::near))
+    return r.metrics.z_bound <= broken ? "right" : "undecided";
   return "fails";
 }
 
 std::string sweep_mark(const Result& r) {
   const std::string state = sweep_state(r);
   if (state.empty() || state == "lies") return "";
-  if (r.verified == "crashed") return "c";
-  if (r.verified == "timeout") return "t";
-  if (state == "fails") return r.claimed == "solved, ill-conditioned" ? "w" : "\u00d7";
+  if (r.metrics.verdict == Verdict::crashed) return "c";
+  if (r.metrics.verdict == Verdict::timeout) return "t";
+  if (state == "fails") return r.claimed == Status::solved_ill_conditioned ? "w" : "\u00d7";
   if (state == "undecided") return "?";
-  const bool warned = r.claimed == "solved, ill-conditioned";
+  const bool warned = r.claimed == Status::solved_ill_conditioned;
   if (warned || r.fallback) return warned && r.fallback ? "wf" : warned ? "w" : "f";
-  return std::isfinite(r.z_error) ? "" : "\u2713";
+  return std::isfinite(r.metrics.z_error) ? "" : "\u2713";
 }
 
 std::vector<BreakPoint> break_points(const std::vector<Result>& results, const std::vector<std::string>& solvers) {

@@ -17,11 +17,11 @@ constexpr int alone_of_kind = 20;          // of a large run, marks of one famil
 }  // namespace
 
 std::string drawn_as(const Result& r) {
-  if (r.is_blank() || r.verified == "infeasible, proven") return "";
+  if (r.is_blank() || r.metrics.verdict == Verdict::infeasible_proven) return "";
   if (r.lies()) return "wrong";
-  if (r.verified == "solved") return std::isfinite(r.error()) ? "ok" : "";
-  if (std::isfinite(r.z_error)) return "missed";
-  if (r.is_open() || r.verified == "near") return "undecided";
+  if (r.metrics.verdict == Verdict::solved) return std::isfinite(r.error()) ? "ok" : "";
+  if (std::isfinite(r.metrics.z_error)) return "missed";
+  if (r.is_open() || r.metrics.verdict == Verdict::near) return "undecided";
   return "failed";
 }
 
@@ -79,7 +79,7 @@ std::vector<DrawnRun> work_precision_points(const Run& run) {
     if (undrawn(r) || (drawn == "ok" && !lone.contains(&r) && (!all || problems[r.family].size() == 1))) continue;
     if (run.is_large() && ++alone[{r.family, r.solver, drawn}] > alone_of_kind) continue;
     const double time = std::isfinite(r.solve_s) && r.solve_s > 0 ? r.solve_s : slowest[r.family];
-    const double error = std::isfinite(r.error()) ? r.error() : r.self_bound;
+    const double error = std::isfinite(r.error()) ? r.error() : r.metrics.friction.self_bound;
     points.push_back({lone.contains(&r) ? "lone" : "run", &r, error, time, r.solve_s_q1, r.solve_s_q3, r.prepare_s,
                       static_cast<double>(r.iterations), "one run"});
   }

@@ -61,25 +61,27 @@ TEST(Accuracy, TakesTheCheapestRunThatReachesTheError) {
 
 TEST(Accuracy, WithoutAReferenceTheUpperBoundStandsIn) {
   Result r = run("p", "s", 1e-8, unknown, 3);
-  r.z_bound = 1e-10;
+  r.metrics.z_bound = 1e-10;
   EXPECT_EQ(reach({r}, 1e-9), 3);
   EXPECT_EQ(reach({r}, 1e-11), infinite);
 }
 
 TEST(Accuracy, LiesNeverCount) {
-  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "solved", "wrong")}, 1e-3), infinite);
-  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, "iteration limit", "wrong")}, 1e-3), 1);
+  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, Status::solved, Verdict::wrong)}, 1e-3), infinite);
+  EXPECT_EQ(reach({run("p", "s", 1e-14, 1e-4, 1, Status::iteration_limit, Verdict::wrong)}, 1e-3), 1);
 }
 
 TEST(Accuracy, PartsAreOfTheProblemsThatASolverReads) {
-  const auto of = [](const std::string& problem, const std::string& solver, double seconds,
-                     const std::string& verified) {
-    return run(problem, solver, 1e-9, verified == "solved" ? 1e-12 : unknown, seconds, verified, verified);
+  const auto of = [](const std::string& problem, const std::string& solver, double seconds, Verdict verdict) {
+    const bool solved = verdict == Verdict::solved;
+    return run(problem, solver, 1e-9, solved ? 1e-12 : unknown, seconds, solved ? Status::solved : Status::unsupported,
+               verdict);
   };
   report::Run all;
   all.problem_class = "QP";
-  all.results = {of("p", "every", 1, "solved"), of("q", "every", 1, "solved"),   of("r", "every", 1, "solved"),
-                 of("p", "some", 3, "solved"),  of("q", "some", 2, "no answer"), of("r", "some", 9, "unsupported")};
+  all.results = {of("p", "every", 1, Verdict::solved),   of("q", "every", 1, Verdict::solved),
+                 of("r", "every", 1, Verdict::solved),   of("p", "some", 3, Verdict::solved),
+                 of("q", "some", 2, Verdict::no_answer), of("r", "some", 9, Verdict::unsupported)};
   const auto table = accuracy_matched(all.results, "f", 1e-9);
   ASSERT_EQ(table.size(), 2u);
   EXPECT_EQ(table[1].reached, 1);
@@ -91,8 +93,8 @@ TEST(Accuracy, PartsAreOfTheProblemsThatASolverReads) {
 }
 
 TEST(Accuracy, OnlyAProofCountsOnAnInfeasibleProblem) {
-  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, proven")}, 1e-9), 2);
-  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, "infeasible", "infeasible, claimed only")}, 1e-9), infinite);
+  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, Status::infeasible, Verdict::infeasible_proven)}, 1e-9), 2);
+  EXPECT_EQ(reach({run("p", "s", 1e-6, unknown, 2, Status::infeasible, Verdict::infeasible_claimed)}, 1e-9), infinite);
 }
 
 TEST(Accuracy, RanksBySolvedProblemsThenByTimeWithRatiosOnCommonProblems) {
@@ -164,8 +166,8 @@ TEST(Profile, AFailureCostsTheMeanTenTimesTheSlowestSuccess) {
   EXPECT_EQ(natural_shift({{1.9e-5, infinite}, {3.3e-5, 2.4e-5}}), 2e-5);
 }
 
-Result sweep_run(double knob, double error, const std::string& claimed, const std::string& verified) {
-  Result r = run("mr " + std::to_string(knob), "s", 1e-10, error, 1, claimed, verified);
+Result sweep_run(double knob, double error, Status claimed, Verdict verdict) {
+  Result r = run("mr " + std::to_string(knob), "s", 1e-10, error, 1, claimed, verdict);
   r.family = "MR";
   r.knob = "ratio";
   r.knob_value = knob;
@@ -173,9 +175,10 @@ Result sweep_run(double knob, double error, const std::string& claimed, const st
 }
 
 TEST(Sweeps, FirstFailureAndFirstLieInFileOrder) {
-  const std::vector<Result> results = {
-      sweep_run(1, 1e-15, "solved", "solved"), sweep_run(16, 1e-5, "iteration limit", "wrong"),
-      sweep_run(256, unknown, "solved", "undecided"), sweep_run(4096, 1e-2, "solved", "wrong")};
+  const std::vector<Result> results = {sweep_run(1, 1e-15, Status::solved, Verdict::solved),
+                                       sweep_run(16, 1e-5, Status::iteration_limit, Verdict::wrong),
+                                       sweep_run(256, unknown, Status::solved, Verdict::undecided),
+                                       sweep_run(4096, 1e-2, Status::solved, Verdict::wrong)};
   const auto points = break_points(results, {"s"});
   ASSERT_EQ(points.size(), 1u);
   ASSERT_NE(points[0].fails, nullptr);
@@ -187,34 +190,35 @@ TEST(Sweeps, FirstFailureAndFirstLieInFileOrder) {
 }
 
 TEST(Sweeps, TheTightestToleranceSpeaksForASolver) {
-  std::vector<Result> results = {sweep_run(1, 1e-3, "solved", "solved"), sweep_run(1, 1e-12, "solved", "solved")};
+  std::vector<Result> results = {sweep_run(1, 1e-3, Status::solved, Verdict::solved),
+                                 sweep_run(1, 1e-12, Status::solved, Verdict::solved)};
   results[0].tolerance = 1e-2;
   EXPECT_EQ(break_points(results, {"s"})[0].fails, nullptr);
 }
 
 TEST(Sweeps, MarksOfASingleRun) {
-  const auto mark = [](double error, const char* claimed, const char* verified, bool fallback = false) {
-    Result r = sweep_run(1, error, claimed, verified);
+  const auto mark = [](double error, Status claimed, Verdict verdict, bool fallback = false) {
+    Result r = sweep_run(1, error, claimed, verdict);
     r.fallback = fallback;
     return sweep_mark(r);
   };
-  EXPECT_EQ(mark(1e-15, "solved", "solved"), "");
-  EXPECT_EQ(mark(1e-15, "solved", "solved", true), "f");
-  EXPECT_EQ(mark(1e-15, "solved, ill-conditioned", "solved"), "w");
-  EXPECT_EQ(mark(1e-15, "solved, ill-conditioned", "solved", true), "wf");
-  EXPECT_EQ(mark(1e-2, "solved, ill-conditioned", "wrong"), "w");
-  EXPECT_EQ(mark(unknown, "time limit", "timeout"), "t");
-  EXPECT_EQ(mark(unknown, "crashed", "crashed"), "c");
-  EXPECT_EQ(mark(1e-2, "iteration limit", "wrong"), "\u00d7");
-  EXPECT_EQ(mark(1e-2, "solved", "wrong"), "") << "a lie has a mark of its own";
+  EXPECT_EQ(mark(1e-15, Status::solved, Verdict::solved), "");
+  EXPECT_EQ(mark(1e-15, Status::solved, Verdict::solved, true), "f");
+  EXPECT_EQ(mark(1e-15, Status::solved_ill_conditioned, Verdict::solved), "w");
+  EXPECT_EQ(mark(1e-15, Status::solved_ill_conditioned, Verdict::solved, true), "wf");
+  EXPECT_EQ(mark(1e-2, Status::solved_ill_conditioned, Verdict::wrong), "w");
+  EXPECT_EQ(mark(unknown, Status::time_limit, Verdict::timeout), "t");
+  EXPECT_EQ(mark(unknown, Status::crashed, Verdict::crashed), "c");
+  EXPECT_EQ(mark(1e-2, Status::iteration_limit, Verdict::wrong), "\u00d7");
+  EXPECT_EQ(mark(1e-2, Status::solved, Verdict::wrong), "") << "a lie has a mark of its own";
 }
 
 TEST(Sweeps, StatesOfASingleRun) {
-  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "infeasible, proven")), "right");
-  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "infeasible", "wrong")), "lies");
-  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "unsupported", "unsupported")), "");
-  EXPECT_EQ(sweep_state(sweep_run(1, unknown, "time limit", "timeout")), "fails");
-  EXPECT_EQ(sweep_state(sweep_run(1, 1e-4, "solved, ill-conditioned", "wrong")), "fails");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, Status::infeasible, Verdict::infeasible_proven)), "right");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, Status::infeasible, Verdict::wrong)), "lies");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, Status::unsupported, Verdict::unsupported)), "");
+  EXPECT_EQ(sweep_state(sweep_run(1, unknown, Status::time_limit, Verdict::timeout)), "fails");
+  EXPECT_EQ(sweep_state(sweep_run(1, 1e-4, Status::solved_ill_conditioned, Verdict::wrong)), "fails");
 }
 
 TEST(Sweeps, ExponentOverTheUpperHalfOfTheSizes) {

@@ -29,7 +29,7 @@ TEST(Results, ReadsNullAsUnknownAndBuildsTheReplayCommand) {
   const fs::path dir = folder(line + "\n");
   const report::Run run = read_run(dir);
   ASSERT_EQ(run.results.size(), 1u);
-  EXPECT_TRUE(std::isnan(run.results[0].z_error));
+  EXPECT_TRUE(std::isnan(run.results[0].metrics.z_error));
   EXPECT_EQ(run.results[0].solve_s, 2e-5);
   EXPECT_EQ(run.results[0].replay,
             "./zwang solve " + (dir / "problems/0.h5").generic_string() + " --solver nnls --tolerance 1e-8");
@@ -41,11 +41,13 @@ TEST(Results, AnAnswerCountsForTheSolverThatGaveItOnce) {
   const auto by = [](const char* problem, const char* solver, const char* handed_to, const char* time,
                      const char* verified = "solved") {
     return std::string(R"({"problem":")") + problem + R"(","solver":")" + solver + R"(","handed_to":")" + handed_to +
-           R"(","tolerance":1e-8,"claimed":"solved","verified":")" + verified + R"(","z_error":0,"solve_s":)" + time + "}\n";
+           R"(","tolerance":1e-8,"claimed":"solved","verified":")" + verified + R"(","z_error":0,"solve_s":)" + time +
+           "}\n";
   };
-  const report::Run run = read_run(folder(by("p", "cone", "dual_active_set", "1") + by("p", "dual_active_set", "", "2") +
-                                          by("q", "cone", "newton", "3") + by("q", "fixed_point", "newton", "4") +
-                                          by("r", "cone", "", "5") + by("p", "nsgs", "dual_active_set", "6", "wrong")));
+  const report::Run run =
+      read_run(folder(by("p", "cone", "dual_active_set", "1") + by("p", "dual_active_set", "", "2") +
+                      by("q", "cone", "newton", "3") + by("q", "fixed_point", "newton", "4") +
+                      by("r", "cone", "", "5") + by("p", "nsgs", "dual_active_set", "6", "wrong")));
   ASSERT_EQ(run.results.size(), 4u);
   EXPECT_EQ(run.results[0].solver, "dual_active_set");
   EXPECT_EQ(run.results[0].solve_s, 2);  // its own run
@@ -99,11 +101,11 @@ TEST(Results, SaysWhichFileIsMissing) {
 }
 
 TEST(Results, ALieIsAFalseClaimAndNothingElse) {
-  EXPECT_TRUE((Result{.claimed = "solved", .verified = "wrong"}.lies()));
-  EXPECT_TRUE((Result{.claimed = "infeasible", .verified = "wrong"}.lies()));
-  EXPECT_FALSE((Result{.claimed = "solved, ill-conditioned", .verified = "wrong"}.lies()));
-  EXPECT_FALSE((Result{.claimed = "iteration limit", .verified = "wrong"}.lies()));
-  EXPECT_FALSE((Result{.claimed = "solved", .verified = "undecided"}.lies()));
+  EXPECT_TRUE((Result{.claimed = Status::solved, .metrics = {.verdict = Verdict::wrong}}.lies()));
+  EXPECT_TRUE((Result{.claimed = Status::infeasible, .metrics = {.verdict = Verdict::wrong}}.lies()));
+  EXPECT_FALSE((Result{.claimed = Status::solved_ill_conditioned, .metrics = {.verdict = Verdict::wrong}}.lies()));
+  EXPECT_FALSE((Result{.claimed = Status::iteration_limit, .metrics = {.verdict = Verdict::wrong}}.lies()));
+  EXPECT_FALSE((Result{.claimed = Status::solved, .metrics = {.verdict = Verdict::undecided}}.lies()));
 }
 
 TEST(Results, QuotesWhatAShellWouldRead) {

@@ -14,8 +14,9 @@ Result timed(const std::string& family, double size, const std::string& solver, 
   r.knob = "contacts";
   r.knob_value = size;
   r.solver = solver;
-  r.claimed = r.verified = "solved";
-  r.z_error = 2e-16;
+  r.claimed = Status::solved;
+  r.metrics.verdict = Verdict::solved;
+  r.metrics.z_error = 2e-16;
   r.solve_s = solve_s;
   r.kernel_s = 50e-6;
   r.allocations = 0;
@@ -61,8 +62,8 @@ TEST(SpeedTables, TimesStandAgainstTheKernelAndAgainstOurs) {
 TEST(SpeedTables, AStoppedSolverGivesALowerBoundAgainstNewtonWhereOursIsNotRun) {
   report::Run run;
   run.results = {timed("wall", 1000, "newton", 1e-2), timed("wall", 1000, "ipopt", 20)};
-  run.results[1].claimed = "time limit";
-  run.results[1].verified = "timeout";
+  run.results[1].claimed = Status::time_limit;
+  run.results[1].metrics.verdict = Verdict::timeout;
   const Row peer = row_of(speed_table(run), "ipopt", "1000 contacts");
   EXPECT_EQ(peer.cells[3].text.substr(0, 2), "> ");
   EXPECT_EQ(peer.cells[5].text.substr(0, 2), "> ");

@@ -64,9 +64,10 @@ TEST(Tables, PhenomenaSayPassOrByHowMuch) {
 
 TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
   report::Run all;
-  all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),
-                 run("p", "s", 1e-10, 1e-2, 1, "solved", "wrong"), run("p", "s", 1e-12, 1e-1, 1, "solved", "wrong"),
-                 run("p", "s", 1e-2, 1e-1, 1, "iteration limit", "wrong")};
+  all.results = {run("p", "s", 1e-8, 1e-3, 1, Status::solved_ill_conditioned, Verdict::wrong),
+                 run("p", "s", 1e-10, 1e-2, 1, Status::solved, Verdict::wrong),
+                 run("p", "s", 1e-12, 1e-1, 1, Status::solved, Verdict::wrong),
+                 run("p", "s", 1e-2, 1e-1, 1, Status::iteration_limit, Verdict::wrong)};
   for (Result& r : all.results) r.replay = scientific(r.tolerance, 0);
   const Table table = claims_table(all);
   ASSERT_EQ(table.rows.size(), 2u);
@@ -79,10 +80,11 @@ TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
 TEST(Tables, FalseClaimsAreCountedBySolver) {
   report::Run all;
   all.solvers = {{.name = "honest"}, {.name = "s"}, {.name = "t"}};
-  all.results = {run("p", "s", 1e-8, 1e-3, 1, "solved, ill-conditioned", "wrong"),
-                 run("p", "s", 1e-10, 1e-2, 1, "solved", "wrong"), run("p", "t", 1e-12, 1e-3, 1, "solved", "wrong"),
-                 run("q", "t", 1e-12, 1e-1, 1, "solved", "wrong"),
-                 run("q", "honest", 1e-2, 1e-1, 1, "iteration limit", "wrong")};
+  all.results = {run("p", "s", 1e-8, 1e-3, 1, Status::solved_ill_conditioned, Verdict::wrong),
+                 run("p", "s", 1e-10, 1e-2, 1, Status::solved, Verdict::wrong),
+                 run("p", "t", 1e-12, 1e-3, 1, Status::solved, Verdict::wrong),
+                 run("q", "t", 1e-12, 1e-1, 1, Status::solved, Verdict::wrong),
+                 run("q", "honest", 1e-2, 1e-1, 1, Status::iteration_limit, Verdict::wrong)};
   const Table table = claim_counts_table(all);
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[0].solver, "t");
@@ -154,7 +156,8 @@ report::Run under_three_laws() {
       const bool reads = is_qp || solver == std::string("cone_solver");
       Result& r = all.results.emplace_back(run(std::string("p under ") + law, solver, 1e-10, reads ? 1e-14 : unknown,
                                                solver == std::string("cone_solver") ? 1 : 1e-3,
-                                               reads ? "solved" : "unsupported", reads ? "solved" : "unsupported"));
+                                               reads ? Status::solved : Status::unsupported,
+                                               reads ? Verdict::solved : Verdict::unsupported));
       r.law = law;
       all.traces.push_back({.problem = r.problem, .solver = solver});
     }
@@ -195,27 +198,27 @@ TEST(Classes, ARunOfOneClassHasNoNameForIt) {
 
 TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
   report::Run all;
-  all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, "iteration limit", "wrong")};
+  all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, Status::iteration_limit, Verdict::wrong)};
   all.solvers = {{.name = "s"}};
   EXPECT_NE(chart_rows(all).find("1e+300"), std::string::npos);
 }
 
 TEST(Charts, HowARunIsDrawn) {
   EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-9, 1)), "ok");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "solved", "wrong")), "wrong");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, "iteration limit", "wrong")), "missed");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "solved", "undecided")), "undecided");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "time limit", "timeout")), "failed");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "unsupported", "unsupported")), "");
-  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, "infeasible", "infeasible, proven")), "");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, Status::solved, Verdict::wrong)), "wrong");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, 1e-3, 1, Status::iteration_limit, Verdict::wrong)), "missed");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, Status::solved, Verdict::undecided)), "undecided");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, Status::time_limit, Verdict::timeout)), "failed");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, Status::unsupported, Verdict::unsupported)), "");
+  EXPECT_EQ(drawn_as(run("p", "s", 1e-8, unknown, 1, Status::infeasible, Verdict::infeasible_proven)), "");
 }
 
 TEST(Tables, RecordedAnswersCountByVerdictAndTheirErrorsAreThoseThatWereMeasured) {
   report::Run all;
-  all.recorded = {run("a", "recorded:somebody", 1e-10, 1e-3, unknown, "unsolved", "wrong"),
-                  run("b", "recorded:somebody", 1e-10, 1e-16, unknown, "unsolved", "solved"),
-                  run("c", "recorded:somebody", 1e-10, unknown, unknown, "unsolved", "undecided")};
-  all.recorded[2].z_bound = 1e308;
+  all.recorded = {run("a", "recorded:somebody", 1e-10, 1e-3, unknown, Status::unsolved, Verdict::wrong),
+                  run("b", "recorded:somebody", 1e-10, 1e-16, unknown, Status::unsolved, Verdict::solved),
+                  run("c", "recorded:somebody", 1e-10, unknown, unknown, Status::unsolved, Verdict::undecided)};
+  all.recorded[2].metrics.z_bound = 1e308;
   const Table table = recorded_table(all);
   ASSERT_EQ(table.rows.size(), 1u);
   std::vector<double> values;

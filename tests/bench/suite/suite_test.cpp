@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include <zwang/bench/report/report.h>
 #include <zwang/bench/results/seal.h>
@@ -12,6 +14,7 @@
 #include <zwang/bench/suite/run_record.h>
 #include <zwang/bench/timing/instruction_set.h>
 #include "tests/bench/suite/test_solvers.h"
+#include "tests/folders.h"
 
 namespace zwang {
 namespace {
@@ -60,6 +63,53 @@ std::vector<Json> lines_of(const fs::path& file) {
   return all;
 }
 
+// The columns of results.jsonl; those alone that depend on the clock or the machine.
+std::vector<std::string> columns(bool of_clock) {
+  std::vector<std::string> keys;
+  const Result any;
+  Result::columns(any, [&](const std::string& key, const auto&, Column column = {}) {
+    if (!of_clock || column.of_clock) keys.push_back(key);
+  });
+  return keys;
+}
+const std::set<std::string> of_friction = {"penetration", "cone_violation", "dissipation", "eta",      "self_bound",
+                                           "radius",      "delta",          "null_motion", "isolated", "coulomb_error"};
+
+std::vector<std::string> sorted(std::vector<std::string> words) {
+  std::ranges::sort(words);
+  return words;
+}
+
+// `a`, `b` -> a | b.
+std::vector<std::string> quoted_in(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; (at = text.find('`', at)) != std::string::npos; ++at) {
+    const std::size_t end = text.find('`', at + 1);
+    words.push_back(text.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  return words;
+}
+
+TEST(Docs, NameEachColumnOfResults) {
+  std::ifstream file(source_dir() / "docs/formats.md");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  text = text.substr(text.find("### results.jsonl"));
+  std::vector<std::string> named;
+  std::istringstream rows(text.substr(0, text.find("\n### ", 1)));
+  for (std::string row; std::getline(rows, row);)
+    if (row.starts_with("| `"))
+      for (const std::string& key : quoted_in(row.substr(0, row.find('|', 1)))) named.push_back(key);
+  std::vector<std::string> written = columns(false);
+  written.push_back("check");
+  EXPECT_EQ(sorted(named), sorted(written));
+
+  const std::size_t list = text.find("These columns depend on the clock");
+  std::vector<std::string> of_clock = columns(true);
+  of_clock.push_back("check");
+  EXPECT_EQ(sorted(quoted_in(text.substr(list, text.find("All others", list) - list))), sorted(of_clock));
+}
+
 TEST(Suite, WritesEveryKeyOfTheContract) {
   const Folder folder("keys");
   const Outcome outcome = run_suite(plan("all_active,lies,aborts"), in(folder.path), tests::never);
@@ -70,64 +120,10 @@ TEST(Suite, WritesEveryKeyOfTheContract) {
   EXPECT_EQ(outcome.tally.failed, 6u);
   const auto lines = lines_of(folder.path / "results.jsonl");
   ASSERT_EQ(lines.size(), 18u);
-  const std::vector<std::string> keys = {"problem",
-                                         "family",
-                                         "knob",
-                                         "knob_value",
-                                         "n",
-                                         "m",
-                                         "equalities",
-                                         "seed",
-                                         "problem_sha256",
-                                         "problem_file",
-                                         "law",
-                                         "solver",
-                                         "foreign",
-                                         "tolerance",
-                                         "claimed",
-                                         "verified",
-                                         "z_error",
-                                         "z_bound",
-                                         "bound_method",
-                                         "bound_sigma_min",
-                                         "primal",
-                                         "dual",
-                                         "stationarity",
-                                         "complementarity",
-                                         "gap",
-                                         "natural",
-                                         "scale",
-                                         "farkas",
-                                         "setup_s",
-                                         "solve_s",
-                                         "solve_s_q1",
-                                         "solve_s_q3",
-                                         "prepare_s",
-                                         "kernel_s",
-                                         "allocations",
-                                         "repetitions",
-                                         "iterations",
-                                         "reference",
-                                         "reference_bound",
-                                         "feasible",
-                                         "worst_row",
-                                         "worst_by_type",
-                                         "rank",
-                                         "smallest_pivot",
-                                         "largest_rejected_pivot",
-                                         "redundant",
-                                         "conflicting",
-                                         "fallback",
-                                         "handed_to",
-                                         "range_gap",
-                                         "message",
-                                         "batch",
-                                         "machine",
-                                         "cell",
-                                         "check"};
   for (const Json& line : lines) {
-    for (const std::string& key : keys) EXPECT_TRUE(line.contains(key)) << key;
-    EXPECT_EQ(line.size(), keys.size());
+    for (const std::string& key : columns(false)) EXPECT_EQ(line.contains(key), !of_friction.contains(key)) << key;
+    EXPECT_EQ(line.items().begin().key(), "problem");
+    EXPECT_EQ(line.size(), columns(false).size() - of_friction.size() + 1);  // and the check
     EXPECT_TRUE(fs::exists(folder.path / line.at("problem_file").get<std::string>()));
     if (line["solver"] == "all_active") {
       EXPECT_LE(line["z_error"].get<double>(), 1e-14);
@@ -413,6 +409,30 @@ TEST(Result, WritesNumbersThatJsonCannotHold) {
   EXPECT_TRUE(line["z_error"].is_null());
   EXPECT_EQ(line["farkas"], std::numeric_limits<double>::max());
   EXPECT_EQ(line["knob_value"], std::numeric_limits<double>::lowest());
+}
+
+TEST(Result, IsReadBackAsItWasWritten) {
+  Result r;
+  r.problem = "p \"1\"";
+  r.seed = std::numeric_limits<std::uint64_t>::max();
+  r.law = "coulomb";
+  r.feasible = true;
+  r.solver = "cone";
+  r.tolerance = 1e-10;
+  r.claimed = Status::solved_ill_conditioned;
+  r.metrics.verdict = Verdict::rows_off;
+  r.metrics.z_bound = 0.1;
+  r.metrics.friction.isolated = true;
+  r.worst_by_type = {{{"contact", 0x1p-40, Metrics::unknown, 3}, "contact 3", "m/s^2"}};
+  r.conflicting = {"a", "b"};
+  r.margins.rank = 2;
+  r.machine = "a CPU";
+  r.cell = "0123";
+  for (const std::string& line : {to_json(r), to_json(Result{.solver = "nnls"})}) {
+    Result back;
+    EXPECT_TRUE(read_json(line, back));
+    EXPECT_EQ(to_json(back), line);
+  }
 }
 
 TEST(Result, CountsALineThatIsNoneAsDamaged) {
