@@ -19,7 +19,6 @@ constexpr double told_factor = 1000;
 constexpr double rounding = 1e-13;  // relative errors below are equal
 constexpr double drifts = 2;        // factor by which an error moves before it counts
 
-bool is_right(Verdict v) { return v == Verdict::solved || v == Verdict::infeasible_proven; }
 bool is_wrong(const Result& r) { return r.metrics.verdict == Verdict::wrong; }
 
 double error(const Result& r) {

@@ -80,24 +80,13 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
 std::string to_junit(const std::vector<Result>& rows) {
   std::vector<XmlCase> cases;
   for (const Result& r : rows) {
-    const std::string verified(to_string(r.metrics.verdict));
     XmlCase& c = cases.emplace_back(XmlCase{.group = r.solver, .name = r.problem});
-    switch (r.metrics.verdict) {
-      case Verdict::solved:
-      case Verdict::infeasible_proven:
-        break;
-      case Verdict::unsupported:
-        c.remark = "skipped";
-        break;
-      case Verdict::undecided:
-      case Verdict::consistent:
-      case Verdict::rows_off:
-      case Verdict::infeasible_claimed:
-        c.remark = verified;
-        break;
-      default:
-        c.failure = "claimed " + std::string(to_string(r.claimed)) + ", verified " + verified;
-    }
+    if (r.metrics.verdict == Verdict::unsupported)
+      c.remark = "skipped";
+    else if (r.is_open() || r.metrics.verdict == Verdict::infeasible_claimed)
+      c.remark = r.verdict();
+    else if (!r.is_right())
+      c.failure = "claimed " + r.claim() + ", verified " + r.verdict();
   }
   return junit(cases);
 }

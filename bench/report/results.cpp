@@ -17,27 +17,10 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-// What is there of this type; else NaN, 0, "" or false.
-template <class T>
-T get(const json& line, const char* key) {
-  const json value = line.contains(key) ? line[key] : json();
-  if constexpr (std::is_same_v<T, std::string>)
-    return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
-  else if constexpr (std::is_same_v<T, double>)
-    return value.is_number() ? value.get<double>() : unknown;
-  else if constexpr (std::is_same_v<T, long>)
-    return value.is_number() ? static_cast<long>(value.get<double>()) : 0;
-  else
-    return value.is_boolean() && value.get<bool>();
-}
-
-void read(const json&) {}
-
-// Key, member, key, member, ...
-template <class Member, class... Rest>
-void read(const json& line, const char* key, Member& into, Rest&&... rest) {
-  into = get<Member>(line, key);
-  read(line, rest...);
+// "" for null and for what is not there.
+std::string text_at(const json& line, const char* key) {
+  const json value = line.value(key, json());
+  return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 // What the report needs beside the columns.
@@ -107,20 +90,21 @@ void read_conditions(const json& about, Run& run) {
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) run.conditions.emplace_back(name, value);
   };
-  const auto add_text = [&](const char* name, const char* key) { add(name, get<std::string>(about, key)); };
-  bool dirty;
-  read(about, "suite", run.suite, "title", run.title, "commit", run.commit, "dirty", dirty);
+  const auto add_text = [&](const char* name, const char* key) { add(name, text_at(about, key)); };
+  run.suite = text_at(about, "suite");
+  run.title = text_at(about, "title");
+  run.commit = text_at(about, "commit");
   std::vector<std::string> tolerances;
   for (const json& item : about.value("tolerances", json::array()))
     tolerances.push_back(item.is_number() ? scientific(item, 0) : item.dump());
   add_text("zwang", "zwang");
-  add("commit", run.commit + (dirty && !run.commit.empty() ? " with uncommitted changes" : ""));
+  add("commit", run.commit + (about.value("dirty", false) && !run.commit.empty() ? " with uncommitted changes" : ""));
   add("suite", run.title.empty() || run.title == run.suite + " suite" ? run.suite : "own scenes");
   add_text("command", "command");
   add_text("started", "started");
   const bool goes_on = about.contains("finished") && about["finished"].is_null();
-  add("finished", goes_on ? "not finished" : get<std::string>(about, "finished"));
-  if (const auto planned = static_cast<std::size_t>(get<long>(about, "runs")); goes_on && planned > run.results.size())
+  add("finished", goes_on ? "not finished" : text_at(about, "finished"));
+  if (const auto planned = about.value("runs", std::size_t{0}); goes_on && planned > run.results.size())
     run.torn += std::string(run.torn.empty() ? "" : " ") + "Not finished: " + grouped(run.results.size()) + " of " +
                 grouped(planned) + " runs so far.";
   add_text("seed", "seed");
@@ -130,12 +114,15 @@ void read_conditions(const json& about, Run& run) {
   add_text("CPU", "cpu");
   add_text("cores", "cores");
   const json libraries = about.value("libraries", json::object());
-  for (const auto& [name, version] : libraries.items()) add(name, get<std::string>(libraries, name.c_str()));
-  if (about.value("answers", false)) run.judged_by = get<std::string>(about, "command");
+  for (const auto& [name, version] : libraries.items()) add(name, text_at(libraries, name.c_str()));
+  if (about.value("answers", false)) run.judged_by = text_at(about, "command");
   for (const json& note : about.value("notes", json::array())) run.notes.push_back(note.get<std::string>());
   for (const json& line : about.value("solvers", json::array())) {
-    SolverInfo& s = run.solvers.emplace_back();
-    read(line, "name", s.name, "method", s.method, "limits", s.limits, "foreign", s.foreign, "exact", s.exact);
+    run.solvers.push_back({.name = text_at(line, "name"),
+                           .method = text_at(line, "method"),
+                           .limits = text_at(line, "limits"),
+                           .foreign = line.value("foreign", false),
+                           .exact = line.value("exact", false)});
   }
 }
 

@@ -72,28 +72,14 @@ void Tally::count(const Result& result) {
     ++recorded;
     return;
   }
-  const auto part = [&]() -> std::size_t& {
-    switch (result.metrics.verdict) {
-      case Verdict::solved:
-      case Verdict::infeasible_proven:
-        return solved;
-      case Verdict::near:
-        return near;
-      case Verdict::wrong:
-        return wrong;
-      case Verdict::undecided:
-      case Verdict::consistent:
-      case Verdict::rows_off:
-      case Verdict::infeasible_claimed:
-        return undecided;
-      case Verdict::unsupported:
-        return unsupported;
-      default:
-        return failed;
-    }
-  };
+  const Verdict verdict = result.metrics.verdict;
   ++runs;
-  ++part();
+  ++(result.is_right()                                            ? solved
+     : verdict == Verdict::near                                   ? near
+     : verdict == Verdict::wrong                                  ? wrong
+     : result.is_open() || verdict == Verdict::infeasible_claimed ? undecided
+     : verdict == Verdict::unsupported                            ? unsupported
+                                                                  : failed);
   lies += result.lies();
 }
 

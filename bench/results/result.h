@@ -14,6 +14,8 @@
 
 namespace zwang {
 
+inline bool is_right(Verdict v) { return v == Verdict::solved || v == Verdict::infeasible_proven; }
+
 // One line of results.jsonl: what one solver made of one problem at one tolerance.
 struct Result {
   // the problem
@@ -75,7 +77,7 @@ struct Result {
   bool claims_solved() const { return claimed == Status::solved; }
   // Claims an answer (or that there is none) that the referee refutes.
   bool lies() const { return (claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong; }
-  bool is_right() const { return metrics.verdict == Verdict::solved || metrics.verdict == Verdict::infeasible_proven; }
+  bool is_right() const { return zwang::is_right(metrics.verdict); }
   // Proven neither right nor wrong.
   bool is_open() const {
     return metrics.verdict == Verdict::undecided || metrics.verdict == Verdict::consistent ||
