@@ -212,7 +212,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
 
   // results -> report
   try {
-    for (const report::Run& part : report::by_class(report::read_run(directory)))
+    for (const report::RunFolder& part : report::by_class(report::read_run(directory)))
       if (const std::string line = report::accuracy_headline(part); !line.empty()) std::printf("%s\n", line.c_str());
     std::printf("Report: %s\n", report::write_report(directory).c_str());
   } catch (const std::runtime_error& broken) {

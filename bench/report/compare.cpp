@@ -14,11 +14,11 @@ namespace {
 
 std::string identity(const Result& r) { return r.problem_sha256.empty() ? r.problem : r.problem_sha256; }
 
-bool holds(const Run& run, const std::string& solver) {
+bool holds(const RunFolder& run, const std::string& solver) {
   return std::ranges::find(run.solvers, solver, &SolverInfo::name) != run.solvers.end();
 }
 
-void append(Run& out, const Run& run, const Run& other, const std::string& mark,
+void append(RunFolder& out, const RunFolder& run, const RunFolder& other, const std::string& mark,
             std::map<std::string, std::string>& name_of) {
   const auto shown = [&other, &mark](const std::string& solver) {
     return holds(other, solver) ? solver + " @" + mark : solver;
@@ -54,7 +54,7 @@ void append(Run& out, const Run& run, const Run& other, const std::string& mark,
 }
 
 // Results of one solver by the identity of their problem.
-std::map<std::string, std::vector<const Result*>> by_problem(const Run& run, const std::string& solver) {
+std::map<std::string, std::vector<const Result*>> by_problem(const RunFolder& run, const std::string& solver) {
   std::map<std::string, std::vector<const Result*>> out;
   for (const Result& r : run.results)
     if (r.solver == solver) out[identity(r)].push_back(&r);
@@ -67,8 +67,8 @@ int lies(const std::vector<const Result*>& runs) {
 
 }  // namespace
 
-Run merged(const Run& a, const Run& b) {
-  Run out;
+RunFolder merged(const RunFolder& a, const RunFolder& b) {
+  RunFolder out;
   std::map<std::string, std::string> name_of;  // problem contents -> the name it first had
   append(out, a, b, "A", name_of);
   append(out, b, a, "B", name_of);
@@ -79,7 +79,7 @@ Run merged(const Run& a, const Run& b) {
   return out;
 }
 
-Table comparison_table(const Run& a, const Run& b) {
+Table comparison_table(const RunFolder& a, const RunFolder& b) {
   constexpr double error = 1e-6;
   Table table("comparison",
               "solver; #problems in both; #reached 1e-6 @A; #reached 1e-6 @B; #time B/A; #lies @A; #lies @B");
@@ -109,7 +109,7 @@ Table comparison_table(const Run& a, const Run& b) {
   }
   table.explain("Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.",
                 "No solver is in both runs.");
-  const auto alone = [&](const Run& run, const Run& other, const char* name) {
+  const auto alone = [&](const RunFolder& run, const RunFolder& other, const char* name) {
     std::vector<std::string> names;
     for (const SolverInfo& s : run.solvers)
       if (!holds(other, s.name)) names.push_back(s.name);

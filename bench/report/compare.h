@@ -5,9 +5,9 @@
 namespace zwang::report {
 
 // One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents one name.
-Run merged(const Run& a, const Run& b);
+RunFolder merged(const RunFolder& a, const RunFolder& b);
 
 // Per solver of both runs, on the problems both hold: what is reached at 1e-6, the time ratio, lies.
-Table comparison_table(const Run& a, const Run& b);
+Table comparison_table(const RunFolder& a, const RunFolder& b);
 
 }  // namespace zwang::report

@@ -53,7 +53,7 @@ fs::path write_report(const fs::path& dir) {
     write(page_file, collision_page(collision_data(collision)));
     return page_file;
   }
-  Run run = read_run(dir);
+  RunFolder run = read_run(dir);
   fs::remove_all(dir / "runs");
   const PageText text = page_text(run);
   const SingleRuns single = run.is_large() ? single_run_scripts(run) : SingleRuns();
@@ -65,8 +65,8 @@ fs::path write_report(const fs::path& dir) {
 }
 
 fs::path write_comparison(const fs::path& run_a, const fs::path& run_b, const fs::path& out) {
-  const Run a = read_run(run_a), b = read_run(run_b);
-  Run both = merged(a, b);
+  const RunFolder a = read_run(run_a), b = read_run(run_b);
+  RunFolder both = merged(a, b);
   PageText text = page_text(both);
   text.title = "zwang: " + a.label + " against " + b.label;
   text.headline.front().insert(0, "Run A is " + a.label + ", run B is " + b.label + ". ");
@@ -80,11 +80,11 @@ std::vector<fs::path> write_figures(const fs::path& dir, const Figures& asked) {
   require_known("chart", asked.charts,
                 {"work-precision", "families", "profile", "data-profile", "convergence-iteration", "convergence-time",
                  "scaling", "speed-ratios", "speed-exponents", "sweep", "range-gap", "stages"});
-  Run run = read_run(dir);
+  RunFolder run = read_run(dir);
   require_known("solver", asked.solvers, solvers_of(run.results));
   require_known("family", asked.families, families_of(run.results));
   const PageText text = page_text(run);
-  const std::vector<Run> classes = by_class(std::move(run));
+  const std::vector<RunFolder> classes = by_class(std::move(run));
   std::vector<fs::path> files;
   const auto write_tables = [&](const std::vector<Table>& tables, const std::string& ending) {
     for (Table table : tables) {
@@ -95,7 +95,7 @@ std::vector<fs::path> write_figures(const fs::path& dir, const Figures& asked) {
     }
   };
   write_tables(text.tables, "");
-  for (const Run& part : classes) write_tables(class_tables(part), class_ending(part.problem_class));
+  for (const RunFolder& part : classes) write_tables(class_tables(part), class_ending(part.problem_class));
   const fs::path figures = dir / "figures", data = figures / "data.json";
   const nlohmann::json print = {{"formats", asked.formats},
                                 {"charts", asked.charts},

@@ -86,7 +86,7 @@ std::size_t count_lines(const fs::path& file) {
   return lines;
 }
 
-void read_conditions(const json& about, Run& run) {
+void read_conditions(const json& about, RunFolder& run) {
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) run.conditions.emplace_back(name, value);
   };
@@ -127,7 +127,7 @@ void read_conditions(const json& about, Run& run) {
 }
 
 // Times of several kinds of machine do not compare: those of the one with most runs stay, the others' become unknown.
-void keep_times_of_one_machine(Run& run) {
+void keep_times_of_one_machine(RunFolder& run) {
   InOrder<std::string, std::size_t> runs;
   for (const Result& r : run.results) ++runs[r.machine];
   if (runs.items.size() < 2) return;
@@ -140,7 +140,7 @@ void keep_times_of_one_machine(Run& run) {
 
 // An answer counts for the solver that gave it, once: where that one was asked, too, its own run stands. A false claim
 // is never left out. A trace that ends in another's answer is nobody's.
-void credit_who_answered(Run& run) {
+void credit_who_answered(RunFolder& run) {
   std::set<std::tuple<std::string, std::string, double, std::string>> answered;
   for (const Result& r : run.results)
     if (r.handed_to.empty()) answered.insert({r.problem, r.law, r.tolerance, r.solver});
@@ -165,8 +165,8 @@ std::vector<std::string> distinct(const std::vector<Result>& results, std::strin
 
 }  // namespace
 
-Run read_run(const fs::path& dir) {
-  Run run;
+RunFolder read_run(const fs::path& dir) {
+  RunFolder run;
   run.dir = dir;
   run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
   const std::size_t lines = count_lines(dir / "results.jsonl");
@@ -179,7 +179,7 @@ Run read_run(const fs::path& dir) {
       run.recorded.push_back(std::move(r));
       return;
     }
-    if (lines <= Run::large) {
+    if (lines <= RunFolder::large) {
       r.replay = replay_command(run.dir, r);
     } else {
       r.problem_sha256 = r.cell = {};
@@ -212,17 +212,17 @@ Run read_run(const fs::path& dir) {
   return run;
 }
 
-std::vector<Run> by_class(Run run) {
+std::vector<RunFolder> by_class(RunFolder run) {
   const auto class_of = [](const Result& r) {
     return r.law == "coulomb" ? "Coulomb" : r.law == "convex" ? "convex cone" : "QP";
   };
   std::map<std::string, std::string> class_of_problem;
   std::set<std::string> present;
   for (const Result& r : run.results) present.insert(class_of_problem[r.problem] = class_of(r));
-  std::vector<Run> classes;
+  std::vector<RunFolder> classes;
   for (const char* name : {"QP", "convex cone", "Coulomb"}) {
     if (!present.contains(name)) continue;
-    Run& part = classes.emplace_back(present.size() > 1 ? run : std::move(run));
+    RunFolder& part = classes.emplace_back(present.size() > 1 ? run : std::move(run));
     if (present.size() > 1) part.problem_class = name;
     const auto of_another = [&](const Result& r) { return class_of(r) != std::string(name); };
     std::erase_if(part.results, of_another);
@@ -246,7 +246,7 @@ std::string replay_command(const fs::path& dir, const Result& result) {
          " --tolerance " + scientific(result.tolerance, 0);
 }
 
-std::string replay_of(const Run& run, const Result& result) {
+std::string replay_of(const RunFolder& run, const Result& result) {
   if (!run.judged_by.empty()) return run.judged_by;
   return result.replay.empty() ? replay_command(run.dir, result) : result.replay;
 }

@@ -20,7 +20,8 @@ struct SolverInfo {
   bool second = false;     // of the second of two runs
 };
 
-struct Run {
+// What the folder of a run holds.
+struct RunFolder {
   std::filesystem::path dir;
   std::string problem_class;         // of by_class(), where there are several: "QP", "convex cone" or "Coulomb"
   std::string label;                 // names the run where two are compared
@@ -50,12 +51,12 @@ struct Run {
 // Reads DIR/results.jsonl, and run.json, traces.jsonl, speed.jsonl and conformance.jsonl of DIR where they exist. A
 // torn last line (a killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line
 // and reason in one line.
-Run read_run(const std::filesystem::path& dir);
+RunFolder read_run(const std::filesystem::path& dir);
 
 // The run's problems by class, those without any left out: QP (frictionless, or pyramids of friction), convex cone,
 // Coulomb. Classes are never averaged: few solvers read all of them, and they cost differently. A solver is in the
 // classes of which it reads a problem.
-std::vector<Run> by_class(Run run);
+std::vector<RunFolder> by_class(RunFolder run);
 
 // Everything the charts group by, in the order of appearance.
 std::vector<std::string> families_of(const std::vector<Result>& results);
@@ -63,6 +64,6 @@ std::vector<std::string> solvers_of(const std::vector<Result>& results);
 
 // `./zwang solve DIR/problems/0007.h5 --solver nnls --tolerance 1e-8`; read_run puts it into Result::replay.
 std::string replay_command(const std::filesystem::path& dir, const Result& result);
-std::string replay_of(const Run& run, const Result& result);
+std::string replay_of(const RunFolder& run, const Result& result);
 
 }  // namespace zwang::report

@@ -43,7 +43,7 @@ json chart(const std::string& fields, const json& rows) {
 }
 
 // An answer that came with a problem has an error and no time: one row a problem, and the median of each family.
-void add_recorded(const Run& run, json& rows) {
+void add_recorded(const RunFolder& run, json& rows) {
   InOrder<std::pair<std::string, std::string>, std::vector<const Result*>> families;
   const auto add = [&rows](const char* level, const Result& r, double error, const std::string& verified,
                            const std::string& of) {
@@ -64,7 +64,7 @@ void add_recorded(const Run& run, json& rows) {
   }
 }
 
-json work_precision(const Run& run) {
+json work_precision(const RunFolder& run) {
   json rows = json::array();
   for (const DrawnRun& d : work_precision_points(run)) {
     const Result& r = *d.run;
@@ -86,7 +86,7 @@ Curve thinned(const Curve& curve) {
   return out;
 }
 
-json profiles(const Run& run) {
+json profiles(const RunFolder& run) {
   const auto solvers = names(run);
   const auto groups = group_by_problem(run.results, solvers);
   std::vector<std::string> families = families_of(run.results);
@@ -123,7 +123,7 @@ json profiles(const Run& run) {
   return chart("kind family level solver at share reads", rows);
 }
 
-json sweep_states(const Run& run) {
+json sweep_states(const RunFolder& run) {
   json rows = json::array();
   const auto solvers = names(run);
   std::map<std::string, int> position;  // problems in file order, benign to hard
@@ -145,7 +145,7 @@ json sweep_states(const Run& run) {
   return chart("family problem knob value position solver state error claimed verified replay mark file", rows);
 }
 
-json scaling_points(const Run& run, bool fits) {
+json scaling_points(const RunFolder& run, bool fits) {
   json rows = json::array();
   for (const Scaling& family : scaling(run.results, names(run), 1e-6)) {
     if (fits)
@@ -165,7 +165,7 @@ json scaling_points(const Run& run, bool fits) {
   return chart("family axis solver problem size time n m replay", rows);
 }
 
-json convergence(const Run& run) {
+json convergence(const RunFolder& run) {
   json rows = json::array();
   InOrder<std::pair<std::string, std::string>, std::vector<const TracePoint*>> traces;
   for (const TracePoint& point : run.traces) traces[{point.problem, point.solver}].push_back(&point);
@@ -189,7 +189,7 @@ json convergence(const Run& run) {
   return chart("family problem solver iteration time z_error primal stationarity gap", rows);
 }
 
-json range_gaps(const Run& run) {
+json range_gaps(const RunFolder& run) {
   json rows = json::array();
   std::vector<const Result*> drawn;
   for (const Result& r : run.results)
@@ -201,7 +201,7 @@ json range_gaps(const Run& run) {
   return chart("family problem solver m tolerance gap error claimed verified replay", rows);
 }
 
-json stages(const Run& run) {
+json stages(const RunFolder& run) {
   json rows = json::array();
   for (const StageTimes& t : run.stages) {
     double whole = 0;
@@ -215,7 +215,7 @@ json stages(const Run& run) {
 
 }  // namespace
 
-std::string chart_rows(const Run& run) {
+std::string chart_rows(const RunFolder& run) {
   return json{{"work-precision", work_precision(run)},
               {"profile", profiles(run)},
               {"sweep", sweep_states(run)},

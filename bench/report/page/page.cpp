@@ -26,7 +26,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string handed_over(const Run& run) {
+std::string handed_over(const RunFolder& run) {
   std::vector<std::string> parts;
   for (const auto& [names, problems] : run.handed_over)
     parts.push_back(names.first + " to " + names.second + " on " + counted(problems.size(), "problem"));
@@ -34,7 +34,7 @@ std::string handed_over(const Run& run) {
 }
 
 // What a reader must know to compare fairly, beside the run's own notes.
-std::vector<std::string> notes(const Run& run) {
+std::vector<std::string> notes(const RunFolder& run) {
   const auto any = [&run](const char* part) {
     return std::ranges::any_of(run.solvers, [part](const auto& s) { return s.name.find(part) != std::string::npos; });
   };
@@ -98,7 +98,7 @@ const std::string& style(const SolverInfo& s) { return s.style.empty() ? s.name 
 
 // The solvers that charts show until a reader chooses, best first: those that reach the headline's error on most
 // problems of the class, the fastest of those first; then the others. Both versions of a solver stay together.
-std::vector<std::string> shown_by_default(const Run& run) {
+std::vector<std::string> shown_by_default(const RunFolder& run) {
   std::map<std::string, std::vector<std::string>> versions;  // of a style
   std::map<std::string, std::string> style_of;
   for (const SolverInfo& s : run.solvers) versions[style_of[s.name] = style(s)].push_back(s.name);
@@ -115,7 +115,7 @@ std::vector<std::string> shown_by_default(const Run& run) {
 }
 
 // The section whose picture answers the question of the run's suite.
-std::string opening(const Run& run) {
+std::string opening(const RunFolder& run) {
   if (run.is_of_speed()) return "speed-ratios";
   const auto families = families_of(run.results);
   const bool atlas = !families.empty() && std::ranges::all_of(families, is_stability_family);
@@ -124,7 +124,7 @@ std::string opening(const Run& run) {
 
 }  // namespace
 
-std::vector<std::string> headline(const Run& run) {
+std::vector<std::string> headline(const RunFolder& run) {
   if (run.results.empty()) return {"The run holds no results yet."};
   std::map<Verdict, std::size_t> verdicts;
   std::size_t lies = 0;
@@ -163,7 +163,7 @@ std::vector<std::string> headline(const Run& run) {
   return lines;
 }
 
-PageText page_text(const Run& run) {
+PageText page_text(const RunFolder& run) {
   std::vector<std::string> circumstances;
   for (const auto& [name, value] : run.conditions) {
     if (name == "commit") circumstances.push_back("commit " + value.substr(0, 12));
@@ -175,10 +175,10 @@ PageText page_text(const Run& run) {
   return {title, headline(run), opening(run), joined(circumstances), notes(run), run.solvers, common_tables(run)};
 }
 
-std::string page_data(const PageText& text, const std::vector<Run>& classes, const std::string& single) {
+std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single) {
   std::string parts;
   std::set<std::string> shown_somewhere;
-  for (const Run& part : classes) {
+  for (const RunFolder& part : classes) {
     const std::vector<std::string> shown = shown_by_default(part);
     shown_somewhere.insert(shown.begin(), shown.end());
     const std::string ranking = accuracy_headline(part);

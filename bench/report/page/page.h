@@ -18,13 +18,13 @@ struct PageText {
   std::vector<SolverInfo> solvers;
   std::vector<Table> tables;
 };
-PageText page_text(const Run& run);
+PageText page_text(const RunFolder& run);
 
-std::vector<std::string> headline(const Run& run);
+std::vector<std::string> headline(const RunFolder& run);
 
 // Everything the page and the figures draw, as one JSON object: of by_class(). `single`: the index of
 // single_run_scripts(), or "".
-std::string page_data(const PageText& text, const std::vector<Run>& classes, const std::string& single = "");
+std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single = "");
 
 // The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);

@@ -12,7 +12,7 @@ using nlohmann::json;
 // Consecutive problems share a script, up to this many runs: 1 MB or so, read in a few milliseconds.
 constexpr std::size_t runs_of_script = 5000;
 
-SingleRuns single_run_scripts(const Run& run) {
+SingleRuns single_run_scripts(const RunFolder& run) {
   SingleRuns out;
   InOrder<std::string, std::vector<const Result*>> by_problem;
   for (const Result& r : run.results) by_problem[r.problem].push_back(&r);

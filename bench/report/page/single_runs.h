@@ -13,6 +13,6 @@ struct SingleRuns {
   std::vector<std::string> scripts = {};  // runs/0.js, ...: zwang_runs(0, {"problem": [row, ...], ...})
   std::string index = {};                 // JSON: {"family": [["problem", script], ...], ...}
 };
-SingleRuns single_run_scripts(const Run& run);
+SingleRuns single_run_scripts(const RunFolder& run);
 
 }  // namespace zwang::report

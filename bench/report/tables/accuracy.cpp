@@ -95,7 +95,7 @@ std::string headline_family(const std::vector<Result>& results) {
   return best;
 }
 
-std::string accuracy_headline(const Run& run, double error) {
+std::string accuracy_headline(const RunFolder& run, double error) {
   const std::string family = headline_family(run.results);
   std::string on_all, on_some;
   int problems = 0;

@@ -43,7 +43,7 @@ std::string headline_family(const std::vector<Result>& results);
 // "On 3 hands at 1e-9 achieved error: dual_active_set 18 us, nnls 104 us (5.8x); not on all: pgs 90 us (4.1x, 2 of 3)",
 // of the headline family, behind the class's name; "" when no solver reaches it. The leader is the fastest of those
 // that reach it most often; a part is of the problems that the solver reads.
-std::string accuracy_headline(const Run& of_class, double error = headline_error);
+std::string accuracy_headline(const RunFolder& of_class, double error = headline_error);
 
 std::string ratio_text(double ratio);  // "5.8x"
 

@@ -12,7 +12,7 @@
 // What the tables' files share.
 namespace zwang::report {
 
-inline std::vector<std::string> names(const Run& run) {
+inline std::vector<std::string> names(const RunFolder& run) {
   std::vector<std::string> out;
   for (const SolverInfo& s : run.solvers) out.push_back(s.name);
   return out;

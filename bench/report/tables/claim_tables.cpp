@@ -43,7 +43,7 @@ std::string tolerance_range(const std::set<double>& tolerances) {
 
 }  // namespace
 
-Table claim_counts_table(const Run& run) {
+Table claim_counts_table(const RunFolder& run) {
   Table table("claim-counts",
               "solver; #false claims; #of runs; #on problems; #worst error; #flagged but wrong; #infeasible, unproven; "
               "families with false claims");
@@ -83,7 +83,7 @@ Table claim_counts_table(const Run& run) {
   return table;
 }
 
-Table claims_table(const Run& run) {
+Table claims_table(const RunFolder& run) {
   Table table("claims", "solver; problem; tolerances asked; #runs; claimed; verified; #worst error; why");
   struct Group {
     const Result* worst;
@@ -123,7 +123,7 @@ Table claims_table(const Run& run) {
   return table;
 }
 
-Table recorded_table(const Run& run) {
+Table recorded_table(const RunFolder& run) {
   Table table(
       "recorded",
       "family; answer; #problems; #right; #near; #wrong; #undecided; #smallest error; #median error; #largest error");
@@ -157,7 +157,7 @@ Table recorded_table(const Run& run) {
   return table;
 }
 
-Table verdict_table(const Run& run) {
+Table verdict_table(const RunFolder& run) {
   Table table("verdicts", "solver; claimed");
   std::vector<Verdict> columns;
   for (const Verdict verdict :
@@ -200,7 +200,7 @@ Table verdict_table(const Run& run) {
   return table;
 }
 
-Table worst_row_table(const Run& run) {
+Table worst_row_table(const RunFolder& run) {
   Table table("worst-rows", "constraint type; solver; #violation; #of the scale; row; problem; #tolerance; verified");
   using Worst = std::pair<const Result::WorstRow*, const Result*>;
   std::map<std::pair<std::string, std::string>, Worst> worst;
@@ -231,7 +231,7 @@ Table worst_row_table(const Run& run) {
   return table;
 }
 
-Table range_gap_table(const Run& run) {
+Table range_gap_table(const RunFolder& run) {
   Table table("range-gap", "problem; #rows m; #knob; #range gap |J k - c|/|c|; #error; claimed; verified");
   InOrder<std::pair<std::string, std::string>, const Result*> tightest;
   for (const Result& r : run.results) {

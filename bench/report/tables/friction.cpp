@@ -40,7 +40,7 @@ Cell phenomenon_cell(const Phenomenon& p) {
 
 }  // namespace
 
-Table law_table(const Run& run) {
+Table law_table(const RunFolder& run) {
   Table table("laws",
               "family; law; solver; #problems; #right; #consistent; #false claims; #error, its law; #off Coulomb; "
               "#at most; #time");
@@ -82,7 +82,7 @@ Table law_table(const Run& run) {
   return table;
 }
 
-Table conformance_table(const Run& run) {
+Table conformance_table(const RunFolder& run) {
   Table table("conformance", "solver; law; #pass");
   InOrder<std::string, std::vector<const Phenomenon*>> by_solver;
   for (const Phenomenon& p : run.phenomena) {
@@ -110,7 +110,7 @@ Table conformance_table(const Run& run) {
   return table;
 }
 
-Table phenomenon_table(const Run& run) {
+Table phenomenon_table(const RunFolder& run) {
   Table table("phenomena", "phenomenon; exact answer");
   for (const Phenomenon& p : run.phenomena)
     if (p.solver == run.phenomena.front().solver) table.add("", "", {p.check, p.expected});

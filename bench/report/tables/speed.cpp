@@ -30,7 +30,7 @@ struct SpeedTimes {
   double time() const { return median(solve_s); }
 };
 
-std::map<Size, std::map<std::string, SpeedTimes>> by_size(const Run& run) {
+std::map<Size, std::map<std::string, SpeedTimes>> by_size(const RunFolder& run) {
   std::map<Size, std::map<std::string, SpeedTimes>> sizes;
   for (const Result& r : run.results) {
     SpeedTimes& t = sizes[{r.family, r.knob, std::isnan(r.knob_value) ? 0 : r.knob_value}][r.solver];
@@ -63,7 +63,7 @@ Cell at_least(bool stopped, double value, const std::string& text) {
 
 }  // namespace
 
-Table speed_table(const Run& run) {
+Table speed_table(const RunFolder& run) {
   Table table("speed", "family; size; solver; #time; #kernels; #x ours; #worst z_error; verified; #allocations");
   table.note =
       "Whole solves from M, z_u, J, c at tolerance 1e-10, cold; medians of interleaved repetitions, and over the "
@@ -98,7 +98,7 @@ Table speed_table(const Run& run) {
   return table;
 }
 
-Table speed_exponent_table(const Run& run) {
+Table speed_exponent_table(const RunFolder& run) {
   Table table("speed-exponents", "family; solver; sizes; #exponent p; #2 s.e.");
   const auto sizes = by_size(run);
   // Walls begin at 100 boxes: below, set-up dominates.
@@ -124,7 +124,7 @@ Table speed_exponent_table(const Run& run) {
   return table;
 }
 
-Table sequence_table(const Run& run) {
+Table sequence_table(const RunFolder& run) {
   Table table("sequences",
               "sequence; solver; #frames; #cold; #warm; #cold / warm; steps cold, warm; #worst z_error; #right; "
               "#allocations");
@@ -145,7 +145,7 @@ Table sequence_table(const Run& run) {
   return table;
 }
 
-Table assembly_table(const Run& run) {
+Table assembly_table(const RunFolder& run) {
   Table table("assembly", "scene; #contacts; #rows m; #assembly; #kernels; #islands; #allocations");
   for (const AssemblyTimes& a : run.assembly)
     table.add(

@@ -20,7 +20,7 @@ std::string knob_text(double value) {
   return printed("%.6g", value);
 }
 
-Table break_point_table(const Run& run) {
+Table break_point_table(const RunFolder& run) {
   Table table("break-points", "solver");
   std::vector<std::string> families;
   std::map<std::string, std::map<std::string, BreakPoint>> found;
@@ -54,7 +54,7 @@ Table break_point_table(const Run& run) {
   return table;
 }
 
-Table reference_table(const Run& run) {
+Table reference_table(const RunFolder& run) {
   Table table("references", "family; #problems; reference; #infeasible");
   for (const std::string& family : families_of(run.results)) {
     std::map<std::string, std::set<std::string>> by_reference;
@@ -75,7 +75,7 @@ Table reference_table(const Run& run) {
   return table;
 }
 
-Table solver_table(const Run& run) {
+Table solver_table(const RunFolder& run) {
   Table table("solvers", "solver; method; limits; runs in");
   for (const SolverInfo& s : run.solvers)
     table.add(s.name, "", {s.name, s.method, s.limits, s.foreign ? "a child process" : "this process"});
@@ -83,14 +83,14 @@ Table solver_table(const Run& run) {
   return table;
 }
 
-Table conditions_table(const Run& run) {
+Table conditions_table(const RunFolder& run) {
   Table table("conditions", "condition; value");
   for (const auto& [name, value] : run.conditions) table.add("", "", {name, value});
   table.explain("", "The run has no run.json: its circumstances are unknown.");
   return table;
 }
 
-std::vector<Table> common_tables(const Run& run) {
+std::vector<Table> common_tables(const RunFolder& run) {
   std::vector<Table> tables = {claim_counts_table(run), claims_table(run), verdict_table(run),   worst_row_table(run),
                                reference_table(run),    solver_table(run), conditions_table(run)};
   if (run.is_of_speed()) tables.push_back(assembly_table(run));
@@ -101,7 +101,7 @@ std::vector<Table> common_tables(const Run& run) {
   return tables;
 }
 
-std::vector<Table> class_tables(const Run& run) {
+std::vector<Table> class_tables(const RunFolder& run) {
   std::vector<Table> tables = {accuracy_table(run), means_table(run), break_point_table(run), exponent_table(run),
                                range_gap_table(run)};
   if (run.is_of_speed())

@@ -45,31 +45,32 @@ struct Table {
   void explain(const char* with_rows, const char* without) { note = rows.empty() ? without : with_rows; }
 };
 
-Table claim_counts_table(const Run& run);  // false claims, counted by solver
-Table claims_table(const Run& run);        // every claim the referee rejects, false ones first
-Table accuracy_table(const Run& run);      // time at equal achieved error, per family and over all ("all")
-Table means_table(const Run& run);         // shifted geometric means, two shifts
-Table break_point_table(const Run& run);   // first failure / first false claim of each solver on each stability family
-Table exponent_table(const Run& run);      // fitted scaling exponents
-Table verdict_table(const Run& run);       // counts of claimed against verified, per solver
-Table worst_row_table(const Run& run);     // worst violated row per constraint type, among claims of success
-Table range_gap_table(const Run& run);     // |J k - c| / |c| against the error, where a solver reports it
-Table reference_table(const Run& run);     // where the true answers come from, per family
-Table solver_table(const Run& run);        // method and limits
-Table conditions_table(const Run& run);    // commit, compiler, CPU, libraries, seed
+Table claim_counts_table(const RunFolder& run);  // false claims, counted by solver
+Table claims_table(const RunFolder& run);        // every claim the referee rejects, false ones first
+Table accuracy_table(const RunFolder& run);      // time at equal achieved error, per family and over all ("all")
+Table means_table(const RunFolder& run);         // shifted geometric means, two shifts
+Table break_point_table(
+    const RunFolder& run);  // first failure / first false claim of each solver on each stability family
+Table exponent_table(const RunFolder& run);    // fitted scaling exponents
+Table verdict_table(const RunFolder& run);     // counts of claimed against verified, per solver
+Table worst_row_table(const RunFolder& run);   // worst violated row per constraint type, among claims of success
+Table range_gap_table(const RunFolder& run);   // |J k - c| / |c| against the error, where a solver reports it
+Table reference_table(const RunFolder& run);   // where the true answers come from, per family
+Table solver_table(const RunFolder& run);      // method and limits
+Table conditions_table(const RunFolder& run);  // commit, compiler, CPU, libraries, seed
 // Of the speed suite:
-Table speed_table(const Run& run);           // time, kernels, ratios, error and verdict per size and solver
-Table speed_exponent_table(const Run& run);  // time against the number of hands and of boxes
-Table assembly_table(const Run& run);
+Table speed_table(const RunFolder& run);           // time, kernels, ratios, error and verdict per size and solver
+Table speed_exponent_table(const RunFolder& run);  // time against the number of hands and of boxes
+Table assembly_table(const RunFolder& run);
 // Where there are such lines:
-Table law_table(const Run& run);          // one problem under several laws of friction
-Table conformance_table(const Run& run);  // which solver shows which phenomenon of friction
-Table phenomenon_table(const Run& run);   // what they are
-Table sequence_table(const Run& run);     // cold and warm over frames
-Table recorded_table(const Run& run);     // answers that came with the problems
+Table law_table(const RunFolder& run);          // one problem under several laws of friction
+Table conformance_table(const RunFolder& run);  // which solver shows which phenomenon of friction
+Table phenomenon_table(const RunFolder& run);   // what they are
+Table sequence_table(const RunFolder& run);     // cold and warm over frames
+Table recorded_table(const RunFolder& run);     // answers that came with the problems
 // The page's tables, some only where there is something to say: those of all problems, and those of one class.
-std::vector<Table> common_tables(const Run& run);
-std::vector<Table> class_tables(const Run& of_class);
+std::vector<Table> common_tables(const RunFolder& run);
+std::vector<Table> class_tables(const RunFolder& of_class);
 
 std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 

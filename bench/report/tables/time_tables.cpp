@@ -13,7 +13,7 @@
 
 namespace zwang::report {
 
-Table accuracy_table(const Run& run) {
+Table accuracy_table(const RunFolder& run) {
   Table table("accuracy", "family; solver");
   for (const double error : error_levels) table.columns.push_back({"at " + scientific(error, 0), true});
   std::vector<std::string> families = families_of(run.results);
@@ -43,7 +43,7 @@ Table accuracy_table(const Run& run) {
   return table;
 }
 
-Table means_table(const Run& run) {
+Table means_table(const RunFolder& run) {
   constexpr double penalty = 10;
   Table table("means", "solver");
   const auto solvers = names(run);
@@ -73,7 +73,7 @@ Table means_table(const Run& run) {
   return table;
 }
 
-Table exponent_table(const Run& run) {
+Table exponent_table(const RunFolder& run) {
   Table table("exponents", "family; solver; size; #from; #to; #exponent p; #2 s.e.");
   for (const Scaling& family : scaling(run.results, names(run), 1e-6))
     for (const ScalingFit& fit : family.fits)

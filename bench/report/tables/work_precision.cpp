@@ -25,7 +25,7 @@ std::string drawn_as(const Result& r) {
   return "failed";
 }
 
-std::vector<DrawnRun> work_precision_points(const Run& run) {
+std::vector<DrawnRun> work_precision_points(const RunFolder& run) {
   std::vector<DrawnRun> points;
   std::map<std::string, std::set<std::string>> problems;  // by family
   std::map<std::string, double> slowest;

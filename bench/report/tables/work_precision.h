@@ -19,6 +19,6 @@ struct DrawnRun {
   double error, time_s, q1_s, q3_s, prepare_s, iterations;
   std::string of;  // "median of 9 solved of 10"
 };
-std::vector<DrawnRun> work_precision_points(const Run& run);
+std::vector<DrawnRun> work_precision_points(const RunFolder& run);
 
 }  // namespace zwang::report

@@ -77,7 +77,7 @@ TEST(Accuracy, PartsAreOfTheProblemsThatASolverReads) {
     return run(problem, solver, 1e-9, solved ? 1e-12 : unknown, seconds, solved ? Status::solved : Status::unsupported,
                verdict);
   };
-  report::Run all;
+  RunFolder all;
   all.problem_class = "QP";
   all.results = {of("p", "every", 1, Verdict::solved),   of("q", "every", 1, Verdict::solved),
                  of("r", "every", 1, Verdict::solved),   of("p", "some", 3, Verdict::solved),
@@ -112,7 +112,7 @@ TEST(Accuracy, RanksBySolvedProblemsThenByTimeWithRatiosOnCommonProblems) {
   EXPECT_EQ(table[2].reached, 1);
   EXPECT_EQ(table[2].problems, 2);
   EXPECT_NEAR(table[2].ratio, 0.5, 1e-12);
-  report::Run all;
+  RunFolder all;
   all.results = results;
   EXPECT_EQ(
       accuracy_headline(all, 1e-9),

@@ -27,7 +27,7 @@ const std::string line =
 
 TEST(Results, ReadsNullAsUnknownAndBuildsTheReplayCommand) {
   const fs::path dir = folder(line + "\n");
-  const report::Run run = read_run(dir);
+  const RunFolder run = read_run(dir);
   ASSERT_EQ(run.results.size(), 1u);
   EXPECT_TRUE(std::isnan(run.results[0].metrics.z_error));
   EXPECT_EQ(run.results[0].solve_s, 2e-5);
@@ -44,10 +44,9 @@ TEST(Results, AnAnswerCountsForTheSolverThatGaveItOnce) {
            R"(","tolerance":1e-8,"claimed":"solved","verified":")" + verified + R"(","z_error":0,"solve_s":)" + time +
            "}\n";
   };
-  const report::Run run =
-      read_run(folder(by("p", "cone", "dual_active_set", "1") + by("p", "dual_active_set", "", "2") +
-                      by("q", "cone", "newton", "3") + by("q", "fixed_point", "newton", "4") +
-                      by("r", "cone", "", "5") + by("p", "nsgs", "dual_active_set", "6", "wrong")));
+  const RunFolder run = read_run(folder(by("p", "cone", "dual_active_set", "1") + by("p", "dual_active_set", "", "2") +
+                                        by("q", "cone", "newton", "3") + by("q", "fixed_point", "newton", "4") +
+                                        by("r", "cone", "", "5") + by("p", "nsgs", "dual_active_set", "6", "wrong")));
   ASSERT_EQ(run.results.size(), 4u);
   EXPECT_EQ(run.results[0].solver, "dual_active_set");
   EXPECT_EQ(run.results[0].solve_s, 2);  // its own run
@@ -63,7 +62,7 @@ TEST(Results, AnAnswerCountsForTheSolverThatGaveItOnce) {
 }
 
 TEST(Results, LeavesOutATornLastLineAndSaysSo) {
-  const report::Run run = read_run(folder(line + "\n" + line.substr(0, 40)));
+  const RunFolder run = read_run(folder(line + "\n" + line.substr(0, 40)));
   EXPECT_EQ(run.results.size(), 1u);
   EXPECT_NE(run.torn.find("results.jsonl"), std::string::npos);
 }

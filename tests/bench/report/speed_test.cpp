@@ -25,8 +25,8 @@ Result timed(const std::string& family, double size, const std::string& solver, 
   return r;
 }
 
-Run speed_run() {
-  Run run;
+RunFolder speed_run() {
+  RunFolder run;
   run.solvers = {{.name = "dual_active_set"}, {.name = "ipopt"}};
   for (const double size : {4.0, 16.0, 64.0})
     for (const auto& [solver, time] : {std::pair("dual_active_set", 1e-6 * size), {"ipopt", 1e-3 * size * size}}) {
@@ -60,7 +60,7 @@ TEST(SpeedTables, TimesStandAgainstTheKernelAndAgainstOurs) {
 }
 
 TEST(SpeedTables, AStoppedSolverGivesALowerBoundAgainstNewtonWhereOursIsNotRun) {
-  report::Run run;
+  RunFolder run;
   run.results = {timed("wall", 1000, "newton", 1e-2), timed("wall", 1000, "ipopt", 20)};
   run.results[1].claimed = Status::time_limit;
   run.results[1].metrics.verdict = Verdict::timeout;

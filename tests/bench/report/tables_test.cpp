@@ -18,7 +18,7 @@ namespace {
 
 // A right answer to a simpler law is right, and how far it is from Coulomb's stands beside it.
 TEST(Tables, LawsStandSideBySide) {
-  report::Run all;
+  RunFolder all;
   for (const char* law : {"pyramid", "convex", "coulomb"}) {
     Result r = run("a", law == std::string("pyramid") ? "newton" : "cone", 1e-10, 1e-14, 1e-3);
     r.law = law;
@@ -40,11 +40,11 @@ TEST(Tables, LawsStandSideBySide) {
     EXPECT_EQ(row.cells[4].text, "1 of 1");
     EXPECT_EQ(row.cells[8].value, row.cells[1].text == "coulomb" ? 1e-14 : 0.25);
   }
-  EXPECT_TRUE(law_table(report::Run()).rows.empty());
+  EXPECT_TRUE(law_table(RunFolder()).rows.empty());
 }
 
 TEST(Tables, PhenomenaSayPassOrByHowMuch) {
-  report::Run all;
+  RunFolder all;
   all.phenomena = {{"cone", "coulomb", "ROD", "one of three", 0, true, true},
                    {"cone", "coulomb", "belt", "carried", 0.375, false, true},
                    {"pgs", "pyramid", "ROD", "one of three", unknown, false, true},
@@ -63,7 +63,7 @@ TEST(Tables, PhenomenaSayPassOrByHowMuch) {
 }
 
 TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
-  report::Run all;
+  RunFolder all;
   all.results = {run("p", "s", 1e-8, 1e-3, 1, Status::solved_ill_conditioned, Verdict::wrong),
                  run("p", "s", 1e-10, 1e-2, 1, Status::solved, Verdict::wrong),
                  run("p", "s", 1e-12, 1e-1, 1, Status::solved, Verdict::wrong),
@@ -78,7 +78,7 @@ TEST(Tables, LiesStandFirstWithTheCommandThatReplaysTheWorst) {
 }
 
 TEST(Tables, FalseClaimsAreCountedBySolver) {
-  report::Run all;
+  RunFolder all;
   all.solvers = {{.name = "honest"}, {.name = "s"}, {.name = "t"}};
   all.results = {run("p", "s", 1e-8, 1e-3, 1, Status::solved_ill_conditioned, Verdict::wrong),
                  run("p", "s", 1e-10, 1e-2, 1, Status::solved, Verdict::wrong),
@@ -111,14 +111,14 @@ TEST(Tables, PowersOfTwoFarFromOne) {
 }
 
 TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
-  report::Run a, b;
+  RunFolder a, b;
   a.results = {run("p", "s", 1e-8, 1e-9, 4), run("q", "s", 1e-8, 1e-9, 1)};
   b.results = {run("p renamed", "s", 1e-8, 1e-9, 1), run("r", "s", 1e-8, 1e-9, 1),
                run("p renamed", "new", 1e-8, 1e-9, 2)};
   a.results[0].problem_sha256 = b.results[0].problem_sha256 = b.results[2].problem_sha256 = "same";
   a.solvers = {{.name = "s"}, {.name = "gone"}};
   b.solvers = {{.name = "s"}, {.name = "new"}};
-  const report::Run both = merged(a, b);
+  const RunFolder both = merged(a, b);
   ASSERT_EQ(both.solvers.size(), 4u);
   EXPECT_EQ(both.solvers[0].name, "s @A");
   EXPECT_EQ(both.solvers[1].name, "s @B");
@@ -133,7 +133,7 @@ TEST(Compare, TwoVersionsOfASolverSideBySideOnTheSameProblems) {
 }
 
 TEST(Headline, SaysWhoseAnswersAndTimesTheyAre) {
-  report::Run all;
+  RunFolder all;
   all.results.assign(1200, run("p", "cone", 1e-8, 1e-9, 1));
   for (std::size_t k = 0; k < 1200; ++k) all.results[k].problem = std::to_string(k % 600);
   all.handed_over[{"cone", "dual_active_set"}] = {"p0", "p1"};
@@ -147,8 +147,8 @@ TEST(Headline, SaysWhoseAnswersAndTimesTheyAre) {
 }
 
 // One family under three laws, in which a solver of one class is a thousand times as fast as those of another.
-report::Run under_three_laws() {
-  report::Run all;
+RunFolder under_three_laws() {
+  RunFolder all;
   all.solvers = {{.name = "qp_solver"}, {.name = "cone_solver"}};
   for (const char* law : {"frictionless", "pyramid", "convex", "coulomb"})
     for (const char* solver : {"qp_solver", "cone_solver"}) {
@@ -165,7 +165,7 @@ report::Run under_three_laws() {
 }
 
 TEST(Classes, AreNeverAveraged) {
-  const std::vector<report::Run> classes = by_class(under_three_laws());
+  const std::vector<RunFolder> classes = by_class(under_three_laws());
   ASSERT_EQ(classes.size(), 3u);
   EXPECT_EQ(classes[0].problem_class, "QP");
   EXPECT_EQ(classes[1].problem_class, "convex cone");
@@ -181,23 +181,23 @@ TEST(Classes, AreNeverAveraged) {
   EXPECT_EQ(means.rows[0].cells[1].text, "2 of 2");
   EXPECT_NEAR(means.rows[0].cells[2].value, 1e-3, 1e-12);
   EXPECT_EQ(means_table(classes[1]).rows[0].cells[1].text, "1 of 1");
-  for (const report::Run& part : classes)
+  for (const RunFolder& part : classes)
     for (const Table& table : class_tables(part))
       for (const Row& row : table.rows) EXPECT_NE(row.cells[0].text, part.problem_class == "QP" ? "" : "qp_solver");
 }
 
 TEST(Classes, ARunOfOneClassHasNoNameForIt) {
-  report::Run all = under_three_laws();
+  RunFolder all = under_three_laws();
   std::erase_if(all.results, [](const Result& r) { return r.law == "convex" || r.law == "coulomb"; });
-  const std::vector<report::Run> classes = by_class(all);
+  const std::vector<RunFolder> classes = by_class(all);
   ASSERT_EQ(classes.size(), 1u);
   EXPECT_EQ(classes[0].problem_class, "");
   EXPECT_EQ(classes[0].results.size(), 4u);
-  EXPECT_EQ(by_class(report::Run()).size(), 1u);
+  EXPECT_EQ(by_class(RunFolder()).size(), 1u);
 }
 
 TEST(Charts, ErrorsAtTheEdgeOfDoubleAreStillNumbers) {
-  report::Run all;
+  RunFolder all;
   all.results = {run("p", "s", 1e-8, std::numeric_limits<double>::max(), 1, Status::iteration_limit, Verdict::wrong)};
   all.solvers = {{.name = "s"}};
   EXPECT_NE(chart_rows(all).find("1e+300"), std::string::npos);
@@ -214,7 +214,7 @@ TEST(Charts, HowARunIsDrawn) {
 }
 
 TEST(Tables, RecordedAnswersCountByVerdictAndTheirErrorsAreThoseThatWereMeasured) {
-  report::Run all;
+  RunFolder all;
   all.recorded = {run("a", "recorded:somebody", 1e-10, 1e-3, unknown, Status::unsolved, Verdict::wrong),
                   run("b", "recorded:somebody", 1e-10, 1e-16, unknown, Status::unsolved, Verdict::solved),
                   run("c", "recorded:somebody", 1e-10, unknown, unknown, Status::unsolved, Verdict::undecided)};
@@ -224,7 +224,7 @@ TEST(Tables, RecordedAnswersCountByVerdictAndTheirErrorsAreThoseThatWereMeasured
   std::vector<double> values;
   for (std::size_t k = 2; k < table.columns.size(); ++k) values.push_back(table.rows[0].cells[k].value);
   EXPECT_EQ(values, (std::vector<double>{3, 1, 0, 1, 1, 1e-16, (1e-16 + 1e-3) / 2, 1e-3}));
-  EXPECT_EQ(recorded_table(report::Run()).rows.size(), 0u);
+  EXPECT_EQ(recorded_table(RunFolder()).rows.size(), 0u);
 }
 
 }  // namespace
