@@ -8,7 +8,6 @@
 
 #include <zwang/bench/report/tables/in_order.h>
 #include <zwang/bench/report/wording.h>
-#include <zwang/bench/results/recorded.h>
 #include <zwang/bench/results/seal.h>
 
 namespace zwang::report {
@@ -175,7 +174,7 @@ RunFolder read_run(const fs::path& dir) {
     Result r;
     read_json(line, r);
     complete(r);
-    if (is_recorded(r.solver)) {
+    if (r.is_recorded()) {
       run.recorded.push_back(std::move(r));
       return;
     }

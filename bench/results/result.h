@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <zwang/bench/results/records.h>
@@ -72,6 +73,10 @@ struct Result {
 
   // The error against the reference, or without one the proven upper bound; NaN when there is neither.
   double error() const { return std::isnan(metrics.z_error) ? metrics.z_bound : metrics.z_error; }
+  // An answer that came with its problem, "recorded:mujoco" in place of a solver: it has no time and is no run; its
+  // claim is "unsolved", since nobody solved it here.
+  static constexpr std::string_view recorded = "recorded:";
+  bool is_recorded() const { return solver.starts_with(recorded); }
   std::string claim() const { return std::string(to_string(claimed)); }
   std::string verdict() const { return std::string(to_string(metrics.verdict)); }
   bool claims_solved() const { return claimed == Status::solved; }
@@ -179,7 +184,7 @@ struct SolvedResult {
 Result describe(const Instance& instance);
 void judge(Result& result, const Instance& instance, const Solution& solution);
 
-// The row of an answer that came with the problem (recorded.h): `problem` from describe(), judged like a solver's claim
+// The row of an answer that came with the problem: `problem` from describe(), judged like a solver's claim
 // at this tolerance.
 Result judge_recorded(Result problem, const Instance& instance, const RecordedAnswer& answer, double tolerance);
 
