@@ -181,9 +181,10 @@ RunFolder read_run(const fs::path& dir) {
     if (lines <= RunFolder::large) {
       r.replay = replay_command(run.dir, r);
     } else {
-      r.problem_sha256 = r.cell = {};
+      // A string's room goes only with a move.
+      for (std::string* text : {&r.problem_sha256, &r.cell, &r.metrics.bound_method}) *text = {};
       if (r.is_right()) {
-        r.message = r.worst_row = {};
+        for (std::string* text : {&r.message, &r.worst_row}) *text = {};
         r.worst_by_type = {};
         r.conflicting = {};
       }
@@ -218,21 +219,25 @@ std::vector<RunFolder> by_class(RunFolder run) {
   std::map<std::string, std::string> class_of_problem;
   std::set<std::string> present;
   for (const Result& r : run.results) present.insert(class_of_problem[r.problem] = class_of(r));
+  if (present.empty()) return {std::move(run)};
+  // Moved, not copied: a large run is in the memory once.
+  auto results = std::exchange(run.results, {}), recorded = std::exchange(run.recorded, {});
+  const auto traces = std::exchange(run.traces, {});
+  std::map<std::string, RunFolder> parts;
+  for (const std::string& name : present) parts[name] = run;
+  for (Result& r : results) parts[class_of(r)].results.push_back(std::move(r));
+  for (Result& r : recorded) parts[class_of(r)].recorded.push_back(std::move(r));
+  for (const TracePoint& p : traces) parts[class_of_problem[p.problem]].traces.push_back(p);
   std::vector<RunFolder> classes;
   for (const char* name : {"QP", "convex cone", "Coulomb"}) {
     if (!present.contains(name)) continue;
-    RunFolder& part = classes.emplace_back(present.size() > 1 ? run : std::move(run));
+    RunFolder& part = classes.emplace_back(std::move(parts[name]));
     if (present.size() > 1) part.problem_class = name;
-    const auto of_another = [&](const Result& r) { return class_of(r) != std::string(name); };
-    std::erase_if(part.results, of_another);
-    std::erase_if(part.recorded, of_another);
-    std::erase_if(part.traces, [&](const TracePoint& p) { return class_of_problem[p.problem] != name; });
     std::set<std::string> readers;
     for (const Result& r : part.results)
       if (!r.is_blank()) readers.insert(r.solver);
     std::erase_if(part.solvers, [&](const SolverInfo& s) { return !readers.contains(s.name); });
   }
-  if (classes.empty()) classes.push_back(std::move(run));
   return classes;
 }
 
