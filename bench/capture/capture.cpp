@@ -11,6 +11,7 @@
 #include <zwang/bench/capture/model_file.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -28,7 +29,7 @@ class Model {
 
  private:
   void add_rows(Instance& out) const;
-  void add_contact(Instance& out, const mjContact& contact, int which) const;
+  RowKey name_contact(Instance& out, const mjContact& contact, int which) const;
   Eigen::Matrix<double, 2, Eigen::Dynamic> tangents(const mjContact& contact) const;
   std::string name(int kind, int id) const;
   int dimension(const mjContact& contact) const;
@@ -111,62 +112,55 @@ void Model::add_rows(Instance& out) const {
   const mjModel& m = *model_;
   const mjData& d = *data_;
   Problem& p = out.problem;
-  std::vector<Eigen::Triplet<double>> J;
-  std::vector<double> c, mu;
+  RowWriter rows;
   std::map<std::array<int, 2>, int> seen;     // contacts of one pair of geoms, in MuJoCo's order
   std::map<std::array<int, 2>, int> rows_of;  // equality 0, joint limit 1, tendon limit 2; by its number
   for (int i = 0; i < d.nefc; ++i) {
-    for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e)
-      if (d.efc_J[e] != 0) J.emplace_back(static_cast<int>(c.size()), d.efc_J_colind[e], d.efc_J[e]);
-    c.push_back(d.efc_aref[i]);
-    mu.push_back(0);
     const int id = d.efc_id[i];
-    p.kind.push_back(d.efc_type[i] == mjCNSTR_EQUALITY ? RowKind::equality : RowKind::inequality);
+    RowKey key;
+    const mjContact* slides = nullptr;
     if (d.efc_type[i] == mjCNSTR_EQUALITY) {
       const int row = rows_of[{0, id}]++;
       out.origin.push_back({.type = "equality", .label = name(mjOBJ_EQUALITY, id), .row = row});
-      p.key.push_back({mix_bits(1), static_cast<std::uint32_t>(64 * id + row)});
+      key = {mix_bits(1), static_cast<std::uint32_t>(64 * id + row)};
     } else if (d.efc_type[i] == mjCNSTR_LIMIT_JOINT || d.efc_type[i] == mjCNSTR_LIMIT_TENDON) {
       const bool joint = d.efc_type[i] == mjCNSTR_LIMIT_JOINT;
       // Both sides of one limit may be near.
       const int side = rows_of[{joint ? 1 : 2, id}]++;
       out.origin.push_back({.type = joint ? "joint limit" : "tendon limit",
                             .label = name(joint ? mjOBJ_JOINT : mjOBJ_TENDON, id) + (side ? ", other side" : "")});
-      p.key.push_back({mix_bits(joint ? 2 : 3), static_cast<std::uint32_t>(2 * id + side)});
+      key = {mix_bits(joint ? 2 : 3), static_cast<std::uint32_t>(2 * id + side)};
     } else {
       const mjContact& contact = d.contact[id];
-      add_contact(out, contact, seen[{contact.geom1, contact.geom2}]++);
-      if (!friction_ || dimension(contact) == 1 || !(contact.friction[0] > 0)) continue;
-      mu.back() = contact.friction[0];
-      const Eigen::Matrix<double, 2, Eigen::Dynamic> T = tangents(contact);
-      for (int slip = 0; slip < 2; ++slip) {
-        for (int j = 0; j < m.nv; ++j)
-          if (T(slip, j) != 0) J.emplace_back(static_cast<int>(c.size()), j, T(slip, j));
-        c.push_back(-T.row(slip).dot(Eigen::Map<const Vector>(d.qvel, m.nv)) / m.opt.timestep);
-        mu.push_back(0);
-        p.kind.push_back(RowKind::tangent);
-        p.key.push_back({p.key.back().constraint, p.key.back().row + 1});
-        out.origin.push_back(out.origin.back());
-        out.origin.back().row = slip + 1;
-      }
+      key = name_contact(out, contact, seen[{contact.geom1, contact.geom2}]++);
+      if (friction_ && dimension(contact) > 1 && contact.friction[0] > 0) slides = &contact;
+    }
+    rows.add(d.efc_type[i] == mjCNSTR_EQUALITY ? RowKind::equality : RowKind::inequality, key, d.efc_aref[i],
+             slides ? slides->friction[0] : 0);
+    for (int e = d.efc_J_rowadr[i]; e < d.efc_J_rowadr[i] + d.efc_J_rownnz[i]; ++e)
+      if (d.efc_J[e] != 0) rows.entry(d.efc_J_colind[e], d.efc_J[e]);
+    if (!slides) continue;
+    const Eigen::Matrix<double, 2, Eigen::Dynamic> T = tangents(*slides);
+    for (int slip = 0; slip < 2; ++slip) {
+      rows.add(RowKind::tangent, {key.constraint, key.row + static_cast<std::uint32_t>(slip) + 1},
+               -T.row(slip).dot(Eigen::Map<const Vector>(d.qvel, m.nv)) / m.opt.timestep);
+      rows.entries(T.row(slip).transpose());
+      out.origin.push_back(out.origin.back());
+      out.origin.back().row = slip + 1;
     }
   }
-  p.c = Eigen::Map<const Vector>(c.data(), static_cast<Index>(c.size()));
-  p.J.resize(p.c.size(), m.nv);
-  p.J.setFromTriplets(J.begin(), J.end());
-  if (std::ranges::find(p.kind, RowKind::tangent) == p.kind.end()) return;
-  p.mu = Eigen::Map<const Vector>(mu.data(), p.c.size());
-  p.law = Law::coulomb;
+  rows.write(p);
+  if (p.has_tangents()) p.law = Law::coulomb;
 }
 
 // Four keys a contact where there may be tangents, or edges of a pyramid.
-void Model::add_contact(Instance& out, const mjContact& c, int which) const {
+RowKey Model::name_contact(Instance& out, const mjContact& c, int which) const {
   const std::uint64_t pair = (static_cast<std::uint64_t>(c.geom1) << 32) | static_cast<std::uint32_t>(c.geom2);
-  out.problem.key.push_back({mix_bits(pair + 4), static_cast<std::uint32_t>(friction_ ? 4 * which : which)});
   out.origin.push_back({.type = "contact",
                         .label = name(mjOBJ_GEOM, c.geom1) + " on " + name(mjOBJ_GEOM, c.geom2) +
                                  (which ? ", " + std::to_string(which + 1) : ""),
                         .unit = "m/s^2"});
+  return {mix_bits(pair + 4), static_cast<std::uint32_t>(friction_ ? 4 * which : which)};
 }
 
 // The point's velocity on the second body less that on the first, along the two tangents of the frame.

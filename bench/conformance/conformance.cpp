@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -43,26 +44,18 @@ struct Model {
     p.M.resize(n, n);
     for (Index j = 0; j < n; ++j) p.M.insert(j, j) = mass[j];
     p.M.makeCompressed();
-    std::vector<Eigen::Triplet<double>> entries;
-    std::vector<double> c, mu;
+    RowWriter rows;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const ModelContact& contact = contacts[k];
       for (std::size_t t = 0; t < contact.rows.size(); ++t) {
         const Vector& row = contact.rows[t];
-        for (Index j = 0; j < n; ++j)
-          if (row[j] != 0) entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(j), row[j]);
         const double wanted = t == 0 ? -contact.gap / step : t == 1 ? contact.surface : 0;
-        c.push_back((wanted - row.dot(v)) / step);
-        mu.push_back(t == 0 ? contact.mu : 0);
-        p.kind.push_back(t == 0 ? RowKind::inequality : RowKind::tangent);
-        p.key.push_back({k + 1, static_cast<std::uint32_t>(t)});
+        rows.add(t == 0 ? RowKind::inequality : RowKind::tangent, {k + 1, static_cast<std::uint32_t>(t)},
+                 (wanted - row.dot(v)) / step, t == 0 ? contact.mu : 0);
+        rows.entries(row);
       }
     }
-    const auto m = static_cast<Index>(c.size());
-    p.c = Eigen::Map<const Vector>(c.data(), m);
-    p.mu = Eigen::Map<const Vector>(mu.data(), m);
-    p.J.resize(m, n);
-    p.J.setFromTriplets(entries.begin(), entries.end());
+    rows.write(p);
     return p;
   }
 };

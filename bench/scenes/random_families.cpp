@@ -5,6 +5,7 @@
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/known_answer.h>
 #include <zwang/bench/scenes/row_by_row.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 
@@ -123,9 +124,8 @@ Instance random_rows(const Knobs& knobs) {
   p.M.resize(n, n);
   p.M.setFromTriplets(mass.begin(), mass.end());
   p.z_u = Vector::Zero(n);
-  p.c = Vector::Zero(m);
 
-  std::vector<Eigen::Triplet<double>> J;
+  RowWriter J;
   std::vector<std::vector<std::pair<int, double>>> rows;
   for (Index i = 0; i < m; ++i) {
     const bool equality = i < equalities;
@@ -143,16 +143,14 @@ Instance random_rows(const Knobs& knobs) {
         row.emplace_back(column, sign == 1 ? size : -size);
       }
     }
-    for (const auto& [column, value] : row) J.emplace_back(static_cast<int>(i), column, value);
+    J.add(equality ? RowKind::equality : RowKind::inequality, {static_cast<std::uint64_t>(i) + 1, 0}, 0);
+    for (const auto& [column, value] : row) J.entry(column, value);
     rows.push_back(std::move(row));
-    p.kind.push_back(equality ? RowKind::equality : RowKind::inequality);
-    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
     instance.origin.push_back({.type = equality ? "equality" : "contact",
                                .label = std::to_string(i - first) + (redundant ? " (a sum)" : ""),
                                .unit = equality ? "" : "m/s^2"});
   }
-  p.J.resize(m, n);
-  p.J.setFromTriplets(J.begin(), J.end());
+  J.write(p);
   return with_known_answer(std::move(instance), static_cast<std::uint64_t>(knobs.at("seed")), knobs.at("active"));
 }
 

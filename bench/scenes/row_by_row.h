@@ -7,6 +7,7 @@
 
 #include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/constraints/contact.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 
@@ -41,12 +42,8 @@ class RowByRow {
 
   // Rows are keyed 1, 2, 3, ... unless `key` says otherwise.
   void add(RowKind kind, const Vector& row, double c, const std::string& origin, std::uint64_t key = 0) {
-    const int i = static_cast<int>(c_.size());
-    for (Index j = 0; j < row.size(); ++j)
-      if (row[j] != 0) entries_.emplace_back(i, static_cast<int>(j), row[j]);
-    c_.push_back(c);
-    instance_.problem.kind.push_back(kind);
-    instance_.problem.key.push_back({key > 0 ? key : static_cast<std::uint64_t>(i) + 1, 0});
+    rows_.add(kind, {key > 0 ? key : static_cast<std::uint64_t>(rows_.rows()) + 1, 0}, c);
+    rows_.entries(row);
     RowOrigin& written = instance_.origin.emplace_back(parse_row_origin(origin));
     if (written.type == "contact" || written.type == "ball_joint") written.unit = "m/s^2";
   }
@@ -63,7 +60,7 @@ class RowByRow {
     const Mat3 frame = contact_frame(normal / length);
     for (int k = 1; k <= 2; ++k) {
       const Vector row = row_of(Vec3(length * frame.col(k)));
-      SlipRow& slip = slips_.emplace_back(SlipRow{.contact = static_cast<Index>(c_.size()) - 1});
+      SlipRow& slip = slips_.emplace_back(SlipRow{.contact = rows_.rows() - 1});
       for (Index j = 0; j < row.size(); ++j)
         if (row[j] != 0) slip.entries.emplace_back(static_cast<int>(j), row[j]);
     }
@@ -78,9 +75,7 @@ class RowByRow {
 
   Instance finish() {
     Problem& p = instance_.problem;
-    p.c = Eigen::Map<const Vector>(c_.data(), static_cast<Index>(c_.size()));
-    p.J.resize(p.c.size(), p.z_u.size());
-    p.J.setFromTriplets(entries_.begin(), entries_.end());
+    rows_.write(p);
     p.M.makeCompressed();
     return slips_.empty() ? std::move(instance_) : with_friction(instance_, mu_, slips_);
   }
@@ -91,8 +86,7 @@ class RowByRow {
 
  private:
   Instance instance_ = {};
-  std::vector<Eigen::Triplet<double>> entries_ = {};
-  std::vector<double> c_ = {};
+  RowWriter rows_ = {};
   double mu_;
   std::vector<SlipRow> slips_ = {};
 };

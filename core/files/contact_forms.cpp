@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <zwang/core/problem/disjoint_sets.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -23,41 +24,28 @@ constexpr Index most_rows = 5000;
 // for each direction T of slip, T z + w_T.
 void add_rows(const GlobalForm& form, Instance& instance) {
   const Index e = form.b.size(), contacts = form.H.cols() / form.dim;
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> c, mu;
+  RowWriter rows;
   Problem& p = instance.problem;
-  const auto add_row = [&](const Sparse& from, Index column, double right, RowKind kind, RowKey key, RowOrigin origin) {
-    for (Sparse::InnerIterator it(from, column); it; ++it)
-      entries.emplace_back(static_cast<int>(c.size()), static_cast<int>(it.row()), it.value());
-    c.push_back(right);
-    mu.push_back(0);
-    p.kind.push_back(kind);
-    p.key.push_back(key);
-    instance.origin.push_back(std::move(origin));
-  };
-  for (Index i = 0; i < e; ++i)
-    add_row(form.G, i, -form.b[i], RowKind::equality, {static_cast<std::uint64_t>(i) + 1, 0},
-            {.type = "equality", .label = std::to_string(i)});
+  for (Index i = 0; i < e; ++i) {
+    rows.add(RowKind::equality, {static_cast<std::uint64_t>(i) + 1, 0}, -form.b[i]);
+    rows.entries(form.G, i);
+    instance.origin.push_back({.type = "equality", .label = std::to_string(i)});
+  }
   for (Index k = 0; k < contacts; ++k) {
     const std::uint64_t id = (std::uint64_t{1} << 32) + static_cast<std::uint64_t>(k);
     const double friction = form.mu.size() > 0 ? form.mu[k] : 0;
     const Index slips = friction > 0 ? form.sliding : 0;
     for (Index r = 0; r <= slips; ++r) {
       const Index column = k * form.dim + r;
-      add_row(
-          form.H, column, -form.w[column], r == 0 ? RowKind::inequality : RowKind::tangent,
-          {id, static_cast<std::uint32_t>(r)},
+      rows.add(r == 0 ? RowKind::inequality : RowKind::tangent, {id, static_cast<std::uint32_t>(r)}, -form.w[column],
+               r == 0 ? friction : 0);
+      rows.entries(form.H, column);
+      instance.origin.push_back(
           {.type = "contact", .label = std::to_string(k), .row = r == 0 ? -1 : static_cast<int>(r), .unit = "m/s^2"});
-      if (r == 0) mu.back() = friction;
     }
   }
-  if (form.mu.size() > 0 && form.mu.maxCoeff() > 0) {
-    p.mu = Eigen::Map<const Vector>(mu.data(), static_cast<Index>(mu.size()));
-    p.law = Law::coulomb;
-  }
-  p.c = Eigen::Map<const Vector>(c.data(), static_cast<Index>(c.size()));
-  p.J.resize(p.c.size(), form.H.rows());
-  p.J.setFromTriplets(entries.begin(), entries.end());
+  rows.write(p);
+  if (p.has_tangents()) p.law = Law::coulomb;
 }
 
 // W = J J' by Cholesky with diagonal pivoting, stopped where the largest remaining diagonal is rounding: at most

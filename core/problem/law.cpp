@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <zwang/core/problem/row_writer.h>
+
 namespace zwang {
 namespace {
 
@@ -38,34 +40,20 @@ std::vector<NewRow> new_rows(Law law, const Problem& p) {
 
 Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
   Problem out{.name = p.name, .M = p.M, .z_u = p.z_u};
-  const auto m = static_cast<Index>(rows.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  out.c.resize(m);
-  Vector mu = Vector::Zero(m);
-  bool has_tangents = false;
-  for (Index k = 0; k < m; ++k) {
-    const NewRow& row = rows[static_cast<std::size_t>(k)];
-    const auto add = [&](Index from, double factor) {
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, from); it; ++it)
-        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), factor * it.value());
-    };
+  RowWriter written;
+  for (const NewRow& row : rows) {
     const auto old = static_cast<std::size_t>(row.normal);
-    add(row.normal, 1);
-    out.c[k] = p.c[row.normal];
-    if (row.tangent >= 0) {
-      add(row.tangent, row.factor);
-      out.c[k] = -(row.factor * -p.c[row.tangent] - out.c[k]);  // FCLIB's -(w_N + mu w_T), to the sign of its zero
-    }
-    out.kind.push_back(p.kind[old]);
-    out.key.push_back(p.key[old]);
-    if (row.edge >= 0) out.key.back().row += static_cast<std::uint32_t>(row.edge);
-    if (p.has_tangents() && p.kind[old] == RowKind::inequality) mu[k] = p.mu[row.normal];
-    has_tangents |= p.is_tangent(row.normal);
+    RowKey key = p.key[old];
+    if (row.edge >= 0) key.row += static_cast<std::uint32_t>(row.edge);
+    double c = p.c[row.normal];
+    if (row.tangent >= 0)
+      c = -(row.factor * -p.c[row.tangent] - c);  // FCLIB's -(w_N + mu w_T), to the sign of its zero
+    written.add(p.kind[old], key, c, p.kind[old] == RowKind::inequality ? p.mu[row.normal] : 0);
+    written.entries(p.J, row.normal);
+    if (row.tangent >= 0) written.entries(p.J, row.tangent, row.factor);
   }
-  out.J.resize(m, p.size());
-  out.J.setFromTriplets(entries.begin(), entries.end());
-  out.law = has_tangents || law == Law::pyramid ? law : Law::frictionless;
-  if (has_tangents) out.mu = mu;
+  written.write(out);
+  out.law = out.has_tangents() || law == Law::pyramid ? law : Law::frictionless;
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/problem/row_writer.h>
 #include <zwang/core/referee/scaled_problem.h>
 #include <zwang/core/referee/tolerances.h>
 
@@ -36,24 +37,6 @@ void require_sizes(const QuadraticProgram& p) {
   bound("ub", p.ub);
 }
 
-// Rows of J, one after another.
-struct Rows {
-  std::vector<Eigen::Triplet<double>> J = {};
-  std::vector<double> c = {};
-  Problem& problem;
-  std::vector<RowOrigin>& origin;
-
-  void begin(const char* type, Index index, RowKind kind, double right) {
-    problem.kind.push_back(kind);
-    problem.key.push_back({fnv1a(type), static_cast<std::uint32_t>(index)});
-    origin.push_back({.type = type, .label = std::to_string(index)});
-    c.push_back(right);
-  }
-  void entry(Index column, double value) {
-    J.emplace_back(static_cast<int>(c.size()) - 1, static_cast<int>(column), value);
-  }
-};
-
 }  // namespace
 
 AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
@@ -61,33 +44,35 @@ AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
   AsLeastConstraint out;
   Problem& problem = out.instance.problem;
   const Index n = p.q.size();
-  Rows rows{.problem = problem, .origin = out.instance.origin};
+  RowWriter rows;
+  const auto begin = [&](const char* type, Index index, RowKind kind, double right) {
+    rows.add(kind, {fnv1a(type), static_cast<std::uint32_t>(index)}, right);
+    out.instance.origin.push_back({.type = type, .label = std::to_string(index)});
+  };
   for (Index i = 0; i < p.b.size(); ++i) {
-    rows.begin("equality", i, RowKind::equality, p.b[i]);
-    for (decltype(p.A)::InnerIterator e(p.A, i); e; ++e) rows.entry(e.col(), e.value());
+    begin("equality", i, RowKind::equality, p.b[i]);
+    rows.entries(p.A, i);
   }
   for (Index i = 0; i < p.h.size(); ++i) {
     if (p.h[i] == infinity) continue;
-    rows.begin("inequality", i, RowKind::inequality, -p.h[i]);
-    for (decltype(p.G)::InnerIterator e(p.G, i); e; ++e) rows.entry(e.col(), -e.value());
+    begin("inequality", i, RowKind::inequality, -p.h[i]);
+    rows.entries(p.G, i, -1);
   }
   for (Index i = 0; i < p.lb.size(); ++i) {
     if (p.lb[i] == -infinity) continue;
-    rows.begin("lower bound", i, RowKind::inequality, p.lb[i]);
+    begin("lower bound", i, RowKind::inequality, p.lb[i]);
     rows.entry(i, 1);
   }
   for (Index i = 0; i < p.ub.size(); ++i) {
     if (p.ub[i] == infinity) continue;
-    rows.begin("upper bound", i, RowKind::inequality, -p.ub[i]);
+    begin("upper bound", i, RowKind::inequality, -p.ub[i]);
     rows.entry(i, -1);
   }
   problem.name = "quadratic program";
   problem.M = p.P;
   problem.M.makeCompressed();
-  problem.J.resize(static_cast<Index>(rows.c.size()), n);
-  problem.J.setFromTriplets(rows.J.begin(), rows.J.end());
-  problem.c = Eigen::Map<const Vector>(rows.c.data(), static_cast<Index>(rows.c.size()));
   problem.z_u = p.q;  // checked with the rest
+  rows.write(problem);
   std::string bad = bad_input(problem);
   if (const auto at = bad.find("z_u("); at == 0) bad.replace(0, 3, "q");
   for (std::size_t at; (at = bad.find("M is")) != std::string::npos || (at = bad.find("M(")) != std::string::npos;)

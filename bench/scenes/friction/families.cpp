@@ -6,6 +6,7 @@
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/row_by_row.h>
+#include <zwang/core/problem/row_writer.h>
 #include <zwang/core/referee/double_double.h>
 
 namespace zwang {
@@ -18,13 +19,11 @@ class ContactByContact {
 
   // rows: the normal and its tangents; c beside them.
   void contact(const std::vector<Vector>& rows, const std::vector<double>& c, double mu, const std::string& label) {
+    ++contacts_;
     for (std::size_t t = 0; t < rows.size(); ++t) {
-      const auto i = static_cast<int>(c_.size());
-      for (Index j = 0; j < rows[t].size(); ++j)
-        if (rows[t][j] != 0) entries_.emplace_back(i, static_cast<int>(j), rows[t][j]);
-      c_.push_back(c[t]);
-      mu_.push_back(t == 0 ? mu : 0);
-      kind_.push_back(t == 0 ? RowKind::inequality : RowKind::tangent);
+      rows_.add(t == 0 ? RowKind::inequality : RowKind::tangent, {contacts_, static_cast<std::uint32_t>(t)}, c[t],
+                t == 0 ? mu : 0);
+      rows_.entries(rows[t]);
       origin_.push_back({"contact", label, rows.size() > 1 ? static_cast<int>(t) : -1, "m/s^2"});
     }
   }
@@ -32,25 +31,13 @@ class ContactByContact {
   Instance instance(std::string family, const Vector& z_u) const {
     Instance out{.family = std::move(family), .origin = origin_};
     Problem& p = out.problem;
-    const auto m = static_cast<Index>(c_.size());
     p.name = out.family;
     p.M.resize(mass_.size(), mass_.size());
     for (Index j = 0; j < mass_.size(); ++j) p.M.insert(j, j) = mass_[j];
     p.M.makeCompressed();
     p.z_u = z_u;
-    p.J.resize(m, mass_.size());
-    p.J.setFromTriplets(entries_.begin(), entries_.end());
-    p.c = Eigen::Map<const Vector>(c_.data(), m);
-    p.kind = kind_;
-    p.mu = Eigen::Map<const Vector>(mu_.data(), m);
+    rows_.write(p);
     p.law = Law::coulomb;
-    std::uint64_t contact = 0;
-    std::uint32_t row = 0;
-    for (const RowKind kind : kind_) {
-      row = kind == RowKind::inequality ? 0 : row + 1;
-      contact += kind == RowKind::inequality;
-      p.key.push_back({contact, row});
-    }
     return out;
   }
 
@@ -81,9 +68,8 @@ class ContactByContact {
 
  private:
   Vector mass_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  std::vector<double> c_, mu_;
-  std::vector<RowKind> kind_;
+  RowWriter rows_;
+  std::uint64_t contacts_ = 0;
   std::vector<RowOrigin> origin_;
 };
 

@@ -1,6 +1,7 @@
 #include <zwang/bench/scenes/friction/friction.h>
 
 #include <zwang/constraints/contact.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -41,39 +42,27 @@ Instance with_friction(const Instance& frictionless, double mu, const std::vecto
   if (slips.empty()) return out;
   const Problem& old = frictionless.problem;
   Problem& p = out.problem;
-  p.kind.clear();
-  p.key.clear();
   out.origin.clear();
   out.reference.reset();
-  const Index rows = old.rows() + static_cast<Index>(slips.size());
-  p.c.resize(rows);
-  p.mu.setZero(rows);
   p.law = Law::coulomb;
-  std::vector<Eigen::Triplet<double>> entries;
+  RowWriter rows;
   std::vector<Index> place;
   auto slip = slips.begin();
   for (Index i = 0; i < old.rows(); ++i) {
     const auto s = static_cast<std::size_t>(i);
-    auto row = static_cast<int>(p.kind.size());
-    place.push_back(row);
-    for (decltype(old.J)::InnerIterator e(old.J, i); e; ++e)
-      entries.emplace_back(row, static_cast<int>(e.col()), e.value());
-    p.c[row] = old.c[i];
-    p.kind.push_back(old.kind[s]);
-    p.key.push_back(old.key[s]);
+    const bool slides = slip != slips.end() && slip->contact == i;
+    place.push_back(rows.rows());
+    rows.add(old.kind[s], old.key[s], old.c[i], slides ? mu : 0);
+    rows.entries(old.J, i);
     out.origin.push_back(frictionless.origin[s]);
     for (std::uint32_t number = 1; slip != slips.end() && slip->contact == i; ++slip, ++number) {
-      p.mu[place.back()] = mu;
-      for (const auto& [column, value] : slip->entries) entries.emplace_back(row + 1, column, value);
-      p.c[++row] = 0;
-      p.kind.push_back(RowKind::tangent);
-      p.key.push_back({old.key[s].constraint, old.key[s].row + number});
+      rows.add(RowKind::tangent, {old.key[s].constraint, old.key[s].row + number}, 0);
+      for (const auto& [column, value] : slip->entries) rows.entry(column, value);
       out.origin.push_back(frictionless.origin[s]);
       out.origin.back().row = static_cast<int>(number);
     }
   }
-  p.J.resize(rows, p.size());
-  p.J.setFromTriplets(entries.begin(), entries.end());
+  rows.write(p);
   keep_reference(frictionless, place, out);
   return out;
 }
