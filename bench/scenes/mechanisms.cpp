@@ -1,12 +1,10 @@
 #include <cmath>
 #include <numbers>
 
-#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/revolute_joint.h>
-#include <zwang/core/model/motion.h>
 #include "docs/leash.h"
 
 namespace zwang {
@@ -16,13 +14,6 @@ Vec<double, 6> random_velocity(double linear, double angular, Draw& draw) {
   Vec<double, 6> y;
   y << draw.cube(linear), draw.cube(angular);
   return y;
-}
-
-Instance fall(Scene& scene, double mu = 0) {
-  rub(scene, mu);
-  Vector z_u;
-  move_freely(scene, gravity, {}, z_u);
-  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
 }
 
 }  // namespace
@@ -71,7 +62,7 @@ Instance pile(const Knobs& knobs) {
                 name + "ball " + std::to_string(j + 1));
     }
   }
-  return fall(scene, friction_of(knobs));
+  return let_go(scene, knobs);
 }
 
 // Half a circle of stones, radius 4 m to 5 m, each joint with four contacts; the feet stand on the ground. Without
@@ -104,7 +95,7 @@ Instance arch(const Knobs& knobs) {
         scene.add(contact_at(scene.bodies, ahead, behind, point, forth), name);
     }
   }
-  return fall(scene, friction_of(knobs));
+  return let_go(scene, knobs);
 }
 
 // Rods of 1/4 m, each joined to the last, the first to the ceiling; bent and tumbling at random, joints open by
@@ -128,7 +119,7 @@ Instance chain(const Knobs& knobs) {
               "link " + std::to_string(i + 1) + (i == 0 ? " to ceiling" : " to link " + std::to_string(i)));
     last = body;
   }
-  return fall(scene);
+  return let_go(scene, knobs);
 }
 
 // Crank, coupler and rocker in the vertical plane; all bars in their body's axes at identity rotation, so that every
@@ -147,7 +138,7 @@ Instance four_bar(const Knobs& knobs) {
     };
     scene.add(RevoluteJoint{{a, b}, anchor(a), anchor(b), Vec3::UnitY(), Vec3::UnitY()}, name[k]);
   }
-  return fall(scene);
+  return let_go(scene, knobs);
 }
 
 // Dogs on leashes of 2 m around one fixed owner; each runs, some leashes are taut.
@@ -162,7 +153,7 @@ Instance leash(const Knobs& knobs) {
     const BodyId body = scene.add(dog);
     scene.add(Leash{.bodies = {body, owner}, .length = 2}, "dog " + std::to_string(i + 1) + " to owner");
   }
-  return fall(scene);
+  return let_go(scene, knobs);
 }
 
 }  // namespace zwang

@@ -1,6 +1,8 @@
 #include <zwang/bench/scenes/physical.h>
 
+#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/constraints/contact.h>
+#include <zwang/core/model/motion.h>
 
 namespace zwang {
 
@@ -32,6 +34,13 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
   assembler.assemble(scene, z_u, options, instance.problem);
   instance.origin = assembler.origin(scene, instance.problem);
   return instance;
+}
+
+Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench) {
+  rub(scene, friction_of(knobs));
+  Vector z_u;
+  move_freely(scene, gravity, wrench, z_u);
+  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
 }
 
 }  // namespace zwang

@@ -2,22 +2,13 @@
 #include <cmath>
 
 #include <zwang/bench/scenes/dyadic.h>
-#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/prismatic_joint.h>
-#include <zwang/core/model/motion.h>
 
 // Small scenes in which friction decides. Each has a limit that a statics book gives.
 namespace zwang {
 namespace {
-
-Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {}) {
-  rub(scene, friction_of(knobs));
-  Vector z_u;
-  move_freely(scene, gravity, wrench, z_u);
-  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
-}
 
 // The corners of the lower face of a box.
 std::array<Vec3, 4> foot(const Body& box, const Vec3& widths) {

@@ -3,21 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
-#include <zwang/core/model/motion.h>
 
 // Buildings that stand by friction alone.
 namespace zwang {
 namespace {
-
-Instance stands(Scene& scene, const Knobs& knobs) {
-  rub(scene, friction_of(knobs));
-  Vector z_u;
-  move_freely(scene, gravity, {}, z_u);
-  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
-}
 
 std::string numbers(int i, int k) { return std::to_string(i + 1) + "." + std::to_string(k + 1); }
 
@@ -61,7 +52,7 @@ Instance dome(const Knobs& knobs) {
       add_corners(scene, stone(i, k), stone(i, k - 1), side, Vec3(-std::sin(k * turn), std::cos(k * turn), 0),
                   name + "stone " + numbers(i, (k + sectors - 1) % sectors));
     }
-  return stands(scene, knobs);
+  return let_go(scene, knobs);
 }
 
 // A house of cards: pairs of cards lean against each other, `lean` off the vertical (tangent); flat cards lie from peak
@@ -108,7 +99,7 @@ Instance cards(const Knobs& knobs) {
     }
     floor = std::move(flat);
   }
-  return stands(scene, knobs);
+  return let_go(scene, knobs);
 }
 
 namespace {
@@ -209,7 +200,7 @@ Instance heap(const Knobs& knobs) {
                   name + "ball " + std::to_string(j + 1));
     }
   }
-  return stands(scene, knobs);
+  return let_go(scene, knobs);
 }
 
 }  // namespace zwang
