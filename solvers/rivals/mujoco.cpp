@@ -10,6 +10,7 @@
 
 #include <zwang/solvers/first_order/kkt_check.h>
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/rivals/peer_rows.h>
 
 namespace zwang {
 namespace {
@@ -97,20 +98,15 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
   }
   d.nf = d.ncon = 0;
   d.nefc = static_cast<int>(order_.size());
-  J_.resize(program.rows(), program.size());
-  J_.reserve(program.G().nonZeros());
+  J_ = program.some(order_);
   for (Index at = 0; at < d.nefc; ++at) {
-    const Index row = order_[static_cast<std::size_t>(at)];
-    J_.startVec(at);
-    for (UnitProgram::Rows::InnerIterator it(program.G(), row); it; ++it) J_.insertBack(at, it.col()) = it.value();
     d.efc_type[at] = at < d.ne ? mjCNSTR_EQUALITY : mjCNSTR_CONTACT_FRICTIONLESS;
     d.efc_id[at] = 0;
     d.efc_frictionloss[at] = 0;
-    d.efc_aref[at] = program.h()[row];
+    d.efc_aref[at] = program.h()[order_[static_cast<std::size_t>(at)]];
     d.efc_D[at] = stiffness;
     d.efc_R[at] = 1 / stiffness;
   }
-  J_.finalize();
   if (mj_isSparse(model_)) {
     JT_ = J_.transpose();
     put(J_, d.efc_J_rownnz, d.efc_J_rowadr, d.efc_J_rowsuper, d.efc_J_colind, d.efc_J);
@@ -141,14 +137,12 @@ bool MujocoSession::converged(int steps, double tolerance) const {
 void MujocoSession::read(Vector& y, Vector& lambda) const {
   y = Eigen::Map<const Vector>(data_->qacc, model_->nv);
   lambda.resize(std::ssize(order_));
-  for (std::size_t at = 0; at < order_.size(); ++at) lambda[order_[at]] = data_->efc_force[at];
+  lambda(order_) = Eigen::Map<const Vector>(data_->efc_force, lambda.size());
 }
 
 std::string MujocoNewton::supports(const Problem& problem) const {
   if (!(stiffness > 0)) return "its stiffness should be above 0";
-  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
-  return "its workspace is dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
-         std::to_string(most_rows) + " rows";
+  return too_large_for_dense(problem, most_unknowns, most_rows);
 }
 
 void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
