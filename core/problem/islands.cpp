@@ -61,22 +61,6 @@ int severity(Status status) {
 
 }  // namespace
 
-// Union-find with path halving; the root of an island is its smallest unknown.
-Index Islands::root(Index unknown) {
-  auto k = static_cast<std::size_t>(unknown);
-  while (parent_[k] != static_cast<Index>(k)) {
-    parent_[k] = parent_[static_cast<std::size_t>(parent_[k])];
-    k = static_cast<std::size_t>(parent_[k]);
-  }
-  return static_cast<Index>(k);
-}
-
-Index Islands::couple(Index a, Index b) {
-  const Index ra = root(a), rb = root(b), both = std::min(ra, rb);
-  parent_[static_cast<std::size_t>(std::max(ra, rb))] = both;
-  return both;
-}
-
 Island& Islands::next_island() {
   if (count_ == islands_.size()) islands_.emplace_back();
   Island& island = islands_[count_++];
@@ -112,15 +96,13 @@ bool Islands::several(const Problem& p, Index unit) {
 template <class Unit>
 bool Islands::several_blocks(const Problem& p, Unit unit) {
   const Index blocks = (p.size() + unit - 1) / unit;
-  parent_.resize(static_cast<std::size_t>(p.size()));
-  for (Index k = 0; k < blocks; ++k) parent_[static_cast<std::size_t>(k)] = k;
+  blocks_.reset(blocks);
   Index count = blocks;
   std::array<Index, 2> joined{-1, -1};  // the rows of one joint couple the same two
   const auto couple_blocks = [&](Index a, Index b) {
     if (std::array{a, b} == joined) return;
     joined = {a, b};
-    count -= root(a) != root(b);
-    couple(a, b);
+    count -= blocks_.join(a, b);
   };
   const auto block_of = [&](int k) -> Index { return k / unit; };
   // Inner indices ascend: where the first and the last are of one block, so are all.
@@ -164,7 +146,7 @@ void Islands::list(const Problem& p, Index unit) {
   local_.resize(static_cast<std::size_t>(n));
   count_ = 0;
   for (Index b = 0; b * unit < n; ++b) {
-    const Index r = root(b);
+    const Index r = blocks_.find(b);  // the first block of the island
     const auto home = static_cast<std::size_t>(b * unit);
     if (r == b) {
       island_[home] = static_cast<Index>(count_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
+#include <zwang/core/problem/disjoint_sets.h>
 #include <zwang/core/problem/shape_cache.h>
 #include <zwang/core/problem/solver.h>
 #include <zwang/core/problem/sparsity_pattern.h>
@@ -41,8 +42,6 @@ class Islands {
   void solve_apart(Solve&& solve, Index unit, const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  Index root(Index unknown);
-  Index couple(Index a, Index b);
   // Whether there is more than one island of whole units; the list of them is reused while the sparsity stays the same.
   bool several(const Problem& problem, Index unit);
   template <class Unit>
@@ -54,7 +53,8 @@ class Islands {
 
   std::vector<Island> islands_;
   std::size_t count_ = 0;
-  std::vector<Index> parent_, island_, local_;
+  DisjointSets blocks_;
+  std::vector<Index> island_, local_;
   Index unit_ = 0;             // what several() listed the islands for, or 0
   std::vector<RowKind> kind_;  // where there are tangent rows
   SparsityPattern M_places_, J_places_;

@@ -3,8 +3,8 @@
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
-#include <span>
 
+#include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/common/farkas.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -17,11 +17,8 @@ struct EqualityRows::Gram {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor = {};
 
   bool factorize() {
-    const std::span<const int> starts(S.outerIndexPtr(), static_cast<std::size_t>(S.outerSize()) + 1),
-        indices(S.innerIndexPtr(), static_cast<std::size_t>(S.nonZeros()));
-    if (!std::ranges::equal(start_, starts) || !std::ranges::equal(index_, indices)) {
-      start_.assign(starts.begin(), starts.end());
-      index_.assign(indices.begin(), indices.end());
+    if (!pattern_.matches(S)) {
+      pattern_.keep(S);
       factor.analyzePattern(S);
     }
     factor.factorize(S);
@@ -29,7 +26,7 @@ struct EqualityRows::Gram {
   }
 
  private:
-  std::vector<int> start_, index_;
+  SparsityPattern pattern_;
 };
 
 void EqualityRows::find(const UnitProgram& program) {

@@ -19,14 +19,6 @@ class RowLanes {
 
   // y += scale A x over all lanes.
   void accumulate(double scale, const double* x, double* y) const;
-  // visit(column, entry) over the columns that row i is stored with.
-  template <class Visit>
-  void visit(Index i, Visit&& visit) const {
-    const auto eight = static_cast<std::size_t>(i / lanes::width);
-    const double* entry = entries_.data() + start_[eight] * lanes::width + i % lanes::width;
-    for (Index e = start_[eight]; e < start_[eight + 1]; ++e, entry += lanes::width)
-      visit(column_[static_cast<std::size_t>(e)], *entry);
-  }
 
  private:
   Index size_ = 0;
