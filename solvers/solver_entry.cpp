@@ -1,6 +1,5 @@
 #include <zwang/solvers/solver_entry.h>
 
-#include <charconv>
 #include <sstream>
 #include <stdexcept>
 
@@ -12,10 +11,8 @@ namespace {
 
 template <class T>
 T number(const std::string& text, const char* expected) {
-  T value;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) throw std::invalid_argument(expected);
-  return value;
+  if (const std::optional<T> value = number_in<T>(text)) return *value;
+  throw std::invalid_argument(expected);
 }
 
 }  // namespace

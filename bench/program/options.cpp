@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <stdexcept>
 
@@ -36,18 +35,12 @@ void add_laws(CLI::App& app, std::vector<Law>& laws) {
   add_law_option(app, ", or several: a,b", [&laws](const std::string& words) { laws = parse_laws(words); });
 }
 
-static std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
-
 // CLI11's own checks let NaN pass, and print bounds with 300 digits.
 CLI::Option* within(const Range& range, CLI::Option* option) {
   std::string line = option->get_description();
   line.insert(std::min(line.find("; default"), line.size()), "; " + range.words());
   return option->description(line)->check([range](const std::string& text) {
-    const std::optional<double> value = number(text);
+    const std::optional<double> value = number_in<double>(text);
     return value && range.holds(*value) ? std::string() : text + " should be a number " + range.words();
   });
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -27,9 +26,7 @@ std::vector<std::string> split_outside_parentheses(std::string_view text) {
 }
 
 double parse_number(const std::string& scene, const std::string& knob, const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc{} && end == text.data() + text.size()) return value;
+  if (const std::optional<double> value = number_in<double>(text)) return *value;
   throw std::invalid_argument("scene '" + scene + "': " + knob + "=" + text + " should be a number");
 }
 

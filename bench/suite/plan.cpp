@@ -1,7 +1,6 @@
 #include <zwang/bench/suite/plan.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <iterator>
 #include <map>
@@ -159,14 +158,11 @@ std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) 
 
 Shard read_shard(const std::string& text) {
   if (text.empty()) return {};
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, shard.part);
-  const bool slash = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
-  const auto second = slash ? std::from_chars(first.ptr + 1, end, shard.of) : first;
-  if (!slash || second.ec != std::errc{} || second.ptr != end || shard.part >= shard.of)
+  const auto slash = text.find('/');  // without one, both are all of it
+  const auto part = number_in<std::size_t>(text.substr(0, slash)), of = number_in<std::size_t>(text.substr(slash + 1));
+  if (!part || !of || *part >= *of)
     throw std::invalid_argument("--shard " + text + " should be K/N with K from 0 to N-1, as in 0/64");
-  return shard;
+  return {*part, *of};
 }
 
 std::string why_bad(const Problem& problem) {

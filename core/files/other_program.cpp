@@ -7,10 +7,10 @@
 #include <cctype>
 #include <cstdlib>
 #include <limits>
-#include <sstream>
 #include <system_error>
 
 #include <zwang/core/problem/solver.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -43,8 +43,8 @@ std::filesystem::path find_program(std::string_view name) {
     if (runs(folder / "bin" / name)) return folder / "bin" / name;
     if (folder == folder.parent_path()) break;
   }
-  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(path, folder, ':');)
+  const char* const path = std::getenv("PATH");
+  for (const std::string& folder : split(path ? path : "", ':'))
     if (runs(std::filesystem::path(folder) / name)) return std::filesystem::path(folder) / name;
   const std::filesystem::path installed = std::filesystem::path(ZWANG_BINDIR) / name;
   return runs(installed) ? installed : "";

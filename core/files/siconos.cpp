@@ -1,9 +1,9 @@
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 
 #include <zwang/core/files/layouts.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -31,12 +31,11 @@ class Words {
   T number(const std::string& what) {
     std::string_view text = word(what);
     if (text.starts_with('+')) text.remove_prefix(1);
-    T value{};
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || stop != text.data() + text.size()) fail("expected " + what);
+    const std::optional<T> value = number_in<T>(text);
+    if (!value) fail("expected " + what);
     if constexpr (std::is_same_v<T, double>)
-      if (!std::isfinite(value)) fail("not finite; expected " + what);
-    return value;
+      if (!std::isfinite(*value)) fail("not finite; expected " + what);
+    return *value;
   }
   // Each number takes two characters at least, so a damaged file cannot ask for more than it could hold.
   Index count(const std::string& what) {

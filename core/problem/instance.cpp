@@ -1,6 +1,6 @@
 #include <zwang/core/problem/instance.h>
 
-#include <charconv>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -18,12 +18,11 @@ RowOrigin parse_row_origin(std::string_view text, std::string unit) {
   RowOrigin origin;
   origin.unit = std::move(unit);
   if (const auto open = text.rfind(" ["); open != std::string_view::npos && text.ends_with(']')) {
-    const char* const last = text.data() + text.size() - 1;
-    const auto [end, error] = std::from_chars(text.data() + open + 2, last, origin.row);
-    if (error == std::errc{} && end == last && origin.row >= 0)
+    const std::string_view number = text.substr(open + 2, text.size() - open - 3);
+    if (const std::optional<int> row = number_in<int>(number); row && *row >= 0) {
+      origin.row = *row;
       text = text.substr(0, open);
-    else
-      origin.row = -1;
+    }
   }
   const auto slash = text.find('/');
   origin.type = text.substr(0, slash);

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <charconv>
 #include <concepts>
 #include <cstdarg>
 #include <cstdio>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace zwang {
@@ -46,6 +49,14 @@ inline std::vector<std::string> split(const std::string& text, char separator = 
   std::istringstream all(text);
   for (std::string part; std::getline(all, part, separator);) parts.push_back(part);
   return parts;
+}
+
+// The number that this text is, all of it.
+template <class T>
+std::optional<T> number_in(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
 // For a shell: 'as it is'.
