@@ -32,6 +32,14 @@
 #include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
+
+// Compiled beside their solvers.
+extern template SolverEntry entry<Cholesky>(SolverEntry);
+extern template SolverEntry entry<Cone>(SolverEntry);
+extern template SolverEntry entry<DualActiveSet>(SolverEntry);
+extern template SolverEntry entry<Newton>(SolverEntry);
+extern template SolverEntry entry<Nnls>(SolverEntry);
+
 namespace {
 
 // They reach what the tolerance says (the referee's margin: 10 T), or say that they did not.

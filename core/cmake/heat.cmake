@@ -1,8 +1,9 @@
 # zwang_heat(hot|cold|test TARGET...): how hard the compiler works on TARGET. Hot is what an answer waits for (-O3); cold
 # is what reads, writes, asks and draws (-O1, half the time to compile), and so are tests.
-# Each level has one precompiled header of the standard library, Eigen and JSON, nothing of the project's own. g++ takes
-# the level from that header, not from the command line, and refuses it where a flag differs: one set of flags for all
-# files of a level, libraries and programs alike. A file with flags of its own goes without (SKIP_PRECOMPILE_HEADERS).
+# Each level has one precompiled header of the standard library and Eigen, and of the project's own what of Eigen is
+# compiled once. JSON is not in it: its literal parses, so that every file would instantiate the parser. g++ takes the
+# level from that header, not from the command line, and refuses it where a flag differs: one set of flags for all files
+# of a level, libraries and programs alike. A file with flags of its own goes without (SKIP_PRECOMPILE_HEADERS).
 # zwang_unity(N TARGET...): N files of a folder are compiled as one, which instantiates what they share once: a third less of
 # a first build. More, and a change in one is waited for. It comes after SKIP_UNITY_BUILD_INCLUSION of files long enough.
 option(ZWANG_PRECOMPILED "precompile the headers of others" ON)
@@ -52,16 +53,15 @@ function(zwang_precompile LEVEL)
   if(NOT ZWANG_PRECOMPILED)
     return()
   endif()
-  find_package(nlohmann_json REQUIRED)
   set(source ${PROJECT_BINARY_DIR}/${LEVEL}_headers.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "// Headers are precompiled as part of a library, and a library has a source.\n")
   add_library(zwang_${LEVEL}_headers OBJECT ${source})
-  target_link_libraries(zwang_${LEVEL}_headers PRIVATE zwang_options nlohmann_json::nlohmann_json)
+  target_link_libraries(zwang_${LEVEL}_headers PRIVATE zwang_options)
   zwang_level(${LEVEL} zwang_${LEVEL}_headers)
   target_precompile_headers(zwang_${LEVEL}_headers PRIVATE
     <algorithm> <array> <atomic> <bit> <charconv> <chrono> <cmath> <cstdint> <cstdio> <cstdlib> <cstring> <filesystem>
     <fstream> <functional> <limits> <map> <memory> <numbers> <numeric> <optional> <set> <span> <sstream> <stdexcept>
     <string> <string_view> <thread> <tuple> <type_traits> <utility> <variant> <vector>
     <Eigen/Core> <Eigen/Cholesky> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SparseCholesky>
-    <Eigen/SparseCore> <nlohmann/json.hpp> ${ARGN})
+    <Eigen/SparseCore> <zwang/core/problem/eigen_once.h> ${ARGN})
 endfunction()

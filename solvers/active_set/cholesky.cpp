@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
 
@@ -187,5 +188,7 @@ void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const S
   attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
   s.fallback = true;
 }
+
+template SolverEntry entry<Cholesky>(SolverEntry);
 
 }  // namespace zwang

@@ -1,5 +1,7 @@
 #include <zwang/solvers/active_set/dual_active_set.h>
 
+#include <zwang/solvers/solver_entry.h>
+
 namespace zwang {
 
 template class GoldfarbIdnani<double>;
@@ -98,5 +100,7 @@ void DualActiveSet::Careful::solve(const Problem& problem, const DualActiveSet& 
     solution.empty_lambda();
   }
 }
+
+template SolverEntry entry<DualActiveSet>(SolverEntry);
 
 }  // namespace zwang

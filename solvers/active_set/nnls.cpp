@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
 
@@ -172,5 +173,7 @@ void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOpti
     s.fallback = true;
   }
 }
+
+template SolverEntry entry<Nnls>(SolverEntry);
 
 }  // namespace zwang

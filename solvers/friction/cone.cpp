@@ -1,5 +1,7 @@
 #include <zwang/solvers/friction/cone.h>
 
+#include <zwang/solvers/solver_entry.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -297,5 +299,7 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
     solution.message.clear();
   }
 }
+
+template SolverEntry entry<Cone>(SolverEntry);
 
 }  // namespace zwang

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
 namespace {
@@ -405,5 +406,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   s.message = polish ? "the rows are too close to dependent for this method, and too many for a dense one"
                      : "the rows are too close to dependent for this method alone, or contradict each other";
 }
+
+template SolverEntry entry<Newton>(SolverEntry);
 
 }  // namespace zwang
