@@ -73,7 +73,7 @@ bool read(CLI::App& app, std::vector<std::string> words) {
 std::vector<double> numbers(const std::string& option, const std::string& text) {
   std::vector<double> all;
   for (const std::string& part : split(text)) {
-    const std::optional<double> value = number(part);
+    const std::optional<double> value = number_in<double>(part);
     if (!value) throw std::invalid_argument(option + " " + text + ": '" + part + "' should be a number, as in 1e-6");
     all.push_back(*value);
   }
