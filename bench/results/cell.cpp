@@ -17,9 +17,9 @@ std::string without_clock(const std::string& line) {
   nlohmann::json record = nlohmann::json::parse(line);
   if (record.value("claimed", "") == "time limit") return record.value("cell", "") + " time limit";
   const Result any;
-  Result::columns(any, [&record](const std::string& key, const auto&, Column column = {}) {
-    if (column.of_clock) record.erase(key);
-  });
+  Result::columns(any, Columns{[&record](const std::string& key, const auto&, const Column& column) {
+                    if (column.of_clock) record.erase(key);
+                  }});
   record.erase("check");
   return record.dump();
 }

@@ -13,7 +13,7 @@ namespace {
 
 template <class T>
 concept WithColumns = requires(T& record) {
-  T::columns(record, [](const std::string&, auto&, Column = {}) {});
+  T::columns(record, Columns{[](const std::string&, auto&, const Column&) {}});
 };
 
 // JSON has no infinity: the largest number stands for it. NaN becomes null.
@@ -30,9 +30,9 @@ nlohmann::ordered_json json_of(const Value& value) {
   if constexpr (WithColumns<Value>) {
     nlohmann::ordered_json line;
     if constexpr (requires { Value::kind; }) line["kind"] = Value::kind;
-    Value::columns(value, [&line](const std::string& key, const auto& member, Column column = {}) {
-      if (column.written) line[key] = column.null ? nullptr : json_of(member);
-    });
+    Value::columns(value, Columns{[&line](const std::string& key, const auto& member, const Column& column) {
+                     if (column.written) line[key] = column.null ? nullptr : json_of(member);
+                   }});
     return line;
   } else if constexpr (std::is_enum_v<Value>) {
     return to_string(value);
@@ -70,9 +70,9 @@ void take(const nlohmann::json& json, std::optional<bool>& into) {
 template <class Value>
 void take(const nlohmann::json& json, Value& into) {
   if constexpr (WithColumns<Value>) {
-    Value::columns(into, [&json](const std::string& key, auto& member, Column = {}) {
-      if (const auto found = json.find(key); found != json.end()) take(*found, member);
-    });
+    Value::columns(into, Columns{[&json](const std::string& key, auto& member, const Column&) {
+                     if (const auto found = json.find(key); found != json.end()) take(*found, member);
+                   }});
   } else if constexpr (std::same_as<Value, std::string>) {
     if (!json.is_null()) into = json.is_string() ? json.get<std::string>() : json.dump();
   } else if constexpr (std::same_as<Value, bool>) {

@@ -8,12 +8,28 @@
 namespace zwang {
 
 // Records of a run: lines of results.jsonl (result.h), traces.jsonl, speed.jsonl and conformance.jsonl. Each states its
-// columns once, in the order of a line, in `columns`: it calls visit(key, member) or visit(key, member, Column{...})
-// for each. docs/formats.md says what they mean. What is not known is NaN, null in a line.
+// columns once, in the order of a line, in `columns`: visit(key, member, key, member, ...), with a Column before them
+// where it is not the usual one. docs/formats.md says what they mean. What is not known is NaN, null in a line.
 struct Column {
   bool of_clock = false;  // depends on the clock or the machine
   bool written = true;
   bool null = false;  // the member's value says that there is none
+};
+
+// Calls each(key, member, column) for one column after the other.
+template <class Each>
+struct Columns {
+  Each each;
+
+  template <class Member, class... Rest>
+  void operator()(const Column& column, const std::string& key, Member& member, Rest&&... rest) const {
+    each(key, member, column);
+    if constexpr (sizeof...(rest) > 0) (*this)(column, rest...);
+  }
+  template <class Member, class... Rest>
+  void operator()(const std::string& key, Member& member, Rest&&... rest) const {
+    (*this)(Column(), key, member, rest...);
+  }
 };
 
 // The state after `iteration` steps.
@@ -25,25 +41,16 @@ struct TracePoint {
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
-    const Column name{.written = !r.solver.empty()};
-    visit("problem", r.problem, name);
-    visit("family", r.family, name);
-    visit("solver", r.solver, name);
-    visit("iteration", r.iteration);
-    visit("time_s", r.time_s);
-    visit("z_error", r.z_error);
-    visit("primal", r.primal);
-    visit("stationarity", r.stationarity);
-    visit("gap", r.gap);
+    visit(Column{.written = !r.solver.empty()}, "problem", r.problem, "family", r.family, "solver", r.solver);
+    visit("iteration", r.iteration, "time_s", r.time_s);
+    visit("z_error", r.z_error, "primal", r.primal, "stationarity", r.stationarity, "gap", r.gap);
   }
 };
 
 // Median and quartiles.
 template <class Self, class Visit>
 void visit_quartiles(const std::string& key, Self& r, Visit& visit) {
-  visit(key, r.median);
-  visit(key + "_q1", r.q1);
-  visit(key + "_q3", r.q3);
+  visit(key, r.median, key + "_q1", r.q1, key + "_q3", r.q3);
 }
 
 // One scene assembled over and over.
@@ -56,12 +63,8 @@ struct AssemblyTimes {
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
-    visit("scene", r.scene);
-    visit("contacts", r.contacts);
-    visit("n", r.n);
-    visit("m", r.m);
-    visit("allocations", r.allocations);
-    visit("kernel_s", r.kernel_s);
+    visit("scene", r.scene, "contacts", r.contacts, "n", r.n, "m", r.m);
+    visit("allocations", r.allocations, "kernel_s", r.kernel_s);
     visit_quartiles("assemble_s", r.assemble_s, visit);
     visit_quartiles("islands_s", r.islands_s, visit);
   }
@@ -80,8 +83,7 @@ struct StageTimes {
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
-    visit("scene", r.scene);
-    visit("contacts", r.contacts);
+    visit("scene", r.scene, "contacts", r.contacts);
     for (std::size_t k = 0; k < stages.size(); ++k) visit(stages[k], r.seconds[k]);
   }
 };
@@ -100,22 +102,15 @@ struct SequenceTimes {
 
     template <class Self, class Visit>
     static void columns(Self& r, Visit visit) {
-      visit("frames", r.frames);
-      visit("iterations", r.iterations);
-      visit("allocations", r.allocations);
-      visit("worst_z_error", r.worst_z_error);
-      visit("checked", r.checked);
-      visit("right", r.right);
+      visit("frames", r.frames, "iterations", r.iterations, "allocations", r.allocations);
+      visit("worst_z_error", r.worst_z_error, "checked", r.checked, "right", r.right);
       visit_quartiles("solve_s", r.solve_s, visit);
     }
   } cold = {}, warm = {};
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
-    visit("sequence", r.sequence);
-    visit("solver", r.solver);
-    visit("cold", r.cold);
-    visit("warm", r.warm);
+    visit("sequence", r.sequence, "solver", r.solver, "cold", r.cold, "warm", r.warm);
   }
 };
 
@@ -128,14 +123,8 @@ struct Phenomenon {
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
-    visit("solver", r.solver);
-    visit("law", r.law);
-    visit("check", r.check);
-    visit("expected", r.expected);
-    visit("off", r.off);
-    visit("passes", r.passes);
-    visit("applies", r.applies);
-    visit("note", r.note);
+    visit("solver", r.solver, "law", r.law, "check", r.check, "expected", r.expected);
+    visit("off", r.off, "passes", r.passes, "applies", r.applies, "note", r.note);
   }
 };
 

@@ -43,11 +43,7 @@ struct Result {
 
     template <class Self, class Visit>
     static void columns(Self& r, Visit visit) {
-      visit("type", r.type);
-      visit("violation", r.violation);
-      visit("relative", r.relative);
-      visit("unit", r.unit);
-      visit("row", r.name);
+      visit("type", r.type, "violation", r.violation, "relative", r.relative, "unit", r.unit, "row", r.name);
     }
   };
   std::vector<WorstRow> worst_by_type = {};
@@ -98,70 +94,32 @@ struct Result {
     auto& f = k.friction;
     const Column clock{.of_clock = true}, conic{.written = r.law == "coulomb" || r.law == "convex"};
     const bool of_suite = !r.cell.empty();
-    visit("problem", r.problem);
-    visit("family", r.family);
-    visit("knob", r.knob);
-    visit("knob_value", r.knob_value);
-    visit("n", r.n);
-    visit("m", r.m);
-    visit("equalities", r.equalities);
-    visit("seed", r.seed);
-    visit("problem_sha256", r.problem_sha256);
-    visit("problem_file", r.problem_file);
-    visit("law", r.law);
-    visit("solver", r.solver);
-    visit("foreign", r.foreign);
-    visit("tolerance", r.tolerance);
-    visit("claimed", r.claimed);
-    visit("verified", k.verdict);
-    visit("z_error", k.z_error);
-    visit("z_bound", k.z_bound);
-    visit("bound_method", k.bound_method);
-    visit("bound_sigma_min", k.bound_sigma_min);
-    visit("primal", k.primal);
-    visit("dual", k.dual);
-    visit("stationarity", k.stationarity);
-    visit("complementarity", k.complementarity);
-    visit("gap", k.gap);
-    visit("natural", k.natural);
-    visit("scale", k.scale);
-    visit("farkas", k.farkas);
-    visit("penetration", f.penetration, conic);
-    visit("cone_violation", f.cone_violation, conic);
-    visit("dissipation", f.dissipation, conic);
-    visit("eta", f.eta, conic);
-    visit("self_bound", f.self_bound, conic);
-    visit("radius", f.radius, conic);
-    visit("delta", f.delta, conic);
-    visit("null_motion", f.null_motion, conic);
-    visit("isolated", f.isolated, conic);
-    visit("coulomb_error", r.coulomb_error, {.written = std::isfinite(r.coulomb_error)});
-    visit("setup_s", r.setup_s, clock);
-    visit("solve_s", r.solve_s, clock);
-    visit("solve_s_q1", r.solve_s_q1, clock);
-    visit("solve_s_q3", r.solve_s_q3, clock);
-    visit("prepare_s", r.prepare_s, clock);
-    visit("kernel_s", r.kernel_s, clock);
-    visit("allocations", r.allocations, clock);
-    visit("repetitions", r.repetitions, clock);
+    visit("problem", r.problem, "family", r.family, "knob", r.knob, "knob_value", r.knob_value);
+    visit("n", r.n, "m", r.m, "equalities", r.equalities, "seed", r.seed);
+    visit("problem_sha256", r.problem_sha256, "problem_file", r.problem_file, "law", r.law);
+    visit("solver", r.solver, "foreign", r.foreign, "tolerance", r.tolerance);
+    visit("claimed", r.claimed, "verified", k.verdict, "z_error", k.z_error);
+    visit("z_bound", k.z_bound, "bound_method", k.bound_method, "bound_sigma_min", k.bound_sigma_min);
+    visit("primal", k.primal, "dual", k.dual, "stationarity", k.stationarity);
+    visit("complementarity", k.complementarity, "gap", k.gap, "natural", k.natural, "scale", k.scale, "farkas",
+          k.farkas);
+    visit(conic, "penetration", f.penetration, "cone_violation", f.cone_violation, "dissipation", f.dissipation);
+    visit(conic, "eta", f.eta, "self_bound", f.self_bound, "radius", f.radius, "delta", f.delta);
+    visit(conic, "null_motion", f.null_motion, "isolated", f.isolated);
+    visit(Column{.written = std::isfinite(r.coulomb_error)}, "coulomb_error", r.coulomb_error);
+    visit(clock, "setup_s", r.setup_s, "solve_s", r.solve_s, "solve_s_q1", r.solve_s_q1, "solve_s_q3", r.solve_s_q3);
+    visit(clock, "prepare_s", r.prepare_s, "kernel_s", r.kernel_s);
+    visit(clock, "allocations", r.allocations, "repetitions", r.repetitions);
     visit("iterations", r.iterations);
-    visit("reference", r.reference, {.null = r.reference.empty()});
-    visit("reference_bound", r.reference_bound);
-    visit("feasible", r.feasible);
-    visit("worst_row", r.worst_row);
-    visit("worst_by_type", r.worst_by_type);
-    visit("rank", r.margins.rank, {.null = r.margins.rank < 0});
-    visit("smallest_pivot", r.margins.smallest_accepted);
-    visit("largest_rejected_pivot", r.margins.largest_rejected);
-    visit("redundant", r.redundant);
-    visit("conflicting", r.conflicting);
-    visit("fallback", r.fallback);
-    visit("handed_to", r.handed_to);
-    visit("range_gap", r.range_gap);
-    visit("message", r.message);
-    visit("batch", r.batch);
-    visit("machine", r.machine, {.of_clock = true, .written = of_suite});
-    visit("cell", r.cell, {.written = of_suite});
+    visit(Column{.null = r.reference.empty()}, "reference", r.reference);
+    visit("reference_bound", r.reference_bound, "feasible", r.feasible);
+    visit("worst_row", r.worst_row, "worst_by_type", r.worst_by_type);
+    visit(Column{.null = r.margins.rank < 0}, "rank", r.margins.rank);
+    visit("smallest_pivot", r.margins.smallest_accepted, "largest_rejected_pivot", r.margins.largest_rejected);
+    visit("redundant", r.redundant, "conflicting", r.conflicting, "fallback", r.fallback, "handed_to", r.handed_to);
+    visit("range_gap", r.range_gap, "message", r.message, "batch", r.batch);
+    visit(Column{.of_clock = true, .written = of_suite}, "machine", r.machine);
+    visit(Column{.written = of_suite}, "cell", r.cell);
   }
 };
 
@@ -174,8 +132,7 @@ struct SolvedResult {
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
     Result::columns(r.result, visit);
-    visit("z", r.z);
-    visit("lambda", r.lambda);
+    visit("z", r.z, "lambda", r.lambda);
     if (r.trace) visit("trace", *r.trace);
   }
 };

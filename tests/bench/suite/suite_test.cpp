@@ -67,9 +67,9 @@ std::vector<Json> lines_of(const fs::path& file) {
 std::vector<std::string> columns(bool of_clock) {
   std::vector<std::string> keys;
   const Result any;
-  Result::columns(any, [&](const std::string& key, const auto&, Column column = {}) {
-    if (!of_clock || column.of_clock) keys.push_back(key);
-  });
+  Result::columns(any, Columns{[&](const std::string& key, const auto&, const Column& column) {
+                    if (!of_clock || column.of_clock) keys.push_back(key);
+                  }});
   return keys;
 }
 const std::set<std::string> of_friction = {"penetration", "cone_violation", "dissipation", "eta",      "self_bound",
