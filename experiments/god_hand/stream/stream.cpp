@@ -8,7 +8,6 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <stdexcept>
@@ -91,10 +90,8 @@ void Stream::listen_on(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   const std::string host = colon == std::string::npos ? "127.0.0.1" : address.substr(0, colon),
                     port = address.substr(colon + 1);  // npos + 1: from the beginning
-  std::uint16_t number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  if (error != std::errc{} || end != port.data() + port.size())
-    fail(name, "HOST:PORT, or a port from 0 to 65535, is expected");
+  const std::optional<std::uint16_t> number = number_in<std::uint16_t>(port);
+  if (!number) fail(name, "HOST:PORT, or a port from 0 to 65535, is expected");
   addrinfo hints{};
   hints.ai_family = AF_INET, hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -102,7 +99,7 @@ void Stream::listen_on(const std::string& address) {
   sockaddr_in place{};
   std::memcpy(&place, found->ai_addr, sizeof place);
   freeaddrinfo(found);
-  place.sin_port = htons(number);
+  place.sin_port = htons(*number);
   auto* at = reinterpret_cast<sockaddr*>(&place);
   socklen_t size = sizeof place;
   tcp_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
