@@ -7,7 +7,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/common/equality_elimination.h>
 #include <zwang/solvers/common/wide_rows.h>
-#include <zwang/solvers/linalg/orthogonal_updates.h>
+#include <zwang/solvers/linalg/thin_qr.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -30,7 +30,7 @@ class ActiveSetRefinement {
   struct Factors {
     const BasicWhitened<Scalar>& whitened;
     const EqualityElimination<Scalar>& equality;
-    const OrthogonalUpdates<Scalar>& inequality;
+    const BasicThinQr<Scalar>& inequality;
     std::span<const Index> equality_rows;  // whitened row of each accepted equality row, in pivot order
     std::span<const Index> active_rows;    // whitened row of each active inequality row, in the factor's order
   };

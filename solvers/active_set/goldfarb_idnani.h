@@ -13,7 +13,7 @@
 #include <zwang/solvers/common/equality_elimination.h>
 #include <zwang/solvers/common/warm_rows.h>
 #include <zwang/solvers/linalg/dense_storage.h>
-#include <zwang/solvers/linalg/orthogonal_updates.h>
+#include <zwang/solvers/linalg/thin_qr.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -138,7 +138,7 @@ class GoldfarbIdnani {
   BasicWhitened<Scalar> whitened_;
   WarmRows warm_rows_;
   EqualityElimination<Scalar> elimination_;
-  OrthogonalUpdates<Scalar> updates_;
+  BasicThinQr<Scalar> updates_;
   ActiveSetRefinement<Scalar> refinement_;
   std::vector<Index> equalities_, inequalities_;    // whitened rows
   std::vector<Index> equality_rows_, active_rows_;  // whitened rows, in the order of the factors
@@ -307,7 +307,7 @@ Blocking<Scalar> GoldfarbIdnani<Scalar>::blocking() const {
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::drop(Index j) {
   state_[active_[j]] = resting;
-  updates_.remove(j);
+  updates_.drop(j);
   active_.erase(active_.begin() + j);
   for (Index k = j; k < updates_.size(); ++k) u_[k] = u_[k + 1];
 }
@@ -471,11 +471,9 @@ void GoldfarbIdnani<Scalar>::observe(const BasicProblem<Scalar>& p, const Observ
 
 template <class Scalar>
 void GoldfarbIdnani<Scalar>::measure_margins() {
-  using std::abs;
   rank = elimination_.rank() + updates_.size();
   smallest_accepted = elimination_.smallest_accepted();
-  for (Index j = 0; j < updates_.size(); ++j)
-    smallest_accepted = std::min(smallest_accepted, Scalar(abs(updates_.pivot(j))));
+  for (Index j = 0; j < updates_.size(); ++j) smallest_accepted = std::min(smallest_accepted, updates_.pivot(j));
   for (std::size_t j = 0; j < state_.size(); ++j)
     if (state_[j] == retired) redundant.push_back(whitened_.row[inequalities_[j]]);
 }
