@@ -1,23 +1,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/bench/references/wide_active_set.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/core/referee/tolerances.h>
-#include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
 
 std::optional<Reference> extended_reference(const Problem& problem) {
-  GoldfarbIdnani<long double> method;
-  if (method.solve(cast<long double>(problem), {}) != Status::solved || !method.contracted) return {};
+  WideActiveSet<long double> method;
+  if (method.solve(problem) != Status::solved) return {};
   Solution answer;
   answer.reset(problem.size(), problem.rows());
   answer.status = Status::solved;
-  answer.z = method.z().cast<double>();
-  answer.lambda = method.lambda().cast<double>();
+  answer.z = method.z.cast<double>();
+  answer.lambda = method.lambda.cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
     if (!problem.is_equality(i)) answer.lambda[i] = std::max(0.0, answer.lambda[i]);
   const Metrics metrics = measure(problem, answer, nullptr, referee::useful);

@@ -3,9 +3,9 @@
 #include <boost/multiprecision/eigen.hpp>
 
 #include <zwang/bench/references/kkt_certificate.h>
+#include <zwang/bench/references/wide_active_set.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/referee/tolerances.h>
-#include <zwang/solvers/active_set/goldfarb_idnani.h>
 
 namespace zwang {
 namespace {
@@ -34,16 +34,13 @@ std::optional<Reference> multiprecision_reference(const Problem& problem, std::s
     if (why_not) *why_not = reason;
     return {};
   };
-  GoldfarbIdnani<Hundred> method;
-  const Status status = method.solve(cast<Hundred>(problem), {});
+  WideActiveSet<Hundred> method;
+  const Status status = method.solve(problem);
   if (status == Status::bad_input) return none("M is not positive definite");
   Reference found{.feasible = status != Status::infeasible, .method = "mpfr 100 digits, KKT certified in 100 digits"};
-  if (found.feasible && (status != Status::solved || !method.contracted))
-    return none("100 digits leave a decision open");
-
   const KktCertificate<Hundred> certificate(problem);
-  const std::string refused = found.feasible ? certificate.refuse(method.z(), method.lambda())
-                                             : certificate.refuse_infeasible(method.certificate);
+  const std::string refused =
+      found.feasible ? certificate.refuse(method.z, method.lambda) : certificate.refuse_infeasible(method.certificate);
   if (!refused.empty()) return none("the 100-digit answer fails its certificate: " + refused);
   if (!found.feasible) {
     // The largest entry becomes 1: multipliers of rows of size 2^-500 would not fit a double.
@@ -52,9 +49,14 @@ std::optional<Reference> multiprecision_reference(const Problem& problem, std::s
     found.certificate = (method.certificate / largest).cast<double>();
     return found;
   }
-  found.z = method.z().cast<double>();
-  found.bound = lost_by_rounding(problem, method.z(), found.z);
-  found.lambda = method.lambda().cast<double>();
+  // What cancels to the last of the digits is zero; `bound` counts it in.
+  Hundred largest(0);
+  for (Index j = 0; j < problem.size(); ++j)
+    largest = std::max({largest, Hundred(abs(method.z[j])), Hundred(std::abs(problem.z_u[j]))});
+  const Hundred nothing = Hundred(tolerances::hundred_digits) * largest;
+  found.z = method.z.unaryExpr([&](const Hundred& z) { return abs(z) > nothing ? static_cast<double>(z) : 0.0; });
+  found.bound = lost_by_rounding(problem, method.z, found.z);
+  found.lambda = method.lambda.cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
     if (!problem.is_equality(i)) found.lambda[i] = std::max(0.0, found.lambda[i]);
   return found;

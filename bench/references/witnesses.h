@@ -7,9 +7,9 @@
 
 namespace zwang {
 
-// Goldfarb & Idnani in 100-digit mpfr arithmetic: z*, lambda* or a certificate, each rounded once, after KktCertificate
-// has proven them with all their digits. Empty when M is not positive definite, when even 100 digits leave a decision
-// open, or when the certificate refuses the answer; `why_not` then says which.
+// Goldfarb & Idnani's method in 100-digit mpfr arithmetic (wide_active_set.h): z*, lambda* or a certificate, each rounded
+// once, after KktCertificate has proven them with all their digits. Empty when M is not positive definite, or when the
+// certificate refuses the answer; `why_not` then says which.
 std::optional<Reference> multiprecision_reference(const Problem& problem, std::string* why_not = nullptr);
 
 // The same method in long double, accepted as far as the referee proves it from the stored doubles: `bound` is its
