@@ -33,7 +33,7 @@ struct Options {
   double jump = 0.016;                   // m: targets that go farther in a frame have jumped, too
   double catch_up = 0.8;                 // m/s: a pressing hand may go so fast though its target does not
   int sub_steps = 3;
-  int verify = 10;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
+  int verify = 20;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
 
 // With what `mu` chooses filled in: solver and k_f. A hand that only pushes is soft; for one that holds, a finger tip
@@ -127,7 +127,7 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(
       OptionText{
           "verify", "verify",
-          "the referee looks at the solves of every N-th frame, in time that no figure counts; 0: of none; default: 10",
+          "the referee looks at the solves of every N-th frame, in time that no figure counts; 0: of none; default: 20",
           from(0)},
       o.verify);
 }
