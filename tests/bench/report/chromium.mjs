@@ -55,7 +55,8 @@ export async function open_browser() {
     for (const domain of ['Network', 'Runtime', 'Log', 'Page', 'Performance']) await page(`${domain}.enable`);
     await page('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: 1, mobile: width < 600});
     await page('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: dark ? 'dark' : 'light'}]});
-    await page('Page.navigate', {url: `file://${fs.realpathSync(file)}${hash && `#${hash}`}`});
+    const url = file.startsWith('http:') ? file : `file://${fs.realpathSync(file)}`;
+    await page('Page.navigate', {url: `${url}${hash && `#${hash}`}`});
     await load;
     const evaluate = async expression => {
       const {result, exceptionDetails} = await page('Runtime.evaluate', {expression: `(async () => (${expression}))()`, awaitPromise: true, returnByValue: true});
