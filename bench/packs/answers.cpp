@@ -138,6 +138,17 @@ Answers read_answers(const std::filesystem::path& file, const Pack& pack) {
   return all;
 }
 
+std::vector<std::string> names_of(std::span<const Answers> contestants) {
+  std::vector<std::string> names;
+  const auto taken = [&](const std::string& name) { return std::ranges::count(names, name) > 0; };
+  for (const Answers& given : contestants) {
+    const std::string name = taken(given.solver) ? given.solver + "@" + given.file.stem().string() : given.solver;
+    if (taken(name)) throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
+    names.push_back(name);
+  }
+  return names;
+}
+
 std::string answers_header(const Answers& a) {
   return Json({{"zwang_answers", format},
                {"solver", a.solver},

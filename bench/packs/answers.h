@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct Answers {
 // Throws BadFile with one line (file, line, what was expected): no JSON, a number that is not finite, a vector of
 // another length than the problem's, a problem answered twice or not in the pack.
 Answers read_answers(const std::filesystem::path& file, const Pack& pack);
+
+// What to call each: its solver, and where that is taken the file, too. Throws std::invalid_argument where both are.
+std::vector<std::string> names_of(std::span<const Answers> contestants);
 
 // The file's lines, to the last digit.
 std::string answers_header(const Answers& answers);

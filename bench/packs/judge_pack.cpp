@@ -45,12 +45,11 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
   std::vector<SolverEntry> entries;
   std::map<std::string, std::shared_ptr<const Answers>> by_name;
   std::set<double> tolerances;
-  for (Answers& given : contestants) {
-    std::string name = given.solver;
-    if (by_name.contains(name)) name += "@" + given.file.stem().string();
-    if (by_name.contains(name))
-      throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
-    const auto answers = by_name.emplace(name, std::make_shared<const Answers>(std::move(given))).first->second;
+  const std::vector<std::string> names = names_of(contestants);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::string& name = names[k];
+    const auto answers =
+        by_name.emplace(name, std::make_shared<const Answers>(std::move(contestants[k]))).first->second;
     tolerances.insert(answers->tolerance);
     entries.push_back({.name = name,
                        .method = described(*answers),

@@ -8,6 +8,7 @@
 
 #include <zwang/bench/packs/guard.h>
 #include <zwang/bench/packs/judge_pack.h>
+#include <zwang/bench/packs/proofs.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
@@ -120,18 +121,30 @@ std::vector<Answers> read_runs(const std::string& files, const Pack& pack) {
   return all;
 }
 
+void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
+  Progress bar(isatty(STDERR_FILENO));
+  const ProofTally tally =
+      write_proofs(pack, contestants, directory, progress_of(bar, pack.problems().size()), stop_on_interrupt());
+  bar.clear();
+  std::printf("%s proofs -> %s\n", grouped(tally.written).c_str(), directory.c_str());
+  for (const auto& [reason, count] : tally.without)
+    std::printf("no proof of %s answers: %s\n", grouped(count).c_str(), reason.c_str());
+}
+
 }  // namespace
 
 int judge_command(std::vector<std::string> words) {
   CLI::App options(
       "Judges answers to a pack: verdicts, proven distances, false claims, a report. Exit code 1: a false claim.");
   introduce(options, "judge", "  ./zwang judge guard mine.jsonl theirs.jsonl --out judged --junit judged.xml");
-  std::string directory, out, junit;
+  std::string directory, out, junit, proofs;
   std::vector<std::string> files;
   options.add_option("PACK", directory, "the pack's folder")->required();
   options.add_option("ANSWERS", files, "files of answers (docs/packs.md), one a solver")->required();
   options.add_option("--out", out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
   options.add_option("--junit", junit, "also: a test case an answer, for continuous integration")->type_name("FILE");
+  options.add_option("--proofs", proofs, "new folder: also a file an answer that proves how far it is from the true one")
+      ->type_name("DIR");
   const std::string command = command_line("judge", words);
   if (!read(options, std::move(words))) return done;
   const Pack pack(directory);
@@ -144,6 +157,7 @@ int judge_command(std::vector<std::string> words) {
                          .cache = reference_cache(),
                          .command = command,
                          .terminal = isatty(STDERR_FILENO) == 1};
+  if (!proofs.empty()) print_proofs(pack, contestants, new_directory(proofs, "--proofs"));
   const auto [outcome, rows] = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
   if (outcome.interrupted) {
     std::puts("Stopped: no report.");

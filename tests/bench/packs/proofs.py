@@ -1,0 +1,217 @@
+"""Proofs of answers: what zwang writes is verified by docs/checker/check.py in a folder without zwang, and what was tampered with is not.
+
+Usage: proofs.py PROGRAM CHECKER [COUNT]
+
+COUNT: of true proofs and of tampered ones, of small problems, beside those of a hand, a chain and their like.
+"""
+import copy
+import importlib.util
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+
+program, checker = map(os.path.abspath, sys.argv[1:3])
+count = int(sys.argv[3]) if len(sys.argv) > 3 else 300
+loaded = importlib.util.spec_from_file_location("check", checker)
+check = importlib.util.module_from_spec(loaded)
+loaded.loader.exec_module(check)
+failures = 0
+
+
+def run(*words):
+    return subprocess.run(words, capture_output=True, text=True, timeout=600)
+
+
+def holds(what, true, detail=""):
+    global failures
+    if not true:
+        failures += 1
+        print(f"FAILED: {what}\n{detail}")
+
+
+def accepts(proof, problem):
+    try:
+        check.check(proof, check.Problem(problem))
+        return True
+    except (check.NotProven, check.BadInput, KeyError, ValueError):
+        return False
+
+
+def other_digit(number, draw):
+    """The number with one digit of its 17 changed."""
+    text = repr(float(number)) if not isinstance(number, str) else number
+    end = text.find("e") if "e" in text else len(text)
+    places = [k for k in range(end) if text[k].isdigit()]
+    while True:
+        k = draw.choice(places)
+        changed = text[:k] + draw.choice("0123456789") + text[k + 1:]
+        if float(changed) != float(text) or isinstance(number, str) and changed != text:
+            return changed if isinstance(number, str) else float(changed)
+
+
+def tampered(proof, problem, others, draw):
+    """What was done, and the two after it; a forger who renews the names, too."""
+    proof, problem = copy.deepcopy(proof), copy.deepcopy(problem)
+    numbers = [(problem, key, None) for key in ("z_u", "c") if problem[key]] + [(problem, key, 2) for key in ("M", "J") if problem[key]]
+    answer = [(proof, key, None) for key in ("z", "lambda") if proof[key] and "distance" in proof]
+    stated = [(proof, key, 0) for key in ("distance", "imbalance", "contradiction") if proof.get(key, "0") != "0"]
+    kind = draw.choice(["problem"] + ["answer"] * 2 * bool(answer) + ["stated"] * 2 * bool(stated) + ["rows", "verdict", "swapped"])
+    if kind == "problem":
+        of, key, place = draw.choice(numbers)
+        k = draw.choice([k for k, x in enumerate(of[key]) if x is not None])
+        if place is None:
+            of[key][k] = other_digit(of[key][k], draw)
+        else:
+            of[key][k][place] = other_digit(of[key][k][place], draw)
+            if key == "M" and draw.random() < 0.5:
+                for entry in of[key]:
+                    if entry[:2] == of[key][k][1::-1]:
+                        entry[2] = of[key][k][2]
+    elif kind == "answer":
+        of, key, _ = draw.choice(answer)
+        k = draw.randrange(len(of[key]))
+        of[key][k] = other_digit(of[key][k], draw)
+        if draw.random() < 0.5:
+            kind += ", renamed"
+            proof["answer_sha256"] = check.answer_sha256(proof)
+    elif kind == "stated":
+        of, key, _ = draw.choice(stated)
+        of[key] = other_digit(of[key], draw)
+    elif kind == "rows":
+        rows, more = proof["basis"], proof.get("more", [])
+        exact = check.Problem(problem)
+        needed, loose = rows, [i for i in range(exact.m) if i not in rows + more]
+        if not more:  # another basis of the same point, or one without a row that does not push, is no forgery
+            z, force = exact.held(rows, [check.times(row, exact.z_u) for row in exact.M], [exact.c[i] for i in rows])
+            needed = [i for i, x in zip(rows, force) if x]
+            loose = [i for i in loose if exact.c[i] is not None and exact.slack(i, z)]
+        if rows and loose and draw.random() < 0.5:
+            rows[draw.randrange(len(rows))] = draw.choice(loose)
+            kind += ", one exchanged"
+        elif needed:
+            rows.remove(draw.choice(needed))
+            kind += ", one left out"
+        elif loose:
+            rows.append(draw.choice(loose))
+            kind += ", one added"
+        else:
+            return tampered(proof, problem, others, draw)
+    elif kind == "verdict":
+        proof["verdict"] = draw.choice([v for v in ("solved", "near", "wrong", "infeasible, proven") if v != proof["verdict"]])
+    else:
+        other = draw.choice([p for p in others if p["sha256"] != proof["sha256"] and ("more" in p, p.get("distance")) !=
+                             ("more" in proof, proof.get("distance"))])
+        for key in ("basis", "more", "verdict", "distance", "imbalance", "pulling", "contradiction"):
+            proof.pop(key, None)
+            if key in other:
+                proof[key] = other[key]
+    return kind, proof, problem
+
+
+def write_answers(name, header, answers):
+    with open(name, "w") as file:
+        for line in (header, *answers):
+            print(json.dumps(line), file=file)
+
+
+def make(scenes, solvers, draw):
+    """A pack, answers to it, right and spoilt, and their proofs: [(path, proof, problem)]."""
+    made = run(program, "pack", *scenes, "--out", "pack")
+    holds("a pack", made.returncode == 0, made.stderr)
+    files = []
+    for solver in solvers:
+        run(program, "solve-pack", "pack", "--solver", solver, "--out", solver + ".jsonl")
+        header, *answers = (json.loads(line) for line in open(solver + ".jsonl"))
+        spoilt = []
+        for answer in answers:
+            size = draw.choice([1e-4, 1e-8, 1e-12])
+            spoilt.append({**answer, **({"z": [x + size * draw.uniform(-1, 1) for x in answer["z"]]} if "z" in answer else {})})
+            if draw.random() < 0.1:
+                spoilt[-1] = {"sha256": answer["sha256"], "status": "infeasible"}
+            elif answer["status"] == "infeasible":
+                spoilt[-1] = {"sha256": answer["sha256"], "status": "solved", "z": [1.0] * problem_size(answer)}
+        write_answers(f"spoilt_{solver}.jsonl", {**header, "solver": "spoilt_" + solver}, spoilt)
+        files += [solver + ".jsonl", f"spoilt_{solver}.jsonl"]
+    judged = run(program, "judge", "pack", *files, "--out", "judged", "--proofs", "proofs")
+    holds("judged", judged.returncode in (0, 1), judged.stdout + judged.stderr)
+    print(*(line for line in judged.stdout.splitlines() if "proof" in line), sep="\n")
+    rows = {(r["solver"], r["problem_sha256"]): r for r in map(json.loads, open("judged/results.jsonl"))}
+    proofs = []
+    for place, _, names in sorted(os.walk("proofs")):
+        for name in sorted(names) if place != "proofs/problems" else ():
+            proof = json.load(open(os.path.join(place, name)))
+            proofs.append((os.path.join(place, name), proof, json.load(open(os.path.join(place, proof["problem"])))))
+            row = rows[proof["solver"], proof["sha256"]]
+            holds("the referee says the same", row["verified"] in (proof["verdict"], "undecided", "infeasible, claimed only"), f"{row}{proof}")
+    return proofs
+
+
+def problem_size(answer):
+    return next(p["n"] for p in json.load(open("pack/pack.json"))["problems"] if p["sha256"] == answer["sha256"])
+
+
+def check_files(draw):
+    run(program, "export", "incline(mu=0.5)", "--law", "pyramid", "--out", "pyramid.h5")
+    scenes = ["hand(contacts=4),chain(links=4),GAP(k=4),GAP(k=4,feasible=1),four_bar(lean=0),LOOP(k=14),random(n=20,seed=1..2)", "pyramid.h5"]
+    proofs = make(scenes, ["dual_active_set", "nnls"], draw)
+    holds("a proof of most answers", len(proofs) >= 30, str(len(proofs)))
+    holds("of right ones, wrong ones and infeasibility", {p["verdict"] for _, p, _ in proofs} >= {"solved", "wrong", "infeasible, proven"})
+    shutil.copytree("proofs", "elsewhere/proofs")
+    shutil.copytree("pack", "elsewhere/pack")
+    shutil.copy(checker, "elsewhere")
+    os.chdir("elsewhere")
+    python = (sys.executable, "check.py")
+    true = run(*python, "proofs", "--pack", "pack")
+    holds("true proofs are accepted elsewhere", true.returncode == 0 and true.stdout.count("\n") == len(proofs) and
+          true.stdout.count("the pack's ") == len(proofs), true.stdout + true.stderr)
+    with_answers = run(*python, "proofs/nnls", "--answers", "../nnls.jsonl")
+    holds("answers are looked up", with_answers.returncode == 0, with_answers.stdout + with_answers.stderr)
+    others = run(*python, "proofs/nnls", "--answers", "../spoilt_nnls.jsonl")
+    holds("other answers are told apart", others.returncode == 1 and others.stdout.count("NOT PROVEN") > 5, others.stdout)
+    for words, code, said in ((("nosuch",), 3, "nosuch"), ((), 2, "usage"), (("check.py",), 3, "check.py"), (("pack/pack.json",), 3, "pack.json"),
+                              (("proofs", "--pack", "proofs"), 3, "pack.json")):
+        bad = run(*python, *words)
+        holds(f"{words}", bad.returncode == code and said in bad.stderr and (code == 2 or bad.stderr.count("\n") == 1), bad.stdout + bad.stderr)
+    path, proof, _ = proofs[0]
+    with open(path, "w") as file:
+        json.dump({**proof, "distance": "1" + proof["distance"][1:] if proof["distance"][0] != "1" else "2" + proof["distance"][1:]}, file)
+    forged = run(*python, "proofs")
+    holds("a forged file is named", forged.returncode == 1 and forged.stdout.count("NOT PROVEN") == 1 and f"{path}: NOT PROVEN" in forged.stdout,
+          forged.stdout + forged.stderr)
+    os.chdir("..")
+
+
+def check_many(draw):
+    """True proofs of small problems, and what a forger makes of each."""
+    seeds = max(1, count // 24)
+    proofs = make([f"random(n=4,seed=1..{4 * seeds}),random(n=7,seed=1..{seeds}),NPE(k=4,seed=1..{seeds})"], ["dual_active_set", "nnls"], draw)
+    refused, forged = 0, {}
+    for path, proof, problem in proofs:
+        if not accepts(proof, problem):
+            refused += 1
+            print(f"refused: {path}")
+    for k in range(len(proofs)):
+        path, proof, problem = proofs[k]
+        kind, false, changed = tampered(proof, problem, [p for _, p, _ in draw.sample(proofs, 40)], draw)
+        forged.setdefault(kind, [0, 0])
+        forged[kind][0] += 1
+        if accepts(false, changed):
+            forged[kind][1] += 1
+            print(f"accepted: {path}, {kind}")
+    holds("true proofs are accepted", refused == 0, str(refused))
+    holds("tampered ones are not", not any(accepted for _, accepted in forged.values()), str(forged))
+    print(f"{len(proofs)} true proofs, {refused} refused; tampered with (accepted): " +
+          "; ".join(f"{kind} {all_} ({accepted})" for kind, (all_, accepted) in sorted(forged.items())))
+
+
+for part in check_files, check_many:
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        os.environ["XDG_CACHE_HOME"] = folder
+        part(random.Random(7))
+        os.chdir("/")
+sys.exit(1 if failures else 0)
