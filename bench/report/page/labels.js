@@ -11,40 +11,45 @@
 
   const apart = (rect, p) => Math.hypot(Math.max(rect.left - p.x, 0, p.x - rect.right), Math.max(rect.top - p.y, 0, p.y - rect.bottom));
 
-  // Greedy point labelling: for each anchor {x, y, text, solver} the nearest place inside the box that covers no label, no
-  // marker where there is any other place, and as little as possible of the lines; a name is nearer to its own solver's
-  // points than to another's. `occupied`: {x, y, solver, marker}. All in pixels; each label gets {at_x, at_y, align, far,
-  // rect}.
+  // Where a name may stand: beside its anchor or farther off, and beside other points of its line; without what follows the
+  // name where there is no room for that. What is nearest costs least.
+  function* places(anchor) {
+    for (const text of new Set([anchor.text, anchor.solver]))
+      for (const from of [anchor, ...anchor.along])
+        for (const reach of reaches)
+          for (const angle of reach === 0 ? [0] : angles)
+            for (const side of [1, -1]) {
+              if (side * Math.cos(angle) < -0.01) continue;  // the name goes on from where its leader ends
+              const at_x = from.x + reach * Math.cos(angle), at_y = from.y + reach * Math.sin(angle);
+              const near = at_x + side * gap, far = near + side * glyph * text.length;
+              const rect = {left: Math.min(near, far), right: Math.max(near, far), top: at_y - half_line, bottom: at_y + half_line};
+              const cost = reach + (side < 0 ? 2 : 0) + (from === anchor ? 0 : 60) + (text === anchor.text ? 0 : 200);
+              yield {...anchor, text, from, at_x, at_y, rect, cost, align: side > 0 ? 'left' : 'right', far: reach > 10};
+            }
+  }
+
+  // Greedy point labelling: each anchor {x, y, text, solver, along} gets the cheapest place inside the box that covers no
+  // label, no marker and as little as possible of the lines, and that is nearer to its own solver's points and line than to
+  // any other's; a name that has no such place is left out. `occupied`: {x, y, solver, marker}. All in pixels.
   function place(anchors, occupied, box) {
     const crowd = a => anchors.filter(b => Math.hypot(a.x - b.x, a.y - b.y) < 60).length;
     const labels = [];
     for (const anchor of [...anchors].sort((a, b) => crowd(b) - crowd(a) || a.y - b.y)) {
-      const width = glyph * anchor.text.length;
-      let best = null;
-      for (const reach of reaches)
-        for (const angle of reach === 0 ? [0] : angles)
-          for (const side of [1, -1]) {
-            if (side * Math.cos(angle) < -0.01) continue;  // the name goes on from where its leader ends
-            const at_x = anchor.x + reach * Math.cos(angle), at_y = anchor.y + reach * Math.sin(angle);
-            const near = at_x + side * gap, far = near + side * width;
-            const rect = {left: Math.min(near, far), right: Math.max(near, far), top: at_y - half_line, bottom: at_y + half_line};
-            if (rect.left < box.left || rect.right > box.right || rect.top < box.top || rect.bottom > box.bottom) continue;
-            if (labels.some(label => overlap(rect, label.rect))) continue;
-            let cost = reach + (side < 0 ? 2 : 0), own = Math.hypot(at_x - anchor.x, at_y - anchor.y) + gap, others = Infinity;
-            if (best && cost >= best.cost) continue;
-            for (const p of occupied) {
-              const off = apart(rect, p), size = p.marker ? 6 : 3;
-              if (p.solver === anchor.solver) own = Math.min(own, off);
-              else others = Math.min(others, off);
-              if (off < size) cost += p.marker ? 1000 : 12;
-            }
-            if (others < own) {
-              if (reach <= 10) continue;  // where no leader ties it to its own
-              cost += 300;
-            }
-            if (!best || cost < best.cost) best = {...anchor, cost, rect, at_x, at_y, align: side > 0 ? 'left' : 'right', far: reach > 10};
-          }
-      if (best) labels.push(best);
+      let best = {cost: Infinity};
+      for (const spot of places(anchor)) {
+        const {rect} = spot;
+        if (spot.cost >= best.cost || rect.left < box.left || rect.right > box.right || rect.top < box.top || rect.bottom > box.bottom) continue;
+        if (labels.some(label => overlap(rect, label.rect))) continue;
+        let own = Infinity, others = Infinity;
+        for (const p of occupied) {
+          const off = apart(rect, p);
+          if (p.solver === anchor.solver) own = Math.min(own, off);
+          else others = Math.min(others, off);
+          if (off < (p.marker ? 6 : 3)) spot.cost += p.marker ? Infinity : 12;
+        }
+        if (own <= others && others >= 3 && spot.cost < best.cost) best = spot;
+      }
+      if (best.rect) labels.push(best);
     }
     return labels;
   }
@@ -64,7 +69,7 @@
     });
     const offsets = pools.flatMap(pool => Array(pool.count).fill(pool.mean));
     const lowest = box.top + half_line, highest = box.bottom - half_line - (sorted.length - 1) * line;
-    return sorted.map((anchor, i) => ({...anchor, at_x, at_y: Math.max(lowest, Math.min(highest, offsets[i])) + i * line, align: 'left', far: true}));
+    return sorted.map((anchor, i) => ({...anchor, from: anchor, at_x, at_y: Math.max(lowest, Math.min(highest, offsets[i])) + i * line, align: 'left', far: true}));
   }
 
   const axis = (log, [low, high], length) => {
@@ -72,7 +77,7 @@
     return {pixel: value => (to(value) - to(low)) / (to(high) - to(low)) * length, value: pixel => from(to(low) + pixel / length * (to(high) - to(low)))};
   };
   const between_points = (from, to) => {
-    const steps = Math.ceil(Math.hypot(to.x - from.x, to.y - from.y) / 7);
+    const steps = Math.ceil(Math.hypot(to.x - from.x, to.y - from.y) / 4);
     return Array.from({length: Math.max(steps - 1, 0)}, (_, k) => ({x: from.x + (to.x - from.x) * (k + 1) / steps, y: from.y + (to.y - from.y) * (k + 1) / steps}));
   };
   // Of what a logarithmic axis can show.
@@ -132,10 +137,11 @@
     return placed.map(at => ({...at, y: -11 - 15 * (line - at.line)}));
   }
 
-  // The rows of a chart with the labels among them (part: "label"), and the words its spec asks for.
+  // The rows of a chart with the labels among them (part: "label"), the words its spec asks for, and the solvers
+  // that have no label.
   function labelled(name, every, {width, height, best = [], most = width < 420 ? 5 : Infinity, in_key = []}) {
     const chart = charts[name];
-    if (!chart) return {rows: every, words: {}};
+    if (!chart) return {rows: every, words: {}, unnamed: []};
     const lines = every.filter(row => row.drawn === 'recorded'), rows = every.filter(row => row.drawn !== 'recorded');
     const {x, y, order, line = () => true, text = row => row.solver} = chart;
     const domains = chart.domains ?? (shown => [with_margin(wider(range(shown.map(row => row[x])), 1.2, 1), true, width), wider(range(shown.map(row => row[y])), 1.5, 1.5)]);
@@ -149,19 +155,20 @@
       const own = rows.filter(row => row.solver === solver);
       const joined = own.filter(line).sort(order);
       const corners = joined.flatMap((row, i) => chart.steps && i > 0 ? [{x: pixel(row).x, y: pixel(joined[i - 1]).y}, pixel(row)] : [pixel(row)]);
-      corners.forEach((to, i) => { if (i > 0) occupied.push(...between_points(corners[i - 1], to).map(p => ({...p, solver}))); });
+      const along = corners.flatMap((to, i) => i > 0 ? between_points(corners[i - 1], to).map(p => ({...p, solver})) : []);
+      occupied.push(...along);
       if (!names.includes(solver)) continue;
       const row = (joined.length && (chart.anchor ?? last)(joined)) || [...own].sort((a, b) => ending[a.drawn] - ending[b.drawn] || a.x - b.x)[0];
-      anchors.push({...pixel(row), row, solver, text: text(row)});
+      anchors.push({...pixel(row), row, solver, text: text(row), along: along.filter((p, i) => i % 7 === 3)});
     }
     const box = {left: 0, right: width, top: 0, bottom: height};
     const edge = Math.max(...anchors.map(a => a.x)) - 30, ends = anchors.filter(a => chart.to_right && a.x >= edge);
     const placed = [...ends.length ? stack(ends, box) : [], ...place(anchors.filter(a => !ends.includes(a)), occupied, box)];
     const labels = placed.map(label => ({
       solver: label.row.solver, part: 'label', drawn: 'label', text: label.text, align: label.align, far: label.far, shift: label.rect ? (label.align === 'left' ? gap : -gap) : 3,
-      [x]: across.value(label.at_x), [y]: up.value(height - label.at_y), from_x: label.row[x], from_y: label.row[y],
+      [x]: across.value(label.at_x), [y]: up.value(height - label.at_y), from_x: across.value(label.from.x), from_y: up.value(height - label.from.y),
     }));
-    return {rows: [...rows, ...lines, ...labels], words};
+    return {rows: [...rows, ...lines, ...labels], words, unnamed: drawn.filter(solver => !labels.some(label => label.solver === solver))};
   }
 
   globalThis.zwang_labels = {place, stack, key, labelled};

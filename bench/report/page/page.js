@@ -96,10 +96,15 @@
   // The rows of a chart, solvers' names among them, and the words of its spec.
   function prepared(name, holder) {
     const drawn = rows[name](data, state);
-    if (drawn.length === 0) return {rows: drawn, words: {}};
+    if (drawn.length === 0) return {rows: drawn, words: {}, unnamed: []};
     const labels = labelled(name, drawn, {width: holder.clientWidth - 75, height: SPECS[name].height, best: best()});
-    return {rows: labels.rows, words: {...placeholders(name, holder), ...labels.words}};
+    return {...labels, words: {...placeholders(name, holder), ...labels.words}};
   }
+  const swatch = s => `<svg viewBox="0 0 30 12" aria-hidden="true"><line x1="0" x2="30" y1="6" y2="6" stroke="${s.color}" stroke-width="2" stroke-dasharray="${s.dash[1] ? s.dash.join(' ') : ''}"/>
+    <path d="${s.shape}" transform="translate(15 6) scale(4.4)" fill="${s.color}"/></svg>`;
+  // Below a chart: the solvers whose names found no place in it.
+  const fill_key = (holder, unnamed) => holder.querySelector('.key').replaceChildren(
+    ...styles(data.solvers, state.theme).filter(s => unnamed.includes(s.name)).map(s => element('span', {innerHTML: swatch(s)}, s.name)));
 
   const shown_words = {};
   async function draw(name) {
@@ -116,9 +121,10 @@
     const code = element('code');
     const button = (label, action) => element('button', {textContent: label, onclick: action});
     const zooms = ['work-precision', 'convergence-iteration', 'convergence-time', 'scaling'].includes(name);
-    holder.append(plot, element('div', {className: 'tools'}, button('SVG', () => save(name, 'svg')), button('PNG', () => save(name, 'png')),
+    holder.append(plot, element('div', {className: 'key'}), element('div', {className: 'tools'}, button('SVG', () => save(name, 'svg')), button('PNG', () => save(name, 'png')),
       ...(zooms ? ['drag to pan, Alt+wheel to zoom, double-click to reset'] : []), code));
     const options = {theme: state.theme, words: drawn.words, width: 'container', plot: {width: holder.clientWidth - 75, height: SPECS[name].height ?? 200}};
+    fill_key(holder, drawn.unnamed);
     shown_words[name] = JSON.stringify(drawn.words);
     const result = await vegaEmbed(plot, spec(SPECS[name], drawn.rows, data.solvers, options),
       {mode: 'vega-lite', actions: false, renderer: 'canvas', ast: true, expr: vega_interpreter, logLevel: vega.Error, tooltip: {theme: state.theme}});
@@ -143,6 +149,7 @@
     if (!holder?.dataset.seen) return;
     const drawn = prepared(name, holder);
     if (!views[name] || drawn.rows.length === 0 || shown_words[name] !== JSON.stringify(drawn.words)) return draw(name);
+    fill_key(holder, drawn.unnamed);
     await views[name].change('rows', vega.changeset().remove(() => true).insert(drawn.rows)).runAsync();
   }
 
@@ -183,8 +190,7 @@
       const chip = element('button', {className: 'chip', ariaPressed: String(state.on.has(s.name)), title: data.solvers.find(x => x.name === s.name).method});
       chip.dataset.solver = s.name;
       chip.style.setProperty('--chip', s.color);
-      chip.innerHTML = `<svg viewBox="0 0 30 12" aria-hidden="true"><line x1="0" x2="30" y1="6" y2="6" stroke="${s.color}" stroke-width="2" stroke-dasharray="${s.dash[1] ? s.dash.join(' ') : ''}"/>
-        <path d="${s.shape}" transform="translate(15 6) scale(4.4)" fill="${s.color}"/></svg>`;
+      chip.innerHTML = swatch(s);
       chip.append(s.name);
       chip.onclick = event => {
         const only = event.detail === 2 || event.altKey;
