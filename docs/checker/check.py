@@ -11,26 +11,19 @@ import json
 import os
 import struct
 import sys
-from collections import Counter
 from fractions import Fraction
 from math import gcd, inf, isfinite, isqrt, lcm
-from random import Random
 
 EQUALITY, INEQUALITY, TANGENT = 0, 1, 2
-PRIMES = 2**127 - 1, 2**107 - 1, 2**521 - 1
 
 
-class BadInput(Exception):
-    """One line: what, where, what was expected."""
+class Refused(Exception):
+    """A proof that does not hold (exit code 1), or input that is none (3): why, in one line."""
 
 
-class NotProven(Exception):
-    """Where the proof does not hold."""
-
-
-def expect(holds, why, kind=NotProven):
+def expect(holds, why, code=1):
     if not holds:
-        raise kind(why)
+        raise Refused(code, why)
 
 
 def dot(pairs):
@@ -58,123 +51,30 @@ def root_up(square, digits=20):
         shift += digits - len(str(root))
 
 
-# Linear systems, solved modulo powers of a prime (Dixon 1982); what they give is verified by multiplication.
-
-def parts_of(rows, size):
-    """Rows and unknowns that hang together, as pairs of lists."""
-    above, parts = list(range(size)), {}
-
-    def top(j):
-        while above[j] != j:
-            above[j] = j = above[above[j]]
-        return j
-    expect(all(rows), "its equations depend on each other")
-    for row in rows:
-        for j in row:
-            above[top(j)] = top(next(iter(row)))
-    for j in range(size):
-        parts.setdefault(top(j), ([], []))[1].append(j)
+def solve(rows, right, positive_definite=False):
+    """x with rows x = right, by elimination in integers, the shortest row first. Symmetric rows are positive definite by their pivots."""
+    left, done, x = {}, [], [None] * len(rows)
     for i, row in enumerate(rows):
-        parts[top(next(iter(row)))][0].append(i)
-    return parts.values()
-
-
-def factored(rows, p):
-    """Gaussian elimination modulo p, the shortest row first; None where a pivot is missing."""
-    left, count, steps = {i: {j: v % p for j, v in row.items()} for i, row in enumerate(rows)}, Counter(j for row in rows for j in row), []
+        factor = lcm(*(v.denominator for v in row.values()), right[i].denominator)
+        left[i] = {**{j: int(v * factor) for j, v in row.items()}, len(rows): int(right[i] * factor)}
     while left:
         i = min(left, key=lambda k: len(left[k]))
         row = {j: v for j, v in left.pop(i).items() if v}
-        if not row:
-            return None
-        column, below = min(row, key=count.get), []
-        inverse = pow(row.pop(column), -1, p)
+        columns = {j: sum(j in other for other in left.values()) for j in row if j < len(rows)}
+        column = i if positive_definite else min(columns, key=columns.get, default=None)
+        expect(row.get(column, 0) > 0 or not positive_definite, "M is not positive definite")
+        expect(column in row, "its equations depend on each other")
         for k, other in left.items():
             if column in other:
-                below.append((k, other.pop(column) * inverse % p))
-                for j, v in row.items():
-                    other[j] = (other.get(j, 0) - below[-1][1] * v) % p
-        steps.append((i, column, inverse, below, list(row.items())))
-    return steps
-
-
-def solved_modulo(steps, right, p):
-    x, right = [0] * len(right), list(right)
-    for i, _, _, below, _ in steps:
-        right[i] %= p
-        for k, factor in below if right[i] else ():
-            right[k] -= factor * right[i]
-    for i, column, inverse, _, tail in reversed(steps):
-        x[column] = (right[i] - sum(v * x[j] for j, v in tail)) * inverse % p
+                common = gcd(other[column], row[column])
+                keep, take = row[column] // common, other.pop(column) // common
+                both = {j: keep * other.get(j, 0) - take * row.get(j, 0) for j in {**other, **row} if j != column}
+                common = gcd(*both.values())
+                left[k] = {j: v // common for j, v in both.items() if v}
+        done.append((column, row))
+    for column, row in reversed(done):
+        x[column] = (row.get(len(rows), 0) - dot((Fraction(v), x[j]) for j, v in row.items() if j not in (column, len(rows)))) / row[column]
     return x
-
-
-def denominator(residue, modulus):
-    """Of the fraction of small terms that leaves this residue."""
-    a, b, t, u = modulus, residue, 0, 1
-    while 2 * b * b > modulus:
-        quotient = a // b
-        a, b, t, u = b, a - quotient * b, u, t - quotient * u
-    return abs(u)
-
-
-def lifted(rows, right):
-    """x with rows x = right, all integers: numerators and their denominator."""
-    for p in PRIMES:
-        if steps := factored(rows, p):
-            break
-    expect(steps, "its equations depend on each other")
-    rest, x, power, attempt, draw = list(right), [0] * len(right), 1, 0, Random(1)
-    most = 4 * sum(sum(map(abs, row.values())).bit_length() for row in rows) + 4 * max(map(abs, right)).bit_length() + 1000
-    while True:
-        digit = solved_modulo(steps, rest, p)
-        rest = [(r - sum(v * digit[j] for j, v in row.items())) // p for r, row in zip(rest, rows)]
-        x, power = [a + d * power for a, d in zip(x, digit)], power * p
-        if power.bit_length() < attempt and any(rest):
-            continue
-        attempt, below = power.bit_length() * 4 // 3, 1
-        for _ in range(4):  # of a random sum: the denominator of all numbers, but by bad luck
-            if below * below << 32 < power:
-                below *= denominator(sum(a * draw.getrandbits(64) for a in x) * below % power, power)
-        expect(power.bit_length() < most, "its equations have no solution that can be found")
-        if below * below << 32 > power:
-            continue
-        above = [(a * below + power // 2) % power - power // 2 for a in x]
-        if all(sum(v * above[j] for j, v in row.items()) == r * below for row, r in zip(rows, right)):
-            return above, below
-
-
-def solve(rows, right):
-    """x with rows x = right, fractions."""
-    x = [Fraction(0)] * len(rows)
-    for own_rows, own in parts_of(rows, len(rows)):
-        expect(len(own_rows) == len(own), "its equations depend on each other")
-        if not any(right[i] for i in own_rows):
-            continue
-        place, whole, sides = {j: k for k, j in enumerate(own)}, [], []
-        for i in own_rows:
-            factor = lcm(*(v.denominator for v in rows[i].values()), right[i].denominator)
-            common = gcd(*(int(v * factor) for v in rows[i].values()), int(right[i] * factor))
-            whole.append({place[j]: int(v * factor) // common for j, v in rows[i].items()})
-            sides.append(int(right[i] * factor) // common)
-        above, below = lifted(whole, sides)
-        for j, a in zip(own, above):
-            x[j] = Fraction(a, below)
-    return x
-
-
-def positive_definite(rows):
-    """By the signs of the leading minors, in integers (Bareiss 1968)."""
-    for own, columns in parts_of(rows, len(rows)):
-        factor, last = lcm(*(v.denominator for i in own for v in rows[i].values())), 1
-        a = [[int(rows[i].get(j, 0) * factor) for j in columns] for i in own]
-        for k, row in enumerate(a):
-            if row[k] <= 0:
-                return False
-            for other in a[k + 1:]:
-                other[k:] = [(x * row[k] - other[k] * y) // last for x, y in zip(other[k:], row[k:])]
-            last = row[k]
-    return True
 
 
 class Problem:
@@ -182,105 +82,117 @@ class Problem:
 
     def __init__(self, given):
         self.n, self.m, self.law, self.kind = given["n"], given["m"], given["law"], given["kind"]
-        self.doubles = {name: [-inf if x is None else float(x) for x in given[name]] for name in ("z_u", "c", "mu")}
-        for name, sizes in ("z_u", (self.n,)), ("c", (self.m,)), ("kind", (self.m,)), ("mu", (0, self.m)):
-            expect(len(given[name]) in sizes, f"{name} should have {sizes[-1]} numbers", BadInput)
-            expect(name != "kind" or set(self.kind) <= {EQUALITY, INEQUALITY, TANGENT}, "a kind should be 0, 1 or 2", BadInput)
-            for i, x in enumerate(self.doubles.get(name, ())):
-                expect(isfinite(x) or (name, x, self.kind[i]) == ("c", -inf, INEQUALITY), f"{name}[{i}] is {x}", BadInput)
-        self.z_u, self.c = ([None if x == -inf else Fraction(x) for x in self.doubles[name]] for name in ("z_u", "c"))
-        self.M, self.J, self.columns = ([{} for _ in range(size)] for size in (self.n, self.m, self.n))
-        for name, rows in ("M", self.M), ("J", self.J):
-            for i, j, x in given[name]:
-                expect(0 <= i < len(rows) and 0 <= j < self.n and j not in rows[i] and isfinite(x), f"{name} has a bad entry at {i}, {j}",
-                       BadInput)
-                rows[i].update({j: Fraction(x)} if x else {})
-        for i, row in enumerate(self.J):
-            for j, x in row.items():
-                self.columns[j][i] = x
-        expect(all(self.M[j].get(i) == x for i, row in enumerate(self.M) for j, x in row.items()), "M is not symmetric", BadInput)
-        expect(positive_definite(self.M), "M is not positive definite", BadInput)
-        self.sha256 = self.name()
-
-    def name(self):
-        """SHA-256 of its contents (docs/formats.md)."""
+        doubles = {name: [-inf if x is None else float(x) for x in given[name]] for name in ("z_u", "c", "kind", "mu")}
+        for name, size in ("z_u", self.n), ("c", self.m), ("kind", self.m), ("mu", self.m if TANGENT in self.kind else 0):
+            expect(len(doubles[name]) == size, f"{name} should have {size} numbers", 3)
+            for i, x in enumerate(doubles[name]):
+                expect(isfinite(x) or (name, x, self.kind[i]) == ("c", -inf, INEQUALITY), f"{name}[{i}] is {x}", 3)
+        self.z_u, self.c, self.mu = ([None if x == -inf else Fraction(x) for x in doubles[name]] for name in ("z_u", "c", "mu"))
+        self.M, self.J = ([{} for _ in range(size)] for size in (self.n, self.m))
         words = struct.pack("<2q", self.n, self.m)
-        for lines, swap in (self.M, True), (self.J, False):
-            for i, row in enumerate(lines):
-                words += b"".join(struct.pack("<2qd", *((j, i) if swap else (i, j)), float(x)) for j, x in sorted(row.items()))
+        for name, rows in ("M", self.M), ("J", self.J):
+            for i, j, x in sorted(given[name], key=lambda entry: entry[1::-1] if name == "M" else entry[:2]):
+                expect(0 <= i < len(rows) and 0 <= j < self.n and j not in rows[i] and isfinite(x), f"{name} has a bad entry {i}, {j}", 3)
+                rows[i].update({j: Fraction(x)} if x else {})
+                words += struct.pack("<2qd", i, j, x) if x else b""
             words += struct.pack("<q", -1)
-        words += b"".join(struct.pack("<d", x) for name in ("z_u", "c") for x in self.doubles[name])
-        words += struct.pack(f"<{self.m}q", *self.kind)
-        if self.doubles["mu"]:
-            words += struct.pack(f"<{self.m}dq", *self.doubles["mu"], {"convex": 2, "coulomb": 3}[self.law])
-        return hashlib.sha256(words).hexdigest()
+        words += struct.pack(f"<{self.n + self.m}d{self.m}q", *doubles["z_u"], *doubles["c"], *self.kind)
+        if self.mu:
+            words += struct.pack(f"<{self.m}dq", *doubles["mu"], {"convex": 2, "coulomb": 3}[self.law])
+        self.sha256 = hashlib.sha256(words).hexdigest()  # the name of its contents (docs/formats.md)
+        self.columns = [{i: row[j] for i, row in enumerate(self.J) if j in row} for j in range(self.n)]
+        expect(all(self.M[j].get(i) == x for i, row in enumerate(self.M) for j, x in row.items()), "M is not symmetric", 3)
+        solve(self.M, self.z_u, positive_definite=True)
+        heads = [i for i, kind in enumerate(self.kind) if kind != TANGENT] + [self.m]
+        groups = [(i, range(i + 1, end), self.mu[i] if self.mu else 0) for i, end in zip(heads, heads[1:])]  # row, tangent rows, mu
+        expect(heads[0] == 0 and all(self.kind[i] in (EQUALITY, INEQUALITY)[len(rows) > 0:] for i, rows, _ in groups), "bad kinds", 3)
+        self.silent = {k for i, rows, _ in groups if self.c[i] is None for k in (i, *rows)}
+        self.contacts = [group for group in groups if self.kind[group[0]] == INEQUALITY and group[0] not in self.silent]
 
     def held(self, rows, force, values):
-        """y, w with M y - J_B'w = force and J_B y = values on the rows B."""
-        place, system = {i: self.n + k for k, i in enumerate(rows)}, [dict(row) for row in self.M + [self.J[i] for i in rows]]
-        for j, column in enumerate(self.columns):
-            system[j].update((place[i], -x) for i, x in column.items() if i in place)
-        x = solve(system, list(force) + list(values))
+        """y, w with M y - J_B'w = force and J_B y = values of these rows B."""
+        system = [dict(row) for row in self.M + [self.J[i] for i in rows]]
+        for k, i in enumerate(rows):
+            for j, x in self.J[i].items():
+                system[j][self.n + k] = -x
+        x = solve(system, force + values)
         return x[:self.n], x[self.n:]
 
     def slack(self, i, z):
         return times(self.J[i], z) - self.c[i]
 
     def squared(self, z):
-        """z'M z."""
         return dot((x, times(row, z)) for x, row in zip(z, self.M))
 
     def squared_force(self, force):
-        """force' M^-1 force."""
+        """force'M^-1 force."""
         return dot(zip(force, self.held([], force, [])[0]))
 
-    def dense(self, i):
-        return [self.J[i].get(j, Fraction(0)) for j in range(self.n)]
+    def unbalanced(self, z, forces):
+        """|M (z - z_u) - J'forces|^2 in the dual norm."""
+        moved = [x - y for x, y in zip(z, self.z_u)]
+        return self.squared_force([times(row, moved) - times(column, forces) for row, column in zip(self.M, self.columns)])
 
-    def named(self, proof, key):
-        rows = proof[key]
-        expect(len(set(rows)) == len(rows) and all(0 <= i < self.m and self.c[i] is not None and self.kind[i] != TANGENT for i in rows),
-               f"{key} should name rows that say something, each once", BadInput)
+    def named(self, rows):
+        expect(len(set(rows)) == len(rows) and all(0 <= i < self.m and i not in self.silent for i in rows), "rows that are none", 3)
         return rows
 
+    def complementarity(self, z, forces):
+        """forces'(J z - c), where z meets all rows and forces lie in their cones. Coulomb's law: where they also fit the slip."""
+        total, equalities = 0, (i for i, kind in enumerate(self.kind) if kind == EQUALITY)
+        expect(all(self.slack(i, z) == 0 for i in equalities), "an equality row does not hold")
+        for i, tangents, mu in self.contacts:
+            s, force = self.slack(i, z), forces[i]
+            slips = [self.slack(k, z) for k in tangents]
+            slip, along, work = dot(zip(slips, slips)), sum(forces[k]**2 for k in tangents), dot(zip((forces[k] for k in tangents), slips))
+            expect(s >= 0 and (self.law == "coulomb" or s * s >= mu * mu * slip), f"row {i} does not hold")
+            expect(force >= 0 and along <= (mu * force)**2, f"row {i} would have to pull, or its force leaves the cone")
+            expect(self.law != "coulomb" or s * force == 0 and work <= 0 and work**2 == (mu * force)**2 * slip, f"row {i} slides otherwise")
+            total += s * force + work
+        return total
 
-def solution(problem, proof):
-    """z* at which the rows of the basis hold with forces that push: the only one, as the program is strictly convex."""
-    basis = problem.named(proof, "basis")
-    z, force = problem.held(basis, [times(row, problem.z_u) for row in problem.M], [problem.c[i] for i in basis])
-    for i, x in zip(basis, force):
-        expect(problem.kind[i] == EQUALITY or x >= 0, f"row {i} would have to pull")
-    for i in set(range(problem.m)) - set(basis):
-        s = problem.slack(i, z) if problem.c[i] is not None else 0
-        expect(s == 0 or s > 0 and problem.kind[i] == INEQUALITY, f"row {i} does not hold")
-    return z
+
+# What is proven: each function gives z and r^2, for a solution at most r from z.
+
+def solution(p, proof):
+    """z where the rows of the basis hold, with forces on them in balance: a solution, if it obeys the law in every row. frozen: forces that
+    are given, of rows that depend on the basis."""
+    basis, frozen, forces = p.named(proof["basis"]), dict(proof.get("frozen", ())), [Fraction(0)] * p.m
+    for i in p.named([*basis, *frozen]):
+        forces[i] = Fraction(frozen.get(i, 0))
+    pushed = [times(row, p.z_u) + times(column, forces) for row, column in zip(p.M, p.columns)]
+    z, held = p.held(basis, pushed, [p.c[i] for i in basis])
+    for i, x in zip(basis, held):
+        forces[i] = x
+    total = p.complementarity(z, forces)
+    expect(p.law == "coulomb" or total == 0, "rows push that do not touch")
+    return z, Fraction(0)
 
 
-def contradiction(problem, proof):
-    """As text, motion / distance for a distance that every z keeps from z_u which meets the rows of the basis and one more.
+def enclosure(p, proof):
+    """Weak duality: |z - z*|^2 <= |M (z - z_u) - J'l|^2 + 2 l'(J z - c) of a z that meets all rows and forces l in their cones. z: near,
+    brought onto the equality rows of the basis; the forces on them that this takes are in balance."""
+    near, forces = ([sum(map(Fraction, parts)) for parts in proof[key]] for key in ("near", "forces"))
+    expect(p.law != "coulomb" and (len(near), len(forces)) == (p.n, p.m), "no proof under this law, or of another length", 3)
+    z, _ = p.held(p.named(proof["basis"]), [times(row, near) for row in p.M], [p.c[i] for i in proof["basis"]])
+    return z, p.unbalanced(near, forces) + 2 * p.complementarity(z, forces)
 
-    Weights u of these rows, u_I >= 0, leave c'u <= z'J'u; so |z - z_u| >= (c - J z_u)'u / |J'u|. "0": there is no z at all."""
-    basis, more = problem.named(proof, "basis"), problem.named(proof, "more")
-    expect(len(more) == 1 and more[0] not in basis, "more should name one row beside the basis", BadInput)
-    rest, weights = problem.held(basis, problem.dense(more[0]), [Fraction(0)] * len(basis))
-    u = {more[0]: Fraction(1), **dict(zip(basis, weights))}
-    gain = -dot((x, problem.slack(i, problem.z_u)) for i, x in u.items())
-    sign = -1 if problem.kind[more[0]] == EQUALITY and gain < 0 else 1
-    for i, x in u.items():
-        expect(problem.kind[i] == EQUALITY or sign * x >= 0, f"row {i} has a negative weight")
-    expect(gain, "its combination of rows contradicts nothing")
-    expect(sign * gain > 0, "its combination of rows contradicts nothing")
-    left, motion = times(problem.J[more[0]], rest), problem.squared(problem.z_u)
+
+def contradiction(p, proof):
+    """Motion / distance, as text: of all z that meet the rows of the basis and one more, from z_u. "0": there are none. Weights u of these
+    rows, u_I >= 0, leave c'u <= z'J'u, and so |z - z_u| >= (c - J z_u)'u / |J'u|."""
+    basis, more = p.named(proof["basis"]), proof["more"]
+    expect(more not in basis and all(p.kind[i] != TANGENT for i in p.named([*basis, more])), "rows that cannot contradict", 3)
+    dense = {i: [p.J[i].get(j, Fraction(0)) for j in range(p.n)] for i in (more, *basis)}
+    rest, weights = p.held(basis, dense[more], [Fraction(0)] * len(basis))
+    u = {more: Fraction(1), **dict(zip(basis, weights))}
+    gain, left, motion = -dot((x, p.slack(i, p.z_u)) for i, x in u.items()), times(p.J[more], rest), p.squared(p.z_u)
+    sign = -1 if p.kind[more] == EQUALITY and gain < 0 else 1
+    expect(sign * gain > 0 and all(p.kind[i] == EQUALITY or sign * x >= 0 for i, x in u.items()), "its rows do not contradict each other")
     for i in u if left else ():
-        if any(problem.J[i]):
-            motion = max(motion, problem.slack(i, problem.z_u) ** 2 / problem.squared_force(problem.dense(i)))
+        unit = p.squared_force(dense[i])
+        motion = max(motion, p.slack(i, p.z_u)**2 / unit if unit else 0)
     return root_up(left * motion / gain**2)
-
-
-def verdict_of(square, tolerance):
-    accepted = max(10 * Fraction(tolerance), Fraction(1e-12))
-    near = max(accepted, min(1000 * accepted, Fraction(1e-2)))
-    return "solved" if square <= accepted**2 else "near" if square <= near**2 else "wrong"
 
 
 def answer_sha256(answer):
@@ -289,36 +201,37 @@ def answer_sha256(answer):
     return hashlib.sha256(answer["status"].encode() + b"\n" + struct.pack(f"<{len(numbers)}d", *numbers)).hexdigest()
 
 
-def check(proof, problem):
+def check(proof, p):
     """Holds every statement of the proof against the problem; returns the sentence."""
-    expect(problem.sha256 == proof["sha256"], "the problem's numbers are not those that the proof names")
+    expect(p.sha256 == proof["sha256"], "the problem's numbers are not those that the proof names")
     expect(answer_sha256(proof) == proof["answer_sha256"], "the answer is not the one that the proof names")
-    z, force = ([Fraction(x) for x in proof.get(key) or ()] for key in ("z", "lambda"))
-    expect(len(z) in (0, problem.n) and len(force) in (0, problem.m), "an answer of another length", BadInput)
+    z, forces = ([Fraction(x) for x in proof.get(key) or ()] for key in ("z", "lambda"))
+    expect(len(z) in (0, p.n) and len(forces) in (0, p.m), "an answer of another length", 3)
     found = {"verdict": "wrong"}
     if "more" in proof:
-        far = found["contradiction"] = contradiction(problem, proof)
-        expect(Fraction(far) <= Fraction(1e-8), "its rows can be met within 1e8 motions")
-        if proof["status"] == "infeasible":
-            found["verdict"] = "infeasible, proven"
-        rows = ", ".join(map(str, sorted(proof["basis"] + proof["more"])))
-        said = f"no z meets the rows {rows}" + ("" if far == "0" else f" within {1 / float(far):.3g} motions")
+        found["contradiction"] = contradiction(p, proof)
+        expect(Fraction(found["contradiction"]) <= Fraction(1e-8), "its rows can be met within 1e8 motions")
+        found["verdict"] = "infeasible, proven" if proof["status"] == "infeasible" else "wrong"
+        said = f"no z meets the rows {', '.join(map(str, sorted([*proof['basis'], proof['more']])))}" + (
+            "" if found["contradiction"] == "0" else f" within {1 / float(found['contradiction']):.3g} motions")
     else:
-        true = solution(problem, proof)
-        size, said = max(problem.squared(problem.z_u), problem.squared(true)), "some z meets all rows"
-
-        def relative(square):
-            expect(size or not square, "there is no motion to measure by")
-            return square / size if square else square
+        true, square = enclosure(p, proof) if "near" in proof else solution(p, proof)
+        motion, said = max(p.squared(p.z_u), p.squared(true)), "there is a solution"
         if z:
-            square = relative(problem.squared([a - b for a, b in zip(z, true)]))
-            found.update(verdict=verdict_of(square, proof["tolerance"]), distance=root_up(square))
-            said = f"z is {float(found['distance']):.3g} of the motion away from the solution" if square else "z is the solution"
-        if z and force:
-            used = [x if problem.c[i] is not None else 0 for i, x in enumerate(force)]
-            rest = [times(row, z) - times(row, problem.z_u) - times(column, used) for row, column in zip(problem.M, problem.columns)]
-            found["imbalance"] = root_up(relative(problem.squared_force(rest)))
-            found["pulling"] = sum(x < 0 for i, x in enumerate(used) if problem.kind[i] == INEQUALITY)
+            away = p.squared([x - y for x, y in zip(z, true)])
+            expect(square < motion or not away + square, "there is too little motion to measure by")
+            away, radius = (Fraction(root_up(x / (motion or 1), 60)) for x in (away, square))  # and |z*| is as near to |true|
+            far, near = (away + radius) / (1 - radius), (away * (1 - Fraction(10)**-50) - radius) / (1 + radius)
+            accepted = max(10 * Fraction(proof["tolerance"]), Fraction(1e-12))
+            allowed = max(accepted, min(1000 * accepted, Fraction(1e-2)))
+            found["verdict"] = "solved" if far <= accepted else "near" if far <= allowed else "wrong" if near > allowed else "undecided"
+            expect(p.law != "coulomb" or found["verdict"] != "wrong", "another solution may be near")
+            found["distance"] = root_up(far * far)
+            said = f"z is {float(far):.3g} of the motion off {'a' if p.law == 'coulomb' else 'the'} solution" if far else "z is a solution"
+        if z and forces:
+            forces = [0 if i in p.silent else x for i, x in enumerate(forces)]
+            found["imbalance"] = root_up(p.unbalanced(z, forces) / (motion or 1))
+            found["pulling"] = sum(forces[i] < 0 for i, _, _ in p.contacts)
             said += f", its forces are {float(found['imbalance']):.3g} out of balance"
     for key in "verdict", "distance", "imbalance", "pulling", "contradiction":
         expect(proof.get(key) == found.get(key), f"it states {key} {proof.get(key)}, and true is {found.get(key)}")
@@ -326,72 +239,62 @@ def check(proof, problem):
 
 
 def read(path):
-    """A JSON file, or a problem of zwang's HDF5 layout."""
+    """A JSON file, or a problem in zwang's HDF5 layout; None where there is no h5py to read it."""
+    if not path.endswith(".h5"):
+        with open(path, encoding="utf-8") as file:
+            return json.load(file)
     try:
-        if not path.endswith(".h5"):
-            with open(path, encoding="utf-8") as file:
-                return json.load(file)
         import h5py
-        with h5py.File(path, "r") as file:
-            p, sparse = file["zwang"], {}
-            for name, swap in ("M", 1), ("J", 0):
-                starts, places, sparse[name] = p[name]["p"][:].tolist(), p[name]["i"][:].tolist(), []
-                for line, (start, end) in enumerate(zip(starts, starts[1:])):
-                    for k in range(start, end):
-                        sparse[name].append((*((places[k], line) if swap else (line, places[k])), float(p[name]["x"][k])))
-            rest = {name: p[name][:].tolist() if name in p else [] for name in ("z_u", "c", "kind", "mu")}
-            return {**sparse, **rest, "n": len(rest["z_u"]), "m": len(rest["c"]), "law": p["law"].asstr()[0] if "law" in p else "coulomb"}
-    except (OSError, ValueError) as wrong:
-        raise BadInput(f"{path}: {wrong}") from None
-
-
-def linked(problem, index):
-    """The problem and what ties it to the pack: a file of the same numbers, where h5py is there to read it, or the name."""
-    expect(problem.sha256 in index, "the pack names no problem of these numbers")
-    try:
-        stored = read(index[problem.sha256])
     except ImportError:
-        return problem, "; the pack's index names these numbers"
-    expect(Problem(stored).sha256 == problem.sha256, f"{index[problem.sha256]} holds other numbers")
-    return problem, "; the pack's file holds these numbers"
+        return None
+    p = h5py.File(path, "r")["zwang"]
+    found = {name: p[name][:].tolist() if name in p else [] for name in ("z_u", "c", "kind", "mu")}
+    for name in "M", "J":
+        starts, places, values = (p[name][part][:].tolist() for part in "pix")
+        lines = [line for line, (start, end) in enumerate(zip(starts, starts[1:])) for _ in range(start, end)]
+        found[name] = list(zip(*((places, lines) if name == "M" else (lines, places)), values))
+    return {**found, "n": len(found["z_u"]), "m": len(found["c"]), "law": p["law"].asstr()[0] if "law" in p else "coulomb"}
 
 
 def main():
     parser = argparse.ArgumentParser(description="Checks proofs that zwang wrote (docs/packs.md).")
     parser.add_argument("proofs", nargs="+", metavar="PROOF", help="a proof file, or a folder of them")
-    parser.add_argument("--pack", metavar="DIR", help="its index has to name the problems, and its files (read where h5py is there) to hold them")
+    parser.add_argument("--pack", metavar="DIR", help="its index has to name the problems, and its files (read where h5py is) to hold them")
     parser.add_argument("--answers", metavar="FILE", help="lines of JSON, in which the answers have to stand")
     options = parser.parse_args()
     getattr(sys, "set_int_max_str_digits", int)(0)
-    files, index, given, problems, refused = [], {}, {}, {}, 0
+    index = read(os.path.join(options.pack, "pack.json"))["problems"] if options.pack else ()
+    pack = {p["sha256"]: os.path.join(options.pack, p["file"]) for p in index}
+    with open(options.answers or os.devnull, encoding="utf-8") as lines:
+        given = {a["sha256"]: answer_sha256(a) for a in map(json.loads, lines) if "sha256" in a}
+    problems, refused = {}, 0
     for path in options.proofs:
-        inside = sorted(os.path.join(place, name) for place, _, names in os.walk(path) for name in names if os.path.basename(place) != "problems")
-        files += inside or [path]
-    if options.pack:
-        index = {p["sha256"]: os.path.join(options.pack, p["file"]) for p in read(os.path.join(options.pack, "pack.json"))["problems"]}
-    if options.answers:
-        with open(options.answers, encoding="utf-8") as lines:
-            given = {a["sha256"]: answer_sha256(a) for a in map(json.loads, lines) if "sha256" in a}
-    for path in files:
-        try:
-            proof = read(path)
-            twin = os.path.join(os.path.dirname(path), proof["problem"])
-            if twin not in problems:
-                problems[twin] = linked(Problem(read(twin)), index) if options.pack else (Problem(read(twin)), "")
-            problem, link = problems[twin]
-            expect(not options.answers or given.get(proof["sha256"]) == proof["answer_sha256"], f"{options.answers} has another answer")
-            print(f"{path}: {proof['solver']}, {proof['name']}: {check(proof, problem)}{link}")
-        except NotProven as why:
-            refused += 1
-            print(f"{path}: NOT PROVEN: {why}")
-        except (BadInput, KeyError, TypeError, ValueError, OverflowError, AttributeError, IndexError) as why:
-            raise BadInput(f"{path}: {why if isinstance(why, BadInput) else repr(why)}") from None
-    return 1 if refused else 0
+        inside = (os.path.join(place, name) for place, _, names in os.walk(path) if place[-9:] != "/problems" for name in names)
+        for at in sorted(inside) or [path]:
+            try:
+                proof = read(at)
+                twin = os.path.join(os.path.dirname(at), proof["problem"])
+                problems[twin] = problems.get(twin) or Problem(read(twin))
+                name, link = problems[twin].sha256, ""
+                if options.pack:
+                    expect(name in pack, "the pack names no problem of these numbers")
+                    stored = read(pack[name])
+                    expect(not stored or Problem(stored).sha256 == name, f"{pack[name]} holds other numbers")
+                    link = "; the pack's file holds these numbers" if stored else "; the pack's index names these numbers"
+                expect(not options.answers or given.get(proof["sha256"]) == proof["answer_sha256"], f"{options.answers} has another answer")
+                print(f"{at}: {proof['solver']}, {proof['name']}: {check(proof, problems[twin])}{link}", flush=True)
+            except Refused as why:
+                expect(why.args[0] == 1, f"{at}: {why.args[1]}", 3)
+                refused = 1
+                print(f"{at}: NOT PROVEN: {why.args[1]}", flush=True)
+            except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError, IndexError, struct.error) as why:
+                raise Refused(3, f"{at}: {why!r}") from None
+    return refused
 
 
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except BadInput as why:
-        print(str(why).replace("\n", " "), file=sys.stderr)
+    except (Refused, OSError, ValueError, KeyError, TypeError) as wrong:
+        print((wrong.args[1] if isinstance(wrong, Refused) else str(wrong)).replace("\n", " "), file=sys.stderr)
         sys.exit(3)

@@ -37,7 +37,7 @@ def accepts(proof, problem):
     try:
         check.check(proof, check.Problem(problem))
         return True
-    except (check.NotProven, check.BadInput, KeyError, ValueError):
+    except (check.Refused, KeyError, ValueError):
         return False
 
 
@@ -59,7 +59,8 @@ def tampered(proof, problem, others, draw):
     numbers = [(problem, key, None) for key in ("z_u", "c") if problem[key]] + [(problem, key, 2) for key in ("M", "J") if problem[key]]
     answer = [(proof, key, None) for key in ("z", "lambda") if proof[key] and "distance" in proof]
     stated = [(proof, key, 0) for key in ("distance", "imbalance", "contradiction") if proof.get(key, "0") != "0"]
-    kind = draw.choice(["problem"] + ["answer"] * 2 * bool(answer) + ["stated"] * 2 * bool(stated) + ["rows", "verdict", "swapped"])
+    kind = draw.choice(["problem"] + ["answer"] * 2 * bool(answer) + ["stated"] * 2 * bool(stated) + ["verdict", "swapped"] +
+                       ["rows"] * (not problem["mu"]))
     if kind == "problem":
         of, key, place = draw.choice(numbers)
         k = draw.choice([k for k, x in enumerate(of[key]) if x is not None])
@@ -82,10 +83,10 @@ def tampered(proof, problem, others, draw):
         of, key, _ = draw.choice(stated)
         of[key] = other_digit(of[key], draw)
     elif kind == "rows":
-        rows, more = proof["basis"], proof.get("more", [])
+        rows = proof["basis"]
         exact = check.Problem(problem)
-        needed, loose = rows, [i for i in range(exact.m) if i not in rows + more]
-        if not more:  # another basis of the same point, or one without a row that does not push, is no forgery
+        needed, loose = rows, [i for i in range(exact.m) if i not in rows and i != proof.get("more")]
+        if "more" not in proof:  # another basis of the same point, or one without a row that does not push, is no forgery
             z, force = exact.held(rows, [check.times(row, exact.z_u) for row in exact.M], [exact.c[i] for i in rows])
             needed = [i for i, x in zip(rows, force) if x]
             loose = [i for i in loose if exact.c[i] is not None and exact.slack(i, z)]
@@ -105,7 +106,7 @@ def tampered(proof, problem, others, draw):
     else:
         other = draw.choice([p for p in others if p["sha256"] != proof["sha256"] and ("more" in p, p.get("distance")) !=
                              ("more" in proof, proof.get("distance"))])
-        for key in ("basis", "more", "verdict", "distance", "imbalance", "pulling", "contradiction"):
+        for key in ("basis", "more", "frozen", "near", "forces", "verdict", "distance", "imbalance", "pulling", "contradiction"):
             proof.pop(key, None)
             if key in other:
                 proof[key] = other[key]
@@ -155,10 +156,13 @@ def problem_size(answer):
 
 
 def check_files(draw):
-    run(program, "export", "incline(mu=0.5)", "--law", "pyramid", "--out", "pyramid.h5")
-    scenes = ["hand(contacts=4),chain(links=4),GAP(k=4),GAP(k=4,feasible=1),four_bar(lean=0),LOOP(k=14),random(n=20,seed=1..2)", "pyramid.h5"]
-    proofs = make(scenes, ["dual_active_set", "nnls"], draw)
-    holds("a proof of most answers", len(proofs) >= 30, str(len(proofs)))
+    for law in ("pyramid", "convex"):
+        run(program, "export", "incline(mu=0.5)", "--law", law, "--out", law + ".h5")
+    scenes = ["hand(contacts=4),chain(links=4),GAP(k=4),GAP(k=4,feasible=1),four_bar(lean=0),LOOP(k=14),random(n=20,seed=1..2),stack(boxes=2,mu=0.5),"
+              "planted(k=1,seed=40)", "pyramid.h5", "convex.h5"]
+    proofs = make(scenes, ["dual_active_set", "nnls", "cone"], draw)
+    holds("a proof of most answers", len(proofs) >= 50, str(len(proofs)))
+    holds("under each law", {q["law"] for _, _, q in proofs} == {"frictionless", "pyramid", "convex", "coulomb"})
     holds("of right ones, wrong ones and infeasibility", {p["verdict"] for _, p, _ in proofs} >= {"solved", "wrong", "infeasible, proven"})
     shutil.copytree("proofs", "elsewhere/proofs")
     shutil.copytree("pack", "elsewhere/pack")
@@ -188,7 +192,8 @@ def check_files(draw):
 def check_many(draw):
     """True proofs of small problems, and what a forger makes of each."""
     seeds = max(1, count // 24)
-    proofs = make([f"random(n=4,seed=1..{4 * seeds}),random(n=7,seed=1..{seeds}),NPE(k=4,seed=1..{seeds})"], ["dual_active_set", "nnls"], draw)
+    proofs = make([f"random(n=4,seed=1..{4 * seeds}),random(n=7,seed=1..{seeds}),NPE(k=4,seed=1..{seeds}),"
+                   f"planted(k=1,seed=1..{seeds})"], ["dual_active_set", "cone"], draw)
     refused, forged = 0, {}
     for path, proof, problem in proofs:
         if not accepts(proof, problem):
