@@ -2,7 +2,9 @@
 (() => {
   'use strict';
   const {duration, relative_error} = zwang_charts;
-  const glyph = 6, half_line = 6.5, gap = 8;  // px: width of a character, half the height of a line, distance to the point
+  // px: width of a character, half the height of a line, distance to the point; how much nearer a name is to its own line, for a plot is
+  // some pixels narrower or wider than it was taken for.
+  const glyph = 6, half_line = 6.5, gap = 8, margin = 2;
   const reaches = [0, 14, 28, 42, 60, 80, 105, 135, 170, 220, 290];
   const angles = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6].map(k => k * Math.PI / 6);
 
@@ -47,7 +49,7 @@
           else others = Math.min(others, off);
           if (off < (p.marker ? 6 : 3)) spot.cost += p.marker ? Infinity : 12;
         }
-        if (own <= others && others >= 3 && spot.cost < best.cost) best = spot;
+        if (own + margin <= others && others >= 3 && spot.cost < best.cost) best = spot;
       }
       if (best.rect) labels.push(best);
     }
