@@ -65,6 +65,10 @@ class ProofSearch {
 
   // What proves the answer, or says that there is none.
   void prove(const Vector& z, const Vector& lambda, Json& proof) const {
+    for (Index i = 0; i < p_.rows(); ++i)
+      if (counts(i) && !p_.is_tangent(i) && unit_[i] == 0 &&
+          (p_.is_equality(i) ? free_slack_[i] != 0 : free_slack_[i] < 0))
+        return contradict(Vector::Unit(p_.rows(), i), proof);
     Problem normal = p_;  // tangent rows say nothing
     normal.mu.resize(0);
     for (Index i = 0; i < p_.rows(); ++i)
@@ -120,7 +124,7 @@ class ProofSearch {
   Hundred complementarity(const Numbers& slack, const Numbers& force, const Hundred& motion) const {
     Hundred total(0);
     const bool coulomb = p_.law == Law::coulomb;
-    const Hundred push = force.cwiseProduct(unit_).cwiseAbs().maxCoeff();
+    const Hundred push = force.cwiseProduct(unit_).norm();
     for (Index i = 0; i < p_.rows(); ++i) {
       if (!counts(i) || p_.is_tangent(i)) continue;
       const Hundred room = unit_[i] > 0 ? Hundred(unit_[i] * motion * zero) : Hundred(0);
@@ -173,7 +177,7 @@ class ProofSearch {
   // The convex law: what the referee's duality ends at.
   void enclose(const Vector& z, const Vector& lambda, Json& proof) const {
     const ScaledProblem scaled(p_);
-    const double motion = std::max({scaled.norm_of_free_motion(), scaled.least_scale()});
+    const double motion = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
     const ContactProblem contacts(p_, scaled, motion);
     const auto count = contacts.contacts.size();
     const ConvexBound bound =

@@ -203,7 +203,7 @@ def answer_sha256(answer):
 
 def check(proof, p):
     """Holds every statement of the proof against the problem; returns the sentence."""
-    expect(p.sha256 == proof["sha256"], "the problem's numbers are not those that the proof names")
+    expect((proof["zwang_proof"], proof["sha256"]) == (1, p.sha256), "the problem's numbers are not those that the proof names")
     expect(answer_sha256(proof) == proof["answer_sha256"], "the answer is not the one that the proof names")
     z, forces = ([Fraction(x) for x in proof.get(key) or ()] for key in ("z", "lambda"))
     expect(len(z) in (0, p.n) and len(forces) in (0, p.m), "an answer of another length", 3)
@@ -235,7 +235,7 @@ def check(proof, p):
             said += f", its forces are {float(found['imbalance']):.3g} out of balance"
     for key in "verdict", "distance", "imbalance", "pulling", "contradiction":
         expect(proof.get(key) == found.get(key), f"it states {key} {proof.get(key)}, and true is {found.get(key)}")
-    return f"{found['verdict']} (said: {proof['status']}): {said}"
+    return f"{found['verdict']} (said: {proof['status']}, to {float(proof['tolerance'])}): {said}"
 
 
 def read(path):

@@ -2,7 +2,7 @@
 
 Usage: proofs.py PROGRAM CHECKER [COUNT]
 
-COUNT: of true proofs and of tampered ones, of small problems, beside those of a hand, a chain and their like.
+COUNT: this many true proofs of small problems, and as many tampered ones, alone; otherwise 100 after the files of a hand, a chain and such.
 """
 import copy
 import importlib.util
@@ -14,8 +14,11 @@ import subprocess
 import sys
 import tempfile
 
+import h5py
+import numpy
+
 program, checker = map(os.path.abspath, sys.argv[1:3])
-count = int(sys.argv[3]) if len(sys.argv) > 3 else 300
+count = int(sys.argv[3]) if len(sys.argv) > 3 else 100
 loaded = importlib.util.spec_from_file_location("check", checker)
 check = importlib.util.module_from_spec(loaded)
 loaded.loader.exec_module(check)
@@ -158,15 +161,19 @@ def problem_size(answer):
 def check_files(draw):
     for law in ("pyramid", "convex"):
         run(program, "export", "incline(mu=0.5)", "--law", law, "--out", law + ".h5")
+    for name, J, c in ("free", numpy.zeros((0, 3)), []), ("zero_row", [[0, 0, 0], [0, 0, 1]], [1, -numpy.inf]):
+        with h5py.File(name + ".h5", "w") as file:
+            for key, value in {"M": numpy.diag([2.0, 2, 3]), "z_u": [0, 0.5, -9.81], "J": J, "c": c, "kind": numpy.ones(len(c), "u1")}.items():
+                file["zwang/" + key] = numpy.array(value, None if key == "kind" else float)
     scenes = ["hand(contacts=4),chain(links=4),GAP(k=4),GAP(k=4,feasible=1),four_bar(lean=0),LOOP(k=14),random(n=20,seed=1..2),stack(boxes=2,mu=0.5),"
-              "planted(k=1,seed=40)", "pyramid.h5", "convex.h5"]
+              "planted(k=1,seed=40)", "pyramid.h5", "convex.h5", "free.h5", "zero_row.h5"]
     proofs = make(scenes, ["dual_active_set", "nnls", "cone"], draw)
     holds("a proof of most answers", len(proofs) >= 50, str(len(proofs)))
     holds("under each law", {q["law"] for _, _, q in proofs} == {"frictionless", "pyramid", "convex", "coulomb"})
     holds("of right ones, wrong ones and infeasibility", {p["verdict"] for _, p, _ in proofs} >= {"solved", "wrong", "infeasible, proven"})
     shutil.copytree("proofs", "elsewhere/proofs")
     shutil.copytree("pack", "elsewhere/pack")
-    shutil.copy(checker, "elsewhere")
+    shutil.copy(checker, "elsewhere/check.py")
     os.chdir("elsewhere")
     python = (sys.executable, "check.py")
     true = run(*python, "proofs", "--pack", "pack")
@@ -213,7 +220,7 @@ def check_many(draw):
           "; ".join(f"{kind} {all_} ({accepted})" for kind, (all_, accepted) in sorted(forged.items())))
 
 
-for part in check_files, check_many:
+for part in (check_files, check_many)[len(sys.argv) > 3:]:
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         os.environ["XDG_CACHE_HOME"] = folder
