@@ -23,6 +23,7 @@ class CholeskyRows : public ActiveRows {
   double share(Index row) override;
   void drop(Index position) override;
   double smallest_pivot() const override { return size() ? std::sqrt(factor_.smallest_pivot()) : 1; }
+  double contraction() const override { return rounding_over(smallest_pivot() * smallest_pivot()); }
   void combine(Vector& v, Part t) override { project(v, t, 2); }
   void correct(Vector& r1, Part r2) override;
 

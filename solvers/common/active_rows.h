@@ -34,6 +34,8 @@ class ActiveRows {
   virtual double share(Index row) = 0;
   virtual void drop(Index position) = 0;
   virtual double smallest_pivot() const = 0;
+  // By how much a pass of correct() shrinks an error, at the least.
+  virtual double contraction() const { return rounding_over(smallest_pivot()); }
   // The inequality row with the smallest pivot, if that is below `limit`, else -1. From now to the next reset no row is
   // accepted whose share is not clearly larger.
   virtual Index coarsen(double) { return -1; }
@@ -50,6 +52,9 @@ class ActiveRows {
   ActiveRows(double threshold, double certain) : threshold_(threshold), certain_(certain) {}
   ActiveRows(const ActiveRows&) = default;
   ActiveRows& operator=(const ActiveRows&) = default;
+  static double rounding_over(double pivot) {
+    return tolerances::pivot_margin * std::numeric_limits<double>::epsilon() / pivot;
+  }
   void forget(Index position) { rows_.erase(rows_.begin() + position); }
 
   const Whitened* w_ = nullptr;

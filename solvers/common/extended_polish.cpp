@@ -7,10 +7,26 @@
 namespace zwang {
 
 template <class Real>
-void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const {
-  factor = factor / Real(w.row_norm[i]);
+void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i, const Real& factor,
+                                   RealVector& v) const {
   for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
     v[it.col()] += Real(it.value()) * factor;
+}
+
+template <class Real>
+const typename ExtendedPolish<Real>::Rest& ExtendedPolish<Real>::rest(const Problem& p, const Whitened& w, Index i) {
+  using std::abs, std::ldexp;
+  Rest& own = rest_[at(i)];
+  if (own.at_z == z_number_) return own;
+  const Index row = w.row[at(i)];
+  Real violation(p.c[row]), terms = abs(violation);
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
+    const Real term = Real(it.value()) * z_[it.col()];
+    violation -= term;
+    terms += abs(term);
+  }
+  const Real unit(w.row_norm[i]);
+  return own = {ldexp(Real(violation / unit), -w.exponent), ldexp(Real(terms / unit), -w.exponent), z_number_};
 }
 
 template <class Real>
@@ -26,24 +42,29 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   r2_.resize(std::min(n, k));
   t_.resize(std::min(n, k));
   state_.assign(at(k), State::outside);
+  rest_.assign(at(k), Rest{});
+  z_number_ = 0;
+  share_.resize(at(k));
   for (Index i = 0; i < k; ++i) b_[i] = violation(p, w, i);
   z_u_length_ = w.free.norm();
 }
 
 // What the residuals at (z_, l_) ask for: of y in r1_, of the multipliers in r2_. Returns its length: that of y, or of
 // the forces that the multipliers leave unbalanced. (Looking at z alone took a dependent row with a pivot of 1.5e-14
-// and a multiplier of 4e17 for solved.)
+// and a multiplier of 4e17 for solved.) M (z - z_u) comes first: where masses couple unknowns, its large terms cancel
+// before the rows' small forces could lose their digits to them.
 template <class Real>
 double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRows& active) {
   using std::ldexp;
   const Index n = p.size(), a = active.size();
   auto r2 = r2_.head(a);
   force_.setZero();
-  for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
+  const Real unit = ldexp(Real(1), -w.exponent);
   for (Index j = 0; j < n; ++j) {
-    const Real d = ldexp(z_[j] - Real(p.z_u[j]), -w.exponent);
+    const Real d = (z_[j] - Real(p.z_u[j])) * unit;
     for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
   }
+  for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
   r1_ = force_.template cast<double>();
   if (n > 0) w.factor.solve_lower(r1_);
   for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
@@ -53,29 +74,34 @@ double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRow
 }
 
 template <class Real>
-void ExtendedPolish<Real>::measure(const ActiveRows& active) {
+void ExtendedPolish<Real>::measure(const Whitened& w, const ActiveRows& active) {
   using std::sqrt;
   Real square = 0;
-  for (const Index i : active.rows()) square += l_[i] * b_[i];  // |y|^2 = l'b at the solution
+  for (const Index i : active.rows()) square += unit(w, i) * b_[i];  // |y|^2 = l'b at the solution
   length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
   scale_ = std::max(z_u_length_, length_);
 }
 
-// False when the corrections do not shrink: the factors no longer describe the rows.
+// False when the corrections do not shrink: the factors no longer describe the rows. What stands along the smallest
+// pivot shrinks by `rate` a pass, which larger corrections hide: two of them alone once foretold an end ten digits
+// away.
 template <class Real>
 bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& active) {
   using std::ldexp;
   double last = std::numeric_limits<double>::infinity();
   constexpr int most_steps = 60;
+  const double rate = active.contraction();
   for (int step = 0; step < most_steps; ++step) {
     const double length = correction(p, w, active);
-    for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]);
+    for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]) / Real(w.row_norm[active[i]]);
     if (p.size() > 0) w.factor.solve_upper(r1_);
-    for (Index j = 0; j < p.size(); ++j) z_[j] += ldexp(Real(r1_[j]), w.exponent);
-    measure(active);
-    error_ = length;
+    const Real unit = ldexp(Real(1), w.exponent);
+    for (Index j = 0; j < p.size(); ++j) z_[j] += Real(r1_[j]) * unit;
+    ++z_number_;
+    measure(w, active);
     if (!std::isfinite(length)) return false;
-    if (length <= tolerances::extended_change * real_eps * scale_) return true;
+    error_ = step > 0 ? length * std::min(1.0, std::max(length / last, rate)) : length;  // the next correction
+    if (error_ <= tolerances::extended_change * real_eps * scale_) return true;
     if (step > 1 && length > tolerances::no_contraction * last) return length <= tolerances::stalled * scale_;
     last = length;
   }
@@ -95,8 +121,8 @@ Index ExtendedPolish<Real>::pulling_row(const Whitened& w, const ActiveRows& act
   Index leaving = active.size();
   Real most = -tolerances::pull * scale_;
   for (Index i = 0; i < active.size(); ++i)
-    if (!w.equality[at(active[i])] && l_[active[i]] < most) {
-      most = l_[active[i]];
+    if (!w.equality[at(active[i])] && unit(w, active[i]) < most) {
+      most = unit(w, active[i]);
       leaving = i;
     }
   return leaving;
@@ -104,7 +130,7 @@ Index ExtendedPolish<Real>::pulling_row(const Whitened& w, const ActiveRows& act
 
 // The most violated row outside, or -1, and how much: its share of its terms, of which less than `worst` is rounding.
 template <class Real>
-Index ExtendedPolish<Real>::violated_row(const Problem& p, const Whitened& w, Real& worst) const {
+Index ExtendedPolish<Real>::violated_row(const Problem& p, const Whitened& w, Real& worst) {
   using std::abs;
   Index entering = -1;
   for (Index i = 0; i < w.rows(); ++i) {
@@ -119,24 +145,35 @@ Index ExtendedPolish<Real>::violated_row(const Problem& p, const Whitened& w, Re
   return entering;
 }
 
-// g_row = G_A' mu + rest; returns the length of the rest. Ends when a correction is nothing to mu: among rows of small
+// g_row = G_A' mu + rest as double sees it; returns the length of the rest.
+template <class Real>
+double ExtendedPolish<Real>::express(ActiveRows& active, Index row) {
+  auto t = t_.head(active.size());
+  r1_.setZero();
+  active.add(row, 1, r1_);
+  active.combine(r1_, t);
+  mu_.head(active.size()) = t.template cast<Real>();
+  return r1_.norm();
+}
+
+// The same in Real, from what double saw. Ends when the next correction would be nothing to mu: among rows of small
 // integers, corrections would otherwise shrink down to 1e-100.
 template <class Real>
-double ExtendedPolish<Real>::express(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
+double ExtendedPolish<Real>::express_again(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
   const Index a = active.size();
   auto t = t_.head(a);
-  mu_.head(a).setZero();
-  double last = std::numeric_limits<double>::infinity();
-  for (int step = 0;; ++step) {
+  double last = t.norm();
+  for (int step = 1;; ++step) {
     force_.setZero();
-    add_row(p, w, row, Real(1), force_);
-    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i], force_);
+    add_row(p, w, row, Real(1) / Real(w.row_norm[row]), force_);
+    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i] / Real(w.row_norm[active[i]]), force_);
     r1_ = force_.template cast<double>();
     w.factor.solve_lower(r1_);
     active.combine(r1_, t);
     mu_.head(a) += t.template cast<Real>();
     const double change = t.norm(), weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
-    if (change <= real_eps * weight || (step > 2 && !(change < last / 2))) return r1_.norm();
+    const double next = change < last ? change * (change / last) : change;
+    if (next <= real_eps * weight || (step > 2 && !(change < last / 2))) return r1_.norm();
     last = change;
   }
 }
@@ -159,7 +196,7 @@ bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution&
     noise += abs(u) * Real(w.magnitude[i]);
     weight += abs(u);
     reach = std::max(reach, std::abs(w.h[i]));
-    add_row(p, w, i, u, force_);
+    add_row(p, w, i, Real(certificate_[w.row[at(i)]]), force_);
   }
   r1_ = (force_ / noise).template cast<double>();
   w.factor.solve_lower(r1_);
@@ -208,7 +245,7 @@ Blocking<Real> ExtendedPolish<Real>::blocking(const Whitened& w, const ActiveRow
   for (Index i = 0; i < active.size(); ++i) {
     const Real rate = sign * mu_[i];
     if (w.equality[at(active[i])] || rate < tolerances::exchange_part) continue;
-    const Real step = std::max(l_[active[i]], Real(0)) / rate;
+    const Real step = std::max(unit(w, active[i]), Real(0)) / rate;
     if (step < first.step) first = {i, step};
   }
   return first;
@@ -231,7 +268,8 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& ac
   prepare(p, w);
   for (const Index i : support) {
     if (active.share(i) > tolerances::certain_share && active.accepts(active.append(i))) continue;
-    express(p, w, active, i);
+    express(active, i);
+    express_again(p, w, active, i);
     if (farkas(p, w, active, i, s)) {
       s.status = Status::infeasible;
       return true;
@@ -249,7 +287,7 @@ void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, con
 
 // What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
 template <class Real>
-double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const {
+double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, const ActiveRows& active) {
   using std::abs;
   double sum = 0;
   for (Index i = 0; i < active.size(); ++i)
@@ -264,18 +302,31 @@ double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, cons
 // and its parts in the combination explain, however little, has to be obeyed: it is returned, and where it could not
 // enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
 template <class Real>
-Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active) {
+Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
+  constexpr double rank_rounding = tolerances::rank * std::numeric_limits<double>::epsilon();
+  const Index a = active.size();
+  const double needless = tolerances::needless * scale_;
+  const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
+  share_.assign(at(w.rows()), unknown);
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
-    if (!(most > 0)) continue;
-    const double share = active.share(i), needless = tolerances::needless * scale_;
+    if (!(most > needless * rank_rounding)) continue;
+    const double share = share_[at(i)] = express(active, i);
     if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
-    const double rho = express(p, w, active, i);
-    const double weight = 1 + mu_.head(active.size()).template cast<double>().template lpNorm<1>();
-    const bool combination = !(rho > tolerances::rank * real_eps * weight);
     const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
+    if (!(over > 0) && clear) {  // as double sees it
+      const double rest = share + rank_rounding * (1 + t_.head(a).template lpNorm<1>());
+      const double far = rest * static_cast<double>(blocking(w, active, sign).step);
+      if (far <= limit) {
+        error_ = std::max(error_, far);
+        continue;
+      }
+    }
+    const double rho = express_again(p, w, active, i);
+    const double weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
+    const bool combination = !(rho > tolerances::rank * real_eps * weight);
     const bool violated =
         over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(p, w, active);
     if (violated && state_[at(i)] == State::outside) return i;
@@ -293,8 +344,8 @@ void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& 
   s.z = z_.template cast<double>();
   s.lambda.setZero(p.rows());
   for (Index i = 0; i < w.rows(); ++i) {
-    const Real unit = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
-    s.lambda[w.row[at(i)]] = static_cast<double>(ldexp(Real(unit / Real(w.row_norm[i])), w.exponent));
+    const Real own = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
+    s.lambda[w.row[at(i)]] = static_cast<double>(ldexp(own, w.exponent));
   }
 }
 
@@ -312,7 +363,7 @@ void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, A
   if (active.size() > 0) s.margins.smallest_accepted = active.smallest_pivot();
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] != State::ignored) continue;
-    const double share = active.share(i);
+    const double share = share_[at(i)] >= 0 ? share_[at(i)] : active.share(i);
     if (share > tolerances::redundant_share) continue;
     s.redundant.push_back(w.row[at(i)]);
     s.margins.largest_rejected =
@@ -339,28 +390,31 @@ template <class Real>
 void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
   using std::abs;
   prepare(p, w);
+  using std::ldexp;
   z_ = s.z.cast<Real>();
-  for (Index i = 0; i < w.rows(); ++i) l_[i] = Real(w.unit_multiplier(i, s.lambda[w.row[at(i)]]));
+  ++z_number_;
+  for (Index i = 0; i < w.rows(); ++i) l_[i] = ldexp(Real(s.lambda[w.row[at(i)]]), -w.exponent);
   for (const Index i : active.rows()) state_[at(i)] = State::inside;
-  measure(active);
+  measure(w, active);
   error_ = correction(p, w, active);
   const double accepted = accepted_error(tolerance);
   Real worst = accepted;
   bool holds = std::isfinite(error_) && violated_row(p, w, worst) < 0;
-  for (const Index i : active.rows()) holds = holds && (w.equality[at(i)] || l_[i] >= -accepted * scale_);
+  for (const Index i : active.rows()) holds = holds && (w.equality[at(i)] || unit(w, i) >= -accepted * scale_);
   if (!holds) {
     s.status = Status::numerical_failure;
     s.message = "the method's own answer does not meet the conditions of optimality";
     return;
   }
   doubt_active(p, w, active);
-  for (Index i = doubt_others(p, w, active); i >= 0; i = doubt_others(p, w, active)) {
-    const double share = std::max(active.share(i), std::numeric_limits<double>::min());
+  const double limit = accepted * scale_;
+  for (Index i = doubt_others(p, w, active, limit); i >= 0; i = doubt_others(p, w, active, limit)) {
+    const double share = std::max(share_[at(i)], std::numeric_limits<double>::min());
     error_ = std::max(error_, std::min(scale_, static_cast<double>(abs(violation(p, w, i))) / share));
     state_[at(i)] = State::ignored;
   }
   name_redundant(p, w, active, s);
-  s.status = error_ <= accepted * scale_ ? Status::solved : Status::solved_ill_conditioned;
+  s.status = error_ <= limit ? Status::solved : Status::solved_ill_conditioned;
 }
 
 template <class Real>
@@ -387,16 +441,16 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       continue;
     }
 
+    const double limit = accepted_error(tolerance) * scale_;
     Real worst = tolerances::wide_violation * real_eps;
     Index entering = violated_row(p, w, worst);
     if (entering < 0) {
       doubt_active(p, w, active);
-      entering = doubt_others(p, w, active);
+      entering = doubt_others(p, w, active, limit);
     }
     if (entering < 0) {
       write(p, w, s);
       name_redundant(p, w, active, s);
-      const double limit = accepted_error(tolerance) * scale_;
       s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
       return Outcome::solved;
     }
@@ -409,7 +463,8 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       s.message = "a violated row is too close to a combination of the active ones";
       break;
     }
-    express(p, w, active, entering);
+    express(active, entering);
+    express_again(p, w, active, entering);
     if (farkas(p, w, active, entering, s)) {
       s.status = Status::infeasible;
       return Outcome::infeasible;

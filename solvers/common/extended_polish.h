@@ -1,13 +1,18 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <type_traits>
 #include <vector>
 
+#include <zwang/core/referee/double_double.h>
 #include <zwang/solvers/common/active_rows.h>
 #include <zwang/solvers/common/dual_climb.h>
-#include <zwang/solvers/common/wide_rows.h>
+#include <zwang/solvers/common/whiten.h>
 #include <zwang/solvers/linalg/tolerances.h>
+
+template <>
+struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::DoubleDouble> {};
 
 namespace zwang {
 
@@ -49,41 +54,54 @@ class ExtendedPolish {
  private:
   using RealVector = VectorX<Real>;
   enum State : char { outside, inside, ignored };
+  // By how much z misses a unit row, c - J z, and the sum of the terms of that difference; known at the z that `at_z`
+  // numbers.
+  struct Rest {
+    Real violation, terms;
+    int at_z = -1;
+  };
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
   void prepare(const Problem& p, Whitened& w);
-  void add_row(const Problem& p, const Whitened& w, Index i, Real factor, RealVector& v) const;
+  void add_row(const Problem& p, const Whitened& w, Index i, const Real& factor, RealVector& v) const;
+  const Rest& rest(const Problem& p, const Whitened& w, Index i);
   double correction(const Problem& p, Whitened& w, ActiveRows& active);
-  void measure(const ActiveRows& active);
+  void measure(const Whitened& w, const ActiveRows& active);
+  Real unit(const Whitened& w, Index i) const { return l_[i] * Real(w.row_norm[i]); }  // the multiplier of a unit row
   bool refine(const Problem& p, Whitened& w, ActiveRows& active);
   Index pulling_row(const Whitened& w, const ActiveRows& active) const;
-  Index violated_row(const Problem& p, const Whitened& w, Real& worst) const;
-  double express(const Problem& p, Whitened& w, ActiveRows& active, Index row);
+  Index violated_row(const Problem& p, const Whitened& w, Real& worst);
+  double express(ActiveRows& active, Index row);
+  double express_again(const Problem& p, Whitened& w, ActiveRows& active, Index row);
   bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
   bool proves(const Problem& p, const Whitened& w, Solution& s);
   bool exchange(const Whitened& w, ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position);
-  double inherited(const Problem& p, const Whitened& w, const ActiveRows& active) const;
+  double inherited(const Problem& p, const Whitened& w, const ActiveRows& active);
   void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
-  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active);
+  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
   Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
-  Real violation(const Problem& p, const Whitened& w, Index i) const { return rest_of(p, w, i, z_).violation; }
+  Real violation(const Problem& p, const Whitened& w, Index i) { return rest(p, w, i).violation; }
   // What rounding can hide in a violation.
-  double hidden(const Problem& p, const Whitened& w, Index i) const {
-    return real_eps * static_cast<double>(rest_of(p, w, i, z_).terms);
+  double hidden(const Problem& p, const Whitened& w, Index i) {
+    return real_eps * static_cast<double>(rest(p, w, i).terms);
   }
 
   RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
-  RealVector z_, l_;    // n, k: the point and its unit multipliers
+  RealVector z_, l_;    // n, k: the point, and the multipliers of the rows as given, times 2^-exponent
   RealVector force_;    // n
   RealVector mu_;       // |A|: the dependent row as a combination of the active ones
   RealVector u_;        // k
   Vector r1_, r2_, t_;  // whitened residuals and a work vector
   Vector certificate_;  // m: the Farkas vector under test
   std::vector<char> state_;
+  std::vector<Rest> rest_;     // k
+  std::vector<double> share_;  // k, of the rows outside that doubt_others() asked for it; otherwise unknown
+  static constexpr double unknown = -1;
+  int z_number_ = 0;
   double length_ = 0;  // |y|
   double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent
   double z_u_length_ = 0;

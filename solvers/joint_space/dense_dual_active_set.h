@@ -16,7 +16,7 @@ namespace zwang {
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b   (rows of A at most 1 long)
 //
-// As goldfarb_idnani.h decides, by the same tolerances, in other storage: the active rows with the inverse of their
+// As dual_active_set.h decides, by the same tolerances, in other storage: the active rows with the inverse of their
 // triangle (inverse_factor.h); A in eights of rows without the columns that none of them meets (row_lanes.h), along
 // which all slacks move. This is for clear problems: the caller turns to the careful path where `smallest_accepted` is
 // small, `largest_rejected` is large or a row contradicts others.

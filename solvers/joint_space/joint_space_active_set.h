@@ -15,7 +15,7 @@ namespace zwang {
 // The dual active-set method on the reduced form: the fast path of dual_active_set for clear problems of jointed
 // bodies.
 //
-// The answer is refined as in active_set_refinement.h, with residuals of the problem's own M, J, c in twice the digits
+// The answer is refined as in extended_polish.h, with residuals of the problem's own M, J, c in twice the digits
 // (body_point.h), and every row outside the active set is held against it to that precision. Anything less than clear
 // is left to the careful path, whatever it costs: solve() then returns false and `reason` says why.
 class JointSpaceActiveSet {
