@@ -77,7 +77,8 @@ def tampered(proof, problem, others, draw):
                         entry[2] = of[key][k][2]
     elif kind == "answer":
         of, key, _ = draw.choice(answer)
-        k = draw.randrange(len(of[key]))
+        pushing = sorted({i for i, _, x in problem["J"] if x})  # what stands for a row of zeros changes nothing that is stated
+        k = draw.choice(pushing) if key == "lambda" else draw.randrange(len(of[key]))
         of[key][k] = other_digit(of[key][k], draw)
         if draw.random() < 0.5:
             kind += ", renamed"
