@@ -9,9 +9,9 @@
 
 namespace zwang {
 
-// The rows taken to be active, G_A, with a factorization that gains and loses rows. Two of them: orthogonal (QrRows,
-// below; errors grow with cond(G_A)) and by Cholesky on S_A = G_A G_A' (solvers/active_set/cholesky_rows.h; with its
-// square).
+// The rows taken to be active, G_A, with a factorization that gains and loses rows. Three of them: orthogonal (QrRows,
+// below; errors grow with cond(G_A)), the same in what the equality rows leave free (eliminated_rows.h), and by
+// Cholesky on S_A = G_A G_A' (solvers/active_set/cholesky_rows.h; with the square of that).
 class ActiveRows {
  public:
   using Part = Eigen::Ref<Vector>;
