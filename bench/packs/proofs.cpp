@@ -308,7 +308,7 @@ ProofTally write_proofs(const Pack& pack, std::span<const Answers> contestants, 
                         const std::atomic<bool>& interrupted) {
   ProofTally tally;
   const std::vector<std::string> names = names_of(contestants);
-  for (const char* folder : {"problems"}) std::filesystem::create_directories(directory / folder);
+  std::filesystem::create_directories(directory / "problems");
   for (const std::string& name : names) std::filesystem::create_directories(directory / name);
   std::size_t done = 0;
   for (const PackedProblem& packed : pack.problems()) {

@@ -42,7 +42,10 @@ class WideActiveSet {
     return violation <= rounding(tolerances::violation) * size;
   }
   Blocking<Scalar> blocking() const;
-  bool contradicts(Index p, const Scalar&) { return contradict(p, Scalar(1)); }
+  bool contradicts(Index p, const Scalar&) {
+    contradict(p, Scalar(1));
+    return true;
+  }
   void retire(Index p) { state_[p] = retired; }
   void move(const Scalar& step, bool dependent) {
     for (Index j = 0; j < r_.size(); ++j) u_[j] -= step * r_[j];
@@ -75,7 +78,7 @@ class WideActiveSet {
   }
   bool take_equalities();
   void refresh();
-  bool contradict(Index p, const Scalar& sign);
+  void contradict(Index p, const Scalar& sign);
 
   BasicWhitened<Scalar> w_;
   BasicThinQr<Scalar> factor_;  // of the active rows
@@ -130,7 +133,9 @@ bool WideActiveSet<Scalar>::take_equalities() {
   for (const Index i : dependent) {
     split(i);
     const Scalar rest = violation(i);
-    if (!is_satisfied(i, abs(rest))) return !contradict(i, rest < Scalar(0) ? Scalar(-1) : Scalar(1));
+    if (is_satisfied(i, abs(rest))) continue;
+    contradict(i, rest < Scalar(0) ? Scalar(-1) : Scalar(1));
+    return false;
   }
   return true;
 }
@@ -178,14 +183,13 @@ Blocking<Scalar> WideActiveSet<Scalar>::blocking() const {
 
 // sign (row p - its combination of the active rows), on unit rows, as Farkas' vector.
 template <class Scalar>
-bool WideActiveSet<Scalar>::contradict(Index p, const Scalar& sign) {
+void WideActiveSet<Scalar>::contradict(Index p, const Scalar& sign) {
   certificate.setZero(w_.rows());
   certificate[p] = sign;
   for (Index j = 0; j < r_.size(); ++j) {
     const Scalar part = -sign * r_[j];
     certificate[active_[j]] = w_.equality[active_[j]] ? part : std::max(Scalar(0), part);
   }
-  return true;
 }
 
 }  // namespace zwang

@@ -23,7 +23,7 @@ namespace zwang {
 // Polish (solvers/common/polish.h) then solves the active rows afresh from the problem's own M, J, c in extended
 // precision, so the answer does not carry the path's rounding and a warm start gives the digits of a cold one; it
 // exchanges rows where the mended answer changes a decision, and proves contradictions. `fallback` says that it had to
-// change the active set.
+// change the active set, or to go on in double-double.
 struct DualActiveSet {
   static constexpr std::string_view name = "dual_active_set";
 

@@ -63,7 +63,8 @@ class ActiveRows {
   double threshold_, certain_;
 };
 
-// G_A' = Q R. A row counts as dependent when rounding in the row itself (eps / share) could make it so.
+// G_A' = Q R. A row counts as dependent when rounding in the row itself (eps / share) could make it so. Classes derived
+// from it factorize the first rows in a way of their own, and the others in what those leave free.
 class QrRows : public ActiveRows {
  public:
   QrRows() : ActiveRows(rounding, rounding) {}
@@ -92,38 +93,35 @@ class QrRows : public ActiveRows {
     return qr_.append(column(row), never);
   }
   void drop(Index position) override {
-    qr_.drop(position);
+    qr_.drop(position - first());
     forget(position);
   }
   Index coarsen(double limit) override {
     Index weakest = -1;
-    for (Index i = 0; i < size(); ++i)
-      if (!w_->equality[static_cast<std::size_t>((*this)[i])] && qr_.pivot(i) < limit) {
-        limit = qr_.pivot(i);
-        weakest = i;
+    for (Index j = 0; j < qr_.size(); ++j)
+      if (!w_->equality[static_cast<std::size_t>((*this)[first() + j])] && qr_.pivot(j) < limit) {
+        limit = qr_.pivot(j);
+        weakest = first() + j;
       }
     if (weakest >= 0) threshold_ = certain_ = 2 * limit;
     return weakest;
   }
   double smallest_pivot() const override {
     double smallest = 1;
-    for (Index i = 0; i < size(); ++i) smallest = std::min(smallest, qr_.pivot(i));
+    for (Index j = 0; j < qr_.size(); ++j) smallest = std::min(smallest, qr_.pivot(j));
     return smallest;
   }
   void combine(Vector& v, Part t) override {
     deadline_->keep();
-    auto again = part_.head(size());
-    t.noalias() = qr_.Q().transpose() * v;
-    v.noalias() -= qr_.Q() * t;
-    again.noalias() = qr_.Q().transpose() * v;
-    v.noalias() -= qr_.Q() * again;
-    t += again;
+    qr_.split(v);
+    t = qr_.components();
+    v = qr_.remainder();
     qr_.solve(t);
   }
   // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
   void correct(Vector& r1, Part r2) override {
     deadline_->keep();
-    auto t = part_.head(size());
+    auto t = part_.head(qr_.size());
     qr_.solve_transposed(r2);
     t.noalias() = qr_.Q().transpose() * r1;
     r2 -= t;
@@ -131,17 +129,22 @@ class QrRows : public ActiveRows {
     qr_.solve(r2);
   }
 
- private:
+ protected:
   static constexpr double rounding = tolerances::share_rounding * std::numeric_limits<double>::epsilon();
 
+  Index first() const { return size() - qr_.size(); }  // the place of the first row that qr_ holds
+
+  ThinQr qr_;
+  Vector part_;
+
+ private:
   const Vector& column(Index row) {
     column_.setZero();
     add(row, 1, column_);
     return column_;
   }
 
-  ThinQr qr_;
-  Vector part_, column_;
+  Vector column_;
 };
 
 }  // namespace zwang

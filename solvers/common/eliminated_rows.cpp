@@ -36,6 +36,7 @@ void EliminatedRows::reset(const Whitened& w, const Deadline& deadline) {
   y_E_.setZero(elimination_.padded_size());
   elimination_.join(w_E_, v_, y_E_);
   elimination_.rotate_back(y_E_);
+  y_E_norm_ = y_E_.norm();
 
   elimination_.reduce(w.G, inequalities_, deadline, A_);
   b_.resize(A_.cols());
@@ -66,43 +67,18 @@ double EliminatedRows::append(Index row) {
   return part;
 }
 
-void EliminatedRows::drop(Index position) {
-  qr_.drop(position - rank());
-  forget(position);
-}
-
 double EliminatedRows::smallest_pivot() const {
-  double smallest = elimination_.smallest_accepted();
-  for (Index j = 0; j < qr_.size(); ++j) smallest = std::min(smallest, qr_.pivot(j));
-  return smallest;
-}
-
-Index EliminatedRows::coarsen(double limit) {
-  Index weakest = -1;
-  for (Index j = 0; j < qr_.size(); ++j)
-    if (!w_->equality[at((*this)[rank() + j])] && qr_.pivot(j) < limit) {
-      limit = qr_.pivot(j);
-      weakest = rank() + j;
-    }
-  if (weakest >= 0) threshold_ = certain_ = 2 * limit;
-  return weakest;
+  return std::min(elimination_.smallest_accepted(), QrRows::smallest_pivot());
 }
 
 void EliminatedRows::combine(Vector& v, Part t) {
-  deadline_->keep();
   const Index n = v.size(), q = qr_.size();
   auto own = t.tail(q);
-  auto again = part_.head(q);
   x_.setZero();
   x_.head(n) = v;
   elimination_.rotate(x_);
   elimination_.free(x_, v_);
-  own.noalias() = qr_.Q().transpose() * v_;
-  v_.noalias() -= qr_.Q() * own;
-  again.noalias() = qr_.Q().transpose() * v_;
-  v_.noalias() -= qr_.Q() * again;
-  own += again;
-  qr_.solve(own);
+  QrRows::combine(v_, own);
 
   x_.setZero();
   x_.head(n) = v;
@@ -117,7 +93,6 @@ void EliminatedRows::combine(Vector& v, Part t) {
 // dy = Q [w; v]: w from the equality rows, v as QrRows has it, of what w leaves; then the multipliers of the equality
 // rows from what the others leave of dy - r1.
 void EliminatedRows::correct(Vector& r1, Part r2) {
-  deadline_->keep();
   const Index n = r1.size(), q = qr_.size();
   range_ = r2.head(rank());
   elimination_.solve_transposed(range_);
@@ -126,18 +101,13 @@ void EliminatedRows::correct(Vector& r1, Part r2) {
   elimination_.join(range_, v_, x_);
   elimination_.rotate_back(x_);
   auto own = r2.tail(q);
-  auto along = part_.head(q);
   for (Index j = 0; j < q; ++j) own[j] -= dot((*this)[rank() + j], x_);
 
   x_.setZero();
   x_.head(n) = r1;
   elimination_.rotate(x_);
   elimination_.free(x_, v_);
-  qr_.solve_transposed(own);
-  along.noalias() = qr_.Q().transpose() * v_;
-  own -= along;
-  v_.noalias() += qr_.Q() * own;
-  qr_.solve(own);
+  QrRows::correct(v_, own);
   elimination_.join(range_, v_, x_);
   elimination_.rotate_back(x_);
 

@@ -15,19 +15,14 @@ namespace zwang {
 //
 // in n - rank unknowns, and a thin QR of columns of A holds the active ones. The accepted equality rows are active from
 // reset() on, in the order of their factor, and stay.
-class EliminatedRows : public ActiveRows {
+class EliminatedRows : public QrRows {
  public:
-  EliminatedRows() : ActiveRows(rounding, rounding) {}
-
   bool sparse = false;  // a sparse QR of the equality rows where it pays
 
   void reset(const Whitened& w, const Deadline& deadline) override;
-  bool refactor() override { return false; }
   double append(Index row) override;
   double share(Index row) override;
-  void drop(Index position) override;
   double smallest_pivot() const override;
-  Index coarsen(double limit) override;
   void combine(Vector& v, Part t) override;
   void correct(Vector& r1, Part r2) override;
 
@@ -38,7 +33,7 @@ class EliminatedRows : public ActiveRows {
   const Matrix& A() const { return A_; }
   const Vector& b() const { return b_; }
   double b_of(Index row) const { return w_->h[row] - w_->dot(row, y_E_); }  // h - g y_E of any row
-  double y_E_norm() const { return y_E_.norm(); }
+  double y_E_norm() const { return y_E_norm_; }
 
   // The factor of the active columns of A. accept(): the column that it split last joins, column j of A.
   ThinQr& qr() { return qr_; }
@@ -52,19 +47,17 @@ class EliminatedRows : public ActiveRows {
   Index padded_size() const { return elimination_.padded_size(); }
 
  private:
-  static constexpr double rounding = tolerances::share_rounding * std::numeric_limits<double>::epsilon();
-
   const Vector& reduced(Index row);
 
   EqualityElimination elimination_;
-  ThinQr qr_;
   std::vector<Index> equalities_, inequalities_, rejected_;
   std::vector<Index> column_;  // of a row in A, or -1
   Matrix A_;                   // freedom x inequality rows
   Vector b_, y_E_;             // of the inequality rows; padded n
   Vector w_E_;                 // rank: the range part of y_E
   Vector x_, step_, range_;    // padded n; n; rank
-  Vector v_, part_;            // freedom
+  Vector v_;                   // freedom
+  double y_E_norm_ = 0;
 };
 
 }  // namespace zwang
