@@ -90,10 +90,8 @@ int map_of(const std::vector<std::string>& solvers, const Marks& marks) {
 int conformance_command(std::vector<std::string> words) {
   CLI::App options(
       "Runs solvers on phenomena of friction whose discrete-time answers are known exactly, and says what they are "
-      "off\n"
-      "by. A solver that does not read Coulomb's law gets the problems under the law that it reads: convex, pyramid "
-      "or\n"
-      "frictionless.");
+      "off by. A solver that does not read Coulomb's law gets the problems under the law that it reads: convex, "
+      "pyramid or frictionless.");
   introduce(options, "conformance",
             "  ./zwang conformance --solver cone\n"
             "  ./zwang conformance --solver newton --tolerance 1e-8\n"

@@ -11,6 +11,23 @@
 
 namespace zwang {
 
+// Lines of at most 100 characters: CLI11 2.1 breaks none. What follows hangs under where the line's last column begins.
+static std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 100;
+  std::string all;
+  for (std::string line : split(text, '\n')) {
+    const std::size_t word = std::min(line.find_first_not_of(' '), line.size());
+    const std::size_t column = line.find_first_not_of(' ', line.find("  ", word));
+    const std::string hang(column < width / 2 ? column : word, ' ');
+    for (std::size_t end; line.size() > width && (end = line.rfind(' ', width)) > hang.size() && end != line.npos;) {
+      all += line.substr(0, end) + '\n';
+      line = hang + line.substr(end + 1);
+    }
+    all += line + '\n';
+  }
+  return all;
+}
+
 void introduce(CLI::App& app, const std::string& name, const std::string& examples) {
   app.name("./zwang " + name);
   app.footer("Examples:\n" + examples);
@@ -60,7 +77,7 @@ bool read(CLI::App& app, std::vector<std::string> words) {
   try {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
-    std::fputs(app.help().c_str(), stdout);
+    std::fputs(wrapped(app.help()).c_str(), stdout);
     return false;
   } catch (const CLI::ParseError& error) {
     std::string line = error.what();

@@ -26,7 +26,7 @@ int report_command(std::vector<std::string> words) {
   CLI::App options("Charts of stored results: DIR/report.html, files for a paper, or two runs side by side.");
   introduce(options, "report",
             "  ./zwang report results/20261120-2354\n"
-            "  ./zwang report results/20261120-2354 --figures svg,pdf      DIR/figures/*, DIR/tables/*.tex and *.csv\n"
+            "  ./zwang report results/20261120-2354 --figures svg,pdf   DIR/figures/*, DIR/tables/*\n"
             "  ./zwang report results/20261120-2354 --figures pdf --chart work-precision --families hand \\\n"
             "                 --solvers nnls,dual_active_set --width 3.4in\n"
             "  ./zwang report before after --out compared.html");
@@ -39,16 +39,20 @@ int report_command(std::vector<std::string> words) {
       options
           .add_option("--figures", figures.formats, "svg, pdf or svg,pdf: charts as files with their captions, tables")
           ->delimiter(',');
-  options
-      .add_option("--chart", figures.charts, "of the figures only these: work-precision, profile, ...; default: all")
+  options.add_option("--chart", figures.charts, "only these: work-precision, profile, ...; default: all")
       ->delimiter(',')
-      ->needs(print);
-  options.add_option("--solvers", solvers, "a,b,...: the figures' lines; default: the six best of each class")
-      ->needs(print);
+      ->needs(print)
+      ->option_text("a,b,...");
+  options.add_option("--solvers", solvers, "the figures' lines; default: the six best of each class")
+      ->needs(print)
+      ->option_text("a,b,...");
   options.add_option("--families", figures.families, "only figures of these; default: all")
       ->delimiter(',')
-      ->needs(print);
-  options.add_option("--width", width, "of a figure: 3.4in, 86mm, 245pt; type is 8 pt at any width")->needs(print);
+      ->needs(print)
+      ->option_text("a,b,...");
+  options.add_option("--width", width, "of a figure: 3.4in, 86mm, 245pt; type is 8 pt at any width")
+      ->needs(print)
+      ->option_text("LENGTH");
   if (!read(options, std::move(words))) return done;
 
   if (!solvers.empty()) figures.solvers = split_solvers(solvers);

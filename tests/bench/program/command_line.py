@@ -148,6 +148,11 @@ def check_help():
         check(f"{words} has examples", result.returncode == 0 and "Examples:" in result.stdout, result.stdout)
     with open(os.path.join(source, "bench/program/commands.def")) as file:
         commands = re.findall(r"^COMMAND\(([a-z-]+), zwang", file.read(), re.M)
+    check("commands are found", len(commands) > 15, str(commands))
+    for words in ([], *([word] for word in commands)):
+        lines = run(words + ["--help"]).stdout.splitlines()
+        long = [line for line in lines if len(line) > 100 or line.endswith(" ")]
+        check(f"{words} --help: at most 100 characters a line", len(lines) > 8 and not long, "\n".join(long))
     numbers = 0
     for word in commands:
         text = run([word, "--help"]).stdout
