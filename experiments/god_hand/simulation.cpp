@@ -163,7 +163,7 @@ void Simulation::State::start(Cluster& cluster, std::span<const Pose<double>> at
 
 // Fig. 6 of the paper.
 void Simulation::State::step() {
-  measures->begin(active(), object);
+  if (options.measured) measures->begin(active(), object);
   if (physics) step_physics();
   if (meeting) meet();
   step_god_objects();
@@ -172,7 +172,11 @@ void Simulation::State::step() {
     if (c.object >= 0 && c.gap <= hand::touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
       frame.object_speed =
           std::max(frame.object_speed, physics->velocity(static_cast<std::size_t>(c.object)).head<3>().norm());
-  measures->measure(active(), object, options, frame);
+  {
+    const Lap lap(frame.times.other);
+    measures->show(active(), options, frame);
+  }
+  if (options.measured) measures->measure(active(), object, options, frame);
 }
 
 // The engine first, with the forces of the last god-object step; then what it moved into god objects is moved out.
@@ -222,6 +226,14 @@ void Simulation::State::meet() {
   now.part.assign(now.part.size(), std::vector<Vec<double, 6>>(object.size(), Vec<double, 6>::Zero()));
   now.part[0] = before.wrench;
   now.hand_speed.assign(now.hand_speed.size(), *std::ranges::max_element(before.hand_speed));
+  now.since.assign(now.since.size(), *std::ranges::min_element(before.since));
+  now.between.assign(now.between.size(), *std::ranges::max_element(before.between));
+  std::vector<Vec<double, 6>> velocity;
+  for (const auto& of_cluster : before.target_velocity)
+    velocity.insert(velocity.end(), of_cluster.begin(), of_cluster.end());
+  auto from = velocity.cbegin();
+  for (auto& of_cluster : now.target_velocity)
+    for (Vec<double, 6>& v : of_cluster) v = *from++;
   for (std::size_t o = 0; o < object.size(); ++o)
     if (surroundings.objects[o].loose())
       for (Cluster& c : active()) c.place_object(o, object[o]);
@@ -276,7 +288,9 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
   });
   for (Coupling* c : {&*coupling, meeting ? &*coupling_of_both : nullptr}) {
     if (!c) continue;
-    each(c->memory().hand_speed, visit), each(c->memory().wrench, visit), each(c->memory().part, visit);
+    Coupling::Memory& m = c->memory();
+    each(m.hand_speed, visit), each(m.since, visit), each(m.between, visit);
+    each(m.target_velocity, visit), each(m.wrench, visit), each(m.part, visit);
     for (Grasp& g : c->grasps()) {
       Grasp::Hold h = g.hold();
       each(h.motion, visit), each(h.objects, visit);

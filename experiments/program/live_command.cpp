@@ -58,6 +58,7 @@ int live_command(std::vector<std::string> words) {
 
   god::Record record = record_of(app, choices, command);
   record.asked.options.verify = 0;
+  record.asked.options.measured = false;  // nor would the measures of a record, as long as a step
   const god::Setup setup = god::set_up(record);
   god::Play play(setup.surroundings, setup.motion, record.asked.options, setup.tool ? &*setup.tool : nullptr);
   god::Stream stream(place, record.bodies, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });

@@ -115,6 +115,23 @@ TEST(Grip, TheHandLiftsABoxBetweenThumbAndIndexFinger) {
   EXPECT_GT(f.grip, weight / 2 / 0.8);
 }
 
+// Of a tracker that is slower than the loop, and of a client that misses a step now and then.
+TEST(Grip, TargetsThatComeUnevenlyLiftItToo) {
+  const Surroundings scene = make_surroundings("box", "");
+  const HandMotion motion = synthetic_motion("lift", scene);
+  for (const bool slow : {false, true}) {
+    Play play(scene, motion, rough(0.8, 500));
+    Frame f;
+    for (int k = 0, came = 0; k <= 1500; ++k) {
+      if (slow ? k % 6 == 0 : k % 5 != 1 && k % 7 != 3 && k % 7 != 4) came = k;
+      f = play.step(came);
+      ASSERT_GT(f.gap, 0) << k;
+    }
+    EXPECT_NEAR(f.loose[0].position.z(), 0.23, 0.02) << slow;  // m
+    EXPECT_LE(f.slip, 1e-6) << slow;                           // m/s
+  }
+}
+
 // Half a second of going up. What the hand holds goes with it in the frame after a checkpoint, too.
 TEST(Grip, ACheckpointDoesNotShakeWhatIsHeld) {
   const Surroundings scene = make_surroundings("box", "");

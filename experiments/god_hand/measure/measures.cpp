@@ -34,25 +34,12 @@ void Measures::begin(std::span<const Cluster> clusters, std::span<const Pose<dou
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
 }
 
-void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
-                       Frame& frame) {
-  for (Cluster& c : clusters) {
-    const std::size_t first = frame.god.size();
+void Measures::show(std::span<const Cluster> clusters, const Options& options, Frame& frame) const {
+  for (const Cluster& c : clusters) {
     frame.target.insert(frame.target.end(), c.targets().begin(), c.targets().end());
     frame.god.insert(frame.god.end(), c.poses().begin(), c.poses().end());
-    frame.gap = std::min(frame.gap, c.gap(gap_reach));
-    frame.separation = std::max(frame.separation, c.skeleton().separation(c.poses()));
-    frame.limit = std::max(frame.limit, c.skeleton().excess(c.poses()));
-    frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
-    frame.rows += static_cast<int>(c.problem().rows());
     frame.held = frame.held || c.held();
-    if (c.held()) frame.came_from(Origin::held);
-    frame.stuck = frame.stuck || stuck(c, first);
-  }
-  for (std::size_t b = 0; b < frame.god.size(); ++b)
-    frame.distance = std::max(frame.distance, (frame.god[b].position - frame.target[b].position).norm());
-  // The coupling's spring, from each god object to its target.
-  for (const Cluster& c : clusters)
+    // The coupling's spring, from each god object to its target.
     for (std::size_t b = 0; b < c.size(); ++b) {
       const Body& body = c.objects().scene.bodies[b];
       const Vec<double, 6> back = twist_between(c.targets()[b], c.poses()[b]);
@@ -60,7 +47,25 @@ void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>
       frame.device.emplace_back() << options.force_stiffness * body.mass * back.head<3>(),
           options.force_stiffness * (R * body.inertia * R.transpose() * back.tail<3>());
     }
+  }
   frame.palm_wrench = frame.device[0];
+}
+
+void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
+                       Frame& frame) {
+  std::size_t first = 0;
+  for (Cluster& c : clusters) {
+    frame.gap = std::min(frame.gap, c.gap(gap_reach));
+    frame.separation = std::max(frame.separation, c.skeleton().separation(c.poses()));
+    frame.limit = std::max(frame.limit, c.skeleton().excess(c.poses()));
+    frame.lost_slide = std::max(frame.lost_slide, lost_slide(c));
+    frame.rows += static_cast<int>(c.problem().rows());
+    if (c.held()) frame.came_from(Origin::held);
+    frame.stuck = frame.stuck || stuck(c, first);
+    first += c.size();
+  }
+  for (std::size_t b = 0; b < frame.god.size(); ++b)
+    frame.distance = std::max(frame.distance, (frame.god[b].position - frame.target[b].position).norm());
   frame.jitter = jitter(frame);
   measure_depth(objects, frame);
   if (options.mu > 0) measure_grip(objects, options, frame);

@@ -18,7 +18,9 @@ class Measures {
 
   // Before the god objects move.
   void begin(std::span<const Cluster> clusters, std::span<const Pose<double>> objects);
-  // After it. objects: the poses of all.
+  // After it: what a stream shows (docs/stream.md): poses, targets, held, the device's forces.
+  void show(std::span<const Cluster> clusters, const Options& options, Frame& frame) const;
+  // After that, all the rest. objects: the poses of all.
   void measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
                Frame& frame);
 

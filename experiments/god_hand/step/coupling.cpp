@@ -10,6 +10,7 @@ namespace {
 
 constexpr double tau = coupling_time, fade = 0.5;  // s
 constexpr double share = 1.5;                      // of the hand's speed
+constexpr double rests = 0.05, patience = 0.005;   // s: without news so long a hand rests; so long it never does
 
 Vec3 velocity_at(const Vec<double, 6>& twist, const Vec3& lever) {
   return twist.head<3>() + twist.tail<3>().cross(lever);
@@ -22,8 +23,10 @@ Mat3 inverse_inertia(const Object& object, const Mat3& rotation) {
 }  // namespace
 
 Coupling::Coupling(const Surroundings& surroundings, const Options& options, std::span<const Cluster> clusters)
-    : surroundings_(&surroundings), options_(options), target_velocity_(clusters.size()) {
+    : surroundings_(&surroundings), options_(options) {
   memory_.hand_speed.assign(clusters.size(), 0);
+  memory_.since = memory_.between = memory_.hand_speed;
+  for (const Cluster& c : clusters) memory_.target_velocity.emplace_back(c.size(), Vec<double, 6>::Zero());
   memory_.wrench.assign(surroundings.objects.size(), Vec<double, 6>::Zero());
   memory_.part.assign(clusters.size(), memory_.wrench);
   change_ = other_ = others_ = memory_.wrench;
@@ -31,15 +34,23 @@ Coupling::Coupling(const Surroundings& surroundings, const Options& options, std
     for (const Cluster& c : clusters) grasps_.emplace_back(c.objects().scene, surroundings, options);
 }
 
+// Targets that are the same to the bit are no news: a tracker is slower than the loop, or missed a step. Taken for
+// rest, they would shake the damper of a grip by the whole speed each time, and what it holds would slip.
 void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now) {
-  std::vector<Vec<double, 6>>& velocity = target_velocity_[cluster];
-  velocity.resize(now.size());
-  double fastest = 0;
-  for (std::size_t b = 0; b < now.size(); ++b) {
-    velocity[b] = twist_between(last[b], now[b]) / options_.dt;
-    fastest = std::max(fastest, velocity[b].head<3>().norm());
+  std::vector<Vec<double, 6>>& velocity = memory_.target_velocity[cluster];
+  double &since = memory_.since[cluster], &between = memory_.between[cluster];
+  since += options_.dt;
+  const bool news = !std::ranges::equal(last, now, [](const Pose<double>& a, const Pose<double>& b) {
+    return a.position == b.position && a.rotation == b.rotation;
+  });
+  if (news) {
+    between = since <= rests ? since : options_.dt;
+    since = 0;
+    for (std::size_t b = 0; b < now.size(); ++b) velocity[b] = twist_between(last[b], now[b]) / between;
   }
-  if (fastest > options_.fastest) {
+  double fastest = 0;
+  for (const Vec<double, 6>& v : velocity) fastest = std::max(fastest, v.head<3>().norm());
+  if (fastest > options_.fastest || (!news && since > std::max(2 * between, patience))) {
     for (Vec<double, 6>& v : velocity) v.setZero();
     fastest = 0;
   }
@@ -100,7 +111,7 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
         continue;
       const Pose<double>& target = cluster.targets()[body];
       const Vec3 along = -t.normal, stretched = target * local;
-      const double closing = along.dot(velocity_at(target_velocity_[c][body], stretched - target.position));
+      const double closing = along.dot(velocity_at(memory_.target_velocity[c][body], stretched - target.position));
       const double stretch = along.dot(stretched - point);
       Push p{};
       p.cluster = c, p.body = t.a, p.object = static_cast<std::size_t>(object), p.row = r;
@@ -125,7 +136,7 @@ void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics) {
     others_ = other_;
     for (std::size_t k = 0; k < clusters.size(); ++k)
       for (std::size_t o = 0; o < others_.size() && k != c; ++o) others_[o] += memory_.part[k][o];
-    const bool solved = grasps_[c].solve(clusters[c], target_velocity_[c], physics, others_);
+    const bool solved = grasps_[c].solve(clusters[c], memory_.target_velocity[c], physics, others_);
     for (Push& p : pushes_) {
       if (p.cluster != c || !solved) continue;
       grasps_[c].read(p.row, p.given, p.received);

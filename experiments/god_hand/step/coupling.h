@@ -52,7 +52,9 @@ class Coupling {
 
   // What is kept from frame to frame.
   struct Memory {
-    std::vector<double> hand_speed;  // m/s, by cluster
+    std::vector<double> hand_speed;      // m/s, by cluster
+    std::vector<double> since, between;  // s, by cluster: since its targets last changed; between the last two changes
+    std::vector<std::vector<Vec<double, 6>>> target_velocity;  // m/s, rad/s, by cluster and god object
     std::vector<Vec<double, 6>> wrench;
     std::vector<std::vector<Vec<double, 6>>> part;  // of the wrenches: by cluster, by object
   };
@@ -81,10 +83,9 @@ class Coupling {
   const Surroundings* surroundings_;
   Options options_;
   Memory memory_;
-  std::vector<std::vector<Vec<double, 6>>> target_velocity_;  // m/s, rad/s, by cluster and god object
-  std::vector<Vec<double, 6>> change_;                        // of the objects' velocities
-  std::vector<Grasp> grasps_;                                 // by cluster
-  std::vector<Vec<double, 6>> other_, others_;                // N, N m, by object: of the engine; and of other clusters
+  std::vector<Vec<double, 6>> change_;          // of the objects' velocities
+  std::vector<Grasp> grasps_;                   // by cluster
+  std::vector<Vec<double, 6>> other_, others_;  // N, N m, by object: of the engine; and of other clusters
   std::vector<Push> pushes_;
 };
 

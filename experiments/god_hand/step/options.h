@@ -33,7 +33,8 @@ struct Options {
   double jump = 0.016;                   // m: targets that go farther in a frame have jumped, too
   double catch_up = 0.8;                 // m/s: a pressing hand may go so fast though its target does not
   int sub_steps = 3;
-  int verify = 20;  // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
+  bool measured = true;  // false: of a frame nothing but what a stream shows: poses, contacts, forces, held
+  int verify = 20;       // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
 
 // With what `mu` chooses filled in: solver and k_f. A hand that only pushes is soft; for one that holds, a finger tip

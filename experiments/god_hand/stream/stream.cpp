@@ -146,7 +146,8 @@ void Stream::write(const Frame& frame) {
   h.number = static_cast<std::uint64_t>(frame.number), h.time = frame.time, h.answers = answers_;
   h.bodies = static_cast<std::uint32_t>(frame.god.size()), h.loose = static_cast<std::uint32_t>(frame.loose.size());
   h.contacts = static_cast<std::uint32_t>(contacts);
-  h.flags = (frame.tracked ? tracked : 0u) | (frame.held ? held : 0u) | (frame.touches() ? touching : 0u);
+  const bool touches = std::ranges::any_of(frame.contacts, [](const auto& c) { return c.gap <= hand::touching; });
+  h.flags = (frame.tracked ? tracked : 0u) | (frame.held ? held : 0u) | (touches ? touching : 0u);
   h.sent = monotonic_ns();
   out_.clear();
   append(out_, h);
