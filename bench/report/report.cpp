@@ -37,6 +37,10 @@ void require_known(const std::string& what, const std::vector<std::string>& name
                                   ")");
 }
 
+bool left_out(const std::vector<std::string>& chosen, const std::string& name) {
+  return !chosen.empty() && !name.empty() && std::ranges::find(chosen, name) == chosen.end();
+}
+
 std::string collision_data(const fs::path& file) try {
   std::ifstream in(file);
   using nlohmann::json;
@@ -88,6 +92,9 @@ std::vector<fs::path> write_figures(const fs::path& dir, const Figures& asked) {
   std::vector<fs::path> files;
   const auto write_tables = [&](const std::vector<Table>& tables, const std::string& ending) {
     for (Table table : tables) {
+      std::erase_if(table.rows, [&](const Row& row) {
+        return left_out(asked.solvers, row.solver) || left_out(asked.families, row.group);
+      });
       if (table.rows.empty()) continue;
       table.id += ending;
       write(files.emplace_back(dir / "tables" / (table.id + ".csv")), to_csv(table));

@@ -114,6 +114,7 @@ Table phenomenon_table(const RunFolder& run) {
   Table table("phenomena", "phenomenon; exact answer");
   for (const Phenomenon& p : run.phenomena)
     if (p.solver == run.phenomena.front().solver) table.add("", "", {p.check, p.expected});
+  table.explain("Phenomena of friction and their exact answers in discrete time.", "");
   return table;
 }
 

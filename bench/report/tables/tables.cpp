@@ -79,14 +79,14 @@ Table solver_table(const RunFolder& run) {
   Table table("solvers", "solver; method; limits; runs in");
   for (const SolverInfo& s : run.solvers)
     table.add(s.name, "", {s.name, s.method, s.limits, s.foreign ? "a child process" : "this process"});
-  table.explain("", "No solver has run yet.");
+  table.explain("Method and limits of each solver.", "No solver has run yet.");
   return table;
 }
 
 Table conditions_table(const RunFolder& run) {
   Table table("conditions", "condition; value");
   for (const auto& [name, value] : run.conditions) table.add("", "", {name, value});
-  table.explain("", "The run has no run.json: its circumstances are unknown.");
+  table.explain("Conditions of the run.", "The run has no run.json: its circumstances are unknown.");
   return table;
 }
 

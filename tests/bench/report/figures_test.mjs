@@ -1,6 +1,6 @@
 // node figures_test.mjs WRITE_PAGES: figures and tables for print, of a small synthetic run.
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
+import {execFileSync, spawnSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import '../../../bench/report/page/charts.js';
@@ -21,7 +21,7 @@ try {
   assert.match(svg, /dual_active_set/, 'the chart names the solver');
   assert.equal(fs.readFileSync(`${dir}/figures/profile.pdf`).subarray(0, 5).toString(), '%PDF-');
   assert.match(fs.readFileSync(`${dir}/tables/accuracy.csv`, 'utf8'), /^hand,dual_active_set,\d/m);
-  assert.match(fs.readFileSync(`${dir}/tables/accuracy.tex`, 'utf8'), /\\begin\{table\}[^]*\\caption\{Time to[^]*\\label\{tab:zwang-accuracy\}[^]*\\toprule[^]*\\midrule[^]*\\bottomrule/);
+  assert.match(fs.readFileSync(`${dir}/tables/accuracy.tex`, 'utf8'), /\\begin\{table\*?\}[^]*\\caption\{Time to[^]*\\label\{tab:zwang-accuracy\}[^]*\\toprule[^]*\\midrule[^]*\\bottomrule/);
   assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
 
   // Six lines at most, 8 pt at the width asked for, and only what was chosen.
@@ -41,8 +41,31 @@ try {
     }
     for (const [, size] of text.matchAll(/font-size="([\d.]+)px"/g)) assert.ok(Math.abs(size - 8 * 96 / 72) < 0.01, `${size} px`);
   }
+  assert.ok(fs.readFileSync(`${full}/tables/accuracy.csv`, 'utf8').trim().split('\n').slice(1).every(line => line.startsWith('hand,')), 'tables of what was chosen');
   assert.throws(() => draw('wrok-precision', 'nnls', 'hand', '3.4'), /no chart 'wrok-precision'; did you mean 'work-precision'/);
   assert.throws(() => draw('profile', 'nnsl', 'hand', '3.4'), /no solver 'nnsl'; did you mean 'nnls'/);
+
+  // A figure and all tables stand in an article of one column and of two, and nothing is wider than its text.
+  const has_latex = spawnSync('pdflatex', ['--version']).status === 0;
+  if (!has_latex) console.log('pdflatex is not installed: no LaTeX file was compiled');
+  const kinds = new Set();
+  for (const run of ['full', 'laws', 'speed'].filter(() => has_latex)) {
+    const at = `${dir}/${run}-tex`;
+    execFileSync('node', [`${here}make_results.mjs`, at, run]);
+    execFileSync(process.argv[2], [at, 'figures', 'data-profile', '-', '-', '3'], {stdio: 'ignore'});
+    const tables = fs.readdirSync(`${at}/tables`).filter(name => name.endsWith('.tex')), input = names => names.map(name => `\\input{tables/${name}}`).join('\n');
+    const environment = name => /\\begin\{(table\*?|longtable)\}/.exec(fs.readFileSync(`${at}/tables/${name}`, 'utf8'))[1], is_long = name => environment(name) === 'longtable';
+    tables.forEach(name => kinds.add(environment(name)));
+    const figures = fs.readdirSync(`${at}/figures`).filter(name => name.endsWith('.pdf')).map(name => `\\begin{figure}\\includegraphics{figures/${name}}\\caption{${name}}\\end{figure}`);
+    for (const style of ['10pt', '10pt,twocolumn', '12pt,a4paper,twocolumn']) {
+      fs.writeFileSync(`${at}/all.tex`, `\\documentclass[${style}]{article}\\usepackage{array,booktabs,longtable,graphicx}\\begin{document}Text.\n${figures.join('\n')}
+${input(tables.filter(name => !is_long(name)))}\n\\onecolumn\n${input(tables.filter(is_long))}\n\\end{document}\n`);
+      for (const pass of [1, 2])
+        assert.equal(spawnSync('pdflatex', ['-interaction=nonstopmode', '-halt-on-error', 'all.tex'], {cwd: at}).status, 0, `${run}, ${style}, pass ${pass}`);
+      assert.deepEqual(fs.readFileSync(`${at}/all.log`, 'latin1').match(/^(Overfull \\hbox|LaTeX Warning: Float too large).*/gm) ?? [], [], `${run}, ${style}`);
+    }
+  }
+  assert.deepEqual([...kinds].sort(), has_latex ? ['longtable', 'table*'] : []);
 } finally {
   fs.rmSync(dir, {recursive: true, force: true});
 }

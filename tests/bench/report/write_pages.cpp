@@ -1,5 +1,5 @@
 // The report of a run; of two runs side by side; the figures of a run. For the tests in the browser.
-// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures [CHART SOLVER|- FAMILY WIDTH]
+// write_pages DIR | write_pages DIR OTHER OUT | write_pages DIR figures [CHART SOLVER|- FAMILY|- WIDTH]
 #include <exception>
 #include <iostream>
 #include <string>
@@ -16,8 +16,9 @@ int main(int argc, char** argv) try {
   else if (words.size() >= 2 && words[1] == "figures") {
     zwang::report::Figures figures{{"svg", "pdf"}};
     if (words.size() == 6)
-      figures.charts = {words[2]}, figures.families = {words[4]}, figures.width = std::stod(words[5]);
+      figures.charts = {words[2]}, figures.width = std::stod(words[5]);
     if (words.size() == 6 && words[3] != "-") figures.solvers = {words[3]};
+    if (words.size() == 6 && words[4] != "-") figures.families = {words[4]};
     for (const auto& file : zwang::report::write_figures(words[0], figures)) std::cout << file.string() << "\n";
   } else {
     return 2;
