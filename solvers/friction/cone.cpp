@@ -10,11 +10,12 @@
 namespace zwang {
 namespace {
 
-constexpr int most_steps = 60;         // of an interior point from one start
-constexpr int most_coupled = 52;       // and, where the shift is differentiated, with Newton's steps between them
-constexpr int most_modes = 8;          // Newton steps from an iterate inside the cones
-constexpr int most_warm = 32;          // and from an earlier answer
-constexpr int most_warm_coulomb = 10;  // where the interior point is soon done, too
+constexpr int most_steps = 60;    // of an interior point from one start
+constexpr int most_coupled = 52;  // and, where the shift is differentiated, with Newton's steps between them
+constexpr int most_modes = 8;     // Newton steps from an iterate inside the cones
+// And from an earlier answer. (Of frames of a hand 10 steps end two in ten just before the answer, and the interior
+// point begins from nothing.)
+constexpr int most_warm = 32;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
@@ -76,9 +77,8 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
-             std::min(program_.is_coulomb() ? most_warm_coulomb : most_warm, options.max_iterations), deadline,
-             solution.iterations);
+  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v), std::min(most_warm, options.max_iterations),
+             deadline, solution.iterations);
   return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
 }
 
