@@ -1,7 +1,6 @@
 #include <zwang/bench/campaign/cell_list.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 
 #include <zwang/bench/packs/xml.h>
 #include <zwang/bench/results/statistics.h>

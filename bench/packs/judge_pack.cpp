@@ -4,7 +4,6 @@
 #include <fstream>
 #include <memory>
 #include <set>
-#include <stdexcept>
 
 #include <zwang/bench/packs/xml.h>
 #include <zwang/bench/timing/conditions.h>

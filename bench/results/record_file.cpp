@@ -3,7 +3,6 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>

@@ -4,9 +4,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <fstream>
-#include <stdexcept>
 #include <system_error>
 
 #include <zwang/bench/results/seal.h>

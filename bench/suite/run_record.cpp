@@ -1,7 +1,6 @@
 #include <zwang/bench/suite/run_record.h>
 
 #include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 
 #include <zwang/bench/results/cell.h>

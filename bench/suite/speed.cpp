@@ -1,8 +1,5 @@
 #include <zwang/bench/suite/speed.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/results/measured_files.h>
 #include <zwang/bench/results/records.h>

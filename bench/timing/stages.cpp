@@ -1,6 +1,5 @@
 #include <zwang/bench/timing/stages.h>
 
-#include <algorithm>
 #include <array>
 #include <limits>
 

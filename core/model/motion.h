@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include <zwang/core/model/assemble.h>
 #include <zwang/core/model/scene.h>

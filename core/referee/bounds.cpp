@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/island_split.h>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/report/wording.h>

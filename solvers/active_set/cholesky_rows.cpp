@@ -1,7 +1,6 @@
 #include <zwang/solvers/active_set/cholesky_rows.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace zwang {
 

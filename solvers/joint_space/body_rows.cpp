@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <zwang/core/problem/preparation.h>
 #include <zwang/solvers/joint_space/lanes.h>

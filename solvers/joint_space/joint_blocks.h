@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include <zwang/solvers/joint_space/body_rows.h>
 #include <zwang/solvers/joint_space/lanes.h>

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 namespace zwang {
 

@@ -1,7 +1,5 @@
 #include <zwang/solvers/joint_space/null_space_form.h>
 
-#include <cmath>
-
 #include <zwang/solvers/linalg/multiply_add.h>
 #include <zwang/solvers/linalg/tolerances.h>
 namespace zwang {

@@ -1,7 +1,6 @@
 #include <zwang/solvers/linalg/block_cholesky.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include <zwang/solvers/linalg/dense_front.h>
 #include <zwang/solvers/linalg/elimination_order.h>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
 
 #include <zwang/core/files/other_program.h>
 #include <zwang/core/files/wire.h>

@@ -1,7 +1,6 @@
 #include <zwang/bench/references/friction/solution_count.h>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>

@@ -1,7 +1,6 @@
 #include <zwang/core/referee/friction/numbers.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace zwang {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <ranges>
 
 #include <zwang/core/referee/exact_rank.h>

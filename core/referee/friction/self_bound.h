@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include <zwang/core/referee/friction/mode_system.h>
 #include <zwang/core/referee/tolerances.h>
 

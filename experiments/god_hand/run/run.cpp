@@ -1,7 +1,6 @@
 #include <zwang/experiments/god_hand/run/run.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include <zwang/bench/collision/audit.h>
 #include <zwang/bench/collision/hand_shapes.h>

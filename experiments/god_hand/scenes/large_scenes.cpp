@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>

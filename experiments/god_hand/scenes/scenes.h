@@ -4,7 +4,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <zwang/experiments/god_hand/scenes/surroundings.h>
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
