@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/cells.h>
@@ -81,8 +80,7 @@ RunFolder merged(const RunFolder& a, const RunFolder& b) {
 
 Table comparison_table(const RunFolder& a, const RunFolder& b) {
   constexpr double error = 1e-6;
-  Table table("comparison",
-              "solver; #problems in both; #reached 1e-6 @A; #reached 1e-6 @B; #time B/A; #lies @A; #lies @B");
+  Table table("comparison");
   for (const SolverInfo& s : a.solvers) {
     if (!holds(b, s.name)) continue;
     const auto in_a = by_problem(a, s.name), in_b = by_problem(b, s.name);
@@ -107,8 +105,7 @@ Table comparison_table(const RunFolder& a, const RunFolder& b) {
                ratios.empty() ? Cell("-") : Cell(fixed(ratio, 2) + "x", ratio, tone), whole_cell(lies_a),
                whole_cell(lies_b, tone_of(lies_b > lies_a, lies_b < lies_a))});
   }
-  table.explain("Time ratio: geometric mean over the problems on which both reached 1e-6; below 1 run B is faster.",
-                "No solver is in both runs.");
+  table.explain();
   const auto alone = [&](const RunFolder& run, const RunFolder& other, const char* name) {
     std::vector<std::string> names;
     for (const SolverInfo& s : run.solvers)

@@ -44,9 +44,7 @@ std::string tolerance_range(const std::set<double>& tolerances) {
 }  // namespace
 
 Table claim_counts_table(const RunFolder& run) {
-  Table table("claim-counts",
-              "solver; #false claims; #of runs; #on problems; #worst error; #flagged but wrong; #infeasible, unproven; "
-              "families with false claims");
+  Table table("claim-counts");
   struct Count {
     std::size_t runs = 0, lies = 0, flagged = 0, unproven = 0;
     const Result* worst = nullptr;
@@ -76,15 +74,12 @@ Table claim_counts_table(const RunFolder& run) {
                c.worst ? error_cell(*c.worst) : Cell(), count_cell(c.flagged, "warn"), count_cell(c.unproven, "warn"),
                joined({c.families.begin(), c.families.end()})});
   }
-  table.explain(
-      "False: the solver claims an answer (or that none exists) and the referee finds it wrong. Flagged but wrong: it "
-      "said that its answer may be off, and it is. Solvers that are not listed made no such claim.",
-      "No run made a claim that the referee rejects.");
+  table.explain();
   return table;
 }
 
 Table claims_table(const RunFolder& run) {
-  Table table("claims", "solver; problem; tolerances asked; #runs; claimed; verified; #worst error; why");
+  Table table("claims");
   struct Group {
     const Result* worst;
     std::set<double> tolerances = {};
@@ -115,18 +110,12 @@ Table claims_table(const RunFolder& run) {
               replay_of(run, r));
   }
   const bool lies = std::ranges::any_of(run.results, &Result::lies);
-  table.explain(lies ? "Runs that claimed an answer and were wrong come first; below them claims flagged as "
-                       "ill-conditioned and claims of infeasibility without proof."
-                     : "No run claimed success, or infeasibility, where the referee found the opposite. Flagged or "
-                       "unproven claims:",
-                "No run made a claim that the referee rejects.");
+  table.explain(lies ? "rows" : "no lies");
   return table;
 }
 
 Table recorded_table(const RunFolder& run) {
-  Table table(
-      "recorded",
-      "family; answer; #problems; #right; #near; #wrong; #undecided; #smallest error; #median error; #largest error");
+  Table table("recorded");
   InOrder<std::pair<std::string, std::string>, std::vector<const Result*>> groups;
   for (const Result& r : run.recorded) groups[{r.family, r.solver}].push_back(&r);
   for (const auto& [key, answers] : groups.items) {
@@ -147,18 +136,13 @@ Table recorded_table(const RunFolder& run) {
          number_cell(median(errors)), number_cell(errors.empty() ? none : errors.back())});
   }
   const double asked = run.recorded.empty() ? unknown : run.recorded.front().tolerance;
-  table.explain(
-      ("Answers that came with the problems, judged by the referee like a solver's at tolerance " +
-       scientific(asked, 0) +
-       ". They are no runs: they have no time, and count in no other table. A simulator that softens its rows "
-       "answers another problem than the one charted.")
-          .c_str(),
-      "No problem came with an answer.");
+  table.explain();
+  if (const auto at = table.note.find('@'); at != std::string::npos) table.note.replace(at, 1, scientific(asked, 0));
   return table;
 }
 
 Table verdict_table(const RunFolder& run) {
-  Table table("verdicts", "solver; claimed");
+  Table table("verdicts");
   std::vector<Verdict> columns;
   for (const Verdict verdict :
        {Verdict::solved, Verdict::near, Verdict::wrong, Verdict::infeasible_proven, Verdict::infeasible_claimed,
@@ -194,14 +178,12 @@ Table verdict_table(const RunFolder& run) {
       cells.push_back(count_cell(count.fallbacks));
       table.add(solver, "", std::move(cells));
     }
-  table.explain(
-      "Runs by what the solver claims (rows) and what the referee finds (columns). Red: claims that are false.",
-      "The run holds no results.");
+  table.explain();
   return table;
 }
 
 Table worst_row_table(const RunFolder& run) {
-  Table table("worst-rows", "constraint type; solver; #violation; #of the scale; row; problem; #tolerance; verified");
+  Table table("worst-rows");
   using Worst = std::pair<const Result::WorstRow*, const Result*>;
   std::map<std::pair<std::string, std::string>, Worst> worst;
   for (const Result& r : run.results) {
@@ -224,15 +206,12 @@ Table worst_row_table(const RunFolder& run) {
                Cell(r.verdict(), unknown, tone_of(r.lies(), false))},
               replay_of(run, r));
   }
-  table.explain(
-      "Among runs that claim success, the worst violated row of each constraint type, in the row's own unit of "
-      "acceleration (none where no body's constraint made it).",
-      "No run that claims success violates a row, or the run names none.");
+  table.explain();
   return table;
 }
 
 Table range_gap_table(const RunFolder& run) {
-  Table table("range-gap", "problem; #rows m; #knob; #range gap |J k - c|/|c|; #error; claimed; verified");
+  Table table("range-gap");
   InOrder<std::pair<std::string, std::string>, const Result*> tightest;
   for (const Result& r : run.results) {
     if (!std::isfinite(r.range_gap)) continue;
@@ -246,11 +225,7 @@ Table range_gap_table(const RunFolder& run) {
                Cell(r.verdict(), unknown, tone_of(r.lies(), r.metrics.verdict == Verdict::solved))},
               replay_of(run, r));
   }
-  table.explain(
-      "nnls_paper needs a k with J k = c. Where c lies outside the range of J there is none: least squares replaces c "
-      "by J k in silence, and z goes wrong by about the gap where the rows so changed are active. An error far above "
-      "the gap has another cause.",
-      "No solver of this run reports a range gap (nnls_paper does).");
+  table.explain();
   return table;
 }
 

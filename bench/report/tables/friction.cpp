@@ -41,9 +41,7 @@ Cell phenomenon_cell(const Phenomenon& p) {
 }  // namespace
 
 Table law_table(const RunFolder& run) {
-  Table table("laws",
-              "family; law; solver; #problems; #right; #consistent; #false claims; #error, its law; #off Coulomb; "
-              "#at most; #time");
+  Table table("laws");
   std::set<std::string> compared;  // families that stand under several laws
   for (const Result& r : run.results)
     if (std::isfinite(r.coulomb_error)) compared.insert(without_law(r.family, r.law));
@@ -74,16 +72,12 @@ Table law_table(const RunFolder& run) {
                count_cell(u.consistent), count_cell(u.lies, "bad"), number_cell(median(u.error)),
                number_cell(median(u.distance)), number_cell(most), time_cell(median(u.time))});
   }
-  table.explain(
-      "Each solver at its tightest tolerance. Right, false claims and error: under the law that the solver states. Off "
-      "Coulomb: the distance |z - z*|_M / s to a solution of Coulomb's law, median and largest. A right answer to a "
-      "simpler law may be far from Coulomb's. Where Coulomb's law has no known solution the column is empty.",
-      "");
+  table.explain();
   return table;
 }
 
 Table conformance_table(const RunFolder& run) {
-  Table table("conformance", "solver; law; #pass");
+  Table table("conformance");
   InOrder<std::string, std::vector<const Phenomenon*>> by_solver;
   for (const Phenomenon& p : run.phenomena) {
     by_solver[p.solver].push_back(&p);
@@ -100,21 +94,15 @@ Table conformance_table(const RunFolder& run) {
     }
     table.add(solver, "", std::move(cells));
   }
-  table.explain(
-      "Phenomena of friction whose answers in discrete time are known exactly. A solver that does not read Coulomb's "
-      "law "
-      "gets the nearest law that it reads, and shows what that law is off by. ok: within 1e-6. A number: by how much "
-      "it "
-      "is off, in m/s, m or m/s^2. none: no answer. Blank: the solver does not take such problems.",
-      "");
+  table.explain();
   return table;
 }
 
 Table phenomenon_table(const RunFolder& run) {
-  Table table("phenomena", "phenomenon; exact answer");
+  Table table("phenomena");
   for (const Phenomenon& p : run.phenomena)
     if (p.solver == run.phenomena.front().solver) table.add("", "", {p.check, p.expected});
-  table.explain("Phenomena of friction and their exact answers in discrete time.", "");
+  table.explain();
   return table;
 }
 

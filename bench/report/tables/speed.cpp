@@ -64,14 +64,7 @@ Cell at_least(bool stopped, double value, const std::string& text) {
 }  // namespace
 
 Table speed_table(const RunFolder& run) {
-  Table table("speed", "family; size; solver; #time; #kernels; #x ours; #worst z_error; verified; #allocations");
-  table.note =
-      "Whole solves from M, z_u, J, c at tolerance 1e-10, cold; medians of interleaved repetitions, and over the "
-      "problems of one size. Kernel: Eigen's HouseholderQR of a 96 x 70 matrix, timed in the same sequence. "
-      "Allocations: heap blocks of a warm solve. x ours: against dual_active_set, newton where that was "
-      "not run, or cone where friction follows Coulomb's law. A time with > is that of a solver stopped at its "
-      "deadline, and so is its ratio. mujoco_newton has "
-      "soft rows and serves as a yardstick of speed: its z_error is how far the rows are violated.";
+  Table table("speed");
   for (const auto& [size, solvers] : by_size(run)) {
     std::vector<std::pair<std::string, const SpeedTimes*>> order;
     for (const auto& [solver, times] : solvers) order.emplace_back(solver, &times);
@@ -95,11 +88,12 @@ Table speed_table(const RunFolder& run) {
            fixed_cell(median(t->allocations), 0)});
     }
   }
+  table.explain();
   return table;
 }
 
 Table speed_exponent_table(const RunFolder& run) {
-  Table table("speed-exponents", "family; solver; sizes; #exponent p; #2 s.e.");
+  Table table("speed-exponents");
   const auto sizes = by_size(run);
   // Walls begin at 100 boxes: below, set-up dominates.
   const std::map<std::string, double> families{{"hands", 1}, {"K", 1}, {"tower", 10}, {"wall", 100}, {"random", 1}};
@@ -119,15 +113,12 @@ Table speed_exponent_table(const RunFolder& run) {
                 {family, solver, knob_text(x.front()) + " to " + knob_text(x.back()), fixed_cell(law.exponent, 2),
                  fixed_cell(2 * law.error, 2)});
     }
-  table.explain("Time grows like size to the power p, fitted in logarithms to every size in the range.",
-                "No solver solved three sizes of hands, towers, walls (from 100 boxes) or random rows.");
+  table.explain();
   return table;
 }
 
 Table sequence_table(const RunFolder& run) {
-  Table table("sequences",
-              "sequence; solver; #frames; #cold; #warm; #cold / warm; steps cold, warm; #worst z_error; #right; "
-              "#allocations");
+  Table table("sequences");
   for (const SequenceTimes& s : run.sequences) {
     const double gain = s.cold.solve_s.median / s.warm.solve_s.median;
     const long right = s.cold.right + s.warm.right, checked = s.cold.checked + s.warm.checked;
@@ -138,22 +129,18 @@ Table sequence_table(const RunFolder& run) {
                number_cell(std::fmax(s.cold.worst_z_error, s.warm.worst_z_error)),
                part_cell(right, checked, right == checked ? "good" : "warn"), fixed_cell(s.warm.allocations, 0)});
   }
-  table.explain(
-      "Successive frames, each solved cold and from the same solver's solution of the frame before; all solvers frame "
-      "by frame in turn. Every 20th frame is checked. A solver that used up its share of the time has fewer frames.",
-      "The run holds no sequences.");
+  table.explain();
   return table;
 }
 
 Table assembly_table(const RunFolder& run) {
-  Table table("assembly", "scene; #contacts; #rows m; #assembly; #kernels; #islands; #allocations");
+  Table table("assembly");
   for (const AssemblyTimes& a : run.assembly)
     table.add(
         "", "",
         {a.scene, whole_cell(a.contacts), whole_cell(a.m), time_cell(a.assemble_s.median),
          fixed_cell(a.assemble_s.median / a.kernel_s, 3), time_cell(a.islands_s.median), whole_cell(a.allocations)});
-  table.explain("From poses to M, z_u, J, c, while the bodies move and the rows stay; and the search for islands.",
-                "The run holds no assembly times.");
+  table.explain();
   return table;
 }
 

@@ -1,10 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
+#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/tables.h>
 #include <zwang/bench/report/wording.h>
+
+ZWANG_EMBEDDED(tables_json, ZWANG_TABLES)
 
 namespace zwang::report {
 namespace {
@@ -15,11 +19,21 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
+// tables.json: of each table its columns, what its figures mean, and why there may be none.
+std::string text_of(const std::string& table, const char* name) {
+  static const nlohmann::json all = nlohmann::json::parse(tables_json());
+  return all.at(table).value(name, "");
+}
+
 }  // namespace
 
 std::string csv_field(const std::string& text) {
   return text.find_first_of(",\"\n") == std::string::npos ? text : '"' + replaced(text, "\"", "\"\"") + '"';
 }
+
+Table::Table(std::string name) : id(std::move(name)) { add_columns(text_of(id, "columns")); }
+
+void Table::explain(const char* with_rows) { note = text_of(id, rows.empty() ? "none" : with_rows); }
 
 void Table::add_columns(const std::string& titles) {
   std::stringstream parts(titles);

@@ -21,7 +21,7 @@ std::string knob_text(double value) {
 }
 
 Table break_point_table(const RunFolder& run) {
-  Table table("break-points", "solver");
+  Table table("break-points");
   std::vector<std::string> families;
   std::map<std::string, std::map<std::string, BreakPoint>> found;
   for (const BreakPoint& point : break_points(run.results, names(run))) {
@@ -47,15 +47,12 @@ Table break_point_table(const RunFolder& run) {
     }
     table.add(solver, "", std::move(cells));
   }
-  table.explain(
-      "First knob value, from benign to hard, where z fails / where the solver makes a false claim, each solver at its "
-      "tightest tolerance. Fails: error above 1e-6, no answer, or wrong about feasibility.",
-      "This run holds none of the stability families (docs/stability.md).");
+  table.explain();
   return table;
 }
 
 Table reference_table(const RunFolder& run) {
-  Table table("references", "family; #problems; reference; #infeasible");
+  Table table("references");
   for (const std::string& family : families_of(run.results)) {
     std::map<std::string, std::set<std::string>> by_reference;
     std::set<std::string> problems, infeasible;
@@ -71,22 +68,22 @@ Table reference_table(const RunFolder& run) {
     table.add("", family,
               {family, whole_cell(std::ssize(problems)), joined(origins, "; "), count_cell(infeasible.size())});
   }
-  table.explain("Where the true answers come from.", "The run holds no results.");
+  table.explain();
   return table;
 }
 
 Table solver_table(const RunFolder& run) {
-  Table table("solvers", "solver; method; limits; runs in");
+  Table table("solvers");
   for (const SolverInfo& s : run.solvers)
     table.add(s.name, "", {s.name, s.method, s.limits, s.foreign ? "a child process" : "this process"});
-  table.explain("Method and limits of each solver.", "No solver has run yet.");
+  table.explain();
   return table;
 }
 
 Table conditions_table(const RunFolder& run) {
-  Table table("conditions", "condition; value");
+  Table table("conditions");
   for (const auto& [name, value] : run.conditions) table.add("", "", {name, value});
-  table.explain("Conditions of the run.", "The run has no run.json: its circumstances are unknown.");
+  table.explain();
   return table;
 }
 

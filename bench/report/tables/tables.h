@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -36,13 +35,14 @@ struct Table {
   std::vector<Column> columns = {};
   std::vector<Row> rows = {};
 
-  Table(std::string name, const std::string& titles) : id(std::move(name)) { add_columns(titles); }
+  explicit Table(std::string name);  // with its columns of tables.json
   // Titles with "; " between them; "#" before one: a column of numbers.
   void add_columns(const std::string& titles);
   void add(std::string solver, std::string group, std::vector<Cell> cells, std::string command = "") {
     rows.push_back({std::move(solver), std::move(group), std::move(cells), std::move(command)});
   }
-  void explain(const char* with_rows, const char* without) { note = rows.empty() ? without : with_rows; }
+  // The note of tables.json under this name; "none" where there are no rows.
+  void explain(const char* with_rows = "rows");
 };
 
 Table claim_counts_table(const RunFolder& run);  // false claims, counted by solver

@@ -14,7 +14,7 @@
 namespace zwang::report {
 
 Table accuracy_table(const RunFolder& run) {
-  Table table("accuracy", "family; solver");
+  Table table("accuracy");
   for (const double error : error_levels) table.columns.push_back({"at " + scientific(error, 0), true});
   std::vector<std::string> families = families_of(run.results);
   if (families.size() > 1) families.insert(families.begin(), "");
@@ -35,17 +35,13 @@ Table accuracy_table(const RunFolder& run) {
       }
     for (auto& [solver, cells] : rows.items) table.add(solver, shown, std::move(cells));
   }
-  table.explain(
-      "Time to the achieved error, geometric mean over the problems on which it was reached (on 3 of 5: of the 5 that "
-      "the solver reads). First come solvers that reached 1e-9 on the most problems, the fastest of those first; in "
-      "brackets the ratio to that error's leader on the problems both reached.",
-      "No solver reached 1e-3 on a problem with a reference.");
+  table.explain();
   return table;
 }
 
 Table means_table(const RunFolder& run) {
   constexpr double penalty = 10;
-  Table table("means", "solver");
+  Table table("means");
   const auto solvers = names(run);
   const auto groups = group_by_problem(run.results, solvers);
   for (const std::string& solver : solvers) table.add(solver, "", {solver});
@@ -66,24 +62,18 @@ Table means_table(const RunFolder& run) {
     }
   }
   if (table.columns.size() == 1) table.rows.clear();
-  table.explain(
-      "Shifted geometric mean of the time over the problems that the solver reads and somebody solved; a failure "
-      "counts as 10 times the slowest success on that problem.",
-      "No solver reached 1e-3 on a problem with a reference.");
+  table.explain();
   return table;
 }
 
 Table exponent_table(const RunFolder& run) {
-  Table table("exponents", "family; solver; size; #from; #to; #exponent p; #2 s.e.");
+  Table table("exponents");
   for (const Scaling& family : scaling(run.results, names(run), 1e-6))
     for (const ScalingFit& fit : family.fits)
       table.add(fit.solver, family.family,
                 {family.family, fit.solver, family.axis, knob_cell(fit.from), knob_cell(fit.to),
                  fixed_cell(fit.law.exponent, 2), fixed_cell(2 * fit.law.error, 2)});
-  table.explain(
-      "Time grows like size to the power p over the upper half of each sweep, three sizes at least (in logarithms). "
-      "From three sizes the error is a hint.",
-      "No solver solved the three largest sizes of a family: there is no exponent to fit.");
+  table.explain();
   return table;
 }
 
