@@ -33,7 +33,7 @@ struct SceneEntry {
   std::function<Instance(const Knobs&)> make;  // all knobs present and in range
 };
 
-// Every scene there is. Explicit: a new one is one line in catalog.cpp.
+// Every scene there is. Explicit: a new one is an entry of catalog.json and the name of its function in catalog.cpp.
 std::span<const SceneEntry> scenes();
 
 // One more, of a host program: behind the others. Before the first run: spans of scenes() taken earlier are void then.

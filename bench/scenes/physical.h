@@ -66,7 +66,7 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
 // What gravity and these wrenches make of a scene whose contacts rub with the knob `mu`.
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {});
 
-// All take the knobs that catalog.cpp declares for them. boxes.cpp:
+// All take the knobs that catalog.json declares for them. boxes.cpp:
 Instance tower(const Knobs& knobs);
 Instance stack(const Knobs& knobs);
 Instance wall(const Knobs& knobs);

@@ -4,6 +4,7 @@
 The atlas' counts, the keys of summary.json and the datasets of frames.h5, a picture of every scene, and that every figure comes from
 a commit.
 """
+import json
 import pathlib
 import re
 import subprocess
@@ -23,10 +24,9 @@ def says(page, what):
 
 
 # The stability atlas: a line of the table a point. Some scenes are of the family of another one.
-families = dict(re.findall(r'of_family\("(\w+)", scene\("(\w+)"', text("bench/scenes/catalog.cpp")))
-families = {scene: family for family, scene in families.items()}
+families = {scene["name"]: scene.get("family") for scene in json.loads(text("bench/scenes/catalog.json"))}
 points = [re.match(r"\w+", line.split("\t")[1])[0] for line in text("tests/data/atlas_points.tsv").splitlines()[1:]]
-names = {families.get(scene, scene) for scene in points}
+names = {families.get(scene) or scene for scene in points}
 section = re.search(r"\n## With friction\n(.*?)\n## ", text("docs/stability.md"), re.S)[1]
 with_friction = {name for name in names if re.search(rf"\b{name}\b", section)}
 says("docs/stability.md", f"sweeps {len(names)} families of problems, {len(with_friction)} of them with friction")

@@ -151,26 +151,6 @@ Instance box_tower(const char* family, const std::vector<double>& masses, int co
   return p.instance(family, z_u);
 }
 
-Knob integer_knob(const char* name, double value, double low, double high, const char* help) {
-  return {name, value, low, high, true, help};
-}
-
-SceneEntry family(const char* name, const char* line, std::vector<Knob> knobs,
-                  std::function<Instance(const Knobs&)> make) {
-  SceneEntry entry;
-  entry.name = entry.family = name;
-  entry.line = line;
-  entry.sweep = knobs[0].name;
-  entry.knobs = std::move(knobs);
-  entry.make = std::move(make);
-  return entry;
-}
-
-// Without a knob.
-SceneEntry point(const char* name, const char* line, std::function<Instance(const Knobs&)> make) {
-  return {.name = name, .family = name, .line = line, .knobs = {}, .make = std::move(make)};
-}
-
 PlantedFriction planted_options(const Knobs& k) {
   return {.bodies = static_cast<Index>(k.at("bodies")),
           .contacts = static_cast<Index>(k.at("contacts")),
@@ -266,70 +246,40 @@ Instance planted_friction(const PlantedFriction& o) {
   return out;
 }
 
-std::vector<SceneEntry> friction_families() {
-  const Knob bodies = integer_knob("bodies", 5, 1, 1000, "free bodies"),
-             contacts = integer_knob("contacts", 8, 1, 10000, "contacts"),
-             seed = integer_knob("seed", 1, 0, 1e9, "of geometry, modes and answer");
-  const auto planted = [&](const char* name, const char* line, const char* help, double low, double high,
-                           void (*set)(PlantedFriction&, int)) {
-    return family(name, line, {integer_knob("k", 2, low, high, help), bodies, contacts, seed},
-                  [set, name](const Knobs& k) {
-                    PlantedFriction o = planted_options(k);
-                    set(o, static_cast<int>(k.at("k")));
-                    Instance out = planted_friction(o);
-                    out.family = out.problem.name = name;
-                    return out;
-                  });
+std::vector<std::pair<std::string, std::function<Instance(const Knobs&)>>> friction_families() {
+  const auto planted = [](const char* name, void (*set)(PlantedFriction&, int)) {
+    return std::pair(name, [set, name](const Knobs& k) {
+      PlantedFriction o = planted_options(k);
+      set(o, static_cast<int>(k.at("k")));
+      Instance out = planted_friction(o);
+      out.family = out.problem.name = name;
+      return out;
+    });
   };
-  std::vector<SceneEntry> all;
-  all.push_back(planted("planted", "planted answer under Coulomb's law, mu = 2^-k", "-log2 of mu", -4, 40,
-                        [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }));
-  all.push_back(planted("MU0", "planted answer, mu = 2^-k: friction fades", "-log2 of mu", 0, 40,
-                        [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }));
-  all.push_back(planted("MUL", "planted answer, mu = 2^k: several solutions are common", "log2 of mu", 0, 20,
-                        [](PlantedFriction& o, int k) { o.mu = std::exp2(k); }));
-  all.push_back(planted("APEX", "planted answer, sliding contacts pushed with 2^-k", "-log2 of their load", 0, 40,
-                        [](PlantedFriction& o, int k) { o.load_exponent = -k; }));
-  all.push_back(planted("SLIP", "planted answer, sliding contacts slip at 2^-k", "-log2 of their slip", 0, 40,
-                        [](PlantedFriction& o, int k) { o.slip_exponent = -k; }));
-  all.push_back(family("MRF", "two boxes on four corners each with friction, the upper one of mass 2^k",
-                       {integer_knob("k", 4, -40, 40, "log2 of the mass ratio")},
-                       [](const Knobs& k) { return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25); }));
-  all.push_back(family("STKF", "equal boxes on four corners each with friction, pushed sideways",
-                       {integer_knob("boxes", 2, 1, 200, "number of boxes")}, [](const Knobs& k) {
-                         return box_tower("STKF", std::vector<double>(static_cast<std::size_t>(k.at("boxes")), 1), 1,
-                                          .5, .375);
-                       }));
-  all.push_back(family("RANK", "a box at rest on four corners, each corner k times",
-                       {integer_knob("k", 1, 1, 64, "contacts at each corner")},
-                       [](const Knobs& k) { return box_tower("RANK", {1}, static_cast<int>(k.at("k")), .5, .25); }));
-  all.push_back(family("JAM",
-                       "a wedge dragged into its walls, mu = 3/4 - 2^-k: forces grow like 2^k; no answer from 3/4 on",
-                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4"),
-                        integer_knob("beyond", 0, 0, 1, "1: mu = 3/4 + 2^-k, no solution")},
-                       [](const Knobs& k) {
-                         const double off = std::exp2(-k.at("k"));
-                         return jam_point(.75 + (k.at("beyond") == 1 ? off : -off), -1).instance;
-                       }));
-  all.push_back(family("HELD", "pulled out of a wedge, mu = 3/4 + 2^-k: held or free, two solutions",
-                       {integer_knob("k", 2, 2, 45, "-log2 of the distance to 3/4"),
-                        integer_knob("above", 1, 0, 1, "1: above 3/4; 0: below, one solution")},
-                       [](const Knobs& k) {
-                         const double off = std::exp2(-k.at("k"));
-                         return held_point(.75 + (k.at("above") == 1 ? off : -off)).instance;
-                       }));
-  all.push_back(family("ROD", "Painleve's rod, mu = 14/11 + 2^-k: three solutions",
-                       {integer_knob("k", 3, 1, 45, "-log2 of the distance to 14/11"),
-                        integer_knob("above", 1, 0, 1, "1: above 14/11; 0: below, one solution")},
-                       [](const Knobs& k) {
-                         const double off = std::exp2(-k.at("k"));
-                         return rod_point(14. / 11 + (k.at("above") == 1 ? off : -off)).instance;
-                       }));
-  all.push_back(point("PINCH", "plates moving apart along themselves: a continuum of solutions",
-                      [](const Knobs&) { return pinch_point().instance; }));
-  all.push_back(point("PUCK", "a flat box sliding and spinning on four corners: a continuum of solutions",
-                      [](const Knobs&) { return puck_point().instance; }));
-  return all;
+  // mu, 2^-k beside a limit, on the side that the knob says.
+  const auto beside = [](double limit, const Knobs& k, const char* above) {
+    const double off = std::exp2(-k.at("k"));
+    return limit + (k.at(above) == 1 ? off : -off);
+  };
+  return {planted("planted", [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }),
+          planted("MU0", [](PlantedFriction& o, int k) { o.mu = std::exp2(-k); }),
+          planted("MUL", [](PlantedFriction& o, int k) { o.mu = std::exp2(k); }),
+          planted("APEX", [](PlantedFriction& o, int k) { o.load_exponent = -k; }),
+          planted("SLIP", [](PlantedFriction& o, int k) { o.slip_exponent = -k; }),
+          {"MRF",
+           [](const Knobs& k) {
+             return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25);
+           }},
+          {"STKF",
+           [](const Knobs& k) {
+             return box_tower("STKF", std::vector<double>(static_cast<std::size_t>(k.at("boxes")), 1), 1, .5, .375);
+           }},
+          {"RANK", [](const Knobs& k) { return box_tower("RANK", {1}, static_cast<int>(k.at("k")), .5, .25); }},
+          {"JAM", [=](const Knobs& k) { return jam_point(beside(.75, k, "beyond"), -1).instance; }},
+          {"HELD", [=](const Knobs& k) { return held_point(beside(.75, k, "above")).instance; }},
+          {"ROD", [=](const Knobs& k) { return rod_point(beside(14. / 11, k, "above")).instance; }},
+          {"PINCH", [](const Knobs&) { return pinch_point().instance; }},
+          {"PUCK", [](const Knobs&) { return puck_point().instance; }}};
 }
 
 }  // namespace zwang

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <zwang/bench/scenes/catalog.h>
@@ -31,7 +34,8 @@ struct PlantedFriction {
 };
 Instance planted_friction(const PlantedFriction& options);
 
-// The families of the atlas that have friction (docs/friction.md), the exact points above among them, and `planted`.
-std::vector<SceneEntry> friction_families();
+// The families of the atlas that have friction (docs/friction.md), the exact points above among them, and `planted`, as
+// catalog.json names them.
+std::vector<std::pair<std::string, std::function<Instance(const Knobs&)>>> friction_families();
 
 }  // namespace zwang
