@@ -12,11 +12,10 @@
   // ASCII of the data, set for readers: 3.2e-9, 2^-27, 18 us, 5.8x.
   const typeset = text => text
     .replace(/\b(\d+(?:\.\d+)?)e(-?\d+)\b/g, (_, m, e) => `${m === '1' ? '' : m + '·'}10${superscript(e)}`)
-    .replace(/\b2\^(-?\d+)/g, (_, e) => `2${superscript(e)}`)
+    .replace(/\^(-?(?:\d+|[kn]\b))/g, (_, e) => superscript(e).replace('k', 'ᵏ').replace('n', 'ⁿ'))
     .replace(/(\d) us\b/g, '$1 µs')
     .replace(/(\d)x\b/g, '$1×')
-    .replace(/<= /g, '≤ ')
-    .replace(/\bs\^2/g, 's²');
+    .replace(/<= /g, '≤ ');
 
   const short_table = 12;
   const sorting = {};

@@ -4,6 +4,7 @@ import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import {is_quiet, open_browser} from './chromium.mjs';
+import {misplaced_names} from './names.mjs';
 
 const write_pages = process.argv[2];
 const here = new URL('.', import.meta.url).pathname;
@@ -25,38 +26,6 @@ const ink = name => `(() => {
   return inked / (pixels.length / 4);
 })()`;
 const solvers_in = name => `[...new Set(zwang_page.views['${name}'].data('rows').map(row => row.solver))]`;
-
-// No name covers a marker, each is nearer to its own solver's markers and line than to any other's (1 px: ends that are nearer to
-// each other than lines of text share a column), and who has no name in the chart stands in the key below it.
-const charts_with_names = {
-  'work-precision': ['x', 'time', 'tolerance', -1], 'profile': ['at', 'share', 'at', 1], 'data-profile': ['at', 'share', 'at', 1],
-  'convergence-iteration': ['x', 'y', 'x', 1], 'convergence-time': ['x', 'y', 'x', 1], 'scaling': ['size', 'time', 'size', 1],
-};
-const misplaced_names = (name, [x, y, order, sign]) => `(() => {
-  const view = zwang_page.views['${name}'], [across, up] = ['x', 'y'].map(axis => view.scale(axis));
-  const rows = view.data('rows'), pixel = row => ({x: across(row['${x}']), y: up(row['${y}'])});
-  const points = rows.filter(row => row.part !== 'label' && row.part !== 'fit' && row.drawn !== 'recorded');
-  const solvers = [...new Set(points.map(row => row.solver))], named = rows.filter(row => row.part === 'label');
-  const lines = Object.fromEntries(solvers.map(solver => {
-    const own = points.filter(row => row.solver === solver), line = own.map(pixel);
-    const joined = own.filter(row => '${name}' !== 'work-precision' || row.drawn === 'ok').sort((a, b) => ${sign} * (a['${order}'] - b['${order}'])).map(pixel);
-    joined.forEach((to, i) => {
-      if (i === 0) return;
-      const corners = '${name}'.endsWith('profile') ? [joined[i - 1], {x: to.x, y: joined[i - 1].y}, to] : [joined[i - 1], to];
-      for (let k = 1; k < corners.length; ++k)
-        for (let s = 0; s < 1; s += .01) line.push({x: corners[k - 1].x + s * (corners[k].x - corners[k - 1].x), y: corners[k - 1].y + s * (corners[k].y - corners[k - 1].y)});
-    });
-    return [solver, line];
-  }));
-  const key = [...document.querySelectorAll('[data-chart="${name}"] .key span')].map(span => span.textContent.trim());
-  const nameless = solvers.filter(solver => named.some(label => label.solver === solver) === key.includes(solver)).map(solver => solver + ' is named twice or not at all');
-  return [...nameless, ...named.flatMap(label => {
-    const at = pixel(label), near = at.x + label.shift, far = near + Math.sign(label.shift) * 6 * label.text.length;
-    const off = p => Math.hypot(Math.max(Math.min(near, far) - p.x, 0, p.x - Math.max(near, far)), Math.max(at.y - 6.5 - p.y, 0, p.y - at.y - 6.5));
-    const nearest = solver => Math.min(...lines[solver].map(off)), own = nearest(label.solver), others = Math.min(...solvers.filter(s => s !== label.solver).map(nearest));
-    return [...Math.min(...points.map(row => off(pixel(row)))) < 3 ? [label.text + ' covers a marker'] : [], ...others + 1 < own ? [label.text + ' is nearer to another'] : []];
-  })];
-})()`;
 
 const browser = await open_browser();
 try {
@@ -174,7 +143,7 @@ async function opens_with_a_chart_above_the_fold() {
     const box = await page.evaluate(`(({top, bottom}) => ({top, bottom}))(document.querySelector('main [data-chart] canvas').getBoundingClientRect())`);
     assert.ok(width === 400 ? box.top < height / 2 : box.bottom <= height, `the first chart is in sight at ${width} px: ${JSON.stringify(box)}`);
     assert.equal(await page.evaluate(`document.querySelectorAll('#headline > p').length`), 2, 'two sentences, the others are folded');
-    for (const [name, axes] of Object.entries(charts_with_names)) assert.deepEqual(await page.evaluate(misplaced_names(name, axes)), [], `${name} at ${width} px`);
+    assert.deepEqual(await misplaced_names(page), [], `at ${width} px`);
     const names = await page.evaluate(`zwang_page.views['work-precision'].data('rows').filter(row => row.part === 'label').map(row => row.solver)`);
     assert.ok(width === 400 ? names.length <= 5 && names.length > 2 : names.length === 8, `${names}`);
     // The key says what each glyph that is drawn means; bars are the quartiles of repeated timings.
@@ -193,7 +162,7 @@ async function names_the_lines_of_a_sample() {
   for (const [width, dark] of [[1280, false], [1280, true], [400, false], [400, true]]) {
     const page = await browser.open_page(`${folder}/sample.html`, {width, height: 900, dark});
     await page.evaluate('zwang_page.draw_all()');
-    for (const [name, axes] of Object.entries(charts_with_names)) assert.deepEqual(await page.evaluate(misplaced_names(name, axes)), [], `${name} at ${width} px`);
+    assert.deepEqual(await misplaced_names(page), [], `at ${width} px`);
     await page.close();
   }
 }
