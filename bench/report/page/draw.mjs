@@ -11,17 +11,32 @@ const [file, out] = process.argv.slice(2);
 const found = JSON.parse(fs.readFileSync(file, 'utf8'));
 const font = 'Liberation Sans';
 use_font(vega, font);
-const {config, palette} = zwang_charts;
+const {config, palette, superscript} = zwang_charts;
+// "0.05", "200", "2·10⁻⁶".
+vega.expressionFunction('tick_label', value => {
+  const [part, power] = value.toExponential().split('e');
+  return Math.abs(power) < 4 ? value.toLocaleString('en', {maximumFractionDigits: 6}) : `${part === '1' ? '' : `${part}·`}10${superscript(Number(power))}`;
+});
 const logger = vega.logger(vega.Error);
 
 // Charts with a logarithmic axis have no place for zero.
 const drawn = chart => chart.points.filter(p => !(chart.log_x && p.x <= 0) && !(chart.log_y && p.y <= 0));
 
+// Of a logarithmic axis: powers of ten, at most 8; 1, 2 and 5 of each where they are few.
+function ticks(values) {
+  const [low, high] = [Math.min(...values), Math.max(...values)].map(Math.log10);
+  const step = Math.ceil((high - low) / 8), parts = high - low < 2.5 ? [1, 2, 5] : [1];
+  const powers = Array.from({length: Math.ceil((high - low) / step) + 2}, (_, k) => (Math.floor(low / step) + k) * step);
+  return powers.flatMap(power => parts.map(part => Number(`${part}e${power}`)));
+}
+
 function panel(chart, series) {
-  const scale = log => log ? {type: 'log', nice: false, padding: 10} : {zero: false, nice: false, padding: 2};
-  const format = log => log ? {labelExpr: 'format(datum.value, \'~g\')', tickCount: 6} : {};
-  const x = {field: 'x', type: 'quantitative', title: chart.x, scale: scale(chart.log_x), axis: format(chart.log_x)};
-  const y = {field: 'y', type: 'quantitative', title: chart.y, scale: scale(chart.log_y), axis: format(chart.log_y)};
+  const axis_of = name => {
+    if (!chart[`log_${name}`]) return {scale: {zero: false, nice: false, padding: 2}};
+    const values = ticks([...drawn(chart).map(p => p[name]), ...name === 'y' ? chart.levels.map(level => level.y) : []]);
+    return {scale: {type: 'log', nice: false, padding: 10}, axis: {values, labelExpr: 'tick_label(datum.value)'}};
+  };
+  const [x, y] = ['x', 'y'].map(name => ({field: name, type: 'quantitative', title: chart[name], ...axis_of(name)}));
   const color = {
     field: 'series',
     type: 'nominal',

@@ -115,7 +115,9 @@ TEST(FrictionFamilies, PuckIsSolvedAndNotIsolated) {
 }
 
 TEST(FrictionFamilies, EveryKnobMakesAProblem) {
-  for (const SceneEntry& entry : friction_families()) {
+  for (const auto& family : friction_families()) {
+    ASSERT_TRUE(find_scene(family.first)) << family.first;
+    const SceneEntry& entry = *find_scene(family.first);
     for (const bool low : {true, false}) {
       Knobs knobs;
       for (const Knob& knob : entry.knobs) knobs[knob.name] = knob.value;

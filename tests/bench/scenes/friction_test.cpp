@@ -48,7 +48,7 @@ TEST(FrictionKnob, ProblemsWithAndWithoutFrictionAreTwoFamilies) {
 }
 
 TEST(FrictionFamilies, AreScenesAndSayHowManySolutionsThereAre) {
-  for (const SceneEntry& entry : friction_families()) ASSERT_TRUE(find_scene(entry.name)) << entry.name;
+  for (const auto& family : friction_families()) ASSERT_TRUE(find_scene(family.first)) << family.first;
   const auto method = [](const char* text) {
     const Instance in = only(text);
     return in.reference ? in.reference->method : "";
