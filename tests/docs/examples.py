@@ -69,6 +69,7 @@ shorter = [
     (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out problems"),
     (r"(./zwang bench --problems) FOLDER (.*)", r"\1 first.h5 \2 --out folder"),
     (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
+    ("./zwang judge PACK ANSWERS --proofs DIR", "./zwang judge --help"),
     (r"./zwang pack (guard|DIR) .*", None), ("./zwang guard pack b1.*", None),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),
     (r"(./zwang report DIR) --figures (svg,pdf|pdf)", r"\1 --figures svg"),

@@ -60,7 +60,10 @@
     return Math.abs(m - whole) < 1e-6 && (whole === 1 || (span < short && [2, 5].includes(whole)) || (span < 1 && whole % 2 === 1));
   };
   const functions = {
-    power_label: value => `10${superscript(Math.round(Math.log10(value)))}`,
+    power_label: (value, domain) => {
+      const m = Math.round(mantissa(value));
+      return domain && !is_labelled(value, decades(domain), 2.3) ? '' : `${m === 1 ? '' : `${m}·`}10${superscript(Math.round(Math.log10(value / m)))}`;
+    },
     // Label decades; 2 and 5 only where the axis is short, odd ones where it is very short.
     time_label: (value, domain) => is_labelled(value, decades(domain), 2.3) ? duration(value) : '',
     size_label: (value, domain) => is_labelled(value, decades(domain), 3) ? value.toLocaleString('en') : '',
