@@ -1,14 +1,13 @@
 #include <zwang/bench/collision/study.h>
 
+#include <btBulletCollisionCommon.h>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
-#include <zwang/bench/collision/bullet_sweep.h>
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/collision/witness.h>
 #include <zwang/bench/results/statistics.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/collision/world.h>
@@ -50,6 +49,47 @@ double gap_of(World& world) {
   for (const collision::Touch& t : world.touches(0.01)) least = std::min(least, t.gap);
   return least;
 }
+
+// Bullet's convexSweepTest of a capsule against a mesh, in double precision, as a rival. Translation and the turn
+// between two poses, as Bullet takes them.
+class BulletSweep {
+ public:
+  explicit BulletSweep(const Tree& mesh) {
+    const auto point = [](const Vec3& p) { return btVector3(p.x(), p.y(), p.z()); };
+    for (const collision::Triangle& t : mesh.triangles())
+      triangles_.addTriangle(point(t.corner[0]), point(t.corner[1]), point(t.corner[2]));
+    shape_ = std::make_unique<btBvhTriangleMeshShape>(&triangles_, true);
+    shape_->setMargin(0);
+    object_.setCollisionShape(shape_.get());
+    world_.addCollisionObject(&object_);
+  }
+  ~BulletSweep() { world_.removeCollisionObject(&object_); }
+  BulletSweep(const BulletSweep&) = delete;
+  BulletSweep& operator=(const BulletSweep&) = delete;
+
+  double time(const Shape& shape, const Pose<double>& from, const Pose<double>& to) const {
+    const btCapsuleShape capsule(shape.radius(), 2 * shape.half().y());  // along y, as ours
+    btCollisionWorld::ClosestConvexResultCallback found(transform(from).getOrigin(), transform(to).getOrigin());
+    world_.convexSweepTest(&capsule, transform(from), transform(to), found);
+    return found.m_closestHitFraction;
+  }
+
+ private:
+  static btTransform transform(const Pose<double>& pose) {
+    const Mat3& R = pose.rotation;
+    const Vec3& p = pose.position;
+    return btTransform(btMatrix3x3(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
+                       btVector3(p.x(), p.y(), p.z()));
+  }
+
+  btTriangleMesh triangles_;
+  std::unique_ptr<btBvhTriangleMeshShape> shape_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broad_phase_;
+  btCollisionWorld world_{&dispatcher_, &broad_phase_, &configuration_};
+  btCollisionObject object_;
+};
 
 struct Placement {
   Pose<double> pose;
@@ -99,84 +139,6 @@ Pairs make_pairs(std::size_t triangles, double gap, const std::string& motion, i
 constexpr std::array<const char*, 3> methods = {"zwang", "fcl", "bullet"};
 
 }  // namespace
-
-HandStudy study_hand(const HandScene& scene, const HandScene::Start& start, double speed, HandRun run) {
-  HandStudy s{.scene = scene.name, .parts = scene.parts, .speed = speed, .spin = scene.spin};
-  const auto begin = std::chrono::steady_clock::now();
-  const bool audited = run != HandRun::timed, friction = run == HandRun::audited_with_friction;
-  const std::unique_ptr<MovingHand> hand = start(speed, friction);
-  const std::vector<Shape>& shapes = hand->shapes();
-
-  // Bodies and obstacles in a world of their own, for gaps that do not come from the hand itself.
-  World world;
-  for (const Shape& shape : shapes) world.add(shape, {}, {1, 2});
-  for (const Obstacle& obstacle : hand->obstacles())
-    std::visit(
-        [&](const auto& body) {
-          if constexpr (std::is_same_v<decltype(body), const Shape&>)
-            world.add(body, {}, {2, 1}, true);
-          else {
-            world.add(body, {}, {2, 1});
-            s.triangles += body->size();
-            s.bytes_per_triangle += body->bytes_per_triangle() * static_cast<double>(body->size());
-          }
-        },
-        obstacle);
-  s.bytes_per_triangle /= static_cast<double>(std::max<std::size_t>(1, s.triangles));
-  s.pieces = hand->obstacles().size();
-
-  Audit audit({shapes}, audited ? hand->obstacles() : std::vector<Obstacle>());
-  std::vector<Pose<double>> between(shapes.size());
-  if (audited)
-    hand->watch([&](std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
-      double jumps = 1;
-      for (std::size_t b = 0; b < shapes.size(); ++b) {
-        const Vec<double, 6> twist = twist_between(from[b], to[b]);
-        const double way = twist.head<3>().norm() + twist.tail<3>().norm() * shapes[b].reach();
-        jumps = std::max(jumps, std::ceil(way / shapes[b].radius()));
-      }
-      for (double k = 1; k <= jumps; ++k) {
-        for (std::size_t b = 0; b < shapes.size(); ++b)
-          between[b] = k == jumps ? to[b] : retract(from[b], Vec<double, 6>(k / jumps * twist_between(from[b], to[b])));
-        audit.check(between, hand->obstacle_poses());
-      }
-    });
-
-  std::vector<double> times, touching, whole;
-  for (int i = 0; i < (friction ? 2 : 1) * scene.frames; ++i) {
-    const HandFrame f = hand->step();
-    if (i < 20) continue;  // lists grow
-    for (std::size_t b = 0; b < shapes.size(); ++b) world.place(static_cast<int>(b), hand->poses()[b]);
-    for (std::size_t k = 0; k < s.pieces; ++k)
-      world.place(static_cast<int>(shapes.size() + k), hand->obstacle_poses()[k]);
-    double gap = 1;
-    std::vector<bool> touches(shapes.size());
-    for (const collision::Touch& t : world.touches(hand::touching)) {
-      gap = std::min(gap, t.gap);
-      touches[static_cast<std::size_t>(t.a)] = true;
-    }
-    const auto bodies = std::count(touches.begin(), touches.end(), true);
-    times.push_back(f.collision());
-    whole.push_back(f.whole);
-    if (bodies > 0) touching.push_back(f.collision());
-    s.touches += f.search, s.manifold += f.completion, s.toc += f.sweep;
-    s.raw += f.raw, s.kept += f.kept;
-    s.most_raw = std::max(s.most_raw, static_cast<double>(f.raw));
-    s.truncations += std::max(0, f.sub_steps - 1), s.held += f.held, s.completed += f.completed;
-    s.overlaps += gap <= 0;
-    s.gap = std::min(s.gap, gap);
-    s.body_frames += static_cast<long>(shapes.size());
-    s.touching += bodies;
-  }
-  s.audited = audit.checked(), s.penetrations = audit.found();
-  s.frames = static_cast<int>(times.size());
-  for (double* mean : {&s.touches, &s.manifold, &s.toc, &s.raw, &s.kept}) *mean /= s.frames;
-  s.median = median(times), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
-  s.worst = quantile(times, 1), s.touching_median = touching.empty() ? 0 : median(touching);
-  s.whole_median = median(whole), s.whole_p99 = quantile(whole, 0.99);
-  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return s;
-}
 
 PairStudy study_pairs(std::size_t triangles, double gap, const std::string& motion, int count) {
   const Pairs pairs = make_pairs(triangles, gap, motion, count);

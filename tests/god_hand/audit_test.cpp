@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <zwang/bench/collision/hand_shapes.h>
-#include <zwang/bench/collision/study.h>
-#include <zwang/experiments/god_hand/run/collision_scenes.h>
+#include <zwang/experiments/god_hand/run/hand_study.h>
 
 namespace zwang::god {
 namespace {
@@ -43,9 +42,9 @@ TEST(Audit, CountsHandsThatCrossApart) {
 // The shipped hand, in every scene of the collision suite that needs no files.
 void expect_nothing_passes(HandRun run, int frames) {
   long touching = 0, bodies = 0;
-  for (HandScene scene : collision_scenes({})) {
+  for (HandScene scene : hand_scenes({})) {
     scene.frames = frames;
-    const HandStudy s = study_hand(scene, scene.load(), scene.speeds.back(), run);
+    const HandStudy s = study_hand(scene, scene.make(), scene.speeds.back(), run);
     EXPECT_EQ(s.penetrations, 0) << scene.name;
     EXPECT_EQ(s.overlaps, 0) << scene.name;
     EXPECT_GT(s.gap, 1e-6) << scene.name;

@@ -1,10 +1,15 @@
-#include <zwang/experiments/god_hand/run/collision_scenes.h>
+#include <zwang/experiments/god_hand/run/hand_study.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include <zwang/bench/collision/audit.h>
 #include <zwang/bench/collision/meshes.h>
+#include <zwang/bench/results/statistics.h>
 #include <zwang/bench/scenes/physical.h>
+#include <zwang/collision/world.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/god_hand/scenes/site.h>
@@ -13,10 +18,9 @@
 namespace zwang::god {
 namespace {
 
+using collision::Shape;
+using collision::World;
 using std::numbers::pi;
-
-// Where the target of the hand is at a time [s], at a speed [m/s].
-using Course = std::function<Target(double time, double speed)>;
 
 // Fingers bent to a share of their range, the thumb to a part of that.
 hand::Angles bent(double share, double thumb, double time, double wave) {
@@ -60,67 +64,6 @@ Course grip(double time_to_close) {
   };
 }
 
-class SimulatedHand : public MovingHand {
- public:
-  SimulatedHand(const Surroundings& surroundings, Course course, double speed, bool friction)
-      : course_(std::move(course)),
-        speed_(speed),
-        options_{.mu = friction ? Options().mu : 0, .verify = 0},
-        target_(course_(0, speed)),
-        parts_(met_parts(surroundings)),
-        simulation_(surroundings, std::span(&hand::standard(), 1), std::span(&target_, 1), options_),
-        shapes_(simulation_.shapes()) {
-    for (const MetPart& part : parts_) obstacles_.push_back(part.body);
-    place_obstacles();
-  }
-
-  const std::vector<collision::Shape>& shapes() const override { return shapes_; }
-  const std::vector<Obstacle>& obstacles() const override { return obstacles_; }
-  void watch(Watch watch) override {
-    simulation_.watch([this, watch](std::size_t, std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
-      place_obstacles();
-      watch(from, to);
-    });
-  }
-
-  HandFrame step() override {
-    target_ = course_(static_cast<double>(++frame_) * options_.dt, speed_);
-    const Frame& f = simulation_.step(std::span(&target_, 1));
-    poses_ = f.god;
-    place_obstacles();
-    return {.search = f.times.search,
-            .completion = f.times.completion,
-            .sweep = f.times.sweep,
-            .whole = f.times.total(),
-            .raw = f.raw,
-            .kept = f.kept,
-            .completed = f.completed,
-            .sub_steps = f.sub_steps,
-            .held = f.held};
-  }
-
-  std::span<const Pose<double>> poses() const override { return poses_; }
-  std::span<const Pose<double>> obstacle_poses() const override { return obstacle_poses_; }
-
- private:
-  void place_obstacles() {
-    obstacle_poses_.clear();
-    for (const MetPart& part : parts_)
-      obstacle_poses_.push_back(placed(simulation_.object_poses()[part.object], part.at));
-  }
-
-  Course course_;
-  double speed_;
-  Options options_;
-  Target target_;
-  std::vector<MetPart> parts_;
-  Simulation simulation_;
-  std::vector<collision::Shape> shapes_;
-  std::vector<Obstacle> obstacles_;
-  std::vector<Pose<double>> poses_, obstacle_poses_;
-  long frame_ = 0;
-};
-
 // A scene of its own: one mesh.
 Surroundings alone(const std::string& name, const collision::Mesh& mesh) {
   Surroundings s{.name = name};
@@ -148,7 +91,7 @@ Surroundings tube() {
 
 }  // namespace
 
-std::vector<HandScene> collision_scenes(const std::filesystem::path& data) {
+std::vector<HandScene> hand_scenes(const std::filesystem::path& data) {
   const bool real =
       std::filesystem::exists(data / "mesh_differential") && std::filesystem::exists(data / "mesh_factory_parts");
   const std::filesystem::path parts = real ? data : std::filesystem::path();
@@ -156,13 +99,8 @@ std::vector<HandScene> collision_scenes(const std::filesystem::path& data) {
   const auto add = [&](std::string name, std::string of, std::vector<double> speeds, int frames,
                        std::function<Surroundings()> make, std::function<Course(const Surroundings&)> course,
                        double spin = 0) {
-    scenes.push_back({std::move(name), std::move(of), std::move(speeds), spin, frames, [make, course] {
-                        const auto scene = std::make_shared<const Surroundings>(make());
-                        return [scene, course = course(*scene)](double speed,
-                                                                bool friction) -> std::unique_ptr<MovingHand> {
-                          return std::make_unique<SimulatedHand>(*scene, course, speed, friction);
-                        };
-                      }});
+    scenes.push_back(
+        {std::move(name), std::move(of), std::move(speeds), frames, std::move(make), std::move(course), spin});
   };
   const auto named = [](const char* scene, std::filesystem::path from = {}) {
     return [=] { return make_surroundings(scene, from); };
@@ -204,6 +142,97 @@ std::vector<HandScene> collision_scenes(const std::filesystem::path& data) {
       [] { return bar("shaft", meshes::gear(0.05, 0.6, 30, 100000), [](double, double) { return 0.05; }); }, gripping);
   add("gripped tube of a sheet without thickness", "30k triangles", {1, 5}, 2500, tube, gripping);
   return scenes;
+}
+
+HandStudy study_hand(const HandScene& scene, const Surroundings& surroundings, double speed, HandRun run) {
+  HandStudy s{.scene = scene.name, .parts = scene.parts, .speed = speed, .spin = scene.spin};
+  const auto begin = std::chrono::steady_clock::now();
+  const bool audited = run != HandRun::timed, friction = run == HandRun::audited_with_friction;
+  const Options options{.mu = friction ? Options().mu : 0, .verify = 0};
+  const Course course = scene.course(surroundings);
+  Target target = course(0, speed);
+  Simulation simulation(surroundings, std::span(&hand::standard(), 1), std::span(&target, 1), options);
+  const std::vector<Shape> shapes = simulation.shapes();
+  const std::vector<MetPart> parts = met_parts(surroundings);
+  std::vector<Obstacle> obstacles;
+  for (const MetPart& part : parts) obstacles.push_back(part.body);
+  const auto obstacle_poses = [&] {
+    std::vector<Pose<double>> poses;
+    for (const MetPart& part : parts) poses.push_back(placed(simulation.object_poses()[part.object], part.at));
+    return poses;
+  };
+
+  // Bodies and obstacles in a world of their own, for gaps that do not come from the hand itself.
+  World world;
+  for (const Shape& shape : shapes) world.add(shape, {}, {1, 2});
+  for (const Obstacle& obstacle : obstacles)
+    std::visit(
+        [&](const auto& body) {
+          if constexpr (std::is_same_v<decltype(body), const Shape&>)
+            world.add(body, {}, {2, 1}, true);
+          else {
+            world.add(body, {}, {2, 1});
+            s.triangles += body->size();
+            s.bytes_per_triangle += body->bytes_per_triangle() * static_cast<double>(body->size());
+          }
+        },
+        obstacle);
+  s.bytes_per_triangle /= static_cast<double>(std::max<std::size_t>(1, s.triangles));
+  s.pieces = obstacles.size();
+
+  Audit audit({shapes}, audited ? obstacles : std::vector<Obstacle>());
+  std::vector<Pose<double>> between(shapes.size());
+  if (audited)
+    simulation.watch([&](std::size_t, std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
+      const std::vector<Pose<double>> others = obstacle_poses();
+      double jumps = 1;
+      for (std::size_t b = 0; b < shapes.size(); ++b) {
+        const Vec<double, 6> twist = twist_between(from[b], to[b]);
+        const double way = twist.head<3>().norm() + twist.tail<3>().norm() * shapes[b].reach();
+        jumps = std::max(jumps, std::ceil(way / shapes[b].radius()));
+      }
+      for (double k = 1; k <= jumps; ++k) {
+        for (std::size_t b = 0; b < shapes.size(); ++b)
+          between[b] = k == jumps ? to[b] : retract(from[b], Vec<double, 6>(k / jumps * twist_between(from[b], to[b])));
+        audit.check(between, others);
+      }
+    });
+
+  std::vector<double> times, touching, whole;
+  for (int i = 0; i < (friction ? 2 : 1) * scene.frames; ++i) {
+    target = course(static_cast<double>(i + 1) * options.dt, speed);
+    const Frame& f = simulation.step(std::span(&target, 1));
+    if (i < 20) continue;  // lists grow
+    std::vector<Pose<double>> poses = f.god, others = obstacle_poses();
+    poses.insert(poses.end(), others.begin(), others.end());
+    for (std::size_t b = 0; b < poses.size(); ++b) world.place(static_cast<int>(b), poses[b]);
+    double gap = 1;
+    std::vector<bool> touches(shapes.size());
+    for (const collision::Touch& t : world.touches(hand::touching)) {
+      gap = std::min(gap, t.gap);
+      touches[static_cast<std::size_t>(t.a)] = true;
+    }
+    const auto bodies = std::count(touches.begin(), touches.end(), true);
+    times.push_back(f.times.collision());
+    whole.push_back(f.times.total());
+    if (bodies > 0) touching.push_back(f.times.collision());
+    s.touches += f.times.search, s.manifold += f.times.completion, s.toc += f.times.sweep;
+    s.raw += f.raw, s.kept += f.kept;
+    s.most_raw = std::max(s.most_raw, static_cast<double>(f.raw));
+    s.truncations += std::max(0, f.sub_steps - 1), s.held += f.held, s.completed += f.completed;
+    s.overlaps += gap <= 0;
+    s.gap = std::min(s.gap, gap);
+    s.body_frames += static_cast<long>(shapes.size());
+    s.touching += bodies;
+  }
+  s.audited = audit.checked(), s.penetrations = audit.found();
+  s.frames = static_cast<int>(times.size());
+  for (double* mean : {&s.touches, &s.manifold, &s.toc, &s.raw, &s.kept}) *mean /= s.frames;
+  s.median = median(times), s.p95 = quantile(times, 0.95), s.p99 = quantile(times, 0.99);
+  s.worst = quantile(times, 1), s.touching_median = touching.empty() ? 0 : median(touching);
+  s.whole_median = median(whole), s.whole_p99 = quantile(whole, 0.99);
+  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return s;
 }
 
 }  // namespace zwang::god
