@@ -31,12 +31,10 @@ IsolationLimits limits_of(const StoredFile& file) {
 }
 
 // A tree as the cache holds it and as the child process writes it: the report, then the tree.
-IsolatedAnswer build(const StoredFile& file, const MeshFileOptions& options) {
-  return isolated(file.path, limits_of(file), [&](const WriteAnswer& write) {
+std::string build(const StoredFile& file, const MeshFileOptions& options) {
+  return isolated(file.path, limits_of(file), [&] {
     const MeshFile read = read_mesh(file, options);
-    const std::string tree = Tree(read.mesh).to_bytes();
-    write(&read.report, sizeof(MeshReport));
-    write(tree.data(), tree.size());
+    return std::string(reinterpret_cast<const char*>(&read.report), sizeof(MeshReport)) + Tree(read.mesh).to_bytes();
   });
 }
 
@@ -73,9 +71,9 @@ LoadedTree load_tree(const fs::path& file, const MeshFileOptions& options) {
   LoadedTree out;
   if (place.empty() || !read_cached(place, out)) {
     if (options.progress) options.progress(0, "reading");
-    const IsolatedAnswer built = build(stored, options);
-    take(built.bytes(), out);
-    if (!place.empty()) write_cached(place, built.bytes());
+    const std::string built = build(stored, options);
+    take(built, out);
+    if (!place.empty()) write_cached(place, built);
   }
   if (options.progress) options.progress(1, "ready");
   return out;

@@ -115,7 +115,10 @@ Group Group::open(const std::filesystem::path& file) {
   const auto bytes = static_cast<double>(std::filesystem::file_size(file, absent));
   if (!absent)
     isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)},
-             [&file](const WriteAnswer&) { open_here(file).rehearse(deepest); });
+             [&file] {
+               open_here(file).rehearse(deepest);
+               return std::string();
+             });
   return open_here(file);
 }
 

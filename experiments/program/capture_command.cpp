@@ -24,7 +24,7 @@ struct Captured {
 Captured captured_apart(const CaptureOptions& options, const std::filesystem::path& out) {
   std::filesystem::create_directories(out);
   const IsolationLimits limits{.seconds = 1e5, .bytes = std::size_t{8} << 30};
-  const IsolatedAnswer answer = isolated(options.model, limits, [&](const WriteAnswer& write) {
+  const std::string answer = isolated(options.model, limits, [&] {
     Captured total;
     capture(options, [&](int step, const Instance& instance) {
       write_problem(out / printed("step-%06d.h5", step), instance);
@@ -34,10 +34,10 @@ Captured captured_apart(const CaptureOptions& options, const std::filesystem::pa
       total.most_rows = std::max(total.most_rows, rows);
       ++total.problems;
     });
-    write(&total, sizeof total);
+    return std::string(reinterpret_cast<const char*>(&total), sizeof total);
   });
   Captured total;
-  std::memcpy(&total, answer.bytes().data(), std::min(sizeof total, answer.bytes().size()));
+  std::memcpy(&total, answer.data(), std::min(sizeof total, answer.size()));
   return total;
 }
 
