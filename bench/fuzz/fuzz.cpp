@@ -6,7 +6,6 @@
 
 #include <zwang/bench/fuzz/exact_answer.h>
 #include <zwang/bench/fuzz/frictional_problem.h>
-#include <zwang/bench/fuzz/near_problem.h>
 #include <zwang/bench/fuzz/question_referee.h>
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/references/friction/exact_solutions.h>

@@ -14,7 +14,7 @@ namespace zwang {
 struct FuzzOptions {
   std::uint64_t seed = 1, first = 0, count = 1000;  // problems first .. first + count - 1
   std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
-  bool near = false;                                // near-dependent rows (near_problem.h) in place of small integers
+  bool near = false;                                // near-dependent rows (near_problem()) in place of small integers
   bool friction = false;                            // contacts with friction (frictional_problem.h) in place of both
   bool referee = false;                             // the referee instead of solvers (question_referee.h)
 };

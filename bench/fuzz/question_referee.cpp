@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include <zwang/bench/fuzz/frictional_problem.h>
-#include <zwang/bench/fuzz/near_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/judge.h>

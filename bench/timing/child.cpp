@@ -2,8 +2,6 @@
 
 #include <ctime>
 
-#include <zwang/bench/timing/wire.h>
-
 namespace zwang {
 namespace {
 
@@ -50,7 +48,8 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
     return answer;
   };
   clockid_t cpu;
-  if (!peer_.runs() || clock_getcpuclockid(peer_.pid(), &cpu) != 0) return give_up(Status::crashed, "the solver's process died", 0);
+  if (!peer_.runs() || clock_getcpuclockid(peer_.pid(), &cpu) != 0)
+    return give_up(Status::crashed, "the solver's process died", 0);
   const double cpu_start = seconds_of(cpu), wall_start = seconds_of(CLOCK_MONOTONIC);
   const double deadline = (call.solves + call.warm_up) * (1.25 * call.time_limit + 0.2);
 

@@ -36,6 +36,13 @@ struct SolveReply {
   std::vector<Iterate> iterates = {};  // at the rungs, when observed
 };
 
+void fields(auto visit, same_but_const<SolveRequest> auto& x) {
+  visit(x.solver, x.tolerance, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe, x.warm);
+}
+void fields(auto visit, same_but_const<SolveReply> auto& x) {
+  visit(x.solution, x.seconds, x.prepare_s, x.allocations, x.iterates);
+}
+
 // Whether convergence rows are taken at this iteration: 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, ... and so on.
 bool is_rung(int iteration);
 

@@ -1,3 +1,5 @@
+#include <zwang/bench/report/page/embedded.h>
+#include <zwang/bench/report/page/page.h>
 #include <zwang/experiments/god_hand/run/replay.h>
 
 #include <openssl/evp.h>
@@ -14,7 +16,9 @@
 #include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/run/display_mesh.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
-#include <zwang/experiments/god_hand/run/replay_page.h>
+
+// replay.html, bundled like the report's page.
+ZWANG_EMBEDDED(replay_html, ZWANG_REPLAY_PAGE)
 
 namespace zwang::god {
 namespace {
@@ -224,7 +228,7 @@ std::filesystem::path write_replay(const std::filesystem::path& directory, const
        words_json(frames, [](const Frame& f) { return f.verified ? to_string(*f.verified) : "not looked at"; })},
       {"fault", words_json(frames, fault)}};
   const std::filesystem::path file = directory / "replay.html";
-  replace_file(file, report::replay_page(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  replace_file(file, report::filled(replay_html(), data.dump(-1, ' ', false, Json::error_handler_t::replace)));
   return file;
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <zwang/bench/timing/wire.h>
+#include <zwang/bench/timing/solve_service.h>
 #include "tests/bench/suite/test_solvers.h"
 
 namespace zwang {
