@@ -20,14 +20,10 @@
 #include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
-#include <zwang/solvers/rivals/daqp.h>
 #include <zwang/solvers/rivals/ipopt.h>
 #include <zwang/solvers/rivals/mujoco.h>
 #include <zwang/solvers/rivals/nlopt.h>
-#include <zwang/solvers/rivals/osqp.h>
-#include <zwang/solvers/rivals/piqp.h>
-#include <zwang/solvers/rivals/proxqp.h>
-#include <zwang/solvers/rivals/qpoases.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 #include <zwang/solvers/rivals/siconos.h>
 #include <zwang/solvers/runs_apart.h>
 

@@ -1,10 +1,8 @@
-#include <zwang/solvers/rivals/daqp.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 
 #include <daqp/api.h>
 
 #include <algorithm>
-
-#include <zwang/solvers/rivals/peer_rows.h>
 
 namespace zwang {
 namespace {

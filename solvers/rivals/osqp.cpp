@@ -1,11 +1,9 @@
-#include <zwang/solvers/rivals/osqp.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 
 #include <osqp.h>
 
 #include <algorithm>
 #include <memory>
-
-#include <zwang/solvers/rivals/peer_rows.h>
 
 namespace zwang {
 namespace {

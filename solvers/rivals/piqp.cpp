@@ -1,4 +1,4 @@
-#include <zwang/solvers/rivals/piqp.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 
 #include <algorithm>
 #include <piqp/piqp.hpp>

@@ -1,4 +1,4 @@
-#include <zwang/solvers/rivals/proxqp.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 
 #include <algorithm>
 #include <proxsuite/proxqp/sparse/sparse.hpp>

@@ -1,9 +1,7 @@
-#include <zwang/solvers/rivals/qpoases.h>
+#include <zwang/solvers/rivals/quadratic_programs.h>
 
 #include <algorithm>
 #include <qpOASES.hpp>
-
-#include <zwang/solvers/rivals/peer_rows.h>
 
 namespace zwang {
 namespace {
