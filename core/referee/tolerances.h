@@ -134,10 +134,11 @@ inline constexpr Index projected_entries = 4000000;  // of the matrix that judgi
 // Half a minute. A wall of 2000 bricks takes 0.2 % of it; where every row couples unknowns at random, the factor of
 // 20000 of them would take hours.
 inline constexpr double sparse_products = 2e10;
-inline constexpr double exact_products = 3e7;  // modular ones, of the exact question about dropped rows
-inline constexpr Index extended_rows = 400;    // of the interior point of jointed problems in double-double
-inline constexpr Index slopes_limit = 400;     // unknowns and forces together of the proof by slopes
-inline constexpr Index searched_rows = 120;    // the same in a search for solutions, from many starts
+inline constexpr double exact_products = 3e7;     // modular ones, of the exact question about dropped rows
+inline constexpr Index extended_rows = 400;       // of the interior point of jointed problems in double-double
+inline constexpr Index slopes_limit = 400;        // unknowns and forces together of the proof by slopes
+inline constexpr Index searched_rows = 120;       // the same in a search for solutions, from many starts
+inline constexpr double searched_products = 4e9;  // rows^3 of all its starts together; one is always tried
 inline constexpr Index polished_rows = 600, self_rows = 1200;  // for Newton on the modes; for self_bound with joints
 inline constexpr int refinements = 60;                         // they halve the error or end; a right guess takes three
 inline constexpr int projections = 4;      // of a certificate: each gains 16 digits until rounding in double-double

@@ -13,9 +13,10 @@ namespace {
 constexpr int most_steps = 60;    // of an interior point from one start
 constexpr int most_coupled = 52;  // and, where the shift is differentiated, with Newton's steps between them
 constexpr int most_modes = 8;     // Newton steps from an iterate inside the cones
-// And from an earlier answer. (Of frames of a hand 10 steps end two in ten just before the answer, and the interior
-// point begins from nothing.)
-constexpr int most_warm = 32;
+// And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
+// they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
+// two frames of a hand in ten just before the answer.)
+constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 
@@ -77,8 +78,15 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v), std::min(most_warm, options.max_iterations),
-             deadline, solution.iterations);
+  const auto run = [&](int most) {
+    modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
+               std::min(most, options.max_iterations - solution.iterations), deadline, solution.iterations);
+  };
+  run(program_.is_coulomb() ? few_warm : most_warm);
+  const double left = modes_.residual.natural;
+  if (program_.is_coulomb() && !modes_.settled && left > goal &&
+      left <= tolerances::cone_arrives * program_.scale(modes_.v))
+    run(more_warm);
   return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
 }
 

@@ -141,6 +141,8 @@ inline constexpr double cone_push = 1e-8;
 inline constexpr double cone_far = 0x1p10;
 // A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
 inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
+// And one, of the motion, from which on a few more steps are well spent on an earlier answer.
+inline constexpr double cone_arrives = 1e-6;
 
 // Contradictions.
 

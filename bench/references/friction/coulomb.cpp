@@ -40,7 +40,9 @@ class Search {
 
   void interior_points(const SolutionSearch& search) {
     static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
+    const double products = std::pow(static_cast<double>(p_.rows()), 3);  // of a factorization
     for (int k = 0; k < search.starts && more(search); ++k) {
+      if (k > 0 && (k + 1) * products > referee::searched_products) break;
       const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
       const auto found = interior_point<double>(p_, equalities_, nullptr, {.start = start});
       if (found.empty() || take(found.back(), "interior point")) continue;
