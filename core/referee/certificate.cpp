@@ -122,21 +122,27 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
   }
 
   const double heaviest = weight.maxCoeff();
-  double scale = motion_scale;
+  // The motion that rows with any part ask for, for u as it is; and those with a real part, for u moved on them alone.
+  double whole = motion_scale, scale = motion_scale;
   for (Index i = 0; i < m; ++i) {
+    const double asks = scaled.is_zero(i) ? 0 : std::abs(scaled.violation(i).hi) / scaled.row_norm[i];
+    if (given[i] != 0) whole = std::max(whole, asks);
     if (weight[i] <= referee::no_part * heaviest) continue;
     out.conflicting.push_back(i);
-    if (!scaled.is_zero(i)) scale = std::max(scale, std::abs(scaled.violation(i).hi) / scaled.row_norm[i]);
+    scale = std::max(scale, asks);
   }
   std::stable_sort(out.conflicting.begin(), out.conflicting.end(),
                    [&](Index a, Index b) { return weight[a] > weight[b]; });
 
   if (sign_holds(scaled, u, cones)) out.distance = weigh(scaled, u).distance;
+  out.proven = out.distance >= referee::farkas_margin * whole;
   ExtendedVector moved(static_cast<std::size_t>(m));
   for (const Index i : out.conflicting) moved[static_cast<std::size_t>(i)] = u[static_cast<std::size_t>(i)];
-  if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved, cones))
-    out.distance = std::max(std::isnan(out.distance) ? 0 : out.distance, weigh(scaled, moved).distance);
-  out.proven = out.distance >= referee::farkas_margin * scale;
+  if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved, cones)) {
+    const double distance = weigh(scaled, moved).distance;
+    out.distance = std::max(std::isnan(out.distance) ? 0 : out.distance, distance);
+    out.proven = out.proven || distance >= referee::farkas_margin * scale;
+  }
   return out;
 }
 

@@ -70,6 +70,16 @@ TEST(Certificate, ARowOfZerosThatCannotHoldProvesIt) {
   EXPECT_EQ(measure(p, {.status = Status::solved, .z = Vector::Zero(2)}, nullptr, 1e-10).verdict, Verdict::wrong);
 }
 
+// -2^-34 z = 2^-34 holds at z = -1. Beside it a row of zeros has nearly all of the weight.
+TEST(Certificate, ARowWithHardlyAPartSaysHowLongAMotionIsToo) {
+  const double tiny = std::ldexp(1.0, -34);
+  const Problem p =
+      dense_problem(Vec<double, 2>(-tiny, 0), Vec<double, 2>(tiny, 0), {RowKind::equality, RowKind::equality});
+  const Vector u = Vector::Ones(2);
+  EXPECT_EQ(claim_infeasible(p, u).verdict, Verdict::infeasible_claimed);
+  EXPECT_EQ(measure(p, {.status = Status::infeasible, .certificate = u}, nullptr, 1e-10).verdict, Verdict::wrong);
+}
+
 TEST(Measure, WorstRowOfEachTypeInItsOwnUnit) {
   Matrix J(3, 2);
   J << 2, 0, 0, 1, 0, 4;
