@@ -8,8 +8,8 @@
 #include <thread>
 
 #include <zwang/bench/campaign/cell_list.h>
-#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/suite/progress.h>
+#include <zwang/core/files/embedded.h>
 #include <zwang/core/files/stored_file.h>
 
 ZWANG_EMBEDDED(job_template, ZWANG_JOB)

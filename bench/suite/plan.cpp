@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/results/measured_files.h>
 #include <zwang/bench/scenes/catalog.h>
+#include <zwang/core/files/embedded.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/problem/wording.h>

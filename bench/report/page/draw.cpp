@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <zwang/bench/report/page/embedded.h>
+#include <zwang/core/files/embedded.h>
 
 extern char** environ;
 

@@ -9,11 +9,11 @@
 #include <string_view>
 
 #include <zwang/bench/report/page/charts.h>
-#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/core/files/embedded.h>
 
 // The pages, which bundle.mjs makes of templates, libraries and chart specs, are part of the program: writing a report
 // needs neither Node nor a file beside it.

@@ -4,9 +4,9 @@
 #include <sstream>
 #include <utility>
 
-#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/tables/tables.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/core/files/embedded.h>
 
 ZWANG_EMBEDDED(tables_json, ZWANG_TABLES)
 
@@ -19,10 +19,11 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-// tables.json: of each table its columns, what its figures mean, and why there may be none.
+// tables.json: of each table its columns, what its figures mean, and why there may be none, where that is another text.
 std::string text_of(const std::string& table, const char* name) {
   static const nlohmann::json all = nlohmann::json::parse(tables_json());
-  return all.at(table).value(name, "");
+  const nlohmann::json& own = all.at(table);
+  return own.contains(name) ? own[name] : own.at("rows");
 }
 
 }  // namespace

@@ -124,10 +124,7 @@ double Measures::jitter(const Frame& frame) const {
 void Measures::measure_grip(std::span<const Pose<double>> objects, const Options& options, Frame& frame) {
   constexpr double settled = 0.5;   // s
   constexpr double nothing = 1e-6;  // N
-  const auto same = [](const Pose<double>& a, const Pose<double>& b) {
-    return a.position == b.position && a.rotation == b.rotation;
-  };
-  const bool rests = std::equal(frame.target.begin(), frame.target.end(), memory_.target[1].begin(), same);
+  const bool rests = std::equal(frame.target.begin(), frame.target.end(), memory_.target[1].begin(), is_same);
   memory_.still = rests ? memory_.still + options.dt : 0;
   pressed_.assign(objects.size(), 0);
   wanted_.assign(objects.size(), 0);

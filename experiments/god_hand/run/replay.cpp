@@ -1,5 +1,5 @@
-#include <zwang/bench/report/page/embedded.h>
 #include <zwang/bench/report/page/page.h>
+#include <zwang/core/files/embedded.h>
 #include <zwang/experiments/god_hand/run/replay.h>
 
 #include <openssl/evp.h>

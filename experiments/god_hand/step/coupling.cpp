@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/experiments/god_hand/step/following.h>
 #include <zwang/experiments/god_hand/step/lap.h>
 
 namespace zwang::god {
@@ -40,9 +41,7 @@ void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std:
   std::vector<Vec<double, 6>>& velocity = memory_.target_velocity[cluster];
   double &since = memory_.since[cluster], &between = memory_.between[cluster];
   since += options_.dt;
-  const bool news = !std::ranges::equal(last, now, [](const Pose<double>& a, const Pose<double>& b) {
-    return a.position == b.position && a.rotation == b.rotation;
-  });
+  const bool news = !std::ranges::equal(last, now, is_same);
   if (news) {
     between = since <= rests ? since : options_.dt;
     since = 0;

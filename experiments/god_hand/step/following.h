@@ -13,6 +13,11 @@ inline Vec3 surface_way(const Pose<double>& then, const Pose<double>& now, const
   return point - then * Vec3(now.rotation.transpose() * (point - now.position));
 }
 
+// To the bit.
+inline bool is_same(const Pose<double>& a, const Pose<double>& b) {
+  return a.position == b.position && a.rotation == b.rotation;
+}
+
 // Where a body would be that had gone with it.
 inline Pose<double> moved_with(const Pose<double>& then, const Pose<double>& now, const Pose<double>& body) {
   const Mat3 turn = now.rotation * then.rotation.transpose();
