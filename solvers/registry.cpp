@@ -46,6 +46,17 @@ constexpr Accuracy pivoting{.tolerance = 1e-8, .z_error = 1e-10};
 // MMA and CCSAQ crawl along degenerate rows. Steps of 1e-8 end up to 2.2e-6 away, by the compiler's rounding.
 constexpr Accuracy creeping{.tolerance = 1e-8, .z_error = 1e-5, .solved_share = 0.75};
 
+// For `fixed_point`.
+AnySolver convex_solver(const std::string& text) {
+  const auto reads_it = [](const SolverEntry& e) { return std::ranges::any_of(e.laws, is_convex); };
+  if (const SolverEntry* entry = find_solver(text); entry && reads_it(*entry)) return make_solver(text);
+  std::string names;
+  for (const SolverEntry& e : solvers())
+    if (reads_it(e)) names += (names.empty() ? "" : ", ") + e.name;
+  throw std::invalid_argument("solver 'fixed_point': setting inner=" + text +
+                              " should be a solver of the convex law: " + names);
+}
+
 std::vector<SolverEntry> always() {
   return {
       entry<DualActiveSet>({.method = "Goldfarb-Idnani by orthogonal updates, refined",
@@ -81,10 +92,12 @@ std::vector<SolverEntry> always() {
            .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
            .sees_infeasibility = false,
            .accuracy = iterative}),
-      FixedPoint::entry({.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
-                         .limits = "contacts with friction only; no convergence where the slips' map does not contract",
-                         .sees_infeasibility = false,
-                         .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      FixedPoint::entry(
+          convex_solver,
+          {.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
+           .limits = "contacts with friction only; no convergence where the slips' map does not contract",
+           .sees_infeasibility = false,
+           .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
       entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
                            .limits = "contacts with friction only; does not converge from everywhere, and says so",
                            .sees_infeasibility = false,

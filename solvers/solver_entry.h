@@ -43,9 +43,8 @@ struct SolverEntry {
   Index largest_island = any_size;   // unknowns; the speed suite asks no more of its dense matrices
   Accuracy accuracy = {};
   std::vector<Law> laws = {};  // under which it reads tangent rows; none: problems without them only
-  bool reads(const Problem& problem) const {
-    return !problem.has_tangents() || std::ranges::find(laws, problem.law) != laws.end();
-  }
+  bool reads(Law law) const { return std::ranges::find(laws, law) != laws.end(); }
+  bool reads(const Problem& problem) const { return !problem.has_tangents() || reads(problem.law); }
   std::vector<SettingInfo> settings = {};
   // Builds the solver with `key=value,...` applied; throws std::invalid_argument naming the setting.
   std::function<AnySolver(std::string_view settings)> make = {};

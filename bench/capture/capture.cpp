@@ -150,7 +150,7 @@ void Model::add_rows(Instance& out) const {
     }
   }
   rows.write(p);
-  if (p.has_tangents()) p.law = Law::coulomb;
+  if (p.has_tangents()) p.law = stored_law;
 }
 
 // Four keys a contact where there may be tangents, or edges of a pyramid.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,7 @@ struct Model {
 
   // Accelerations z of one implicit step from velocity v: c_n = -gap/dt^2 - J_n v/dt, c_t = (v_surface - J_t v)/dt.
   Problem problem(const Vector& v) const {
-    Problem p{.name = "conformance", .z_u = force, .law = Law::coulomb};
+    Problem p{.name = "conformance", .z_u = force, .law = stored_law};
     const Index n = mass.size();
     p.M.resize(n, n);
     for (Index j = 0; j < n; ++j) p.M.insert(j, j) = mass[j];
@@ -156,9 +157,10 @@ std::vector<ConformanceCheck> make_checks() {
   };
   const auto rest = [](int, const Vector& v) { return v.lpNorm<Eigen::Infinity>(); };
   all.push_back(stepped("incline sticks", "slope 3:4, mu = 3/4: at rest", incline(.75), Vector::Zero(3), 8, rest));
-  all.push_back(
-      stepped("incline slides", "slope 3:4, mu = 1/2: v = k dt (6 - 8 mu)", incline(.5), Vector::Zero(3), 8,
-              [](int k, const Vector& v) { return (v - of({2 * k * step, 0, 0})).lpNorm<Eigen::Infinity>(); }));
+  all.push_back(stepped("incline slides", "slope 3:4, mu = 1/2: v = k dt (6 - 8 mu)", incline(.5), Vector::Zero(3), 8,
+                        [](int k, const Vector& v) {
+                          return (v - of({2 * k * step, 0, 0})).lpNorm<Eigen::Infinity>();
+                        }));
   // A solid sphere of radius 1: [x, y, z, w_x, w_y, w_z], slip v_x - w_y.
   const Model sphere{of({1, 1, 1, .4, .4, .4}),
                      of({0, 0, -gravity, 0, 0, 0}),
@@ -169,9 +171,10 @@ std::vector<ConformanceCheck> make_checks() {
                           const double spin = std::min(5.0, 2.5 * k / 16.0);
                           return std::max(away(v[0], speed), away(v[4], spin));
                         }));
-  all.push_back(stepped(
-      "belt", "belt at 1, mu = 1/2: carried along from step 16 on", sliding_block(.5, 1), Vector::Zero(3), 20,
-      [](int k, const Vector& v) { return (v - of({std::min(1.0, k / 16.0), 0, 0})).lpNorm<Eigen::Infinity>(); }));
+  all.push_back(stepped("belt", "belt at 1, mu = 1/2: carried along from step 16 on", sliding_block(.5, 1),
+                        Vector::Zero(3), 20, [](int k, const Vector& v) {
+                          return (v - of({std::min(1.0, k / 16.0), 0, 0})).lpNorm<Eigen::Infinity>();
+                        }));
   all.push_back(one_problem("box tips", "b = 1, h = 2, push 5, mu = 3/4: z = (2/3, 1/3, -1/3)", planar_box(5, .75),
                             {of({2. / 3, 1. / 3, -1. / 3})}));
   all.push_back(
@@ -220,7 +223,7 @@ ConformanceSolve conformance_solve(ConformanceSolve solver, Law* stated) {
   const auto reading = std::make_shared<Reading>();
   return [reading, stated, solver = std::move(solver)](const Problem& coulomb) {
     Solution refused;
-    for (const Law law : {Law::coulomb, Law::convex, Law::pyramid, Law::frictionless}) {
+    for (const Law law : all_laws | std::views::reverse) {
       if (reading->law && *reading->law != law) continue;
       Solution s = solver(under(law, coulomb));
       if (s.status != Status::unsupported) {

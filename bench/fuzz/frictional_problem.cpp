@@ -4,6 +4,7 @@
 
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/scenes/dyadic.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 namespace {
@@ -30,7 +31,7 @@ void set_contacts(Problem& p, const std::vector<DrawnRow>& equalities, const std
       else
         p.kind[static_cast<std::size_t>(at)] = RowKind::tangent;
     }
-  p.law = Law::coulomb;
+  p.law = stored_law;
 }
 
 Vector masses(Index n, int spread, SmallNumbers& draw) {
@@ -72,10 +73,10 @@ void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
 }
 
 // z* and lambda* first, mode by mode; then c = J z* - s* and, M being diagonal in powers of two, z_u without rounding.
-Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = Law::coulomb, int mu_bits = 0) {
+Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = stored_law, int mu_bits = 0) {
   const Index n = 3 * draw.integer(1, bodies);
   const int contacts = draw.integer(1, static_cast<int>(n)), spread = draw.integer(0, 2) == 0 ? 12 : 2;
-  const double lift = law == Law::convex ? 1 : 0;
+  const double lift = 1 - lift_of(law);
   p.M = Matrix(masses(n, spread, draw).asDiagonal()).sparseView();
   const Vector z = draw.integers(n, 16) / 16;
   std::vector<DrawnContact> all;

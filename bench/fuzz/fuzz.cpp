@@ -12,6 +12,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/suite/progress.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/measure.h>
 
@@ -76,9 +77,7 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
   if (options.referee) return {referee_classes.begin(), referee_classes.end()};
   if (!options.solvers.empty()) return split(options.solvers);
   for (const SolverEntry& e : among)
-    if (!e.foreign &&
-        (options.friction ? std::ranges::find(e.laws, Law::coulomb) != e.laws.end() : e.sees_infeasibility))
-      names.push_back(e.name);
+    if (!e.foreign && (options.friction ? e.reads(stored_law) : e.sees_infeasibility)) names.push_back(e.name);
   return names;
 }
 

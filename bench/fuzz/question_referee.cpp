@@ -9,6 +9,7 @@
 #include <zwang/bench/references/judge.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/scenes/dyadic.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 namespace {
@@ -129,12 +130,12 @@ void question_referee(std::uint64_t seed, std::uint64_t number, FuzzTally& tally
   Instance instance;
   Problem& p = instance.problem;
   if (planted) {
-    instance = planted_problem(seed, number, kind == 3 ? Law::coulomb : Law::convex);
+    instance = planted_problem(seed, number, kind == 3 ? stored_law : without_lift(stored_law));
   } else {
     p = kind > 0          ? frictional_problem(seed, 10 * number)
         : number % 2 == 0 ? small_problem(seed, number, 4, 8)
                           : near_problem(seed, number, 4);
-    if (kind == 2) p.law = Law::convex;
+    if (kind == 2) p.law = without_lift(p.law);
     twist(p, draw);
   }
   const ExactSolutions truth =

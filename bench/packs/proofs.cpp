@@ -12,6 +12,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/referee/exact_rank.h>
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/friction/self_bound.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/core/referee/referee_active_set.h>
@@ -20,6 +21,7 @@
 namespace zwang {
 namespace {
 
+using referee::slip_lifts;
 namespace mp = boost::multiprecision;
 using Json = nlohmann::ordered_json;
 using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::et_off>;
@@ -80,8 +82,7 @@ class ProofSearch {
     const RefereeActiveSet::Outcome outcome =
         active.solve(scaled.motion(z.size() > 0 ? z : p_.z_u), lambda.size() > 0 ? &guess : nullptr);
     if (outcome == RefereeActiveSet::Outcome::infeasible) return contradict(active.farkas, proof);
-    if (p_.has_tangents() && p_.law == Law::convex) return enclose(z, lambda, proof);
-    if (p_.has_tangents()) return stick(z, lambda, proof);
+    if (p_.has_tangents()) return slip_lifts(p_.law) ? stick(z, lambda, proof) : enclose(z, lambda, proof);
     if (outcome != RefereeActiveSet::Outcome::optimal) throw NoProof("the rows that hold were not found");
     hold(active.basis, Numbers::Zero(p_.rows()), z, lambda, proof);
   }
@@ -92,7 +93,7 @@ class ProofSearch {
   Numbers moved(const Numbers& force) const { return factor_.solve(Numbers(J_.transpose() * force)); }
 
   NoProof not_held() const {
-    return NoProof(p_.has_tangents() && p_.law == Law::coulomb
+    return NoProof(p_.has_tangents() && slip_lifts(p_.law)
                        ? "there are no proof files yet where contacts slide under Coulomb's law"
                        : "rows that depend on each other disagree in their last digits");
   }
@@ -123,7 +124,7 @@ class ProofSearch {
   // forces'slack, where all rows hold and forces push within their cones; under Coulomb's law, fit the slip.
   Hundred complementarity(const Numbers& slack, const Numbers& force, const Hundred& motion) const {
     Hundred total(0);
-    const bool coulomb = p_.law == Law::coulomb;
+    const bool coulomb = slip_lifts(p_.law);
     const Hundred push = force.cwiseProduct(unit_).norm();
     for (Index i = 0; i < p_.rows(); ++i) {
       if (!counts(i) || p_.is_tangent(i)) continue;
@@ -224,7 +225,7 @@ class ProofSearch {
     const Verdict verdict =
         by_error(static_cast<double>(far), static_cast<double>(least), proof["tolerance"].get<double>());
     if (!(radius < 1) || verdict == Verdict::undecided) throw NoProof("duality leaves the distance open");
-    if (verdict == Verdict::wrong && p_.has_tangents() && p_.law == Law::coulomb)
+    if (verdict == Verdict::wrong && p_.has_tangents() && slip_lifts(p_.law))
       throw NoProof("under Coulomb's law another solution may be near");
     proof["verdict"] = to_string(verdict);
     proof["distance"] = rounded_up(far);

@@ -33,7 +33,7 @@ template <class Each>
 Law each_check(const std::string& solver, const Marks& marks, const Each& each) {
   const Run run{.solver = solver, .foreign = runs_apart(solver), .tolerance = marks.tolerance};
   Dispatcher desk([](std::string_view text) { return make_solver(text); });
-  Law law = Law::coulomb;
+  Law law = stored_law;
   SolveTime time;
   const ConformanceSolve solve = conformance_solve(run, desk, time, &law);
   for (const ConformanceCheck& check : conformance_checks()) {

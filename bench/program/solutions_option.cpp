@@ -23,7 +23,7 @@ const char* word(ContactMode mode) { return mode_words[static_cast<std::size_t>(
 void require_counted(const Problem& p) {
   if (!p.has_tangents())
     throw std::invalid_argument(p.name + " has no contact with friction: it has one solution or none");
-  if (p.law != Law::coulomb)
+  if (is_convex(p.law))
     throw std::invalid_argument("--solutions counts those of Coulomb's law (--law coulomb); under the law '" +
                                 std::string(to_string(p.law)) + "' there is one or none");
   if (!referee::may_prove(p.size(), p.rows()))

@@ -9,6 +9,7 @@
 #include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/island_split.h>
 #include <zwang/core/referee/tolerances.h>
 
@@ -82,7 +83,7 @@ FoundReference compute(const Problem& problem, bool second_witness) {
       return {.note = std::to_string(n) + " unknowns and " + std::to_string(m) +
                       " rows that hang together; proofs are dense, up to " + std::to_string(referee::dense_limit) +
                       " and " + std::to_string(referee::dense_rows)};
-    if (problem.law == Law::coulomb) return under_coulomb(problem);
+    if (referee::slip_lifts(problem.law)) return under_coulomb(problem);
     FoundReference found;
     found.reference = convex_reference(problem, &found.note);
     return found;
@@ -113,7 +114,7 @@ FoundReference confirm(const Problem& problem, Reference own, bool second_witnes
   if (own.hearsay || problem.size() <= multiprecision_limit) {
     const auto [standing, bound] = check_stored(problem, own);
     if (standing == Standing::refuted) return {.note = "the referee refutes the " + own.method};
-    const bool coulomb = problem.law == Law::coulomb && problem.has_tangents();
+    const bool coulomb = referee::slip_lifts(problem.law) && problem.has_tangents();
     if (own.hearsay && standing == Standing::open) {
       FoundReference found = compute(problem, second_witness);
       if (!found.reference) found.note = "nothing proves the " + own.method + "; " + found.note;

@@ -10,7 +10,7 @@ namespace {
 
 std::vector<Instance> read_file(const std::string& stem) {
   const std::filesystem::path file = recorded_data() / "problems" / (stem + ".h5");
-  return std::filesystem::exists(file) ? read_problems(file, Law::frictionless) : std::vector<Instance>();
+  return std::filesystem::exists(file) ? read_problems(file, no_friction) : std::vector<Instance>();
 }
 
 // The files name their rows by number, and a limit that appears renumbers all contacts behind it: a warm start then

@@ -49,7 +49,7 @@ void write_phenomena(const std::filesystem::path& directory, std::span<const Run
   std::vector<std::string> lines;
   for (const std::string& solver : order) {
     const Run& run = tightest[solver];
-    Law law = Law::coulomb;
+    Law law = stored_law;
     SolveTime time = patience;
     const ConformanceSolve solve = conformance_solve(run, desk, time, &law, &interrupted);
     for (const ConformanceCheck& check : conformance_checks()) {

@@ -64,8 +64,8 @@ void state_under(const std::vector<Law>& laws, Plan& plan) {
       if (own.problem.has_tangents() && laws.size() > 1 && law != own.problem.law)
         for (std::string* name : {&instance.problem.name, &instance.family})
           name->append(" (").append(to_string(law)).append(")");
-      if (own.problem.has_tangents() && laws.size() > 1 && law != Law::coulomb)
-        plan.coulomb.emplace(stated.size(), under(Law::coulomb, own));
+      if (own.problem.has_tangents() && laws.size() > 1 && law != stored_law)
+        plan.coulomb.emplace(stated.size(), under(stored_law, own));
       stated.push_back(std::move(instance));
     }
   plan.instances = std::move(stated);
@@ -129,10 +129,10 @@ std::vector<Law> parse_laws(const std::string& text) {
 }
 
 static std::string expected_laws(const SolverEntry& entry) {
-  static const std::vector<Law> without = {Law::frictionless, Law::pyramid};
   std::string text;
-  for (const Law law : entry.laws.empty() ? without : entry.laws)
-    text.append(text.empty() ? "" : " or ").append(to_string(law));
+  for (const Law law : all_laws)
+    if (entry.laws.empty() ? !has_cones(law) : entry.reads(law))
+      text.append(text.empty() ? "" : " or ").append(to_string(law));
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <zwang/core/problem/disjoint_sets.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
@@ -45,7 +46,7 @@ void add_rows(const GlobalForm& form, Instance& instance) {
     }
   }
   rows.write(p);
-  if (p.has_tangents()) p.law = Law::coulomb;
+  if (p.has_tangents()) p.law = stored_law;
 }
 
 // W = J J' by Cholesky with diagonal pivoting, stopped where the largest remaining diagonal is rounding: at most
@@ -227,7 +228,7 @@ Instance from_local_form(LocalForm form, std::optional<Law> law, const Fail& fai
   Instance instance;
   GlobalForm global{.dim = form.dim, .sliding = form.dim - 1};
   global.mu = std::move(form.mu);
-  const bool slips = law == Law::pyramid || (global.mu.size() > 0 && global.mu.maxCoeff() > 0);
+  const bool slips = (law && has_edges(*law)) || (global.mu.size() > 0 && global.mu.maxCoeff() > 0);
   const Index step = slips ? 1 : form.dim, equalities = form.s.size(), used = form.q.size() / step;
   if (const double asymmetry = largest(form.W - Sparse(form.W.transpose())); asymmetry > 0) {
     std::ostringstream note;

@@ -48,7 +48,7 @@ Index read_spacedim(const hdf5::Group& group, bool rolling, std::size_t contact_
 
 // Empty where the law, or a file without mu, wants no tangent rows.
 Vector read_mu(const hdf5::Group& vectors, std::optional<Law> law, Index contacts) {
-  if (law == Law::frictionless || (!law && !vectors.has_data("mu"))) return {};
+  if (law ? !reads_mu(*law) : !vectors.has_data("mu")) return {};
   Vector mu = read_vector(vectors, "mu", static_cast<std::size_t>(contacts));
   for (Index k = 0; k < contacts; ++k)
     if (mu[k] < 0) vectors.fail("mu[" + std::to_string(k) + "]", "negative; expected a friction coefficient >= 0");

@@ -154,7 +154,7 @@ Instance read_own(const hdf5::Group& group) {
   if (const std::string stored = text_or(group, "sha256", ""); !stored.empty() && stored != problem_sha256(p))
     group.fail("sha256", "not that of its contents; the file is damaged, or was changed by hand");
   if (group.has_group("reference"))
-    instance.reference = read_reference(group.group("reference"), n, m, p.law != Law::coulomb);
+    instance.reference = read_reference(group.group("reference"), n, m, is_convex(p.law));
   if (group.has_group("recorded")) instance.recorded = read_recorded(group.group("recorded"), n);
   return instance;
 }
@@ -176,7 +176,7 @@ void write_own(hdf5::Group& group, const Instance& instance) {
   write_vector(group, "c", p.c);
   group.write("kind", std::span<const std::uint8_t>(kind));
   if (p.has_tangents()) write_vector(group, "mu", p.mu);
-  if (p.law != Law::frictionless) write_text(group, "law", std::string(to_string(p.law)));
+  if (reads_mu(p.law)) write_text(group, "law", std::string(to_string(p.law)));
   hdf5::Group key = group.add_group("key");
   key.write("constraint", std::span<const std::uint64_t>(constraint));
   key.write("row", std::span<const std::uint32_t>(row));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/law.h>
 
 namespace zwang {

@@ -204,7 +204,7 @@ Instance read_siconos(const std::filesystem::path& file, std::optional<Law> law)
   if (n == columns && left <= columns + contacts + 1) {
     LocalForm form{.dim = dim, .W = std::move(matrix), .q = words.vector(n, "an entry of q")};
     form.mu = read_mu(words, contacts);
-    if (law == Law::frictionless) form.mu.resize(0);
+    if (law && !reads_mu(*law)) form.mu.resize(0);
     return from_local_form(std::move(form), law, fail);
   }
   if (left <= columns + contacts + 1)
@@ -221,7 +221,7 @@ Instance read_siconos(const std::filesystem::path& file, std::optional<Law> law)
   form.mu = read_mu(words, contacts);
   if (words.left() > 1)
     words.fail("then " + std::to_string(words.left()) + " more words; expected the end of the file");
-  if (law == Law::frictionless) form.mu.resize(0);
+  if (law && !reads_mu(*law)) form.mu.resize(0);
   return from_global_form(std::move(form), fail);
 }
 

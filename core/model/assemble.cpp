@@ -4,6 +4,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include <zwang/core/problem/law.h>
+
 namespace zwang {
 namespace {
 
@@ -123,7 +125,7 @@ void Assembler::assemble(const Scene& scene, const Vector& z_u, const AssembleOp
   p.z_u << z_u, Vector::Zero(soft_);
   p.c.resize(m);
   p.mu.setZero(slips_ ? m : 0);
-  p.law = slips_ ? Law::coulomb : Law::frictionless;
+  p.law = slips_ ? stored_law : no_friction;
 
   write_mass(scene, p.M.valuePtr());
   const RowFrame frame{.start = p.J.outerIndexPtr(),

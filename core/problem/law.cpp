@@ -1,17 +1,15 @@
 #include <zwang/core/problem/law.h>
 
-#include <array>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
-
-constexpr std::array<std::string_view, 4> words{"frictionless", "pyramid", "convex", "coulomb"};
 
 // A row of the new problem: row `normal` of the old one, plus factor x row `tangent` where there is one.
 struct NewRow {
@@ -25,13 +23,12 @@ std::vector<NewRow> new_rows(Law law, const Problem& p) {
   for (Index i = 0; i < p.rows(); ++i) {
     const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
     const bool slips = tangents > 0 && p.mu[i] > 0;
-    if (law == Law::pyramid && slips) {
+    if (has_edges(law) && slips) {
       for (int edge = 0; edge < 2 * tangents; ++edge)
         rows.push_back({i, i + 1 + edge / 2, edge % 2 == 0 ? p.mu[i] : -p.mu[i], edge});
     } else {
       rows.push_back({i});
-      if (law == Law::convex || law == Law::coulomb)
-        for (Index t = 1; slips && t <= tangents; ++t) rows.push_back({i + t});
+      for (Index t = 1; has_cones(law) && slips && t <= tangents; ++t) rows.push_back({i + t});
     }
     i += tangents;
   }
@@ -53,20 +50,15 @@ Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
     if (row.tangent >= 0) written.entries(p.J, row.tangent, row.factor);
   }
   written.write(out);
-  out.law = out.has_tangents() || law == Law::pyramid ? law : Law::frictionless;
+  out.law = out.has_tangents() || has_edges(law) ? law : no_friction;
   return out;
 }
 
 }  // namespace
 
-std::string_view to_string(Law law) {
-  const auto k = static_cast<std::size_t>(law);
-  return k < words.size() ? words[k] : "unknown";
-}
-
 Law parse_law(std::string_view word) {
-  for (std::size_t k = 0; k < words.size(); ++k)
-    if (words[k] == word) return static_cast<Law>(k);
+  for (const Law law : all_laws)
+    if (to_string(law) == word) return law;
   throw std::invalid_argument("no law '" + std::string(word) + "'; expected frictionless, pyramid, convex or coulomb");
 }
 

@@ -112,7 +112,7 @@ std::string bad_friction(const Problem& p) {
     const auto tangent = std::ranges::find(p.kind, RowKind::tangent);
     return tangent == p.kind.end() ? "" : row(tangent - p.kind.begin()) + " is a tangent row, but there are no mu";
   }
-  if (p.law != Law::convex && p.law != Law::coulomb)
+  if (!has_cones(p.law))
     return "there are tangent rows, but the law is " + std::string(to_string(p.law)) + "; expected convex or coulomb";
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i)) return row(i) + " is a tangent row without an inequality row before it";

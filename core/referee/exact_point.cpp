@@ -6,11 +6,13 @@
 #include <vector>
 
 #include <zwang/core/referee/exact_point.h>
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
+using referee::slip_lifts;
 using Rational = mpq_class;
 using Exact = std::vector<Rational>;
 using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
@@ -181,14 +183,14 @@ class ExactSearch {
       return normal == 0;
     }
     const Index t = tangents(i);
-    if (normal < 0 || (normal > 0 && (t == 0 || p_.law == Law::coulomb))) return normal > 0;
+    if (normal < 0 || (normal > 0 && (t == 0 || slip_lifts(p_.law)))) return normal > 0;
     if (t == 0) {
       edges.push_back({i, {{i, 1}}, false});
       return true;
     }
     const Rational mu = p_.mu[i], first = slack(i + 1, z), second = t > 1 ? slack(i + 2, z) : Rational(0);
     const Rational slip = first * first + second * second;
-    if (p_.law == Law::convex && normal * normal != mu * mu * slip) return normal * normal > mu * mu * slip;
+    if (!slip_lifts(p_.law) && normal * normal != mu * mu * slip) return normal * normal > mu * mu * slip;
     if (slip == 0) {
       for (Index k = 0; k <= t; ++k) edges.push_back({i, {{i + k, 1}}});
       if (t == 1) {
@@ -238,7 +240,7 @@ class ExactSearch {
       }
       const Rational edge = mu * force;
       if (normal < 0 || force < 0 || along > edge * edge) return false;
-      if (p_.law == Law::convex && t > 0) {
+      if (!slip_lifts(p_.law) && t > 0) {
         if (normal * normal < mu * mu * slip || force * normal + work != 0) return false;
       } else {
         // work = -|l_t| |s_t| and |l_t| = mu l_n, where it slides.
@@ -301,10 +303,10 @@ class ExactSearch {
       } else if (t == 0 && normal <= zero(i)) {
         edges.push_back({i, {{i, 1}}, false});
       } else if (t == 1) {
-        const double room = p_.law == Law::convex ? zero(i) + mu * zero(i + 1) : zero(i);
+        const double room = slip_lifts(p_.law) ? zero(i) : zero(i) + mu * zero(i + 1);
         for (const int sign : {-1, 1}) {
           const bool touches =
-              p_.law == Law::convex ? normal + sign * mu * slip <= room : normal <= room && sign * slip <= zero(i + 1);
+              slip_lifts(p_.law) ? normal <= room && sign * slip <= zero(i + 1) : normal + sign * mu * slip <= room;
           if (touches) edges.push_back(side(i, sign));
         }
       }
@@ -317,7 +319,7 @@ class ExactSearch {
     std::vector<Exact> system;
     for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
       Form held = edge->push;
-      if (p_.law == Law::coulomb && tangents(edge->row) > 0) {
+      if (slip_lifts(p_.law) && tangents(edge->row) > 0) {
         const bool second =
             std::any_of(edges.begin(), edge, [&](const Edge& before) { return before.row == edge->row; });
         held = {{second ? edge->row + 1 : edge->row, 1}};

@@ -8,6 +8,7 @@
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/friction/judge.h>
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/scaled_problem.h>
 #include <zwang/core/referee/tolerances.h>
 
@@ -105,7 +106,7 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
 
 ErrorBounds error_bounds(const Problem& problem, const Reference& reference, double z_error) {
   const double off = reference.bound + referee::measured;
-  const bool one = reference.unique || problem.law != Law::coulomb || !problem.has_tangents();
+  const bool one = reference.unique || !referee::slip_lifts(problem.law) || !problem.has_tangents();
   return {z_error * (1 + referee::measured) + off, one ? std::max(z_error * (1 - referee::measured) - off, 0.0) : 0};
 }
 

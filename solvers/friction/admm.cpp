@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <zwang/solvers/friction/second_order_cone.h>
+#include <zwang/solvers/law/second_order_cone.h>
 
 namespace zwang {
 namespace {
@@ -43,7 +43,7 @@ void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& 
     double primal = 0, dual = 0;
     for (Index k = 0; k < nc; ++k) {
       Vec3 own = s.segment<3>(3 * k);
-      const double shift = program.is_coulomb() ? second_order_cone::tangential(own.data()) : 0;
+      const double shift = program.law().shift(own.data());
       own[0] += shift;
       const Vec3 next = second_order_cone::projected(y.segment<3>(3 * k) - p * own);
       Vec3 now = own + (next - y.segment<3>(3 * k)) / p;

@@ -13,7 +13,7 @@ namespace zwang {
 // long as the penalty p stays; it moves when the two residuals are apart. One iteration is one solve with it.
 struct Admm {
   static constexpr std::string_view name = "admm";
-  static constexpr std::array laws{Law::convex, Law::coulomb};
+  static constexpr auto laws = laws_that<has_cones>;
 
   double penalty = 1;
   int max_steps = 20000;

@@ -14,7 +14,7 @@ namespace zwang {
 // one factorization.
 struct AlartCurnier {
   static constexpr std::string_view name = "alart_curnier";
-  static constexpr std::array laws{Law::convex, Law::coulomb};
+  static constexpr auto laws = laws_that<has_cones>;
 
   int max_steps = 200;
 

@@ -82,9 +82,9 @@ bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const 
     modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
                std::min(most, options.max_iterations - solution.iterations), deadline, solution.iterations);
   };
-  run(program_.is_coulomb() ? few_warm : most_warm);
+  run(program_.law().lifts() ? few_warm : most_warm);
   const double left = modes_.residual.natural;
-  if (program_.is_coulomb() && !modes_.settled && left > goal &&
+  if (program_.law().lifts() && !modes_.settled && left > goal &&
       left <= tolerances::cone_arrives * program_.scale(modes_.v))
     run(more_warm);
   return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
@@ -94,7 +94,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
                                         const Deadline& deadline, double start, Solution& solution) {
   inside_.begin(program_, start);
   const double unit = program_.start();
-  const bool couples = program_.is_coulomb() && program_.is_dense();
+  const bool couples = program_.law().lifts() && program_.is_dense();
   double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit;
   for (int step = 0;;) {
@@ -114,7 +114,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
           program_.write(p, inside_.v, inside_.y, solution);
           options.observe(solution.iterations, solution.z, solution.lambda);
         }
-        if (!program_.is_coulomb() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
+        if (!program_.law().lifts() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
           if (inside_.proves_infeasible(program_, tolerances::out_of_reach, proof_)) {
             program_.write_certificate(p, proof_, solution);
             return End::infeasible;
@@ -150,7 +150,7 @@ bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const Solve
                                     const Deadline& deadline) {
   SolveOptions rest = options;
   rest.observe = nullptr;
-  if (!normals.program_.build(p, Law::frictionless, ConeProgram::Want::any, rest, deadline, of_normals_))
+  if (!normals.program_.build(p, ConeProgram::Want::normals, rest, deadline, of_normals_))
     return of_normals_.status == Status::infeasible;
   return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
 }
@@ -178,7 +178,8 @@ Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool fin
 // and all of them together get the iterations of one.
 bool Cone::Work::is_near() {
   const double left = natural_ / program_.scale(v_);
-  return program_.is_coulomb() && program_.is_dense() && left > tolerances::cone_exact && left <= tolerances::cone_near;
+  return program_.law().lifts() && program_.is_dense() && left > tolerances::cone_exact &&
+         left <= tolerances::cone_near;
 }
 
 // Would another step leave the motion where it is? With very different masses a residual of rounding is far from z.
@@ -207,11 +208,11 @@ bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& option
   for (int round = 0; round < most_rounds && !accepted; ++round) {
     of_convex_.reset(p.size(), p.rows());
     rest.max_iterations = most - solution.iterations;
-    program_.state(Law::convex, &slips_);
+    program_.state({}, &slips_);
     natural_ = std::numeric_limits<double>::infinity();
     const End end = from_inside(true, p, rest, deadline, 1, of_convex_);
     solution.iterations += of_convex_.iterations;
-    program_.state(Law::coulomb, nullptr);
+    program_.state(ConeLaw::of(p.law));
     if (end == End::limit) break;
     if (end == End::infeasible) v_.setZero(program_.face().unknowns());  // the slips of z_u lift the cones enough
     program_.slack(v_, s_);
@@ -232,7 +233,7 @@ bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& option
       accepted = accepted && modes_stay(options);
     }
     for (Index k = 0; k < program_.cones(); ++k) {
-      const double slip = std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
+      const double slip = program_.law().lift * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
       const double step = round < whole_rounds ? 1 : 0.5;
       slips_[k] = end == End::infeasible ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
     }
@@ -244,22 +245,22 @@ bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& option
 }
 
 // False where the answer is not to be trusted; solution says so.
-bool Cone::Work::solve_under(Law law, bool finish, const Problem& p, const SolveOptions& options,
-                             const Deadline& deadline, const WarmStart* warm, Solution& solution) {
-  if (!program_.build(p, law, ConeProgram::Want::any, options, deadline, solution)) return false;
+bool Cone::Work::solve_under_law(bool finish, const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                 const WarmStart* warm, Solution& solution) {
+  if (!program_.build(p, ConeProgram::Want::any, options, deadline, solution)) return false;
   // What the start is too large or too small for shows at the end only.
   static constexpr std::array starts{1.0, 0.03, 30.0};
-  const bool may_go_dense = program_.is_coulomb() && !program_.is_dense() && ConeProgram::can_be_dense(p);
+  const bool may_go_dense = program_.law().lifts() && !program_.is_dense() && ConeProgram::can_be_dense(p);
   End end = from_starts(std::span(starts).first(may_go_dense ? 1 : starts.size()), finish, p, options, deadline, warm,
                         solution);
   if (end == End::failed && may_go_dense) {
     const int before = solution.iterations;
-    if (!program_.build(p, law, ConeProgram::Want::dense, options, deadline, solution)) return false;
+    if (!program_.build(p, ConeProgram::Want::dense, options, deadline, solution)) return false;
     solution.iterations = before;
     solution.fallback = true;
     end = from_starts(starts, finish, p, options, deadline, nullptr, solution);
   }
-  if (end == End::failed && program_.is_coulomb() && program_.is_dense() &&
+  if (end == End::failed && program_.law().lifts() && program_.is_dense() &&
       by_convex_problems(p, options, deadline, solution)) {
     solution.fallback = true;
     end = End::accepted;
@@ -296,8 +297,7 @@ void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& op
 void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
   if (!p.has_tangents()) return solve_without_friction(p, options, solution);
   const Deadline deadline(options.time_limit);
-  const bool coulomb = p.has_tangents() && p.law == Law::coulomb;
-  solve_under(coulomb ? Law::coulomb : Law::convex, cone.finish, p, options, deadline, options.warm_start, solution);
+  solve_under_law(cone.finish, p, options, deadline, options.warm_start, solution);
   if (solution.status == Status::numerical_failure &&
       contradicts_itself(cone.normals_.own(p.size(), p.rows()), p, options, deadline)) {
     solution.status = Status::infeasible;

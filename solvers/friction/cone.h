@@ -39,7 +39,7 @@ namespace zwang {
 // this is one of them.
 struct Cone {
   static constexpr std::string_view name = "cone";
-  static constexpr std::array laws{Law::convex, Law::coulomb};
+  static constexpr auto laws = laws_that<has_cones>;
 
   bool finish = true;
 
@@ -58,8 +58,8 @@ struct Cone {
     enum class End { accepted, failed, limit, infeasible };
 
     void solve_without_friction(const Problem& problem, const SolveOptions& options, Solution& solution);
-    bool solve_under(Law law, bool finish, const Problem& problem, const SolveOptions& options,
-                     const Deadline& deadline, const WarmStart* warm, Solution& solution);
+    bool solve_under_law(bool finish, const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                         const WarmStart* warm, Solution& solution);
     bool from_warm(const Problem& problem, const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
                    Solution& solution);
     End from_starts(std::span<const double> starts, bool finish, const Problem& problem, const SolveOptions& options,

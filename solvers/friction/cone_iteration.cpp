@@ -9,8 +9,7 @@ ConeIteration::ConeIteration(Workspace& work, const Problem& problem, const Solv
     : work_(work), problem_(problem), options_(options), solution_(solution), deadline_(options.time_limit) {}
 
 bool ConeIteration::begin() {
-  const Law law = problem_.has_tangents() ? problem_.law : Law::convex;
-  if (!work_.program.build(problem_, law, ConeProgram::Want::any, options_, deadline_, solution_)) return false;
+  if (!work_.program.build(problem_, ConeProgram::Want::any, options_, deadline_, solution_)) return false;
   work_.v.setZero(work_.program.face().unknowns());
   work_.s.setZero(work_.program.rows());
   if (work_.program.warm(problem_, options_.warm_start, work_.y) && work_.program.is_dense())

@@ -4,12 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/solvers/friction/second_order_cone.h>
-
 namespace zwang {
 namespace {
 
-bool is_cone_law(Law law) { return law == Law::convex || law == Law::coulomb; }
 constexpr Index most_dense = 1000;  // dense where the rows are full, or where that is asked for
 
 bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.size(); }
@@ -41,7 +38,7 @@ void ConeProgram::add_row(Index source, Index unit, double factor, double h) {
 bool ConeProgram::meets_immobile(const Problem& p, Index row, double mu, Solution& solution) const {
   double slip = 0;
   for (Index t = 1; t <= p.tangents(row); ++t) slip = std::hypot(slip, p.c[row + t]);
-  if (law_ == Law::coulomb || -p.c[row] >= mu * slip) return true;  // c_n <= 0: else the row is a conflict
+  if (!(-p.c[row] < mu * (law_.opening() * slip))) return true;  // c_n <= 0: else the row is a conflict
   Vector& u = solution.zero_certificate(p.rows());
   u[row] = 1;
   for (Index t = 1; t <= p.tangents(row); ++t) u[row + t] = mu * p.c[row + t] / slip;
@@ -62,9 +59,7 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
   collected_h_.clear();
   mu_.clear();
   equality_.clear();
-  const auto slips = [&](Index i) {
-    return is_cone_law(law_) && p.has_tangents() && !p.is_equality(i) && p.tangents(i) > 0 && p.mu[i] > 0;
-  };
+  const auto slips = [&](Index i) { return has_cones_ && !p.is_equality(i) && p.tangents(i) > 0 && p.mu[i] > 0; };
   const auto violation = [&](Index k) {
     if (form_ == Form::joints) return joints_.rows().h[k] - joints_.rows().dot(k, joints_.y_E());
     return static_cast<double>(rows.h[k]);
@@ -110,8 +105,8 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
 void ConeProgram::measure_start() {
   start_ = 0;
   for (Index k = 0; k < cones(); ++k) {
-    const double slip = law_ == Law::convex ? std::hypot(h_[3 * k + 1], h_[3 * k + 2]) : 0;
-    start_ = std::max(start_, mu(k) * (h_[3 * k] + slip));
+    const double slip = std::hypot(h_[3 * k + 1], h_[3 * k + 2]);
+    start_ = std::max(start_, mu(k) * (h_[3 * k] + law_.opening() * slip));
   }
   for (Index r = 0; r < rays(); ++r) {
     const double own = h_[3 * cones() + r];
@@ -119,7 +114,7 @@ void ConeProgram::measure_start() {
   }
 }
 
-void ConeProgram::state(Law law, const Vector* slips) {
+void ConeProgram::state(ConeLaw law, const Vector* slips) {
   law_ = law;
   h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
   if (slips)
@@ -183,9 +178,10 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
 
 bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense; }
 
-bool ConeProgram::build(const Problem& p, Law law, Want want, const SolveOptions& options, const Deadline& deadline,
+bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options, const Deadline& deadline,
                         Solution& solution) {
-  law_ = law;
+  has_cones_ = p.has_tangents() && want != Want::normals;
+  law_ = has_cones_ ? ConeLaw::of(p.law) : ConeLaw();
   const bool dense = want == Want::dense;
   const bool joints = want != Want::way_back && has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
                       joints_.freedom() <= few_unknowns && joints_.smallest_pivot() >= tolerances::clear_pivot;
@@ -235,26 +231,11 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
   Residual out;
   if (y.size() > 0) out.rounding = std::numeric_limits<double>::epsilon() * y.lpNorm<Eigen::Infinity>();
   for (Index k = 0; k < cones(); ++k) {
-    const double m = mu(k), slip = std::hypot(s[3 * k + 1], s[3 * k + 2]);
-    // The contact as it is: forces and slacks in one unit, K of coefficient mu.
-    const double l = y[3 * k] / m, shifted = m * (s[3 * k] + (is_coulomb() ? slip : 0));
-    const double a = l - shifted, b = y[3 * k + 1] - s[3 * k + 1], c = y[3 * k + 2] - s[3 * k + 2];
-    const double t = std::sqrt(b * b + c * c);
-    double normal = a, share = 1;
-    if (t > m * a) {
-      normal = m * t <= -a ? 0 : (a + m * t) / (1 + m * m);
-      share = normal > 0 ? m * normal / t : 0;
-    }
-    out.natural = std::max(
-        {out.natural, std::abs(l - normal), std::abs(y[3 * k + 1] - share * b), std::abs(y[3 * k + 2] - share * c)});
-    // Where l is so large that l - s is l, the residual is blind: the violation stands beside it.
-    const double violated = std::max(0.0, is_coulomb() ? -m * s[3 * k] : m * slip - shifted);
-    out.natural = std::max(out.natural, violated);
+    const ConeLaw::Residual own = law_.residual(&y[3 * k], &s[3 * k], mu(k));
+    out.natural = std::max(out.natural, own.natural);
+    out.gap += own.gap;
     // And the normal row as a unit row, where its tangents are much longer or shorter.
     if (source_unit_[at(3 * k)] >= 0) out.natural = std::max(out.natural, -s[3 * k] / factor_[at(3 * k)]);
-    const double pull = std::max(0.0, std::hypot(y[3 * k + 1], y[3 * k + 2]) - m * l);
-    out.gap += l * shifted + y[3 * k + 1] * s[3 * k + 1] + y[3 * k + 2] * s[3 * k + 2] + 2 * std::abs(l) * violated +
-               2 * pull * (slip + std::abs(shifted));
   }
   for (Index r = 0; r < rays(); ++r) {
     const double l = y[3 * cones() + r], own = s[3 * cones() + r];

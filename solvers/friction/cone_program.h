@@ -8,6 +8,7 @@
 #include <zwang/solvers/friction/dense_face.h>
 #include <zwang/solvers/friction/sparse_face.h>
 #include <zwang/solvers/joint_space/null_space_form.h>
+#include <zwang/solvers/law/cone_law.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
@@ -15,8 +16,7 @@ namespace zwang {
 // A problem with friction in standard second-order cones, L = {x_0 >= |x_t|}: with v a motion in a unit of length near
 // the worst violation,
 //
-//   M v = G'y,   s = G v - h,   cones:       convex   L ∋ s ⊥ y ∈ L
-//                                            Coulomb  L ∋ s + |s_t| e_0 ⊥ y ∈ L
+//   M v = G'y,   s = G v - h,   cones:       y and s under a ConeLaw
 //                               single rows: s >= 0 ⊥ y >= 0; equality rows s = 0.
 //
 // A contact (N, T1, T2) of coefficient mu becomes the cone (N / mu, T1, T2) with y = (mu l_n, l_t), all rows times one
@@ -27,20 +27,19 @@ class ConeProgram {
  public:
   enum class Want {
     any,
-    dense,    // rows, whatever they are, where can_be_dense()
-    way_back  // joints stay, so that read() knows the way back from z
+    dense,     // rows, whatever they are, where can_be_dense()
+    way_back,  // joints stay, so that read() knows the way back from z
+    normals    // every contact is taken for one without friction
   };
-  // Resets the solution. False where the answer is known, and then written. `law`: convex or coulomb; any other takes
-  // every contact for one without friction.
-  bool build(const Problem& problem, Law law, Want want, const SolveOptions& options, const Deadline& deadline,
+  // Under the problem's law. Resets the solution. False where the answer is known, and then written.
+  bool build(const Problem& problem, Want want, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
-  // The same rows under the other law of cones; with the cones lifted by slips, as if each contact slid so fast.
-  void state(Law law, const Vector* slips);
+  // The same rows under another law of cones; with the cones lifted by slips, as if each contact slid so fast.
+  void state(ConeLaw law, const Vector* slips = nullptr);
   static bool can_be_dense(const Problem& problem);
   static constexpr Index few_unknowns = 150;  // dense whatever the rows are
 
-  Law law() const { return law_; }
-  bool is_coulomb() const { return law_ == Law::coulomb; }
+  ConeLaw law() const { return law_; }
   Index cones() const { return std::ssize(mu_); }
   Index rays() const { return std::ssize(equality_); }
   Index rows() const { return 3 * cones() + rays(); }
@@ -98,7 +97,8 @@ class ConeProgram {
   int exponent() const;
 
   Form form_ = Form::whitened;
-  Law law_ = Law::convex;
+  ConeLaw law_;
+  bool has_cones_ = false;
   bool dense_ = true;
   NullSpaceForm joints_;
   Whitened whitened_;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <zwang/solvers/linalg/tolerances.h>
-#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -17,10 +16,11 @@ namespace {
 constexpr double share = 0.05, loosest = 0.01, tightest = tolerances::cone_exact;
 constexpr int widenings = 8;  // of the slips, where the convex problem has no answer
 
+// By which z lifts the row, over mu.
 double slip(const Problem& p, Index row, const Vector& z) {
   double size = 0;
   for (Index t = 1; t <= p.tangents(row); ++t) size = std::hypot(size, p.J.row(row + t).dot(z) - p.c[row + t]);
-  return size;
+  return lift_of(p.law) * size;
 }
 
 template <class Visit>
@@ -34,40 +34,26 @@ bool has_answer(const Problem& p, const Solution& s) {
   return s.z.size() == p.size() && s.lambda.size() == p.rows() && s.z.allFinite() && s.lambda.allFinite();
 }
 
-bool reads_convex(const SolverEntry& entry) { return std::ranges::find(entry.laws, Law::convex) != entry.laws.end(); }
-
-// A solver of the convex law and its settings, or what was expected.
-std::string checked(const std::string& inner) {
-  const SolverEntry* entry = find_solver(inner);
-  if (!entry || !reads_convex(*entry)) {
-    std::string names;
-    for (const SolverEntry& e : solvers())
-      if (reads_convex(e)) names += (names.empty() ? "" : ", ") + e.name;
-    throw std::invalid_argument("a solver of the convex law: " + names);
-  }
-  return inner;
-}
-
 void check(double relaxation) {
   if (!(relaxation > 0 && relaxation <= 1)) throw std::invalid_argument("above 0 and at most 1");
 }
 
 }  // namespace
 
-SolverEntry FixedPoint::entry(SolverEntry e) {
+SolverEntry FixedPoint::entry(std::function<AnySolver(const std::string&)> make, SolverEntry e) {
   e = zwang::entry<FixedPoint>(std::move(e));
   e.settings.insert(e.settings.begin(),
                     {"inner", "the solver of the convex law, with its own settings: inner=cone:finish=off", "cone"});
-  e.make = [known = e.settings](std::string_view text) -> AnySolver {
-    FixedPoint solver;
+  e.make = [known = e.settings, make](std::string_view text) -> AnySolver {
+    FixedPoint solver{.inner = known[0].value};
     read_settings(name, text, known, [&](std::size_t k, const std::string& value) {
       if (k == 0)
-        solver.inner = checked(value);
+        solver.inner = value;
       else
         set_from(value, value_in(solver, settings()[k - 1]));
       check(solver.relaxation);
     });
-    make_solver(solver.inner);  // its own settings
+    solver.solver = make(solver.inner);
     return solver;
   };
   return e;
@@ -76,15 +62,15 @@ SolverEntry FixedPoint::entry(SolverEntry e) {
 std::string FixedPoint::supports(const Problem& problem) const {
   if (!problem.has_tangents()) return "no contact with friction";
   Problem convex = problem;
-  convex.law = Law::convex;
-  const std::string reason = make_solver(inner).supports(convex);
+  convex.law = without_lift(problem.law);
+  const std::string reason = solver->supports(convex);
   return reason.empty() ? "" : inner + ": " + reason;
 }
 
 // The convex problem of the slips at hand; they grow where it has no answer.
 bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                                double tolerance, Solution& solution) {
-  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
+  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
   SolveOptions asked{.tolerance = tolerance, .memory_limit = options.memory_limit};
   asked.warm_start = solution.iterations > 0 ? &warm : options.warm_start;
   for (int widening = 0; widening <= widenings; ++widening) {
@@ -102,7 +88,7 @@ bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, co
 
 // Of the answer, relative to the motion.
 double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool& accepted) {
-  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
+  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
   program.read(p, answer.z, answer.lambda, v, y);
   program.slack(v, s);
   const ConeProgram::Residual own = program.residual(y, s);
@@ -115,11 +101,10 @@ double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool&
 
 void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  auto& [solver, shifted, answer, warm, program, v, y, s, sigma] = work;
-  if (!program.build(p, Law::coulomb, ConeProgram::Want::way_back, options, deadline, solution)) return;
-  if (!solver) solver.emplace(make_solver(inner));
+  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
+  if (!program.build(p, ConeProgram::Want::way_back, options, deadline, solution)) return;
   shifted = p;
-  shifted.law = Law::convex;
+  shifted.law = without_lift(p.law);
   warm.key = p.key;
   s.setZero(program.rows());
   sigma.setZero(p.rows());

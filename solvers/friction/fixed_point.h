@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,9 +23,10 @@ namespace zwang {
 // have one under Coulomb's, so infeasibility is never claimed.
 struct FixedPoint {
   static constexpr std::string_view name = "fixed_point";
-  static constexpr std::array laws{Law::coulomb};
+  static constexpr auto laws = laws_that<lifts>;
 
-  std::string inner = "cone";
+  std::string inner = {};
+  std::optional<AnySolver> solver = {};  // that `inner` names
   int max_rounds = 500;
   double relaxation = 1;
 
@@ -33,13 +34,12 @@ struct FixedPoint {
     return {{"max_rounds", &FixedPoint::max_rounds, "convex problems before giving up"},
             {"relaxation", &FixedPoint::relaxation, "how far the slips go to the new ones, above 0 up to 1"}};
   }
-  // With the setting `inner`, which is a word. Throws where no solver of that name reads the convex law.
-  static SolverEntry entry(SolverEntry e);
+  // With the setting `inner`, a word from which `make` builds a solver of the convex law, or throws.
+  static SolverEntry entry(std::function<AnySolver(const std::string&)> make, SolverEntry e);
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   struct Workspace {
-    std::optional<AnySolver> inner;
     Problem shifted;
     Solution answer;
     WarmStart warm;

@@ -39,7 +39,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
     double *Y = &y[3 * k], *W = &w[3 * k], *slack = &s[3 * k];
     Y[0] = first * program.tilt(k);
     W[0] = first * std::max(1.0, 1 / program.tilt(k));
-    if (program.is_coulomb()) slack[0] += soc::tangential(slack);
+    slack[0] += program.law().shift(slack);
     if (!(soc::smallest(slack) > W[0] && soc::largest(slack) < farthest * first)) continue;
     const double share = Y[0] * (W[0] / soc::determinant(slack));
     for (int i = 0; i < 3; ++i) {
@@ -65,8 +65,7 @@ void InteriorPoint::measure(ConeProgram& program) {
   const Index nc = program.cones();
   program.slack(v, s);
   left_ = s - w;
-  if (program.is_coulomb())
-    for (Index k = 0; k < nc; ++k) left_[3 * k] += soc::tangential(&s[3 * k]);
+  for (Index k = 0; k < nc; ++k) left_[3 * k] += program.law().shift(&s[3 * k]);
   program.face().force(y, force_);
   program.face().mass(v, mass_);
   force_ -= mass_;
@@ -77,7 +76,7 @@ void InteriorPoint::measure(ConeProgram& program) {
 // D and the affine target: dy = target_ - D ds.
 void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
-  const double rounding = tolerances::cone_slip_rounding * gap_;
+  const double rounding = tolerances::cone_slip_rounding * gap_, lift = program.law().lift;
   for (Index k = 0; k < nc; ++k) {
     Cone& cone = cone_[at(k)];
     double* D = &D_[at(9 * k)];
@@ -89,8 +88,8 @@ void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
     cone.slope1 = cone.slope2 = 0;
     if (!couples) continue;
     const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
-    cone.slope1 = coupling_ * s[3 * k + 1] / size;
-    cone.slope2 = coupling_ * s[3 * k + 2] / size;
+    cone.slope1 = coupling_ * lift * s[3 * k + 1] / size;
+    cone.slope2 = coupling_ * lift * s[3 * k + 2] / size;
     for (Index i = 0; i < 3; ++i) {
       D[i + 3] += D[i] * cone.slope1;
       D[i + 6] += D[i] * cone.slope2;
@@ -171,14 +170,14 @@ void InteriorPoint::bend(const ConeProgram& program, double part) {
     const double end1 = own[1] + d[1], end2 = own[2] + d[2];
     const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
     const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
-    bend_[k] = part * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
+    bend_[k] = part * program.law().lift * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
     for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
   }
 }
 
 bool InteriorPoint::step(ConeProgram& program) {
   const Index nc = program.cones();
-  const bool couples = program.is_coulomb() && program.face().takes_unsymmetric();
+  const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   if (!std::isfinite(gap_) || !std::isfinite(residual_)) return false;
   for (Index k = 0; k < nc; ++k)
     if (!(soc::smallest(&y[3 * k]) > 0 && soc::smallest(&w[3 * k]) > 0)) return false;

@@ -4,24 +4,25 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/friction/cone_program.h>
-#include <zwang/solvers/friction/second_order_cone.h>
+#include <zwang/solvers/law/second_order_cone.h>
 
 namespace zwang {
 
 // A primal-dual interior point on a cone program, with Nesterov-Todd scaling and Mehrotra's predictor and corrector
 // (Andersen, Roos & Terlaky 2003, Math. Program. 95): one factorization and two solves a step.
 //
-// Coulomb's law is the same with w = s + |s_t| e_0 in place of s (De Saxce & Feng 1998, Math. Comput. Modelling 28).
-// The shift is differentiated where the face takes matrices that are not symmetric, with |s_t| rounded off by a part of
-// the gap, and refreshed at each step elsewhere. On the way to a small gap the solutions may turn back (a fold:
-// Newton's determinant changes its sign), and steps shrink to nothing. So only a part of the slope counts, which falls
-// after steps that were blocked or brought nothing and grows again behind free ones; the corrector knows the shift's
-// curvature; the gap does not run ahead of the residual, and stays where it is after a blocked step.
+// Where slip lifts, as under Coulomb's law, it is the same with w = s + lift |s_t| e_0 in place of s (De Saxce & Feng
+// 1998, Math. Comput. Modelling 28). The shift is differentiated where the face takes matrices that are not symmetric,
+// with |s_t| rounded off by a part of the gap, and refreshed at each step elsewhere. On the way to a small gap the
+// solutions may turn back (a fold: Newton's determinant changes its sign), and steps shrink to nothing. So only a part
+// of the slope counts, which falls after steps that were blocked or brought nothing and grows again behind free ones;
+// the corrector knows the shift's curvature; the gap does not run ahead of the residual, and stays where it is after a
+// blocked step.
 class InteriorPoint {
  public:
   enum class End { reached, limit, stuck };
 
-  Vector v, y, w;  // the iterate: M v = G'y, and w is s (Coulomb: with its shift), up to what is left of the residuals
+  Vector v, y, w;  // the iterate: M v = G'y, and w is s (with the law's shift), up to what is left of the residuals
   Vector s;        // G v - h
 
   // y = w = `size` program.start() e.

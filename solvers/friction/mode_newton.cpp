@@ -14,7 +14,7 @@ namespace soc = second_order_cone;
 void ModeNewton::begin(ConeProgram& program) {
   const Index m = program.rows(), n = program.face().unknowns();
   mode_.assign(at(program.cones()), Mode::open);
-  direction_.resize(at(program.cones()));
+  slide_.resize(at(program.cones()));
   ray_active_.assign(at(program.rays()), 0);
   D_.assign(at(9 * program.cones()), 0);
   ray_weight_.setZero(program.rays());
@@ -42,7 +42,7 @@ void ModeNewton::begin(ConeProgram& program, const InteriorPoint& from) {
     mode_[at(k)] = w_low > y_high ? Mode::open : y_low > w_high ? Mode::stick : Mode::slide;
     last_ = std::max({last_, std::min(y_low, w_high), std::min(y_high, w_low)});
     const double p1 = Y[1] - W[1], p2 = Y[2] - W[2], size = std::sqrt(p1 * p1 + p2 * p2);
-    direction_[at(k)] = {p1 / size, p2 / size, size, Y[0]};
+    slide_[at(k)] = {p1 / size, p2 / size, size, Y[0]};
   }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
@@ -54,14 +54,7 @@ void ModeNewton::begin(ConeProgram& program, const InteriorPoint& from) {
 
 void ModeNewton::choose(ConeProgram& program) {
   const Index nc = program.cones();
-  for (Index k = 0; k < nc; ++k) {
-    const double p0 = y[3 * k] - s[3 * k], p1 = y[3 * k + 1] - s[3 * k + 1], p2 = y[3 * k + 2] - s[3 * k + 2];
-    const double size = std::sqrt(p1 * p1 + p2 * p2);
-    const bool opens = program.is_coulomb() ? p0 <= 0 : size <= -p0;
-    mode_[at(k)] = opens ? Mode::open : size <= p0 ? Mode::stick : Mode::slide;
-    if (mode_[at(k)] == Mode::slide)
-      direction_[at(k)] = {p1 / size, p2 / size, size, program.is_coulomb() ? p0 : 0.5 * (p0 + size)};
-  }
+  for (Index k = 0; k < nc; ++k) mode_[at(k)] = program.law().mode(&y[3 * k], &s[3 * k], slide_[at(k)]);
   for (Index r = 0; r < program.rays(); ++r)
     ray_active_[at(r)] = program.is_equality(r) || y[3 * nc + r] - s[3 * nc + r] > 0;
 }
@@ -72,37 +65,9 @@ void ModeNewton::linearize(ConeProgram& program) {
   const double hard = 1 / softness_;
   std::fill(D_.begin(), D_.end(), 0.0);
   next_.setZero();
-  for (Index k = 0; k < nc; ++k) {
-    double *D = &D_[at(9 * k)], *next = &next_[3 * k];
-    const double *own = &y[3 * k], *slack = &s[3 * k];
-    const double normal_hard = hard * program.tilt(k) * program.tilt(k);  // of the row N / mu
-    if (mode_[at(k)] == Mode::stick) {
-      D[0] = normal_hard;
-      D[4] = D[8] = hard;
-      for (Index i = 0; i < 3; ++i) next[i] = own[i] - D[4 * i] * slack[i];
-    } else if (mode_[at(k)] == Mode::slide) {
-      const auto [u1, u2, size, pressure] = direction_[at(k)];
-      const double share = pressure / size;  // < 1: |s_t| = size - pressure
-      const double bend = std::min(hard, share / std::max(softness_, 1 - share));
-      const double P11 = bend * (1 - u1 * u1), P12 = -bend * u1 * u2, P22 = bend * (1 - u2 * u2);
-      const double n0 = program.is_coulomb() ? normal_hard : 0.5 * std::min(hard, normal_hard),
-                   n1 = program.is_coulomb() ? 0 : n0 * u1,
-                   n2 = program.is_coulomb() ? 0 : n0 * u2;  // D's part of the row that holds
-      const double normal = pressure - (n0 * slack[0] + n1 * slack[1] + n2 * slack[2]);
-      next[0] = normal;
-      next[1] = u1 * normal - (P11 * slack[1] + P12 * slack[2]);
-      next[2] = u2 * normal - (P12 * slack[1] + P22 * slack[2]);
-      D[0] = n0;
-      D[3] = n1;
-      D[6] = n2;
-      D[1] = u1 * n0;
-      D[4] = u1 * n1 + P11;
-      D[7] = u1 * n2 + P12;
-      D[2] = u2 * n0;
-      D[5] = u2 * n1 + P12;
-      D[8] = u2 * n2 + P22;
-    }
-  }
+  for (Index k = 0; k < nc; ++k)
+    program.law().linearize(mode_[at(k)], slide_[at(k)], softness_, program.tilt(k), &y[3 * k], &s[3 * k],
+                            &D_[at(9 * k)], &next_[3 * k]);
   for (Index r = 0; r < program.rays(); ++r) {
     ray_weight_[r] = ray_active_[at(r)] ? hard : 0;
     if (const Index i = 3 * nc + r; ray_active_[at(r)]) next_[i] = y[i] - hard * s[i];
@@ -111,7 +76,7 @@ void ModeNewton::linearize(ConeProgram& program) {
 
 bool ModeNewton::solve(ConeProgram& program) {
   const Index nc = program.cones();
-  const bool symmetric = !program.is_coulomb() || std::ranges::find(mode_, Mode::slide) == mode_.end();
+  const bool symmetric = !program.law().lifts() || std::ranges::find(mode_, Mode::slide) == mode_.end();
   if (!symmetric && !program.face().takes_unsymmetric()) return false;
   if (!program.face().factorize(D_, ray_weight_, symmetric)) return false;
   program.face().force(next_, dv_);

@@ -7,11 +7,7 @@
 namespace zwang {
 
 // From near a solution of a cone program to it: Newton's method on the equations of the modes that contacts are in
-// (Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92),
-//
-//   open   y = 0        stick   s = 0        slide   y = a (1, u), u = -s_t / |s_t|;   Coulomb: s_0 = 0, convex: (1,
-//   u)'s = 0
-//
+// (cone_law.h; Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92),
 // with a proximal term in the multipliers, y = y_before - s / softness, so that redundant contacts do no harm: each
 // keeps the share of the load that it had. The matrix is M + G'D G once more. The softness follows the residual down: a
 // row that depends on others to within the residual would else throw the multipliers about.
@@ -26,7 +22,6 @@ class ModeNewton {
   // The last step of run() kept the modes, moved v by no more than rounding, and did not halve the residual: what is
   // left of it is what the rows disagree by.
   bool settled = false;
-  enum class Mode : char { open, stick, slide };
 
   // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
   void begin(ConeProgram& program, const InteriorPoint& from);
@@ -38,9 +33,7 @@ class ModeNewton {
   bool step(ConeProgram& program);
 
  private:
-  struct Direction {
-    double u1, u2, size, pressure;  // of y_t - s_t; and the normal multiplier
-  };
+  using Mode = ConeLaw::Mode;
   void choose(ConeProgram& program);
   void linearize(ConeProgram& program);
   bool solve(ConeProgram& program);
@@ -48,7 +41,7 @@ class ModeNewton {
   void shift(ConeProgram& program);
 
   std::vector<Mode> mode_, mode_before_;
-  std::vector<Direction> direction_;
+  std::vector<ConeLaw::Slide> slide_;
   std::vector<char> ray_active_, ray_before_;
   std::vector<double> D_;
   Vector ray_weight_, next_, dv_, mass_, ds_, best_v_, best_y_, best_s_, y_before_;

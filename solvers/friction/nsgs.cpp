@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include <zwang/solvers/friction/second_order_cone.h>
+#include <zwang/solvers/law/second_order_cone.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {

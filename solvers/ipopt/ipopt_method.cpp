@@ -105,7 +105,7 @@ bool IpoptMethod::holds(const Vector& v, const Vector& y, const SolveOptions& op
 void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   ConeProgram& program = work.cones;
-  if (!program.build(problem, Law::convex, ConeProgram::Want::dense, options, deadline, solution)) return;
+  if (!program.build(problem, ConeProgram::Want::dense, options, deadline, solution)) return;
   if (!program.is_dense()) throw Stopped{Status::unsupported, "more than 1000 unknowns with friction"};
   IpoptQuestion& question = ask(options, deadline);
   question.cones = &program;

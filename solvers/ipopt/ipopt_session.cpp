@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include <zwang/solvers/first_order/kkt_check.h>
-#include <zwang/solvers/friction/second_order_cone.h>
+#include <zwang/solvers/law/second_order_cone.h>
 
 namespace ip = ::Ipopt;
 

@@ -112,9 +112,9 @@ void SiconosWork::judge(int code, const Problem& p, const SolveOptions& options,
   }
 }
 
-void SiconosWork::solve_local(int method, Law law, const Problem& p, const SolveOptions& options, Solution& solution) {
+void SiconosWork::solve_local(int method, const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  if (!program.build(p, law, ConeProgram::Want::any, options, deadline, solution)) return;
+  if (!program.build(p, ConeProgram::Want::any, options, deadline, solution)) return;
   if (!program.is_dense() || program.rays() > 0)
     throw Stopped{Status::unsupported, "joints or rows that this form does not take"};
   const Index m = program.rows(), nc = program.cones();
@@ -148,9 +148,9 @@ void SiconosWork::solve_local(int method, Law law, const Problem& p, const Solve
   judge(code, p, options, solution);
 }
 
-void SiconosWork::solve_global(int method, Law law, const Problem& p, const SolveOptions& options, Solution& solution) {
+void SiconosWork::solve_global(int method, const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  if (!program.build(p, law, ConeProgram::Want::any, options, deadline, solution)) return;
+  if (!program.build(p, ConeProgram::Want::any, options, deadline, solution)) return;
   const Index n = p.size(), m = p.rows(), nc = m / 3;
   std::unique_ptr<GlobalFrictionContactProblem, FreeGlobal> global(globalFrictionContactProblem_new());
   const Vector q = p.M * p.z_u, b = -p.c;

@@ -17,9 +17,9 @@ struct SiconosWork {
   Matrix W = {};
 
   // In the local form u = W r + q, W the dense Delassus matrix, contacts scaled to a mean diagonal of 1.
-  void solve_local(int method, Law law, const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve_local(int method, const Problem& problem, const SolveOptions& options, Solution& solution);
   // In the global form M v = H r + q, u = H'v + b, sparse.
-  void solve_global(int method, Law law, const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve_global(int method, const Problem& problem, const SolveOptions& options, Solution& solution);
   static std::string supports(const Problem& problem, bool global);
 
  private:
@@ -51,9 +51,9 @@ struct Siconos : SiconosWork {
   std::string supports(const Problem& problem) const { return SiconosWork::supports(problem, global); }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
     if constexpr (global)
-      solve_global(method, law, problem, options, solution);
+      solve_global(method, problem, options, solution);
     else
-      solve_local(method, law, problem, options, solution);
+      solve_local(method, problem, options, solution);
   }
 };
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <zwang/core/referee/friction/law.h>
+
 namespace zwang {
 namespace {
 
@@ -183,7 +185,7 @@ struct ExactSolutions::Data {
       }
       const Rational mu = problem.mu[n];
       const Form back = {{n, 1}, {t, -mu}}, forth = {{n, 1}, {t, mu}}, slip = {{t, 1}}, other_slip = {{t, -1}};
-      if (problem.law == Law::convex)
+      if (!referee::slip_lifts(problem.law))
         all.push_back({{.kept = {back, forth}},
                        {.pushes = {back}, .held = {back}, .kept = {forth}},
                        {.pushes = {forth}, .held = {forth}, .kept = {back}},
@@ -284,7 +286,7 @@ ExactSolutions::ExactSolutions(const Problem& problem, const Vector& z, const Ve
     : data_(std::make_shared<Data>(problem)), solutions_{{z, lambda}} {
   data_->z.push_back(exactly(z));
   const auto contacts = std::ranges::count(problem.kind, RowKind::inequality);
-  complete_ = problem.law == Law::convex || (contacts <= most_contracting && data_->contracts());
+  complete_ = !referee::slip_lifts(problem.law) || (contacts <= most_contracting && data_->contracts());
 }
 
 ExactSolutions::Range ExactSolutions::error(const Vector& given) const {

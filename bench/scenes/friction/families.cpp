@@ -6,6 +6,7 @@
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/row_by_row.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/problem/row_writer.h>
 #include <zwang/core/referee/double_double.h>
 
@@ -37,7 +38,7 @@ class ContactByContact {
     p.M.makeCompressed();
     p.z_u = z_u;
     rows_.write(p);
-    p.law = Law::coulomb;
+    p.law = stored_law;
     return out;
   }
 

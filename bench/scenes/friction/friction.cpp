@@ -1,6 +1,7 @@
 #include <zwang/bench/scenes/friction/friction.h>
 
 #include <zwang/constraints/contact.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
@@ -44,7 +45,7 @@ Instance with_friction(const Instance& frictionless, double mu, const std::vecto
   Problem& p = out.problem;
   out.origin.clear();
   out.reference.reset();
-  p.law = Law::coulomb;
+  p.law = stored_law;
   RowWriter rows;
   std::vector<Index> place;
   auto slip = slips.begin();

@@ -9,6 +9,7 @@
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/friction/natural_map.h>
 #include <zwang/core/referee/friction/numbers.h>
 #include <zwang/core/referee/friction/self_bound.h>
@@ -18,7 +19,7 @@
 namespace zwang {
 namespace {
 
-using referee::down, referee::up;
+using referee::down, referee::slip_lifts, referee::up;
 
 constexpr double enough = .01;  // of what is asked for: a bound of the convex answer that need not be smaller
 
@@ -35,7 +36,7 @@ struct Slips {
 // sigma(z) under Coulomb's law. Under the convex law 0.
 Slips slips_at(const ContactProblem& p, const ExtendedVector& x, Law law) {
   Slips out{.sigma = ExtendedVector(p.contacts.size()), .error = Vector::Zero(static_cast<Index>(p.contacts.size()))};
-  for (std::size_t c = 0; c < p.contacts.size() && law == Law::coulomb; ++c) {
+  for (std::size_t c = 0; c < p.contacts.size() && slip_lifts(law); ++c) {
     out.sigma[c] = p.slip(p.contacts[c], x);
     out.error[static_cast<Index>(c)] = p.slip_error(p.contacts[c], x);
   }
@@ -56,7 +57,7 @@ Vector certificate_in_cone(const Problem& problem, Vector u) {
   for (Index i = 0; i < u.size(); ++i) {
     if (problem.is_equality(i)) continue;
     const Index tangents = problem.tangents(i);
-    const double mu = problem.law == Law::convex && tangents > 0 ? problem.mu[i] : 0;
+    const double mu = !slip_lifts(problem.law) && tangents > 0 ? problem.mu[i] : 0;
     const double most = mu * std::max(0.0, u[i]) * (1 - 8 * referee::unit_roundoff);
     double tangential = 0;
     for (Index t = 1; t <= tangents; ++t) tangential = std::hypot(tangential, u[i + t]);
@@ -86,14 +87,14 @@ Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, co
   for (std::size_t c = 0; c < p.contacts.size(); ++c)
     if (p.contacts[c].unit > 0) slips.sigma[c] = 0, slips.error[static_cast<Index>(c)] = 0;
   const ConvexBound bound = bound_convex(p, scaled, slips.sigma, slips.error, nullptr);
-  const bool feasible = problem.law == Law::convex ? bound.rows == ConvexBound::Rows::feasible : bound.interior;
+  const bool feasible = slip_lifts(problem.law) ? bound.interior : bound.rows == ConvexBound::Rows::feasible;
   return feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
 // Do the normal and equality rows contradict each other? Every solution meets them. Found by the proofs without
 // friction, from z.
 bool rows_contradict(const Problem& problem, const Vector& z) {
-  const Problem rows = under(Law::frictionless, problem);
+  const Problem rows = under(no_friction, problem);
   const ScaledProblem scaled(rows);
   return bound_distance(scaled, scaled.motion(z), nullptr).rows == DistanceBound::Rows::infeasible;
 }
@@ -200,7 +201,7 @@ void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const
   if (!exact) return;
   const auto own = [&](double norm) { return p.from_norm(std::ldexp(norm, -scaled.norm_exponent())); };
   const double distance = own(exact->distance), size = own(exact->size);
-  if (problem.law == Law::convex) {
+  if (!slip_lifts(problem.law)) {
     found.rows = ConvexBound::Rows::feasible;
     found.upper = up(distance);
     found.lower = down(distance);
@@ -214,7 +215,7 @@ void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const
 
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
            const ExtendedVector& lambda, double tolerance) {
-  const bool coulomb = problem.law == Law::coulomb, has_lambda = !lambda.empty();
+  const bool coulomb = slip_lifts(problem.law), has_lambda = !lambda.empty();
   const Slips slips = slips_at(p, x, problem.law);
   ModePoint guess{x, lambda, {}};
   if (has_lambda) guess.modes = modes_by_size(p, x, lambda, referee::mode_cut);
@@ -289,7 +290,7 @@ Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& sc
 // solution of Coulomb's law, whatever multipliers come with it. There is no motion to measure errors by, and in units
 // of the least double there is, slips overflow.
 bool rests_exactly(const Problem& problem, const Solution& solution) {
-  if (problem.law != Law::coulomb || !problem.z_u.isZero(0) || !solution.z.isZero(0)) return false;
+  if (!slip_lifts(problem.law) || !problem.z_u.isZero(0) || !solution.z.isZero(0)) return false;
   for (Index i = 0; i < problem.rows(); ++i)
     if (problem.is_equality(i) ? problem.c[i] != 0 : !problem.is_tangent(i) && !(problem.c[i] <= 0)) return false;
   return true;
@@ -330,7 +331,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.from_norm(s);
     from_reference = error_bounds(problem, *reference, out.z_error);
     const Verdict verdict = by_error(from_reference.upper, from_reference.lower, tolerance);
-    if (problem.law == Law::convex && verdict != Verdict::undecided) return verdict;
+    if (!slip_lifts(problem.law) && verdict != Verdict::undecided) return verdict;
   }
   if (reference && !reference->feasible) return Verdict::wrong;
   if (rests_exactly(problem, solution)) {
@@ -352,7 +353,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     // The larger of |z| and |z_u| is p.scale, and the solution may be longer by its distance.
     lower = found.lower / (p.scale + found.lower);
   }
-  if (problem.law == Law::convex) {
+  if (!slip_lifts(problem.law)) {
     out.z_bound = upper;
     out.bound_method = upper < infinity ? "conic duality" : "";
     return by_error(std::min(upper, from_reference.upper), std::max(lower, from_reference.lower), tolerance);

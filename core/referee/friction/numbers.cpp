@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/referee/friction/law.h>
+
 namespace zwang {
 namespace {
 
@@ -40,7 +42,7 @@ Block take(const ExtendedVector& x, const ContactRows& contact, Index rows) {
 Block slack_of(const ContactProblem& p, const ContactRows& contact, const ExtendedVector& x, Law law) {
   Block s;
   for (Index t = 0; t < contact.rows(); ++t) s[static_cast<std::size_t>(t)] = p.slack(contact.row + t, x);
-  if (law == Law::coulomb) s[0] += length(s[1], s[2]) * contact.mu;
+  if (referee::slip_lifts(law)) s[0] += length(s[1], s[2]) * contact.mu;
   return s;
 }
 
@@ -95,7 +97,7 @@ FrictionMetrics friction_residuals(const ContactProblem& p, Law law, const Exten
     for (DoubleDouble& part : u) part = part / (g * s);
     // Under the convex law a contact that slides opens, and s_n l_n alone is not 0.
     grow(out.complementarity,
-         law == Law::convex ? std::abs((l[0] * u[0] + l[1] * u[1] + l[2] * u[2]).hi) : std::abs(l[0].hi * s_n));
+         referee::slip_lifts(law) ? std::abs(l[0].hi * s_n) : std::abs((l[0] * u[0] + l[1] * u[1] + l[2] * u[2]).hi));
     const DoubleDouble slip = length(u[1], u[2]);
     grow(out.dissipation, (l[0] * contact.mu * slip + l[1] * u[1] + l[2] * u[2]).hi);
     Block moved;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <zwang/core/model/motion.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/experiments/god_hand/step/following.h>
 #include <zwang/experiments/god_hand/step/lap.h>
 #include <zwang/experiments/god_hand/step/solver_choice.h>
@@ -136,7 +137,7 @@ bool Cluster::solve(Frame& frame) {
       const Lap lap(frame.times.assembly);
       write_rows(push);
       assembler_.assemble(objects_.scene, z_u_, {.dt = options_.dt}, problem_);
-      if (options_.law == Options::Friction::convex && problem_.has_tangents()) problem_.law = Law::convex;
+      if (options_.law == Options::Friction::convex) problem_.law = without_lift(problem_.law);
       first_rows(problem_, rows().size(), row_at_);
       if (!options_.correct_drift) problem_.c.head(row_at_.empty() ? problem_.rows() : row_at_[0]).setZero();
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <zwang/core/problem/law.h>
 #include <zwang/experiments/god_hand/step/solver_choice.h>
 
 namespace zwang::god {
@@ -55,7 +56,7 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
   for (std::size_t k = 0; k < wanted_.size(); ++k) z_u_.segment<6>(6 * static_cast<Index>(k)) = wanted_[k];
 
   assembler_.assemble(scene_, z_u_, {.dt = dt}, problem_);
-  if (options_.law == Options::Friction::convex && problem_.has_tangents()) problem_.law = Law::convex;
+  if (options_.law == Options::Friction::convex) problem_.law = without_lift(problem_.law);
   solver_.solve(problem_, asked_of(problem_, options_, warm_), solution_);
   if (!has_answer(problem_, solution_)) return false;
   complete_multipliers(problem_, solution_);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/islands.h>
 #include <zwang/core/problem/law.h>
 
