@@ -29,8 +29,7 @@ std::string plain(const std::exception& wrong) {
 }
 
 double number(const Json& value, const std::string& what) {
-  if (!value.is_number()) throw std::runtime_error(what + ": expected a number");
-  const double x = value.get<double>();
+  const double x = value.is_number() ? value.get<double>() : Solution::unknown;
   if (!std::isfinite(x)) throw std::runtime_error(what + ": expected a finite number");
   return x;
 }
@@ -163,7 +162,7 @@ std::string answers_line(const std::string& sha256, const Answer& answer) {
   const Solution& s = answer.solution;
   Json line = {{"sha256", sha256}, {"status", to_string(s.status)}};
   for (const auto& [key, v] : {std::pair("z", &s.z), {"lambda", &s.lambda}, {"certificate", &s.certificate}})
-    if (v->size() > 0 && v->allFinite()) line[key] = numbers(*v);
+    if (v->size() > 0 && (v->allFinite() || s.status == Status::solved)) line[key] = numbers(*v);
   line["iterations"] = s.iterations;
   if (!s.handed_to.empty()) line["answered_by"] = s.handed_to;
   if (std::isfinite(answer.seconds)) line["seconds"] = answer.seconds;

@@ -10,18 +10,19 @@ namespace zwang {
 
 // One problem before and after a change of a solver.
 struct Change {
-  enum class Kind { same, better, less_accurate, newly_unsolved, newly_wrong };
+  enum class Kind { same, better, less_accurate, wrong_forces, newly_unsolved, newly_wrong };
   std::string problem = {};
   Kind kind = Kind::same;
   Verdict before = Verdict::undecided, after = Verdict::undecided;
-  double error_before = unknown, error_after = unknown;  // proven, relative to the motion
+  double error_before = unknown, error_after = unknown;  // proven, relative to the motion; wrong_forces: residuals
 };
 std::string_view to_string(Change::Kind kind);  // "newly wrong", ...
 
-// How many problems moved one way and the other, and whether that is more than chance: the difference is beyond
-// `sigmas` standard deviations of a fair coin.
+// How many problems, right before and after, moved one way and the other, and whether that is more than chance: the
+// difference is beyond `sigmas` standard deviations of a fair coin.
 struct Drift {
   static constexpr double sigmas = 5;
+  std::string what = {}, worse = {}, better = {};  // "proven error", "larger", "smaller"
   std::size_t up = 0, down = 0;
   bool alarm() const;
 };
@@ -29,13 +30,13 @@ struct Drift {
 // What a change did to a solver's answers.
 struct Guarded {
   std::vector<Change> changes = {};  // one a problem
-  Drift error = {};                  // problems on which the proven error grew, or fell, more than twofold
-  Drift time = {};        // whose every time after is above, or below, every time before; of two runs a side or more
-  Drift iterations = {};  // reported by the solver
-  double time_ratio = unknown;  // median over the problems of after / before
-  bool timed = false;
+  // Of errors; iterations where these bought no accuracy; claims; answers that another solver gave; times, where every
+  // one after is above, or below, every one before (two runs a side or more).
+  std::vector<Drift> drifts = {};
   std::size_t count(Change::Kind kind) const;
-  bool alarm() const;  // newly wrong or unsolved, less accurate, or slower
+  std::size_t worse() const;   // problems that became so
+  const Drift* alarm() const;  // the first drift that is more than chance, or null
+  bool is_worse() const { return worse() > 0 || alarm(); }
 };
 
 // Rows of the same problems, a vector a repeated run; the worst verdict of repeated runs stands for all.

@@ -146,7 +146,7 @@ std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, st
       for (const auto& [scenes, law] : pack->scenes)
         for (Instance& instance : make_scenes(scenes, seed))
           some.push_back(law ? under(*law, std::move(instance)) : std::move(instance));
-    } else if (std::filesystem::exists(word)) {
+    } else if (std::error_code too_long; std::filesystem::exists(word, too_long)) {
       some = make_plan({.problems = {word}, .solvers = "dual_active_set"}).instances;
     } else {
       some = make_scenes(word, seed);

@@ -175,7 +175,7 @@ int judge_command(std::vector<std::string> words) {
 int guard_command(std::vector<std::string> words) {
   CLI::App options(
       "Compares one solver's answers to a pack before and after a change. Exit code 1: newly wrong or unsolved, less "
-      "accurate, or slower beyond noise.");
+      "accurate, wrong forces, or more work or time beyond chance (docs/guard.md).");
   introduce(options, "guard",
             "  ./zwang guard guard before.jsonl after.jsonl --out guarded\n"
             "  ./zwang guard guard b1.jsonl,b2.jsonl,b3.jsonl a1.jsonl,a2.jsonl,a3.jsonl      times, too");
@@ -223,7 +223,7 @@ int guard_command(std::vector<std::string> words) {
   if (!junit.empty()) write_text(junit, to_junit(guarded));
   std::printf("Map: %s   report: %s\n", (settings.directory / "map.svg").c_str(),
               report::write_report(settings.directory).c_str());
-  return guarded.alarm() ? found : done;
+  return guarded.is_worse() ? found : done;
 }
 
 }  // namespace zwang

@@ -5,6 +5,7 @@ Usage: packs.py PROGRAM
 import json
 import os
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -165,6 +166,20 @@ def check_guard():
     check("newly unsolved", lost.returncode == 1 and ", 1 newly unsolved" in lost.stdout, lost.stdout)
     worse = guard(spoilt(right, 3e-13))
     check("less accurate within the tolerance", worse.returncode == 1 and "more than chance" in worse.stdout, worse.stdout)
+    forces = guard([{**a, "lambda": [-x for x in a["lambda"]]} if any(a.get("lambda", [])) else a for a in right])
+    check("wrong forces", forces.returncode == 1 and "wrong forces: hand" in forces.stdout, forces.stdout)
+    work = guard([{**a, "iterations": 2 * a["iterations"]} for a in right])
+    check("more work", work.returncode == 1 and re.search("iterations: more on .* more than chance", work.stdout), work.stdout)
+    bought = [{**a, "iterations": 2 * a["iterations"]} for a in right]
+    write("bought.jsonl", header, bought)
+    write("rough.jsonl", header, spoilt(right, 1e-12))
+    dearer = run("guard", "pack", "rough.jsonl", "bought.jsonl", "--out", "bought")
+    check("work that buys accuracy", dearer.returncode == 0 and "smaller on 0" not in dearer.stdout, dearer.stdout)
+    shy = guard([{**a, "status": "iteration limit"} for a in right if a["status"] == "solved"] +
+                [a for a in right if a["status"] != "solved"])
+    check("claims", shy.returncode == 1 and re.search("claims of an answer: lost on .* more than chance", shy.stdout), shy.stdout)
+    handed = guard([{**a, "answered_by": "nnls"} for a in right])
+    check("another solver", handed.returncode == 1 and "answers of another solver: more on" in handed.stdout, handed.stdout)
     for k in range(3):
         write(f"fast{k}.jsonl", header, [{**a, "seconds": 1e-5 * (1 + 0.05 * k)} for a in right])
         write(f"slow{k}.jsonl", header, [{**a, "seconds": 1.5e-5 * (1 + 0.05 * k)} for a in right])
