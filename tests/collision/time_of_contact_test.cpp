@@ -4,7 +4,7 @@
 
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/collision/world.h>
+#include "tests/collision/placed.h"
 
 namespace zwang::collision {
 namespace {
@@ -13,15 +13,11 @@ using std::numbers::pi;
 
 constexpr double stop = 1e-4;  // m, of Margins
 
-std::shared_ptr<const Tree> tree(const Mesh& mesh) { return std::make_shared<const Tree>(mesh); }
-
 Vec<double, 6> twist(const Vec3& linear, const Vec3& angular = Vec3::Zero()) {
   Vec<double, 6> t;
   t << linear, angular;
   return t;
 }
-
-Pose<double> at(const Vec3& position, const Vec3& turned = Vec3::Zero()) { return {position, rotation(turned)}; }
 
 // Never late: at least half the stop distance is left. Early by no more than 1e-6 of the motion plus the stop distance:
 // the exact motion of a body swept by the stop distance would have come no farther than that.
@@ -180,7 +176,10 @@ TEST(TimeOfContact, TwoShapesBothMoving) {
 TEST(TimeOfContact, PathsByTheirSpeedBound) {
   // A quarter circle about the origin, which crosses the plane x = 0.05 at 60 degrees... met earlier by the radius.
   const double r = 0.1, ball = 0.01;
-  const Path path{.pose = [r](double s) { return at({r * std::sin(s * pi / 2), r - r * std::cos(s * pi / 2), 0}); },
+  const Path path{.pose =
+                      [r](double s) {
+                        return at({r * std::sin(s * pi / 2), r - r * std::cos(s * pi / 2), 0});
+                      },
                   .speed = r * pi / 2};
   World world;
   world.add(tree(meshes::sheet(1, 1, 200)), at({0.05, 0, 0}, {0, pi / 2, 0}));

@@ -6,7 +6,7 @@
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/collision/witness.h>
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/collision/world.h>
+#include "tests/collision/placed.h"
 #include "tests/recorded_data.h"
 
 namespace zwang {
@@ -16,9 +16,8 @@ using collision::Mesh;
 using collision::Move;
 using collision::Shape;
 using collision::TimeOfContact;
+using collision::tree;
 using collision::World;
-
-std::shared_ptr<const collision::Tree> tree(const Mesh& mesh) { return std::make_shared<const collision::Tree>(mesh); }
 
 TEST(Witness, SeesOverlapAndClearance) {
   const auto mesh = tree(meshes::sheet(0.2, 0.2, 200));

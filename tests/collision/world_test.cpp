@@ -9,12 +9,10 @@
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/collision/manifold.h>
+#include "tests/collision/placed.h"
 
 namespace zwang::collision {
 namespace {
-
-std::shared_ptr<const Tree> tree(const Mesh& mesh) { return std::make_shared<const Tree>(mesh); }
-Pose<double> at(const Vec3& position, const Vec3& turned = Vec3::Zero()) { return {position, rotation(turned)}; }
 
 // The gap by looking at every triangle.
 double true_gap(const Shape& shape, const Pose<double>& pose, const Tree& mesh, const Pose<double>& of_mesh) {

@@ -51,15 +51,6 @@ std::string text(const Lines& lines) {
   return out.str();
 }
 
-std::string refusal(const std::string& content) {
-  try {
-    read_motion(written("angles.csv", content));
-  } catch (const BadFile& bad) {
-    return bad.what();
-  }
-  return {};
-}
-
 TEST(JointTable, OwnColumnsAreTakenAsTheyAre) {
   const HandMotion motion = read_motion(written("angles.csv", text(table({""}))));
   ASSERT_EQ(motion.hands.size(), 1u);
@@ -136,7 +127,7 @@ TEST(JointTable, ARecordingWhoseFirstPoseCannotBeFollowedBeginsLater) {
   EXPECT_EQ(motion.hands.at(0).held_over, 1u);
   EXPECT_EQ(motion.hands.at(0).keys.size(), 3u);
   EXPECT_TRUE(std::isfinite(motion.hands.at(0).misfit_mean));
-  const std::string never = refusal(names + row(0, "-1e308") + row(1, "-1e308") + "\n");
+  const std::string never = motion_refusal(names + row(0, "-1e308") + row(1, "-1e308") + "\n", "angles.csv");
   EXPECT_NE(never.find("most rows are not whole"), std::string::npos) << never;
 }
 
@@ -189,7 +180,7 @@ TEST(JointTable, RefusesInOneLine) {
       {"step,FFJ2\n0,1\n1,2\n", "no column 'FFJ3'"},
   };
   for (const auto& [content, expected] : cases) {
-    const std::string line = refusal(content);
+    const std::string line = motion_refusal(content, "angles.csv");
     EXPECT_NE(line.find(expected), std::string::npos) << expected << " | " << line;
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }

@@ -9,7 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include <zwang/experiments/god_hand/motion/hand_motion.h>
+#include <zwang/core/files/problem_file.h>
+#include <zwang/experiments/god_hand/motion/motions.h>
 
 namespace zwang::god {
 
@@ -60,6 +61,16 @@ inline std::filesystem::path written(const std::string& name, const std::string&
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name, std::ios::binary) << text;
   return folder / name;
+}
+
+// The line that reading a motion of this text throws; "" where it is read.
+inline std::string motion_refusal(const std::string& text, const std::string& name) {
+  try {
+    read_motion(written(name, text));
+  } catch (const BadFile& bad) {
+    return bad.what();
+  }
+  return {};
 }
 
 }  // namespace zwang::god

@@ -18,16 +18,6 @@ HandMotion read(const Json& document, const std::string& name = "recording.json"
   return read_motion(written(name, document.dump()));
 }
 
-// The line that reading this throws; "" when it loads.
-std::string refusal(const std::string& text, const std::string& name = "bad.json") {
-  try {
-    read_motion(written(name, text));
-  } catch (const BadFile& bad) {
-    return bad.what();
-  }
-  return {};
-}
-
 void expect_sound(const HandMotion& motion) {
   EXPECT_FALSE(motion.hands.empty());
   for (const Track& track : motion.hands) {
@@ -170,13 +160,13 @@ TEST(Leap, RefusesInOneLine) {
       {each([](Json& row) { row[3][1][5] = row[3][1][4]; }), "mm long"},
   };
   for (const auto& [text, expected] : cases) {
-    const std::string line = refusal(text);
+    const std::string line = motion_refusal(text, "bad.json");
     EXPECT_NE(line.find(expected), std::string::npos) << expected << " | " << line;
     EXPECT_NE(line.find("bad.json: "), std::string::npos);
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }
-  EXPECT_NE(refusal(whole, "bad.txt").find("motions are .json"), std::string::npos);
-  EXPECT_NE(refusal(whole, "bad.json.gz").find("gzip"), std::string::npos);
+  EXPECT_NE(motion_refusal(whole, "bad.txt").find("motions are .json"), std::string::npos);
+  EXPECT_NE(motion_refusal(whole, "bad.json.gz").find("gzip"), std::string::npos);
   EXPECT_THROW(read_motion("/nowhere/at/all.json"), BadFile);
   EXPECT_THROW(read_motion(fs::temp_directory_path()), BadFile);
 }

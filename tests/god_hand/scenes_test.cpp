@@ -8,6 +8,7 @@
 #include <zwang/collision/world.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/step/physics.h>
+#include "tests/folders.h"
 #include "tests/recorded_data.h"
 
 namespace zwang::god {
@@ -135,7 +136,7 @@ void expect_line(const std::string& scene, const fs::path& parts, const std::str
 }
 
 TEST(Scenes, BadOnesGetOneLine) {
-  const fs::path folder = fs::path(testing::TempDir()) / "zwang_god_scenes";
+  const fs::path folder = own_path("scenes");
   fs::create_directories(folder);
   std::ofstream(folder / "empty.stl").close();
   std::ofstream(folder / "words.obj") << "these are words\n";

@@ -8,6 +8,7 @@
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/depth.h>
+#include "tests/folders.h"
 
 namespace zwang::god {
 namespace {
@@ -149,7 +150,7 @@ TEST(Synthetic, UnknownNamesAreAnsweredWithTheNearest) {
 // A folder `grasp` where the program is called is not the motion grasp.
 TEST(Synthetic, ANameIsANameWhateverLiesInTheFolder) {
   namespace fs = std::filesystem;
-  const fs::path here = fs::current_path(), folder = fs::temp_directory_path() / "zwang_names_test";
+  const fs::path here = fs::current_path(), folder = own_path("names");
   fs::create_directories(folder / "grasp");
   fs::create_directories(folder / "takes");
   fs::current_path(folder);

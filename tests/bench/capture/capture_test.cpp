@@ -8,6 +8,7 @@
 #include <zwang/core/problem/problem.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/registry.h>
+#include "tests/folders.h"
 
 namespace zwang {
 namespace {
@@ -26,7 +27,7 @@ constexpr auto model = R"(<mujoco>
 </mujoco>)";
 
 struct Capture : testing::Test {
-  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "capture_test.xml";
+  std::filesystem::path file = own_path("model.xml");
   ~Capture() override { std::filesystem::remove(file); }
   void write(const std::string& text) { std::ofstream(file) << text; }
 };
@@ -92,7 +93,7 @@ TEST_F(Capture, ContactsHaveTheModelsFrictionWhenAsked) {
 
 TEST_F(Capture, KeepsWhatTheFileFormatHolds) {
   write(model);
-  const std::filesystem::path stored = std::filesystem::path(testing::TempDir()) / "capture_test.h5";
+  const std::filesystem::path stored = own_path("captured.h5");
   capture({.model = file, .steps = 1}, [&](int, const Instance& instance) {
     write_problem(stored, instance);
     const Instance again = read_problems(stored).at(0);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/report/wording.h>
+#include "tests/folders.h"
 
 namespace zwang::report {
 namespace {
@@ -15,8 +16,7 @@ namespace fs = std::filesystem;
 
 // A run folder that holds the given text as results.jsonl.
 fs::path folder(const std::string& results) {
-  const fs::path dir =
-      fs::path(testing::TempDir()) / "zwang_results" / testing::UnitTest::GetInstance()->current_test_info()->name();
+  const fs::path dir = own_path("results") / testing::UnitTest::GetInstance()->current_test_info()->name();
   fs::create_directories(dir);
   std::ofstream(dir / "results.jsonl") << results;
   return dir;

@@ -24,7 +24,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 struct SceneFile : testing::Test {
-  std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "scene_file_test.json";
+  std::filesystem::path file = own_path("scene.json");
   ~SceneFile() override { std::filesystem::remove(file); }
 
   Instance read(const std::string& text) {

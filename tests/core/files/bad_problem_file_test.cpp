@@ -2,8 +2,8 @@
 #include <random>
 
 #include <zwang/core/files/hdf5.h>
-#include "tests/folders.h"
 #include "tests/core/files/problem_files.h"
+#include "tests/folders.h"
 
 // The HDF5 library loses memory of its own when it gives up on a damaged file.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
@@ -51,7 +51,7 @@ void PrintTo(const BadCase& bad, std::ostream* out) { *out << bad.name; }
 class BadProblemFile : public testing::TestWithParam<BadCase> {};
 
 TEST_P(BadProblemFile, IsMetWithOneLineThatNamesPlaceAndExpectation) {
-  const fs::path file = fs::temp_directory_path() / ("zwang_bad_" + GetParam().name + ".h5");
+  const fs::path file = own_path(GetParam().name + ".h5");
   Parts parts;
   parts.write(file);
   ASSERT_EQ(complaint(file), "") << "the unspoilt file should read";
@@ -75,13 +75,20 @@ INSTANTIATE_TEST_SUITE_P(
                 "/zwang: row 0 is a tangent row without an inequality row before it"},
         BadCase{"mu_without_tangents", [](Parts& p) { p.mu = {0.5}; }, "/zwang: row 0 has mu > 0 and no tangent rows"},
         BadCase{"negative_mu", [](Parts& p) { p.mu = {-0.5}; }, "/zwang: mu(0) is -0.5; expected a number >= 0"},
-        BadCase{"short_mu", [](Parts& p) { p.mu = {0, 0}; }, "/zwang/mu: holds 2 numbers; expected 1"},
+        BadCase{"short_mu",
+                [](Parts& p) {
+                  p.mu = {0, 0};
+                },
+                "/zwang/mu: holds 2 numbers; expected 1"},
         BadCase{"unknown_law", [](Parts& p) { p.law = "dry"; },
                 "/zwang/law: no law 'dry'; expected frictionless, pyramid, convex or coulomb"},
         BadCase{"long_z_u", [](Parts& p) { p.z_u.push_back(0); }, "/zwang/M/p: holds 3 numbers; expected 4"},
         BadCase{"column_out_of_range", [](Parts& p) { p.J_i = {2}; }, "/zwang/J/i[0]: is 2; expected an index below 2"},
         BadCase{"negative_row", [](Parts& p) { p.M_i[1] = -1; }, "/zwang/M/i[1]: is -1; expected an index below 2"},
-        BadCase{"pointers_out_of_order", [](Parts& p) { p.M_p = {0, 2, 1}; },
+        BadCase{"pointers_out_of_order",
+                [](Parts& p) {
+                  p.M_p = {0, 2, 1};
+                },
                 "/zwang/M/p[2]: out of order; expected pointers that rise from 0 to 2"},
         BadCase{"nan_in_M", [](Parts& p) { p.M[0] = nan; },
                 "/zwang/M/x[0]: not a number or infinite; expected a finite number"},

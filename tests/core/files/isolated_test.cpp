@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string complaint(const std::function<std::string()>& work, IsolationLimits limits = {}) {
+std::string complaint_of(const std::function<std::string()>& work, IsolationLimits limits = {}) {
   try {
     isolated("part.stl", limits, work);
   } catch (const BadFile& bad) {
@@ -39,23 +39,23 @@ TEST(Isolated, GivesBackWhatTheChildReturns) {
 }
 
 TEST(Isolated, WhateverGoesWrongIsOneLineThatNamesTheFile) {
-  EXPECT_EQ(complaint([]() -> std::string { throw BadFile("part.stl: no triangles in it"); }),
+  EXPECT_EQ(complaint_of([]() -> std::string { throw BadFile("part.stl: no triangles in it"); }),
             "part.stl: no triangles in it");
-  EXPECT_EQ(complaint([]() -> std::string { throw std::out_of_range("at\nnowhere"); }), "part.stl: at nowhere");
-  EXPECT_EQ(complaint([]() -> std::string { std::abort(); }),
+  EXPECT_EQ(complaint_of([]() -> std::string { throw std::out_of_range("at\nnowhere"); }), "part.stl: at nowhere");
+  EXPECT_EQ(complaint_of([]() -> std::string { std::abort(); }),
             "part.stl: its reader crashed; expected an undamaged file");
-  EXPECT_EQ(complaint([] {
+  EXPECT_EQ(complaint_of([] {
               std::raise(SIGSEGV);
               return std::string();
             }),
             "part.stl: its reader crashed; expected an undamaged file");
-  EXPECT_EQ(complaint([]() -> std::string { throw std::bad_alloc(); }, {.bytes = 3 * 1000000000ul}),
+  EXPECT_EQ(complaint_of([]() -> std::string { throw std::bad_alloc(); }, {.bytes = 3 * 1000000000ul}),
             "part.stl: asks for more than 3.0 GB of memory; expected an undamaged file");
 }
 
 TEST(Isolated, AnEndlessLoopAndASleepAreStopped) {
   const std::string late = "part.stl: not read within 1 s; expected an undamaged file";
-  EXPECT_EQ(complaint(
+  EXPECT_EQ(complaint_of(
                 [] {
                   for (volatile bool go_on = true; go_on;) {
                   }
@@ -63,7 +63,7 @@ TEST(Isolated, AnEndlessLoopAndASleepAreStopped) {
                 },
                 {.seconds = 0.5}),
             late);
-  EXPECT_EQ(complaint(
+  EXPECT_EQ(complaint_of(
                 [] {
                   pause();
                   return std::string();

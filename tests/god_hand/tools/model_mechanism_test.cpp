@@ -13,12 +13,6 @@
 namespace zwang::god {
 namespace {
 
-Target closed(double angle, const Pose<double>& palm = {}) {
-  Target target{.palm = palm};
-  target.angles[Tool::closing] = angle;
-  return target;
-}
-
 std::string model(const std::string& bodies, const std::string& more = "") {
   return "<mujoco><compiler angle=\"radian\" autolimits=\"true\"/>" + more + "<worldbody>" + bodies +
          "</worldbody></mujoco>";

@@ -30,12 +30,6 @@ std::string hinge(const std::string& name, const std::string& a, const std::stri
          std::to_string(y) + ", 0], \"axis\": [0, 0, 1]" + more + "}";
 }
 
-Target closed(double angle, const Pose<double>& palm = {}) {
-  Target target{.palm = palm};
-  target.angles[Tool::closing] = angle;
-  return target;
-}
-
 TEST(SceneMechanism, ThreeFingersTakeABoxAndLiftIt) {
   const Tool tool = make_tool(fingers);
   ASSERT_EQ(tool.objects.shapes.size(), 7u);

@@ -49,6 +49,13 @@ inline std::string refusal(const std::string& text, const std::string& kind) {
   return "";
 }
 
+// The tool's closing at this angle [rad].
+inline Target closed(double angle, const Pose<double>& palm = {}) {
+  Target target{.palm = palm};
+  target.angles[Tool::closing] = angle;
+  return target;
+}
+
 // The angle of a hinge of the tool among poses of its bodies [rad]: by how much the body that it turns has turned
 // against the one that it hangs on, about the hinge's axis.
 inline double angle_of(const Tool& tool, const std::string& hinge, std::span<const Pose<double>> poses) {

@@ -8,7 +8,7 @@ namespace zwang {
 namespace {
 
 using test::Graph;
-using Motion = JointTree::Motion;
+using Lanes = JointTree::Motion;
 
 struct Tree {
   explicit Tree(const Problem& p) : holds(rows.build(p) && tree.factorize(rows)) {
@@ -17,13 +17,13 @@ struct Tree {
   Index unknowns() const { return 6 * rows.bodies(); }
   // A unit row over all unknowns, and a motion as a vector of them.
   Vector row(Index i) const {
-    Motion part = Motion::Zero(8, rows.bodies());
+    Lanes part = Lanes::Zero(8, rows.bodies());
     rows.add(i, 1, part);
     return flat(part);
   }
-  Vector flat(const Motion& y) const { return y.topRows<6>().reshaped(); }
-  Motion lanes(const Vector& y) const {
-    Motion m = Motion::Zero(8, rows.bodies());
+  Vector flat(const Lanes& y) const { return y.topRows<6>().reshaped(); }
+  Lanes lanes(const Vector& y) const {
+    Lanes m = Lanes::Zero(8, rows.bodies());
     m.topRows<6>() = y.reshaped(6, rows.bodies());
     return m;
   }
@@ -69,7 +69,7 @@ TEST(JointTree, ReducesAndExpandsLikeTheNullSpaceItForms) {
     const Matrix N = t.N();
     const Vector y = Vector::LinSpaced(t.unknowns(), -1, 1), v = Vector::LinSpaced(N.cols(), 1, 2);
     Vector reduced(N.cols());
-    Motion expanded(8, t.rows.bodies());
+    Lanes expanded(8, t.rows.bodies());
     t.tree.reduce(t.lanes(y), reduced);
     t.tree.expand(v, expanded);
     EXPECT_LE((reduced - N.transpose() * y).norm(), precision * y.norm());
@@ -79,7 +79,7 @@ TEST(JointTree, ReducesAndExpandsLikeTheNullSpaceItForms) {
     Vector one = Vector::Zero(N.cols());
     const int body = t.rows.body[0][0];
     t.tree.add_reduced(body, t.rows.part(0, 0), one.data());
-    Motion part = Motion::Zero(8, t.rows.bodies());
+    Lanes part = Lanes::Zero(8, t.rows.bodies());
     part.col(body) = t.rows.part(0, 0);
     EXPECT_LE((one - N.transpose() * t.flat(part)).norm(), precision);
   });
@@ -90,7 +90,7 @@ TEST(JointTree, MeetsTheRowsShortlyAndReturnsTheirMultipliers) {
     const auto& listed = t.tree.tree_rows();
     const auto count = static_cast<Index>(listed.size());
     const Vector sigma = Vector::LinSpaced(count, -1, 1);
-    Motion met(8, t.rows.bodies()), shortest(8, t.rows.bodies());
+    Lanes met(8, t.rows.bodies()), shortest(8, t.rows.bodies());
     t.tree.meet(sigma, met);
     t.tree.shift(sigma, shortest);
     Vector force = Vector::Zero(t.unknowns());
