@@ -92,6 +92,15 @@ def guard(folder, before, after):
     return done.returncode, "; ".join(said) or "nothing"
 
 
+def same_bits(folder, solver, tolerance):
+    """The copy that holds the defects, without one, is the solver."""
+    file = f"{folder}.{solver}.jsonl"
+    run(program, "solve-pack", folder, "--solver", solver, "--tolerance", tolerance, "--out", file)
+    one, other = ([{k: v for k, v in json.loads(line).items() if k != "seconds"} for line in list(open(name))[1:]]
+                  for name in (file, answers(folder, solver, tolerance, "mutant", "none")))
+    return one == other
+
+
 def caught(name, guarded, with_friction):
     solver, tolerance, what, where = DEFECTS[name]
     folder = with_friction if solver == "nsgs" else guarded
@@ -101,11 +110,11 @@ def caught(name, guarded, with_friction):
 
 
 def harmless(k, folders):
-    """One change of one solver. Every fifth round of all solvers and changes is on the whole of `guarded`."""
-    k, solver = k // len(SOLVERS), list(SOLVERS)[k % len(SOLVERS)]
-    k, change = k // len(CHANGES), list(CHANGES)[k % len(CHANGES)]
-    by = [mutants, *others][k % (1 + len(others))]
-    folder = folders["guarded" if k % 5 == 4 else "friction" if solver == "cone" else "sample"]
+    """One change of one solver. Every tenth round of all solvers and changes is on the whole of `guarded`."""
+    one, solver = k // len(SOLVERS), list(SOLVERS)[k % len(SOLVERS)]
+    k, change = one // len(CHANGES), list(CHANGES)[(k + one) % len(CHANGES)]
+    by = [mutants, *others][(k + k // 10) % (1 + len(others))]
+    folder = folders["guarded" if k % 10 == 3 else "friction" if solver == "cone" else "sample"]
     after = answers(folder, solver, SOLVERS[solver], change, k, by)
     code, said = guard(folder, answers(folder, solver, SOLVERS[solver], "mutant", "none"), after)
     if not code and not asked.keep:
@@ -121,6 +130,9 @@ def count(folder):
 def main():
     folders = {"sample": pack("sample", SAMPLE), "friction": pack("friction", FRICTION)}
     folders["guarded"] = folders["sample"] if asked.quick else pack("guard", "guard")
+    for folder, solver, tolerance in (("sample", "newton", "1e-10"), ("sample", "pgs", "1e-8"), ("friction", "nsgs", "1e-8")):
+        if not same_bits(folder, solver, tolerance):
+            sys.exit(f"the copy of {solver} without a defect has other answers than {solver}")
     names = asked.only.split(",")
     found, tally, alarms = {}, collections.Counter(), 0
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
