@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <sstream>
@@ -23,8 +24,46 @@ namespace zwang::conformance {
 // constraint's. In double they would be blind at 1e6 and at 1e-12.
 using Big = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
-template <class C>
-using Jacobian = Mat<double, C::rows, 6 * arity<C>>;
+template <class T>
+using Poses = std::vector<Pose<T>>;
+
+// A constraint without its type, so that the checks are compiled once and not for each.
+struct Subject {
+  struct Linear {
+    Vector value;
+    Matrix jacobian;  // d value / d twist: 6 columns a body
+  };
+
+  std::string name;
+  RowKind kind;
+  Index rows, bodies;
+  bool has_jacobian;
+  std::function<Linear(const Poses<double>&)> linearize, differentiate;
+  std::function<VectorX<Big>(const Poses<Big>&)> exact;
+
+  template <Constraint C>
+  Subject(const C& c)
+      : name(C::name),
+        kind(C::kind),
+        rows(C::rows),
+        bodies(arity<C>),
+        has_jacobian(HasJacobian<C>),
+        linearize([c](const Poses<double>& q) { return linear(zwang::linearize(c, fixed<C>(q))); }),
+        differentiate([c](const Poses<double>& q) { return linear(zwang::differentiate(c, fixed<C>(q))); }),
+        exact([c](const Poses<Big>& q) -> VectorX<Big> { return evaluate(c, fixed<C>(q)); }) {}
+
+ private:
+  template <class C, class T>
+  static PosesOf<C, T> fixed(const Poses<T>& q) {
+    PosesOf<C, T> out;
+    std::ranges::copy(q, out.begin());
+    return out;
+  }
+  template <class C>
+  static Linear linear(const Linearization<C>& l) {
+    return {l.value, l.jacobian};
+  }
+};
 
 inline Pose<double> random_pose(double reach) {
   const Vec<double, 6> twist = Vec<double, 6>::Random() * 2;
@@ -33,49 +72,46 @@ inline Pose<double> random_pose(double reach) {
   return q;
 }
 
-template <class C>
-PosesOf<C, double> random_poses(double reach) {
-  PosesOf<C, double> q;
+inline Poses<double> random_poses(Index bodies, double reach) {
+  Poses<double> q(static_cast<std::size_t>(bodies));
   for (auto& pose : q) pose = random_pose(reach);
   return q;
 }
 
-template <class C, class T, class Step>
-PosesOf<C, T> moved(const PosesOf<C, T>& q, const Step& step) {
-  PosesOf<C, T> out;
+template <class T>
+Poses<T> moved(const Poses<T>& q, const VectorX<T>& step) {
+  Poses<T> out(q.size());
   for (std::size_t b = 0; b < q.size(); ++b)
     out[b] = retract<T>(q[b], step.template segment<6>(6 * static_cast<Index>(b)));
   return out;
 }
 
 // The smallest step that brings the linearized value to zero.
-template <class C>
-Vector correction(const C& c, const PosesOf<C, double>& q) {
-  const auto linear = linearize(c, q);
-  return least_norm_solution(Matrix(linear.jacobian), Vector(-linear.value));
+inline Vector correction(const Subject& c, const Poses<double>& q) {
+  const auto linear = c.linearize(q);
+  return least_norm_solution(linear.jacobian, -linear.value);
 }
 
 // Poses at which the value is about `distance` away from zero.
-template <class C>
-PosesOf<C, double> nearly_satisfied(const C& c, double distance) {
-  PosesOf<C, double> q = random_poses<C>(2);
-  for (int k = 0; k < 100; ++k) q = moved<C>(q, correction(c, q));
-  const Vec<double, 6 * arity<C>> away = Vec<double, 6 * arity<C>>::Random() * distance;
-  return moved<C>(q, away);
+inline Poses<double> nearly_satisfied(const Subject& c, double distance) {
+  Poses<double> q = random_poses(c.bodies, 2);
+  for (int k = 0; k < 100; ++k) q = moved(q, correction(c, q));
+  const Vector away = Vector::Random(6 * c.bodies) * distance;
+  return moved(q, away);
 }
 
-template <class C>
-Jacobian<C> central_differences(const C& c, const PosesOf<C, double>& q) {
+inline Matrix central_differences(const Subject& c, const Poses<double>& q) {
   const Big h("1e-30");
-  PosesOf<C, Big> exact;
-  for (std::size_t b = 0; b < q.size(); ++b)
-    exact[b] = {q[b].position.template cast<Big>(), q[b].rotation.template cast<Big>()};
-  Jacobian<C> J;
-  for (int k = 0; k < 6 * arity<C>; ++k) {
-    const Vec<Big, 6 * arity<C>> step = Vec<Big, 6 * arity<C>>::Unit(k) * h, back = -step;
-    const Vec<Big, C::rows> slope =
-        (evaluate(c, moved<C, Big>(exact, step)) - evaluate(c, moved<C, Big>(exact, back))) / (2 * h);
-    J.col(k) = slope.template cast<double>();
+  Poses<Big> exact;
+  for (const auto& pose : q) exact.push_back({pose.position.cast<Big>(), pose.rotation.cast<Big>()});
+  Matrix J(c.rows, 6 * c.bodies);
+  for (Index k = 0; k < J.cols(); ++k) {
+    VectorX<Big> step = VectorX<Big>::Zero(J.cols());
+    step[k] = h;
+    const VectorX<Big> ahead = c.exact(moved(exact, step));
+    step[k] = -h;
+    const VectorX<Big> behind = c.exact(moved(exact, step));
+    for (Index r = 0; r < c.rows; ++r) J(r, k) = static_cast<double>(Big((ahead[r] - behind[r]) / (2 * h)));
   }
   return J;
 }
@@ -86,8 +122,7 @@ struct Difference {
   std::string place = "row 0, body a, linear x";
 };
 
-template <class Mat>
-Difference compare(const Mat& found, const Mat& expected) {
+inline Difference compare(const Matrix& found, const Matrix& expected) {
   static constexpr const char* axis[] = {"linear x", "linear y", "linear z", "angular x", "angular y", "angular z"};
   Difference worst;
   for (Index r = 0; r < found.rows(); ++r)
@@ -129,120 +164,110 @@ struct Finding {
   }
 };
 
-template <class C>
-std::vector<PosesOf<C, double>> configurations(int count, double reach) {
-  std::vector<PosesOf<C, double>> all;
-  for (int k = 0; k < count; ++k) all.push_back(random_poses<C>(reach));
+inline std::vector<Poses<double>> configurations(const Subject& c, int count, double reach) {
+  std::vector<Poses<double>> all;
+  for (int k = 0; k < count; ++k) all.push_back(random_poses(c.bodies, reach));
   return all;
 }
 
 // Of the automatic derivatives, and of the constraint's own where it has some. A derivative that is not finite fails.
-template <class C>
-std::vector<Finding> derivatives(const C& c, const std::vector<PosesOf<C, double>>& configurations,
-                                 const std::string& where) {
+inline std::vector<Finding> derivatives(const Subject& c, const std::vector<Poses<double>>& configurations,
+                                        const std::string& where) {
   Difference automatic, analytic;
   for (const auto& q : configurations) {
-    const Jacobian<C> truth = central_differences(c, q);
-    const auto keep_worse = [&](Difference& worst, const Jacobian<C>& J) {
+    const Matrix truth = central_differences(c, q);
+    const auto keep_worse = [&](Difference& worst, const Matrix& J) {
       if (!J.allFinite()) worst.relative = std::numeric_limits<double>::infinity();
       if (const Difference d = compare(J, truth); d.relative > worst.relative) worst = d;
     };
-    keep_worse(automatic, differentiate(c, q).jacobian);
-    keep_worse(analytic, linearize(c, q).jacobian);
+    keep_worse(automatic, c.differentiate(q).jacobian);
+    keep_worse(analytic, c.linearize(q).jacobian);
   }
-  const std::string name = std::string(C::name) + ".jacobian";
+  const std::string name = c.name + ".jacobian";
   std::vector<Finding> out = {
       {name, "automatic vs central differences, " + where, automatic.relative, tolerance, &automatic}};
-  if (HasJacobian<C>)
+  if (c.has_jacobian)
     out.emplace_back(name, "analytic vs central differences, " + where, analytic.relative, tolerance, &analytic);
   return out;
 }
 
 // Bodies 1 m and 1e6 m apart, and where the constraint is satisfied but for 1e-12.
-template <class C>
-std::vector<Finding> derivatives(const C& c) {
-  std::vector<Finding> all = derivatives(c, configurations<C>(10, 2), "bodies 1 m apart");
-  std::ranges::move(derivatives(c, configurations<C>(10, 2e6), "bodies 1e6 m apart"), std::back_inserter(all));
-  std::vector<PosesOf<C, double>> near;
+inline std::vector<Finding> derivatives(const Subject& c) {
+  std::vector<Finding> all = derivatives(c, configurations(c, 10, 2), "bodies 1 m apart");
+  std::ranges::move(derivatives(c, configurations(c, 10, 2e6), "bodies 1e6 m apart"), std::back_inserter(all));
+  std::vector<Poses<double>> near;
   for (int k = 0; k < 5; ++k) near.push_back(nearly_satisfied(c, 1e-12));
   std::ranges::move(derivatives(c, near, "values of 1e-12"), std::back_inserter(all));
   return all;
 }
 
 // Bodies on top of each other, half turns: where norms, angles and rotation vectors lose their gradients.
-template <class C>
-Finding finite(const C& c) {
+inline Finding finite(const Subject& c) {
   int lost = 0;
   for (const Vec3& half_turn : {Vec3(0, 0, 0), Vec3(M_PI, 0, 0), Vec3(0, M_PI, 0), Vec3(0, 0, M_PI)})
     for (const Pose<double>& first : {Pose<double>{}, random_pose(2)}) {
-      PosesOf<C, double> q;
-      q.fill(first);
+      Poses<double> q(static_cast<std::size_t>(c.bodies), first);
       Vec<double, 6> twist;
       twist << Vec3::Zero(), half_turn;
       q.back() = retract(first, twist);
-      const auto linear = linearize(c, q);
+      const auto linear = c.linearize(q);
       lost += !linear.value.allFinite() || !linear.jacobian.allFinite();
     }
-  return {std::string(C::name) + ".finite", "degenerate poses with a row that is not finite", 1. * lost, 0};
+  return {c.name + ".finite", "degenerate poses with a row that is not finite", 1. * lost, 0};
 }
 
 // The world turned and moved: an inequality's rows and values stay what they are, seen from the turned world; those of
 // an equality may be mixed among themselves by a rotation (a ball joint's three rows are world axes), so that J'J, J'v
 // and v'v stay.
-template <class C>
-Finding frames(const C& c) {
+inline Finding frames(const Subject& c) {
   double worst = 0;
-  for (const auto& q : configurations<C>(10, 2)) {
+  for (const auto& q : configurations(c, 10, 2)) {
     const Pose<double> world = random_pose(2);
-    PosesOf<C, double> there;
-    for (std::size_t b = 0; b < q.size(); ++b)
-      there[b] = {world.rotation * q[b].position + world.position, world.rotation * q[b].rotation};
-    const auto here = linearize(c, q);
-    auto seen = linearize(c, there);
-    for (int k = 0; k < 2 * arity<C>; ++k)
-      seen.jacobian.template middleCols<3>(3 * k) =
-          (seen.jacobian.template middleCols<3>(3 * k) * world.rotation).eval();
-    Matrix H(C::rows, 6 * arity<C> + 1), S(C::rows, 6 * arity<C> + 1);
+    Poses<double> there;
+    for (const auto& pose : q)
+      there.push_back({world.rotation * pose.position + world.position, world.rotation * pose.rotation});
+    const auto here = c.linearize(q);
+    auto seen = c.linearize(there);
+    for (Index k = 0; k < 2 * c.bodies; ++k)
+      seen.jacobian.middleCols<3>(3 * k) = (seen.jacobian.middleCols<3>(3 * k) * world.rotation).eval();
+    Matrix H(c.rows, 6 * c.bodies + 1), S(c.rows, 6 * c.bodies + 1);
     H << here.jacobian, here.value;
     S << seen.jacobian, seen.value;
-    const Matrix change =
-        C::kind == RowKind::inequality ? Matrix(S - H) : Matrix(S.transpose() * S - H.transpose() * H);
+    const Matrix change = c.kind == RowKind::inequality ? Matrix(S - H) : Matrix(S.transpose() * S - H.transpose() * H);
     worst = std::max(worst, change.cwiseAbs().maxCoeff() / std::max(1., H.squaredNorm()));
   }
-  return {std::string(C::name) + ".frames", "invariant under a rigid motion of the world", worst, tolerance};
+  return {c.name + ".frames", "invariant under a rigid motion of the world", worst, tolerance};
 }
 
 // A short move along a row's gradient raises the value of an inequality; along the correction, it brings the value of
 // an equality nearer to zero, by the part that was walked.
-template <class C>
-Finding sign(const C& c) {
+inline Finding sign(const Subject& c) {
   constexpr double part = 1e-6;
   double worst = 0;
-  for (const auto& q : configurations<C>(10, 2)) {
-    const auto linear = linearize(c, q);
-    for (int row = 0; row < C::rows; ++row) {
-      const Vec<double, 6 * arity<C>> along = linear.jacobian.row(row).transpose();
-      if (C::kind == RowKind::inequality && along.norm() > 1e-3) {
-        const auto after = evaluate(c, moved<C>(q, Vec<double, 6 * arity<C>>(part * along)));
-        const double slope = (after[row] - linear.value[row]) / (part * along.squaredNorm());
+  for (const auto& q : configurations(c, 10, 2)) {
+    const auto linear = c.linearize(q);
+    const auto after = [&](const Vector& along) { return c.linearize(moved(q, Vector(part * along))).value; };
+    for (Index row = 0; row < c.rows; ++row) {
+      const Vector along = linear.jacobian.row(row).transpose();
+      if (c.kind == RowKind::inequality && along.norm() > 1e-3) {
+        const double slope = (after(along)[row] - linear.value[row]) / (part * along.squaredNorm());
         worst = std::max(worst, std::abs(slope - 1));
       }
     }
-    if (C::kind == RowKind::equality) {
-      const auto after = evaluate(c, moved<C>(q, Vector(part * correction(c, q))));
-      worst = std::max(worst, std::abs((linear.value.norm() - after.norm()) / (part * linear.value.norm()) - 1));
+    if (c.kind == RowKind::equality) {
+      const double gone = linear.value.norm() - after(correction(c, q)).norm();
+      worst = std::max(worst, std::abs(gone / (part * linear.value.norm()) - 1));
     }
   }
-  return {std::string(C::name) + ".sign",
-          C::kind == RowKind::inequality ? "inequality: value >= 0 is allowed, row pushes toward it"
-                                         : "equality: value = 0 is allowed, rows pull toward it",
+  return {c.name + ".sign",
+          c.kind == RowKind::inequality ? "inequality: value >= 0 is allowed, row pushes toward it"
+                                        : "equality: value = 0 is allowed, rows pull toward it",
           worst, 1e-3};
 }
 
 // All of these, from the same random poses each time. Prints a line a check and what is wrong; false: something is.
 // `c` should hide nothing: points and directions with no zeros and no symmetry in them.
-template <Constraint C>
-bool check(const C& c) {
+inline bool check(const Subject& c) {
   std::srand(1);
   std::vector<Finding> all = derivatives(c);
   for (const Finding& one : {finite(c), frames(c), sign(c)}) all.push_back(one);
