@@ -131,7 +131,7 @@ Instance read_own(const hdf5::Group& group) {
   }
   if (group.has_data("mu")) p.mu = read_raw(group, "mu", m);
   try {
-    p.law = parse_law(text_or(group, "law", p.has_tangents() ? "coulomb" : "frictionless"));
+    p.law = parse_law(text_or(group, "law", std::string(to_string(p.has_tangents() ? stored_law : no_friction))));
   } catch (const std::invalid_argument& unknown) {
     group.fail("law", unknown.what());
   }

@@ -57,9 +57,12 @@ Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
 }  // namespace
 
 Law parse_law(std::string_view word) {
-  for (const Law law : all_laws)
+  std::string words;
+  for (const Law law : all_laws) {
     if (to_string(law) == word) return law;
-  throw std::invalid_argument("no law '" + std::string(word) + "'; expected frictionless, pyramid, convex or coulomb");
+    words.append(words.empty() ? "" : law == all_laws.back() ? " or " : ", ").append(to_string(law));
+  }
+  throw std::invalid_argument("no law '" + std::string(word) + "'; expected " + words);
 }
 
 Problem under(Law law, const Problem& problem) {

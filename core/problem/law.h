@@ -10,12 +10,9 @@ namespace zwang {
 
 struct Instance;
 
-// What becomes of the tangent rows of a contact with mu > 0.
-enum class Tangents : unsigned char {
-  left_out,
-  edges,  // the inequality rows N +- mu T, in place of N
-  kept    // forces lie in the cone K
-};
+// Tangent rows of a contact with mu > 0 become the inequality rows N +- mu T in place of N (edges), or stay, with
+// forces in the cone K.
+enum class Tangents : unsigned char { left_out, edges, kept };
 
 // All that a law says to everybody but the referee, which has its own (core/referee/friction/law.h). A further law is
 // one more line, in the order of enum Law (docs/add-a-law.md).
@@ -37,11 +34,8 @@ constexpr bool lifts(Law law) { return lift_of(law) > 0; }
 // Gauss' principle: at most one z, and a certificate where there is none.
 constexpr bool is_convex(Law law) { return !lifts(law); }
 
-inline constexpr auto all_laws = [] {
-  std::array<Law, law_entries.size()> all{};
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Law>(k);
-  return all;
-}();
+inline constexpr std::array all_laws{Law::frictionless, Law::pyramid, Law::convex, Law::coulomb};
+static_assert(all_laws.size() == law_entries.size());
 // Those of which `is` holds: static constexpr auto laws = laws_that<has_cones>; of a solver.
 template <bool (*is)(Law)>
 inline constexpr auto laws_that = [] {

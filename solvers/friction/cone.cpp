@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <span>
 
 namespace zwang {
 namespace {
@@ -54,44 +53,83 @@ void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& 
   solution.fallback = true;
 }
 
-void Cone::Work::keep(const Vector& v, const Vector& y, double natural) {
-  if (!(natural < natural_) || !v.allFinite() || !y.allFinite()) return;
-  v_ = v;
-  y_ = y;
-  natural_ = natural;
+void Cone::Work::Best::keep(const Vector& other_v, const Vector& other_y, double residual) {
+  if (!(residual < natural) || !other_v.allFinite() || !other_y.allFinite()) return;
+  v = other_v;
+  y = other_y;
+  natural = residual;
 }
 
 // Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
-bool Cone::Work::takes(const ConeProgram::Residual& r, const Vector& v, const Vector& y, const SolveOptions& options,
-                       bool settled) {
-  const bool accepted = program_.accepts(r, v, options, settled);
-  if (accepted) natural_ = std::numeric_limits<double>::infinity();
-  keep(v, y, r.natural);
+bool Cone::Work::takes(const Job& job, const ConeProgram::Residual& r, const Vector& v, const Vector& y, bool settled) {
+  const bool accepted = program_.accepts(r, v, job.options, settled);
+  if (accepted) job.best.natural = infinity;
+  job.best.keep(v, y, r.natural);
   return accepted;
 }
 
-bool Cone::Work::from_warm(const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                           const WarmStart* warm, Solution& solution) {
-  if (!program_.warm(p, warm, modes_.y)) return false;
+// What a start is too large or too small for shows at the end only.
+const std::array<Cone::Work::Rung, 7> Cone::Work::ladder{Rung{nullptr, &Work::from_rest},
+                                                         {nullptr, &Work::from_warm},
+                                                         {nullptr, &Work::from_start},
+                                                         {&Work::may_go_dense, &Work::from_dense_rows},
+                                                         {nullptr, &Work::from_start, 0.03},
+                                                         {nullptr, &Work::from_start, 30},
+                                                         {&Work::may_take_slips, &Work::from_convex_problems}};
+
+bool Cone::Work::may_go_dense(const Job& job) const {
+  return program_.law().lifts() && !program_.is_dense() && ConeProgram::can_be_dense(job.problem);
+}
+
+Cone::Work::End Cone::Work::from_rest(const Job& job, double) {
+  job.best.natural = infinity;
   modes_.v.setZero(program_.face().unknowns());
-  if (!program_.is_dense()) return false;
+  modes_.y.setZero(program_.rows());
+  modes_.begin(program_);
+  job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
+  return modes_.residual.natural == 0 ? End::accepted : End::failed;
+}
+
+void Cone::Work::run_modes(const Job& job, double goal, double leaves, int most) {
+  modes_.run(program_, goal, leaves, std::min(most, job.options.max_iterations - job.solution.iterations), job.deadline,
+             job.solution.iterations);
+}
+
+Cone::Work::End Cone::Work::from_warm(const Job& job, double) {
+  if (!program_.warm(job.problem, job.options.warm_start, modes_.y)) return End::failed;
+  modes_.v.setZero(program_.face().unknowns());
+  if (!program_.is_dense()) return End::failed;
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  const auto run = [&](int most) {
-    modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
-               std::min(most, options.max_iterations - solution.iterations), deadline, solution.iterations);
-  };
-  run(program_.law().lifts() ? few_warm : most_warm);
+  const auto run = [&](int most) { run_modes(job, goal, job.options.tolerance * program_.scale(modes_.v), most); };
+  const bool lifts = program_.law().lifts();
+  run(lifts ? few_warm : most_warm);
   const double left = modes_.residual.natural;
-  if (program_.law().lifts() && !modes_.settled && left > goal &&
-      left <= tolerances::cone_arrives * program_.scale(modes_.v))
+  if (lifts && !modes_.settled && left > goal && left <= tolerances::cone_arrives * program_.scale(modes_.v))
     run(more_warm);
-  return takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled);
+  return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) ? End::accepted : End::failed;
 }
 
-Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const SolveOptions& options,
-                                        const Deadline& deadline, double start, Solution& solution) {
+// To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
+// and all of them together get the iterations of one.
+Cone::Work::End Cone::Work::from_start(const Job& job, double start) {
+  if (start == first_start || !is_near(job.best)) begun_ = job.solution.iterations;
+  return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
+}
+
+Cone::Work::End Cone::Work::from_dense_rows(const Job& job, double start) {
+  const int before = job.solution.iterations;
+  if (!program_.build(job.problem, ConeProgram::Want::dense, job.options, job.deadline, job.solution))
+    return End::written;
+  job.solution.iterations = before;
+  job.solution.fallback = true;
+  const End end = from_rest(job, 0);
+  return end == End::failed ? from_start(job, start) : end;
+}
+
+Cone::Work::End Cone::Work::from_inside(const Job& job, double start) {
+  const auto& [p, options, deadline, solution, best, finish] = job;
   inside_.begin(program_, start);
   const double unit = program_.start();
   const bool couples = program_.law().lifts() && program_.is_dense();
@@ -103,7 +141,7 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
                  target < tolerances::cone_deepest;
     if (!in_regime && !stuck) {
       if (deadline.passed() || solution.iterations >= options.max_iterations) {
-        keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+        best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
         return End::limit;
       }
       stuck = !inside_.step(program_);
@@ -117,27 +155,26 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
         if (!program_.law().lifts() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
           if (inside_.proves_infeasible(program_, tolerances::out_of_reach, proof_)) {
             program_.write_certificate(p, proof_, solution);
-            return End::infeasible;
+            return End::written;
           }
           looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
         }
         if (program_.is_dense()) continue;
         const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
         if (inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
-            takes(own, inside_.v, inside_.y, options))
+            takes(job, own, inside_.v, inside_.y))
           return End::accepted;
         continue;
       }
     }
-    keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+    best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
     if (deadline.passed()) return End::limit;
     if (finish) {
       modes_.begin(program_, inside_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-      modes_.run(program_, goal, options.tolerance * program_.scale(modes_.v),
-                 std::min(most_modes, options.max_iterations - solution.iterations), deadline, solution.iterations);
-      if (takes(modes_.residual, modes_.v, modes_.y, options, modes_.settled)) return End::accepted;
-    } else if (takes(program_.residual(inside_.y, inside_.s), inside_.v, inside_.y, options)) {
+      run_modes(job, goal, options.tolerance * program_.scale(modes_.v), most_modes);
+      if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
+    } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
       return End::accepted;
     }
     if (stuck) return End::failed;
@@ -146,38 +183,17 @@ Cone::Work::End Cone::Work::from_inside(bool finish, const Problem& p, const Sol
 }
 
 // Each law asks for s_n >= 0 of all contacts, whatever their friction: a proof against that is one against it.
-bool Cone::Work::contradicts_itself(Work& normals, const Problem& p, const SolveOptions& options,
-                                    const Deadline& deadline) {
-  SolveOptions rest = options;
+bool Cone::Work::contradicts_itself(Work& normals, const Job& job) {
+  SolveOptions rest = job.options;
   rest.observe = nullptr;
-  if (!normals.program_.build(p, ConeProgram::Want::normals, rest, deadline, of_normals_))
+  if (!normals.program_.build(job.problem, ConeProgram::Want::normals, rest, job.deadline, of_normals_))
     return of_normals_.status == Status::infeasible;
-  return normals.from_inside(true, p, rest, deadline, 1, of_normals_) == End::infeasible;
+  return normals.from_inside({job.problem, rest, job.deadline, of_normals_, normals.best_}, first_start) ==
+         End::written;
 }
 
-// From an earlier answer, from nothing, and from so many starts inside the cones.
-Cone::Work::End Cone::Work::from_starts(std::span<const double> starts, bool finish, const Problem& p,
-                                        const SolveOptions& options, const Deadline& deadline, const WarmStart* warm,
-                                        Solution& solution) {
-  natural_ = std::numeric_limits<double>::infinity();
-  modes_.v.setZero(program_.face().unknowns());
-  modes_.y.setZero(program_.rows());
-  modes_.begin(program_);
-  keep(modes_.v, modes_.y, modes_.residual.natural);
-  if (modes_.residual.natural == 0 || (warm && from_warm(p, options, deadline, warm, solution))) return End::accepted;
-  End end = End::failed;
-  for (std::size_t k = 0; k < starts.size() && end == End::failed; ++k) {
-    if (k == 0 || !is_near()) begun_ = solution.iterations;
-    if (k == 0 || solution.iterations - begun_ < most_coupled)
-      end = from_inside(finish, p, options, deadline, starts[k], solution);
-  }
-  return end;
-}
-
-// To an answer that nothing certifies yet, as where contacts depend on each other: other ways mostly end there, too,
-// and all of them together get the iterations of one.
-bool Cone::Work::is_near() {
-  const double left = natural_ / program_.scale(v_);
+bool Cone::Work::is_near(const Best& best) {
+  const double left = best.natural / program_.scale(best.v);
   return program_.law().lifts() && program_.is_dense() && left > tolerances::cone_exact &&
          left <= tolerances::cone_near;
 }
@@ -194,95 +210,68 @@ bool Cone::Work::modes_stay(const SolveOptions& options) {
 
 // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
 // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
-bool Cone::Work::by_convex_problems(const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                                    Solution& solution) {
+Cone::Work::End Cone::Work::from_convex_problems(const Job& job, double start) {
+  const auto& [p, options, deadline, solution, best, finish] = job;
   SolveOptions rest = options;
   rest.observe = nullptr;
-  best_v_ = v_;
-  best_y_ = y_;
-  const int most = is_near() ? std::min(begun_ + most_coupled, options.max_iterations) : options.max_iterations;
-  double least = natural_;
-  bool accepted = false;
+  const int most = is_near(best) ? std::min(begun_ + most_coupled, options.max_iterations) : options.max_iterations;
+  const ConeLaw law = program_.law();
   slips_.setZero(program_.cones());
   s_.setZero(program_.rows());
-  for (int round = 0; round < most_rounds && !accepted; ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
     of_convex_.reset(p.size(), p.rows());
     rest.max_iterations = most - solution.iterations;
     program_.state({}, &slips_);
-    natural_ = std::numeric_limits<double>::infinity();
-    const End end = from_inside(true, p, rest, deadline, 1, of_convex_);
+    of_slips_ = best;
+    of_slips_.natural = infinity;
+    const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, start);
     solution.iterations += of_convex_.iterations;
-    program_.state(ConeLaw::of(p.law));
+    program_.state(law);
     if (end == End::limit) break;
-    if (end == End::infeasible) v_.setZero(program_.face().unknowns());  // the slips of z_u lift the cones enough
-    program_.slack(v_, s_);
-    if (end != End::infeasible) {
-      natural_ = least;
-      modes_.v = v_;
-      modes_.y = y_;
+    const bool none = end == End::written;
+    if (none) of_slips_.v.setZero();  // the slips of z_u lift the cones enough
+    program_.slack(of_slips_.v, s_);
+    if (!none) {
+      modes_.v = of_slips_.v;
+      modes_.y = of_slips_.y;
       modes_.begin(program_);
-      const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-      modes_.run(program_, goal, 0, std::min(most_modes, options.max_iterations - solution.iterations), deadline,
-                 solution.iterations);
-      v_ = best_v_;
-      y_ = best_y_;
-      accepted = takes(modes_.residual, modes_.v, modes_.y, options);
-      least = natural_;
-      best_v_ = v_;
-      best_y_ = y_;
-      accepted = accepted && modes_stay(options);
+      run_modes(job, tolerances::cone_exact * program_.scale(modes_.v), 0, most_modes);
+      if (takes(job, modes_.residual, modes_.v, modes_.y) && modes_stay(options)) {
+        solution.fallback = true;
+        return End::accepted;
+      }
     }
     for (Index k = 0; k < program_.cones(); ++k) {
-      const double slip = program_.law().lift * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
+      const double slip = law.lift * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
       const double step = round < whole_rounds ? 1 : 0.5;
-      slips_[k] = end == End::infeasible ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
+      slips_[k] = none ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
     }
   }
-  v_ = best_v_;
-  y_ = best_y_;
-  natural_ = least;
-  return accepted;
+  return End::failed;
 }
 
-// False where the answer is not to be trusted; solution says so.
-bool Cone::Work::solve_under_law(bool finish, const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                                 const WarmStart* warm, Solution& solution) {
-  if (!program_.build(p, ConeProgram::Want::any, options, deadline, solution)) return false;
-  // What the start is too large or too small for shows at the end only.
-  static constexpr std::array starts{1.0, 0.03, 30.0};
-  const bool may_go_dense = program_.law().lifts() && !program_.is_dense() && ConeProgram::can_be_dense(p);
-  End end = from_starts(std::span(starts).first(may_go_dense ? 1 : starts.size()), finish, p, options, deadline, warm,
-                        solution);
-  if (end == End::failed && may_go_dense) {
-    const int before = solution.iterations;
-    if (!program_.build(p, ConeProgram::Want::dense, options, deadline, solution)) return false;
-    solution.iterations = before;
-    solution.fallback = true;
-    end = from_starts(starts, finish, p, options, deadline, nullptr, solution);
-  }
-  if (end == End::failed && program_.law().lifts() && program_.is_dense() &&
-      by_convex_problems(p, options, deadline, solution)) {
-    solution.fallback = true;
-    end = End::accepted;
-  }
-  if (end == End::infeasible) return false;
-  const bool accepted = end == End::accepted, limited = end == End::limit;
-  program_.write(p, v_, y_, solution);
+void Cone::Work::climb(const Job& job) {
+  const auto& [p, options, deadline, solution, best, finish] = job;
+  if (!program_.build(p, ConeProgram::Want::any, options, deadline, solution)) return;
+  End end = End::failed;
+  for (const Rung& rung : ladder)
+    if (end == End::failed && (!rung.when || (this->*rung.when)(job))) end = (this->*rung.run)(job, rung.start);
+  if (end == End::written) return;
+  program_.write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
-  if (accepted) {
+  if (end == End::accepted) {
     solution.status = Status::solved;
-  } else if (limited || deadline.passed()) {
+  } else if (end == End::limit || deadline.passed()) {
     solution.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
   } else {
     solution.status = Status::numerical_failure;
-    const double left = natural_ / program_.scale(v_);
+    const double left = best.natural / program_.scale(best.v);
     const char* const reason = left <= options.tolerance ? "the natural residual is %.1e of the motion, and proves no z"
                                                          : "the natural residual stays at %.1e of the motion";
     std::array<char, 80> text;
     std::snprintf(text.data(), text.size(), reason, left);
     solution.message = text.data();
   }
-  return accepted;
 }
 
 void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& options, Solution& solution) {
@@ -297,9 +286,9 @@ void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& op
 void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
   if (!p.has_tangents()) return solve_without_friction(p, options, solution);
   const Deadline deadline(options.time_limit);
-  solve_under_law(cone.finish, p, options, deadline, options.warm_start, solution);
-  if (solution.status == Status::numerical_failure &&
-      contradicts_itself(cone.normals_.own(p.size(), p.rows()), p, options, deadline)) {
+  const Job job{p, options, deadline, solution, best_, cone.finish};
+  climb(job);
+  if (solution.status == Status::numerical_failure && contradicts_itself(cone.normals_.own(p.size(), p.rows()), job)) {
     solution.status = Status::infeasible;
     solution.zero_certificate(p.rows()) = of_normals_.certificate;
     solution.empty_z();

@@ -20,8 +20,6 @@ namespace zwang {
 // blocked step.
 class InteriorPoint {
  public:
-  enum class End { reached, limit, stuck };
-
   Vector v, y, w;  // the iterate: M v = G'y, and w is s (with the law's shift), up to what is left of the residuals
   Vector s;        // G v - h
 

@@ -5,11 +5,8 @@
 #include <limits>
 
 namespace zwang {
-namespace {
 
 namespace soc = second_order_cone;
-
-}  // namespace
 
 void ModeNewton::begin(ConeProgram& program) {
   const Index m = program.rows(), n = program.face().unknowns();
