@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <numeric>
 
 #include <zwang/bench/packs/judge_pack.h>
 #include <zwang/bench/references/judge.h>
@@ -16,6 +17,7 @@
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/registry.h>
 #include <zwang/solvers/runs_apart.h>
 
@@ -370,6 +372,20 @@ PYBIND11_MODULE(_zwang, m) {
                  box = to_vector(z_box, "z_box");
     const py::gil_scoped_release working;
     return judge(program, x_, y_, z_, box, tolerance);
+  });
+  m.def("by_error", [](double upper, double lower, double tolerance) {
+    return std::string(to_string(by_error(upper, lower, tolerance)));
+  });
+  // Of the rows, in their order: which are independent of those before them, and which contradict those before them.
+  m.def("exact_basis", [](const Compressed& rows, const Numbers& right) {
+    const RowMatrix J = to_matrix<Eigen::RowMajor>(rows, "rows");
+    const Vector c = to_vector(right, "right");
+    if (c.size() != J.rows()) throw std::invalid_argument("right should have one entry a row");
+    const py::gil_scoped_release working;
+    std::vector<Index> all(static_cast<std::size_t>(J.rows()));
+    std::iota(all.begin(), all.end(), Index{0});
+    const ExactBasis found = exact_basis(J, c, all);
+    return std::pair(found.rows, found.contradictory);
   });
   m.def("judge_pack", &judge_answers, free);
   m.def("add_solver", &add_python_solver);

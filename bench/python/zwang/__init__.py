@@ -17,7 +17,6 @@ import tempfile
 
 import numpy
 import scipy.sparse
-import scipy.sparse.linalg
 
 from . import _zwang
 from ._zwang import BadFile, Judgement, Solution, __version__
@@ -61,6 +60,11 @@ def _check_indices(matrix):
 
 
 def _compressed(matrix, name, columns, by_rows):
+    matrix = _matrix(matrix, name, columns, by_rows)
+    return _zwang.Compressed(matrix.data, matrix.indices, matrix.indptr, *matrix.shape)
+
+
+def _matrix(matrix, name, columns, by_rows):
     """Any matrix as float64 in compressed columns or rows, sorted, without duplicates."""
     kind = scipy.sparse.csr_matrix if by_rows else scipy.sparse.csc_matrix
     if matrix is None:
@@ -83,7 +87,7 @@ def _compressed(matrix, name, columns, by_rows):
         raise ValueError(f"{name} should be a matrix of numbers: {bad}") from None
     if matrix.nnz >= 2**31 or max(matrix.shape) >= 2**31:
         raise ValueError(f"{name} is too large: expected fewer than 2^31 entries")
-    return _zwang.Compressed(matrix.data, matrix.indices, matrix.indptr, *matrix.shape)
+    return matrix
 
 
 def _sparse(kind, parts):
@@ -200,35 +204,30 @@ def judge(problem, z, lambda_=None, *, tolerance=1e-9):
 
 def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=None, z=None, z_box=None,
              tolerance=1e-9):
-    """Whether x solves a strictly convex quadratic program, in qpsolvers' convention:
+    """Whether x solves a convex quadratic program, or a linear one (P = 0), in qpsolvers' convention:
 
         minimize 1/2 x'Px + q'x   subject to   G x <= h,  A x = b,  lb <= x <= ub
 
-    P: n x n, symmetric positive definite; a triangular P is refused. Multipliers (y of A, z of G, z_box of the bounds)
-    may be given: P x + q + A'y + G'z + z_box = 0. Returns a Judgement; its bounds are on |x - x*|_P, relative to
-    s = max(|P^-1 q|_P, |x*|_P); times its scale_over_answer = s / |x*|_P they are relative to the answer alone.
+    P: n x n, symmetric; a triangular P is refused, and one that is proven indefinite beyond rounding. Where P is positive
+    definite, multipliers (y of A, z of G, z_box of the bounds) may be given, P x + q + A'y + G'z + z_box = 0, and the
+    Judgement's bounds are on |x - x*|_P, relative to s = max(|P^-1 q|_P, |x*|_P); times its scale_over_answer =
+    s / |x*|_P they are relative to the answer alone. Where P is singular a ConvexJudgement (docs/python.md) bounds
+    |x - x*|_P and the least objective, and says whether x* is unique and whether the program has a solution.
     """
     q = _numbers(q, "q")
     n = len(q)
+    P, G, A = _matrix(P, "P", n, False), _matrix(G, "G", n, True), _matrix(A, "A", n, True)
+    h, b, lb, ub, x = (_numbers(v, name, size) for v, name, size in
+                       ((h, "h", 1), (b, "b", 1), (lb, "lb", n), (ub, "ub", n), (x, "x", None)))
     try:
-        return _zwang.judge_qp(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), _numbers(h, "h", 1),
-                               _compressed(A, "A", n, True), _numbers(b, "b", 1), _numbers(lb, "lb", n),
-                               _numbers(ub, "ub", n), _numbers(x, "x"), _numbers(y, "y", 1), _numbers(z, "z", 1),
+        return _zwang.judge_qp(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), h,
+                               _compressed(A, "A", n, True), b, lb, ub, x, _numbers(y, "y", 1), _numbers(z, "z", 1),
                                _numbers(z_box, "z_box", n), float(tolerance))
     except ValueError as bad:
         if str(bad) != "P is not positive definite":
             raise
-        raise ValueError(f"P is not positive definite: its smallest eigenvalue is {_smallest_eigenvalue(P):.3g}") from None
-
-
-def _smallest_eigenvalue(P):
-    P = scipy.sparse.csc_matrix(P, dtype=numpy.float64)
-    if P.shape[0] <= 1500:
-        return numpy.linalg.eigvalsh(P.toarray())[0]
-    # The largest one of |P| 1 - P: as far from zero as can be, where Lanczos' method converges.
-    top = abs(P).sum(axis=0).max()
-    shifted = scipy.sparse.identity(P.shape[0]) * top - P
-    return top - scipy.sparse.linalg.eigsh(shifted, k=1, which="LA", return_eigenvectors=False, tol=1e-10)[0]
+    from . import semidefinite
+    return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
 
 
 def add_solver(name, function, method="a Python function"):

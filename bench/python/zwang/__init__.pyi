@@ -76,6 +76,24 @@ class Judgement:
     natural: float
     scale: float
 
+class ConvexJudgement:
+    verdict: str
+    program: str
+    at_least: float
+    at_most: float
+    scale: float
+    scale_over_answer: float
+    objective: float
+    objective_at_least: float
+    objective_at_most: float
+    objective_error: float
+    primal: float
+    worst_row: str
+    unique: bool | None
+    certificate: numpy.ndarray | None
+    changed: float
+    proof: str
+
 def scenes() -> list[dict[str, Any]]: ...
 def scene(text: str, seed: int = 1, mu: float | None = None) -> Problem | list[Problem]: ...
 def load(file: str | Path) -> list[Problem]: ...
@@ -87,7 +105,7 @@ def judge(problem: Problem, z: Numbers, lambda_: Numbers | None = None, *, toler
 def judge_qp(P: Matrix, q: Numbers, G: Matrix | None = None, h: Numbers | None = None, A: Matrix | None = None,
              b: Numbers | None = None, lb: Numbers | None = None, ub: Numbers | None = None, *, x: Numbers,
              y: Numbers | None = None, z: Numbers | None = None, z_box: Numbers | None = None,
-             tolerance: float = 1e-9) -> Judgement: ...
+             tolerance: float = 1e-9) -> Judgement | ConvexJudgement: ...
 def judge_pack(pack: str | Path, *answers: str | Path, out: str | Path | None = None) -> list[dict[str, Any]]: ...
 def write_answers(file: str | Path, answers: Iterable[dict[str, Any]], *, solver: str, **header: str | float) -> None: ...
 def add_solver(name: str, function: Callable[[Problem, float], Answer], method: str = "a Python function") -> None: ...

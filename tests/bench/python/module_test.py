@@ -253,6 +253,87 @@ class Judging(unittest.TestCase):
         impossible = zwang.judge_qp(numpy.eye(1), [0], G=[[1], [-1]], h=[-1, -1], x=[0])
         self.assertEqual(impossible.verdict, "wrong")
 
+    def test_linear_programs(self):
+        corner = dict(P=numpy.zeros((2, 2)), q=[-1, -2], G=[[1, 1]], h=[1], lb=[0, 0])
+        judged = zwang.judge_qp(**corner, x=[0, 1])
+        self.assertEqual((judged.verdict, judged.program, judged.unique), ("solved", "solvable", True), str(judged))
+        self.assertLess(judged.objective_at_least, -2)
+        self.assertGreater(judged.objective_at_most, -2)
+        self.assertLess(judged.objective_at_most - judged.objective_at_least, 1e-15)
+        for x, verdict in [([0, 1 - 1e-4], "wrong"), ([0, 1 - 1e-7], "near"), ([0, 1 - 1e-12], "solved"),
+                           ([0, 1 + 1e-4], "wrong"), ([1, 0], "wrong"), ([math.nan, 1], "wrong")]:
+            self.assertEqual(zwang.judge_qp(**corner, x=x).verdict, verdict)
+        judged = zwang.judge_qp(**corner, x=[0, 1 + 1e-4])
+        self.assertEqual(judged.worst_row, "inequality/0")
+        self.assertAlmostEqual(judged.primal / (1e-4 / math.sqrt(2)), 1, 6)
+        self.assertAlmostEqual(judged.objective_error / 1e-4, 1, 6)
+        side = {**corner, "q": [-1, -1]}
+        for x in ([0, 1], [1, 0], [0.3, 0.7]):
+            judged = zwang.judge_qp(**side, x=x)
+            self.assertEqual((judged.verdict, judged.unique), ("solved", False), str(judged))
+        self.assertIn("not unique", str(judged))
+        with self.assertRaisesRegex(ValueError, "x should have 2 entries"):
+            zwang.judge_qp(**corner, x=[1])
+
+    def test_programs_without_a_solution(self):
+        q, J = numpy.array([-1.0, -2.0]), numpy.array([[1.0, -1.0]])
+        falls = zwang.judge_qp(numpy.zeros((2, 2)), q, J, [1], lb=[0, 0], x=[1, 0])
+        self.assertEqual((falls.verdict, falls.program), ("wrong", "unbounded"), str(falls))
+        self.assertIn("unbounded", str(falls))
+        d = falls.certificate
+        self.assertTrue(q @ d < 0 and (J @ d <= 0).all() and (d >= 0).all())
+        flat = zwang.judge_qp(numpy.ones((2, 2)), [-1, 1], x=[0.5, 0.5])
+        self.assertEqual(flat.program, "unbounded")
+        self.assertEqual(flat.certificate.sum(), 0)
+        none = zwang.judge_qp(numpy.zeros((2, 2)), [0, 0], A=[[1, 1]], b=[-1], lb=[0, 0], x=[0, 0])
+        self.assertEqual((none.verdict, none.program), ("wrong", "infeasible"), str(none))
+        weights = none.certificate  # of the equality, x0 >= 0, x1 >= 0
+        self.assertTrue((weights[1:] >= 0).all() and -weights[0] > 0)
+        self.assertTrue(numpy.array_equal(weights[0] + weights[1:], [0, 0]))
+        # Unbounded, were it feasible.
+        both = zwang.judge_qp(numpy.zeros((2, 2)), [-1, 0], A=[[0, 1], [0, 1]], b=[0, 1], x=[0, 0])
+        self.assertEqual(both.program, "infeasible")
+
+    def test_singular_quadratic_programs(self):
+        ridge = dict(P=numpy.ones((2, 2)), q=[-1, -1], lb=[0, 0])
+        for x in ([0.5, 0.5], [1, 0]):
+            judged = zwang.judge_qp(**ridge, x=x)
+            self.assertEqual((judged.verdict, judged.unique, judged.at_least), ("solved", False, 0), str(judged))
+        judged = zwang.judge_qp(**ridge, x=[0.5, 0.5 + 1e-4])
+        self.assertEqual(judged.verdict, "wrong")
+        self.assertAlmostEqual(judged.at_most * judged.scale_over_answer / 1e-4, 1, 6)
+        self.assertAlmostEqual(judged.at_least * judged.scale_over_answer / 1e-4, 1, 6)
+        # x0 is seen by P; x1 is held by its bound alone, x2 by nothing.
+        part = dict(P=numpy.diag([2.0, 0, 0]), q=[-2, 3, 0], lb=[-numpy.inf, 0, -1], ub=[numpy.inf, 5, 1])
+        self.assertFalse(zwang.judge_qp(**part, x=[1, 0, 0.5]).unique)
+        self.assertTrue(zwang.judge_qp(**{**part, "q": [-2, 3, 1]}, x=[1, 0, -1]).unique)
+        # Planted: B'B of rank 4 in 7 unknowns, rows that hold with forces.
+        draw = numpy.random.default_rng(5)
+        for _ in range(20):
+            B, G = draw.integers(-3, 4, (4, 7)).astype(float), draw.integers(-3, 4, (6, 7)).astype(float)
+            x, force = draw.integers(-2, 3, 7).astype(float), draw.integers(0, 3, 6).astype(float)
+            P, h = B.T @ B, G @ x + numpy.where(force > 0, 0, draw.integers(0, 2, 6))
+            q = -P @ x - G.T @ force
+            judged = zwang.judge_qp(P, q, G, h, x=x)
+            self.assertEqual((judged.verdict, judged.at_most < 1e-30), ("solved", True), str(judged))
+            self.assertTrue(judged.objective_at_least <= x @ P @ x / 2 + q @ x <= judged.objective_at_most)
+            d = draw.normal(size=7)
+            moved = zwang.judge_qp(P, q, G, h, x=x + 1e-6 * d)
+            self.assertAlmostEqual(moved.at_most * moved.scale / (1e-6 * numpy.linalg.norm(B @ d)), 1, 6)
+
+    def test_indefinite_by_rounding_or_truly(self):
+        for tiny in (1e-16, 1e-13):
+            judged = zwang.judge_qp(numpy.diag([1.0, -tiny]), [-1, 0], lb=[-1, -1], ub=[1, 1], x=[1, 0.5])
+            self.assertEqual((judged.verdict, judged.changed), ("solved", tiny), str(judged))
+            self.assertIn("semidefinite matrix that differs by", str(judged))
+        for tiny in (1e-10, 1e-3):
+            with self.assertRaisesRegex(ValueError, f"smallest eigenvalue is -{tiny:.3g}, and d'Pd = .* without error"):
+                zwang.judge_qp(numpy.diag([1.0, -tiny]), [-1, 0], lb=[-1, -1], ub=[1, 1], x=[1, 0.5])
+        thirds = numpy.array([[1, 1 / 3], [2 / 3, 0.1], [0.7, 0.9]])
+        judged = zwang.judge_qp(thirds @ thirds.T, [1, 2, 3], lb=[-1, -1, -1], ub=[1, 1, 1], x=[0, 0, 0])
+        self.assertEqual(judged.program, "solvable", str(judged))
+        self.assertLess(judged.changed, 1e-15)
+
     def test_no_call_crashes(self):
         draw = random.Random(3)
         odd = [None, 0, -1, 3.5, math.nan, "x", b"y", [], [[]], [1, 2], [[1, 2], [3, 4]], numpy.zeros((0, 2)),
