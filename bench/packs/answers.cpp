@@ -4,10 +4,15 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
+#include <zwang/core/files/hdf5.h>
+#include <zwang/core/files/npz.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/problem/did_you_mean.h>
@@ -80,7 +85,10 @@ Answer answer_of(const Json& record, const PackedProblem& problem) {
   s.z = vector_of(record, "z", problem.n, s.status == Status::solved);
   s.lambda = vector_of(record, "lambda", problem.m, false);
   s.certificate = vector_of(record, "certificate", problem.m, false);
-  s.iterations = record.value("iterations", 0);
+  const double iterations = record.contains("iterations") ? number(record["iterations"], "iterations") : 0;
+  if (!(iterations >= 0 && iterations < std::numeric_limits<int>::max()))
+    throw std::runtime_error("iterations: expected a number from 0 on");
+  s.iterations = static_cast<int>(iterations);
   s.handed_to = record.value("answered_by", "");
   if (!s.handed_to.empty() && !is_name(s.handed_to)) throw std::runtime_error("answered_by: expected a solver's name");
   answer.seconds = number_or_unknown(record, "seconds");
@@ -91,45 +99,123 @@ Answer answer_of(const Json& record, const PackedProblem& problem) {
 
 Json numbers(const Vector& v) { return Json(std::vector<double>(v.begin(), v.end())); }
 
+void read_head(const Json& head, Answers& all) {
+  if (!head.contains("zwang_answers"))
+    throw std::runtime_error("expected {\"zwang_answers\": 1, \"solver\": ...} (docs/packs.md)");
+  if (number(head["zwang_answers"], "zwang_answers") != format)
+    throw std::runtime_error("zwang_answers is " + head["zwang_answers"].dump() + ", expected " +
+                             std::to_string(format));
+  all.solver = head.at("solver").get<std::string>();
+  if (!is_name(all.solver))
+    throw std::runtime_error("solver '" + all.solver + "': expected letters, digits and _ - + . alone");
+  all.version = head.value("version", "");
+  all.settings = head.value("settings", "");
+  all.machine = head.value("machine", "");
+  if (head.contains("tolerance")) all.tolerance = number(head["tolerance"], "tolerance");
+  if (!(all.tolerance > 0 && all.tolerance < 1))
+    throw std::runtime_error("tolerance: expected a number between 0 and 1");
+}
+
+// Each of these hands over the head, then answer by answer; `place` says where in the file it is.
+using Take = std::function<void(const Json& record)>;
+
+void of_lines(const std::string& bytes, std::string& place, const Take& take) {
+  std::istringstream lines(bytes);
+  std::size_t at = 0;
+  for (std::string line; std::getline(lines, line);) {
+    place = "line " + std::to_string(++at);
+    const Json record = Json::parse(line);
+    if (!record.is_object()) throw std::runtime_error("expected one JSON object");
+    take(record);
+  }
+}
+
+// JSON takes UTF-8 alone.
+Json text(const std::string& bytes) {
+  return Json::parse(Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::vector<NamedArray> arrays_of(const hdf5::Group& group, const std::string& before) {
+  std::vector<NamedArray> arrays;
+  std::vector<std::string> names = group.attributes();
+  std::ranges::copy_if(group.links(), std::back_inserter(names),
+                       [&](const auto& name) { return !group.has_group(name); });
+  for (const std::string& name : names) {
+    NamedArray& array = arrays.emplace_back(NamedArray{.name = before + name, .is_text = group.holds_text(name)});
+    const std::vector<std::size_t> shape = group.shape(name);
+    array.is_scalar = shape.empty();
+    if (shape.size() > 1 || (array.is_text && !array.is_scalar))
+      group.fail(name, "expected one dimension or none, or one text");
+    if (array.is_text)
+      array.text = group.read_strings(name).at(0);
+    else
+      array.numbers = group.read<double>(name);
+  }
+  return arrays;
+}
+
+std::vector<NamedArray> read_hdf5(const std::filesystem::path& file) {
+  const hdf5::Group root = hdf5::Group::open(file);
+  std::vector<NamedArray> all = arrays_of(root, "");
+  for (const std::string& sha256 : root.groups())
+    std::ranges::move(arrays_of(root.group(sha256), sha256 + "/"), std::back_inserter(all));
+  return all;
+}
+
+// "SHA256/z" is z of an answer, "solver" of the head.
+void of_arrays(const std::vector<NamedArray>& arrays, std::string& place, const Take& take) {
+  std::map<std::string, Json> records{{"", {}}};
+  for (const NamedArray& array : arrays) {
+    const std::size_t slash = array.name.rfind('/') + 1;  // 0: none
+    place = array.name;
+    Json& record = records[array.name.substr(0, slash)];
+    Json& value = record[array.name.substr(slash)];
+    if (!value.is_null()) throw std::runtime_error("twice in the file");
+    if (array.is_text)
+      value = text(array.text);
+    else if (!array.is_scalar)
+      value = array.numbers;
+    else if (!array.numbers.empty())
+      value = array.numbers[0];
+  }
+  records[""].emplace("zwang_answers", format);
+  for (auto& [sha256, record] : records) {
+    place = sha256.empty() ? "head" : sha256;
+    if (!sha256.empty()) record["sha256"] = text(sha256.substr(0, sha256.size() - 1));
+    take(record);
+  }
+}
+
 }  // namespace
 
 Answers read_answers(const std::filesystem::path& file, const Pack& pack) {
   Answers all;
   all.file = file;
-  std::istringstream lines(read_stored(file).bytes);
-  std::size_t at = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++at;
-    try {
-      const Json record = Json::parse(line);
-      if (!record.is_object()) throw std::runtime_error("expected one JSON object");
-      if (at == 1) {
-        if (!record.contains("zwang_answers"))
-          throw std::runtime_error("expected {\"zwang_answers\": 1, \"solver\": ...} (docs/packs.md)");
-        if (const int version = record["zwang_answers"].get<int>(); version != format)
-          throw std::runtime_error("zwang_answers is " + std::to_string(version) + ", expected " +
-                                   std::to_string(format));
-        all.solver = record.at("solver").get<std::string>();
-        if (!is_name(all.solver))
-          throw std::runtime_error("solver '" + all.solver + "': expected letters, digits and _ - + . alone");
-        all.version = record.value("version", "");
-        all.settings = record.value("settings", "");
-        all.machine = record.value("machine", "");
-        if (record.contains("tolerance")) all.tolerance = number(record["tolerance"], "tolerance");
-        if (!(all.tolerance > 0 && all.tolerance < 1))
-          throw std::runtime_error("tolerance: expected a number between 0 and 1");
-        continue;
-      }
-      const std::string sha256 = record.at("sha256").get<std::string>();
-      const PackedProblem* problem = pack.find(sha256);
-      if (!problem)
-        throw std::runtime_error("no problem " + sha256.substr(0, 64) + " in " + pack.directory().string() +
-                                 " (answers to another pack?)");
-      if (!all.of.emplace(sha256, answer_of(record, *problem)).second)
-        throw std::runtime_error("a second answer to " + problem->name);
-    } catch (const std::exception& wrong) {
-      throw BadFile(file.string() + ", line " + std::to_string(at) + ": " + plain(wrong));
-    }
+  bool has_head = false;
+  std::string place;
+  const auto take = [&](const Json& record) {
+    if (!has_head) read_head(record, all);
+    if (!std::exchange(has_head, true)) return;
+    const std::string sha256 = record.at("sha256").get<std::string>();
+    const PackedProblem* problem = pack.find(sha256);
+    if (!problem)
+      throw std::runtime_error("no problem " + sha256.substr(0, 64) + " in " + pack.directory().string() +
+                               " (answers to another pack?)");
+    if (!all.of.emplace(sha256, answer_of(record, *problem)).second)
+      throw std::runtime_error("a second answer to " + problem->name);
+  };
+  try {
+    const StoredFile stored = read_stored(file);
+    if (is_npz(stored))
+      of_arrays(read_npz(stored), place, take);
+    else if (stored.bytes.starts_with("\x89HDF"))
+      of_arrays(read_hdf5(file), place, take);
+    else
+      of_lines(stored.bytes, place, take);
+  } catch (const BadFile&) {
+    throw;
+  } catch (const std::exception& wrong) {
+    throw BadFile(one_line(file.string() + ", " + place + ": " + plain(wrong)));
   }
   for (const PackedProblem& problem : pack.problems())
     if (!all.of.contains(problem.sha256)) all.missing.push_back(problem.name);

@@ -18,7 +18,7 @@ struct Answer {
   double residual = Solution::unknown;  // as the solver claims it
 };
 
-// One solver's answers to a pack (docs/packs.md): a line of JSON that says whose they are, then one a problem.
+// One solver's answers to a pack (docs/packs.md): lines of JSON, numpy.savez or HDF5.
 struct Answers {
   std::filesystem::path file = {};
   std::string solver = {}, version = {}, settings = {}, machine = {};
@@ -27,8 +27,9 @@ struct Answers {
   std::vector<std::string> missing = {};  // names of the pack's problems that have none
 };
 
-// Throws BadFile with one line (file, line, what was expected): no JSON, a number that is not finite, a vector of
-// another length than the problem's, a problem answered twice or not in the pack.
+// The format is told by the contents. Throws BadFile with one line (file, place, what was expected): a damaged file, a
+// number that is not finite, a vector of another length than the problem's, a problem answered twice or not in the
+// pack.
 Answers read_answers(const std::filesystem::path& file, const Pack& pack);
 
 // What to call each: its solver, and where that is taken the file, too. Throws std::invalid_argument where both are.

@@ -55,6 +55,12 @@ H5O_type_t type_of(hid_t group, const std::string& name) {
   return found ? info.type : H5O_TYPE_UNKNOWN;
 }
 
+// Adds the name of a link or an attribute to a list.
+constexpr auto collect = [](hid_t, const char* name, const auto*, void* into) -> herr_t {
+  static_cast<std::vector<std::string>*>(into)->emplace_back(name);
+  return 0;
+};
+
 std::vector<hsize_t> extent(hid_t space) {
   std::vector<hsize_t> size(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
   H5Sget_simple_extent_dims(space, size.data(), nullptr);
@@ -75,17 +81,26 @@ struct Group::File {
   std::uintmax_t bytes;
 };
 
-// An open dataset of n elements, known to be no larger than its file can hold.
+// An open dataset of n elements, or where there is none an attribute of its group, known to be no larger than its file
+// can hold.
 struct Group::Dataset {
+  bool attribute;
   Handle id, space, type;
   std::vector<hsize_t> dims;
   std::size_t n;
 
+  herr_t read(hid_t as, void* into) const {
+    return attribute ? H5Aread(id, as, into) : H5Dread(id, as, H5S_ALL, H5S_ALL, H5P_DEFAULT, into);
+  }
+
   Dataset(const Group& group, const std::string& name)
-      : id(type_of(*group.id_, name) == H5O_TYPE_DATASET ? H5Dopen2(*group.id_, name.c_str(), H5P_DEFAULT) : -1,
-           H5Dclose),
-        space(id < 0 ? -1 : H5Dget_space(id), H5Sclose),
-        type(id < 0 ? -1 : H5Dget_type(id), H5Tclose) {
+      : attribute(type_of(*group.id_, name) != H5O_TYPE_DATASET),
+        id(!attribute                                ? H5Dopen2(*group.id_, name.c_str(), H5P_DEFAULT)
+           : H5Aexists(*group.id_, name.c_str()) > 0 ? H5Aopen(*group.id_, name.c_str(), H5P_DEFAULT)
+                                                     : -1,
+           attribute ? H5Aclose : H5Dclose),
+        space(id < 0 ? -1 : (attribute ? H5Aget_space : H5Dget_space)(id), H5Sclose),
+        type(id < 0 ? -1 : (attribute ? H5Aget_type : H5Dget_type)(id), H5Tclose) {
     if (id < 0) group.fail(name, "missing; expected a dataset");
     if (space < 0 || type < 0) group.fail(name, "damaged; expected a dataset with a shape and a type");
     dims = extent(space);
@@ -97,7 +112,8 @@ struct Group::Dataset {
         group.fail(name, "more elements than the file can hold; expected an undamaged dataset");
       n *= d;
     }
-    if (n > 0 && H5Dget_storage_size(id) == 0) group.fail(name, "declared but never written; expected its numbers");
+    if (n > 0 && !attribute && H5Dget_storage_size(id) == 0)
+      group.fail(name, "declared but never written; expected its numbers");
   }
 };
 
@@ -132,6 +148,7 @@ void Group::rehearse(int depth) const {
   };
   std::vector<std::string> names;
   attempt([&] { names = links(); });
+  attempt([&] { std::ranges::copy(attributes(), std::back_inserter(names)); });
   for (const std::string& name : names) {
     if (depth > 0) attempt([&] { group(name).rehearse(depth - 1); });
     attempt([&] { read<double>(name); });
@@ -192,14 +209,19 @@ Group Group::group(const std::string& name) const {
 
 std::vector<std::string> Group::links() const {
   std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
-    static_cast<std::vector<std::string>*>(into)->emplace_back(name);
-    return 0;
-  };
   if (H5Literate(*id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names) < 0)
     fail("", "its list of contents is damaged; expected a readable group");
   return names;
 }
+
+std::vector<std::string> Group::attributes() const {
+  std::vector<std::string> names;
+  if (H5Aiterate2(*id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names) < 0)
+    fail("", "its list of attributes is damaged; expected a readable group");
+  return names;
+}
+
+bool Group::holds_text(const std::string& name) const { return H5Tget_class(Dataset(*this, name).type) == H5T_STRING; }
 
 std::vector<std::string> Group::groups() const {
   std::vector<std::string> names;
@@ -223,7 +245,7 @@ std::vector<T> Group::read(const std::string& name, std::size_t expected) const 
   if (!whole && !(std::is_same_v<T, double> && kind == H5T_FLOAT))
     fail(name, std::string("not of the right type; expected ") + (std::is_same_v<T, double> ? "numbers" : "integers"));
   std::vector<T> values(data.n);
-  if (data.n > 0 && H5Dread(data.id, number_type<T>().memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+  if (data.n > 0 && data.read(number_type<T>().memory, values.data()) < 0)
     fail(name, "cannot be read (damaged, or compressed by a filter that is not installed); expected " +
                    std::to_string(data.n) + " numbers");
   return values;
@@ -237,13 +259,13 @@ std::vector<std::string> Group::read_strings(const std::string& name) const {
   const Handle type(H5Tcopy(data.type), H5Tclose);
   if (H5Tis_variable_str(data.type) > 0) {
     std::vector<char*> raw(data.n, nullptr);
-    if (H5Dread(data.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0) fail(name, "damaged; expected text");
+    if (data.read(type, raw.data()) < 0) fail(name, "damaged; expected text");
     for (std::size_t i = 0; i < data.n; ++i) texts[i] = raw[i] ? raw[i] : "";
     H5Dvlen_reclaim(type, data.space, H5P_DEFAULT, raw.data());
   } else {
     const std::size_t width = H5Tget_size(type);
     std::string raw(width * data.n, '\0');
-    if (H5Dread(data.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0) fail(name, "damaged; expected text");
+    if (data.read(type, raw.data()) < 0) fail(name, "damaged; expected text");
     for (std::size_t i = 0; i < data.n; ++i) texts[i] = raw.substr(i * width, width).c_str();
   }
   return texts;

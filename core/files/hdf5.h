@@ -30,10 +30,12 @@ class Group {
   Group group(const std::string& name) const;
   std::vector<std::string> groups() const;  // names of the groups inside, numbers in their natural order
   std::vector<std::string> links() const;   // names of all that is inside
+  std::vector<std::string> attributes() const;
+  bool holds_text(const std::string& dataset) const;  // or attribute
   std::vector<std::size_t> shape(const std::string& dataset) const;
 
-  // The numbers of a dataset (row by row), converted to T: double, std::int64_t, std::uint64_t. BadFile unless there
-  // are as many as expected.
+  // The numbers of a dataset (row by row), or else of the group's attribute of that name, converted to T: double,
+  // std::int64_t, std::uint64_t. BadFile unless there are as many as expected.
   static constexpr std::size_t any = ~std::size_t{0};
   template <class T>
   std::vector<T> read(const std::string& dataset, std::size_t expected = any) const;

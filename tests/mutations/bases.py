@@ -9,16 +9,21 @@ import struct
 import subprocess
 import sys
 
+import h5py
+import numpy
+
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "core", "files"))
 import fclib_files  # noqa: E402
 
 
 class Format:
     """bases: sound files, or folders of which `victims` names the files that are damaged (by their extensions).
-    command: the words for the program; FILE and DIR stand for the damaged file and its folder."""
+    command: the words for the program; FILE and DIR stand for the damaged file and its folder. fine: the exit codes of
+    a file that is read."""
 
-    def __init__(self, name, bases, command, victims=(), packed=False):
+    def __init__(self, name, bases, command, victims=(), packed=False, fine=(0,)):
         self.name, self.bases, self.command, self.endings, self.packed = name, bases, command, victims, packed
+        self.fine = fine
 
     def victims(self, base):
         if not os.path.isdir(base):
@@ -174,6 +179,28 @@ def stopped_simulation(program, folder):
     return run
 
 
+def answers(program, folder):
+    """A pack, and answers to it as lines of JSON, as numpy.savez (and savez_compressed) and as HDF5."""
+    make(program, folder, ["pack", "tower(boxes=2,3),incline(mu=0.5)", "--out", "pack"])
+    make(program, folder, ["solve-pack", "pack", "--solver", "cone", "--out", "answers.jsonl"])
+    lines, plain, packed, tree = (os.path.join(folder, "answers" + end) for end in (".jsonl", ".npz", "_packed.npz", ".h5"))
+    with open(lines) as file:
+        head, *records = map(json.loads, file)
+    arrays = {**head, **{r["sha256"] + "/" + key: r[key] for r in records for key in r if key != "sha256"}}
+    numpy.savez(plain, **arrays)
+    numpy.savez_compressed(packed, **arrays)
+    with h5py.File(tree, "w") as file:
+        file.attrs.update(head)
+        for key, value in arrays.items():
+            if key in head:
+                continue
+            if key.endswith("/status"):
+                file.require_group(key[:64]).attrs["status"] = value
+            else:
+                file[key] = value
+    return lines, plain, packed, tree
+
+
 def edit_record(run, change):
     name = os.path.join(run, "run.json")
     with open(name) as file:
@@ -208,6 +235,8 @@ def formats(program, folder, data=""):
         fclib_files.write(fclib[-1], kind=kind, storage=storage)
     suite, stopped = stopped_suite(program, folder)
     simulation = stopped_simulation(program, folder)
+    lines, plain, packed_arrays, tree = answers(program, folder)
+    judge = ["judge", os.path.join(folder, "pack"), "FILE", "--out", "out"]
 
     mesh = ["mesh", "FILE"]
     solve = ["solve", "FILE", "--solver", "dual_active_set"]
@@ -229,5 +258,8 @@ def formats(program, folder, data=""):
         Format("results", [suite], ["report", "DIR"], victims=["results.jsonl", "traces.jsonl", "run.json"]),
         Format("stopped suite", [stopped], ["bench", "--resume", "DIR"],
                victims=["results.jsonl", "traces.jsonl", "run.json", ".h5"]),
+        Format("answers", [lines], judge, fine=(0, 1)),
+        Format("answers npz", [plain, packed_arrays], judge, fine=(0, 1)),
+        Format("answers hdf5", [tree], judge, fine=(0, 1)),
         Format("stopped simulation", [simulation], ["simulate", "--resume", "DIR"], victims=[""]),
     ]

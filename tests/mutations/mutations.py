@@ -116,12 +116,12 @@ def run(program, words, folder):
     return done.returncode, done.stderr.decode(errors="replace")
 
 
-def fault(code, errors):
+def fault(form, code, errors):
     """What is wrong with how the program ended; "" where nothing is."""
     lines = [line for line in errors.split("\n") if line and not PROGRESS.match(line)]
     if code is None or code == -signal.SIGXCPU:
         return f"still busy after {DEADLINE} s"
-    if code not in (0, 3):
+    if code not in (*form.fine, 3):
         return f"exit code {code}"
     if code == 3 and len(lines) != 1:
         return f"exit code 3 with {len(lines)} lines"
@@ -158,7 +158,7 @@ class Case:
         if keep:
             shutil.copytree(folder, spoilt)
         code, errors = run(program, words, folder)
-        wrong = fault(code, errors)
+        wrong = fault(self.form, code, errors)
         if wrong and keep:
             shutil.copytree(spoilt, os.path.join(keep, f"{self.form.name}-{self.k}"), dirs_exist_ok=True)
         shutil.rmtree(spoilt, ignore_errors=True)
@@ -184,7 +184,7 @@ def odd_files(program, form, scratch):
         elif kind == "loop":
             os.symlink(name, name)
         code, errors = run(program, form.words(os.path.basename(name)), folder)
-        wrong = fault(code, errors) or ("" if code == 3 else f"exit code {code}")
+        wrong = fault(form, code, errors) or ("" if code == 3 else f"exit code {code}")
         if wrong:
             yield f"FAILED: {form.name}: {kind}: {wrong}\n{errors[:600]}"
 

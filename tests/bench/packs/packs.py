@@ -9,6 +9,8 @@ import re
 import subprocess
 import sys
 import tempfile
+import warnings
+import zipfile
 import xml.etree.ElementTree as xml
 
 program = os.path.abspath(sys.argv[1])
@@ -144,6 +146,82 @@ def check_bad_answers():
         check("damaged answers", fine, f"{done.returncode} {done.stderr}")
 
 
+def hand_over(header, answers):
+    """The answers in the formats of NumPy and HDF5, told apart by their contents, not their names."""
+    import h5py
+    import numpy
+    arrays = {**header}
+    for answer in answers:
+        arrays |= {answer["sha256"] + "/" + key: value for key, value in answer.items() if key != "sha256"}
+    numpy.savez("plain", **arrays)
+    numpy.savez_compressed("packed", **arrays)
+    with h5py.File("answers.h5", "w") as file:
+        for key, value in header.items():
+            file.attrs[key] = value
+        for answer in answers:
+            group = file.create_group(answer["sha256"])
+            for k, (key, value) in enumerate(answer.items()):
+                if key == "z" or k % 2:  # datasets and attributes are both read
+                    group[key] = value
+                elif key != "sha256":
+                    group.attrs[key] = value
+    return "plain.npz", "packed.npz", "answers.h5"
+
+
+def check_formats():
+    """One reader behind three formats: the same judgement, and one line for what is wrong."""
+    import h5py
+    import numpy
+    header, answers = read("dual_active_set.jsonl")
+    files = hand_over({**header, "solver": "mine", "machine": "Größe µ, 漢"}, answers)
+    os.rename("packed.npz", "packed.answers")
+    judged = run("judge", "pack", "dual_active_set.jsonl", "plain.npz", "packed.answers", "answers.h5", "--out", "formats")
+    check("three formats", judged.returncode == 0, judged.stdout + judged.stderr)
+    kept = {}
+    for r in map(json.loads, open("formats/results.jsonl")):
+        kept.setdefault(r["problem"], []).append([r[k] for k in ("claimed", "verified", "z_error", "primal", "iterations", "solve_s")])
+    check("the same judgement in each", len(kept) == 48 and all(len(rows) == 4 and all(row == rows[0] for row in rows)
+                                                                for rows in kept.values()), str(kept)[:500])
+    machines = [r["machine"] for r in map(json.loads, open("formats/results.jsonl"))]
+    check("text in each", machines.count("Größe µ, 漢") == 3 * 48, str(set(machines)))
+    guarded = run("guard", "pack", *files[::2], "--out", "guard_formats")
+    check("guard takes them", guarded.returncode == 0 and "48 same" in guarded.stdout, guarded.stdout + guarded.stderr)
+    first = next(a for a in answers if a["status"] == "solved")
+    sha256, z = first["sha256"], numpy.array(first["z"])
+    good = {"solver": "mine", sha256 + "/status": "solved", sha256 + "/z": z}
+    spoilt = numpy.where(numpy.arange(z.size) == 0, numpy.nan, z)
+    bad = {
+        "solver": {k: v for k, v in good.items() if k != "solver"}, "z has": {**good, sha256 + "/z": z[1:]},
+        "z[0]: expected a finite number": {**good, sha256 + "/z": spoilt}, "iterations": {**good, sha256 + "/iterations": -1},
+        "no problem": {**good, "0" * 64 + "/status": "solved"}, "sloved": {**good, sha256 + "/status": "sloved"},
+        "z: expected": {k: v for k, v in good.items() if not k.endswith("/z")}, "'status' not found": {"solver": "mine", sha256 + "/z": z},
+        "dimension": {**good, sha256 + "/z": numpy.array([z, z])}, "tolerance": {**good, "tolerance": 2.0},
+        "zwang_answers is 7": {**good, "zwang_answers": 7},
+    }
+    numpy.savez("ordinary.npz", **good, **{sha256 + "/lambda": numpy.array(first["lambda"], dtype=">f8")})
+    check("big-endian", run("judge", "pack", "ordinary.npz", "--out", "ordinary").returncode == 0)
+    numpy.savez("object.npz", **{**good, "version": numpy.array([None])})
+    with zipfile.ZipFile("ordinary.npz") as whole, zipfile.ZipFile("twice.npz", "w") as twice:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for name in [*whole.namelist(), sha256 + "/z.npy"]:
+                twice.writestr(name, whole.read(name))
+    cases = [("object.npz", "expected numbers or one text"), ("twice.npz", "twice in the archive")]
+    for k, (says, arrays) in enumerate(bad.items()):
+        numpy.savez(f"bad{k}.npz", **arrays)
+        with h5py.File(f"bad{k}.h5", "w") as file:
+            for key, value in arrays.items():
+                file[key] = value
+        cases += [(f"bad{k}.npz", says), (f"bad{k}.h5", says)]
+    with h5py.File("doubled.h5", "w") as file:
+        file["solver"] = "mine"
+        file.attrs["solver"] = "mine"
+    for name, says in [*cases, ("doubled.h5", "solver: twice in the file")]:
+        wrong = run("judge", "pack", name, "--out", "never")
+        check(f"bad answers in {name}: {says}", wrong.returncode == 3 and wrong.stderr.startswith(name) and says in wrong.stderr and
+              wrong.stderr.count("\n") == 1 and not os.path.exists("never"), wrong.stdout + wrong.stderr)
+
+
 def check_guard():
     header, answers = read("dual_active_set.jsonl")
     right = [a for a in answers if a["status"] in ("solved", "infeasible")]
@@ -198,6 +276,7 @@ with tempfile.TemporaryDirectory() as folder:
     os.environ["XDG_CACHE_HOME"] = folder
     check_judge(check_packs())
     check_bad_answers()
+    check_formats()
     check_guard()
     os.chdir("/")
 sys.exit(1 if failures else 0)
