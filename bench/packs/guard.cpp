@@ -57,11 +57,13 @@ Change::Kind kind_of(const Side& before, const Side& after) {
   const Verdict was = before.worst->metrics.verdict, is = after.worst->metrics.verdict;
   const bool was_right = is_right(was), is_now = is_right(is);
   if (is == Verdict::wrong && was != Verdict::wrong) return Change::Kind::newly_wrong;
-  if (was_right && !is_now) return Change::Kind::newly_unsolved;
-  if (!was_right && is_now) return Change::Kind::better;
-  if (was_right && after.error > told_factor * before.error) return Change::Kind::less_accurate;
-  if (was_right && after.forces > told_factor * before.forces) return Change::Kind::wrong_forces;
-  if (was_right && before.error > told_factor * after.error) return Change::Kind::better;
+  const bool far = after.error > told_factor * before.error;
+  // An iterate at a limit of sweeps, of which nothing was said, is near or right by chance.
+  if (was_right && !is_now && (before.claims || is != Verdict::near || far)) return Change::Kind::newly_unsolved;
+  if (was_right && far) return Change::Kind::less_accurate;
+  if (was_right && after.forces > std::max(told_factor * before.forces, near_error(after.worst->tolerance)))
+    return Change::Kind::wrong_forces;  // rounding of forces grows with them: 2^24 motions between rows nearly parallel
+  if (is_now && (!was_right || before.error > told_factor * after.error)) return Change::Kind::better;
   return Change::Kind::same;
 }
 
