@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <zwang/core/problem/solver.h>
-#include <zwang/solvers/common/setting.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include <zwang/solvers/common/dual_climb.h>
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/factor/dual_climb.h>
+#include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/thin_qr.h>
 #include <zwang/solvers/linalg/tolerances.h>
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include <zwang/bench/timing/batch.h>
-#include <zwang/solvers/joint_space/joint_space_active_set.h>
+#include <zwang/solvers/active_set/joint_space_active_set.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {

@@ -4,15 +4,15 @@
 #include <vector>
 
 #include <zwang/core/problem/shape_cache.h>
-#include <zwang/solvers/active_set/cholesky_rows.h>
-#include <zwang/solvers/common/dual_climb.h>
-#include <zwang/solvers/common/polish.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/warm_rows.h>
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/active_set/null_space_adapter.h>
+#include <zwang/solvers/factor/cholesky_rows.h>
+#include <zwang/solvers/factor/dual_climb.h>
+#include <zwang/solvers/finish/polish.h>
 #include <zwang/solvers/first_order/stop.h>
-#include <zwang/solvers/joint_space/null_space_adapter.h>
+#include <zwang/solvers/form/warm_rows.h>
+#include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/dense_storage.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 
@@ -30,7 +30,7 @@ namespace zwang {
 // Forming S squares the condition number: alone, CHOLMOD's updates broke at 3e-5 between near-parallel joints and
 // solved a redundant four-bar linkage wrongly. So after every change the KKT residuals are corrected in the primal
 // space; where the correction is large the factor is built anew; and where that does not help, or the polish
-// (solvers/common/polish.h) finds the factor too coarse for its extended residuals, the same method goes on with
+// (solvers/finish/polish.h) finds the factor too coarse for its extended residuals, the same method goes on with
 // orthogonal factors from the rows found so far. Solution::fallback tells. Tried before: the polish alone from there;
 // it has no merit function, and from a set far from the solution's (a hand with many touching rows) it circled.
 struct Cholesky {

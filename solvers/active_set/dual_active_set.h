@@ -2,13 +2,13 @@
 
 #include <zwang/core/problem/islands.h>
 #include <zwang/core/problem/shape_cache.h>
-#include <zwang/solvers/common/dual_climb.h>
-#include <zwang/solvers/common/eliminated_rows.h>
-#include <zwang/solvers/common/polish.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/warm_rows.h>
-#include <zwang/solvers/joint_space/joint_space_active_set.h>
+#include <zwang/solvers/active_set/joint_space_active_set.h>
+#include <zwang/solvers/factor/dual_climb.h>
+#include <zwang/solvers/factor/eliminated_rows.h>
+#include <zwang/solvers/finish/polish.h>
+#include <zwang/solvers/form/warm_rows.h>
 #include <zwang/solvers/linalg/dense_storage.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 
@@ -20,7 +20,7 @@ namespace zwang {
 //
 //   minimize 1/2 |v|^2   subject to  A v >= b.
 //
-// Polish (solvers/common/polish.h) then solves the active rows afresh from the problem's own M, J, c in extended
+// Polish (solvers/finish/polish.h) then solves the active rows afresh from the problem's own M, J, c in extended
 // precision, so the answer does not carry the path's rounding and a warm start gives the digits of a cold one; it
 // exchanges rows where the mended answer changes a decision, and proves contradictions. `fallback` says that it had to
 // change the active set, or to go on in double-double.

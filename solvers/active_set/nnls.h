@@ -4,17 +4,17 @@
 
 #include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/active_set/lawson_hanson.h>
-#include <zwang/solvers/common/polish.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/warm_rows.h>
-#include <zwang/solvers/common/whiten.h>
-#include <zwang/solvers/joint_space/null_space_adapter.h>
+#include <zwang/solvers/active_set/null_space_adapter.h>
+#include <zwang/solvers/finish/polish.h>
+#include <zwang/solvers/form/warm_rows.h>
+#include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/dense_storage.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 
 // Least-distance programming by non-negative least squares (Lawson & Hanson 1974, ch. 23, LDP), in the whitened
-// coordinates of solvers/common/whiten.h:
+// coordinates of solvers/form/whiten.h:
 //
 //   E = [G'; h' / sigma],  f = e_{n+1},  u = argmin |E u - f|, u_I >= 0, u_E free;  r = f - E u
 //   y = -sigma r_{1:n} / r_{n+1}   (sign: E u - f in the book),   lambda = sigma u / r_{n+1};   r = 0: infeasible.
@@ -26,7 +26,7 @@ namespace zwang {
 // started with the passive set of the one before. With sigma fixed at the largest violation the method broke at mass
 // ratios of 4e9; unscaled it breaks near |y| = 1e5.
 //
-// The answer itself comes from solvers/common/polish.h, on the rows that came out active; with polish=off it is the y
+// The answer itself comes from solvers/finish/polish.h, on the rows that came out active; with polish=off it is the y
 // and lambda above.
 struct Nnls {
   static constexpr const char* name = "nnls";

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/lawson_hanson.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/warm_rows.h>
-#include <zwang/solvers/common/whiten.h>
+#include <zwang/solvers/form/warm_rows.h>
+#include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/dense_storage.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

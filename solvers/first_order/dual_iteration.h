@@ -1,8 +1,8 @@
 #pragma once
 
 #include <zwang/core/problem/deadline.h>
-#include <zwang/solvers/common/farkas.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/finish/farkas.h>
+#include <zwang/solvers/form/unit_program.h>
 
 namespace zwang {
 

@@ -1,6 +1,6 @@
 #include <zwang/solvers/first_order/pgs.h>
 
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
 
 namespace zwang {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/first_order/dual_iteration.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

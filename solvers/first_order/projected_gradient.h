@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
 
 namespace zwang {

@@ -3,9 +3,9 @@
 #include <array>
 #include <string_view>
 
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/friction/cone_iteration.h>
 #include <zwang/solvers/friction/mode_newton.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

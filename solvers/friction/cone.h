@@ -6,9 +6,9 @@
 
 #include <zwang/core/problem/islands.h>
 #include <zwang/core/problem/shape_cache.h>
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/friction/mode_newton.h>
 #include <zwang/solvers/newton/newton.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -3,11 +3,11 @@
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
-#include <zwang/solvers/common/unit_rows.h>
-#include <zwang/solvers/common/warm_rows.h>
-#include <zwang/solvers/friction/dense_face.h>
-#include <zwang/solvers/friction/sparse_face.h>
-#include <zwang/solvers/joint_space/null_space_form.h>
+#include <zwang/solvers/factor/dense_face.h>
+#include <zwang/solvers/factor/sparse_face.h>
+#include <zwang/solvers/form/null_space_form.h>
+#include <zwang/solvers/form/unit_rows.h>
+#include <zwang/solvers/form/warm_rows.h>
 #include <zwang/solvers/law/cone_law.h>
 #include <zwang/solvers/linalg/tolerances.h>
 

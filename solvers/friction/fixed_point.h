@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/setting.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {

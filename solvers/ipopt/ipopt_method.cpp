@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include <zwang/solvers/common/farkas.h>
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/farkas.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/ipopt/ipopt_session.h>
 #include <zwang/solvers/linalg/tolerances.h>
 

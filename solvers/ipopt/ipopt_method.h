@@ -1,10 +1,10 @@
 #pragma once
 
-#include <zwang/solvers/common/equality_rows.h>
-#include <zwang/solvers/common/session.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
 #include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/rivals/equality_rows.h>
 #include <zwang/solvers/rivals/ipopt.h>
+#include <zwang/solvers/rivals/session.h>
 
 namespace zwang {
 

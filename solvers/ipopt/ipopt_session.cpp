@@ -8,7 +8,7 @@
 #include <IpTNLPAdapter.hpp>
 #include <algorithm>
 
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/law/second_order_cone.h>
 
 namespace ip = ::Ipopt;

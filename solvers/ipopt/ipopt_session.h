@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
 #include <zwang/solvers/friction/cone_program.h>
 
 namespace zwang {

@@ -56,7 +56,7 @@ inline constexpr double sharp_pivot = 1e-7, sharp_part = 1e-6;
 // For rivals, which need clearly independent equality rows: squared share by LDL', share by QR.
 inline constexpr double clear_squared_share = 1e-10, rival_dependent = 1e-12;
 
-// The extended polish (solvers/common/extended_polish.h).
+// The extended polish (solvers/finish/extended_polish.h).
 
 // The least part in a combination with which an active row can leave for it; smaller ones are rounding of poses that
 // agree only nearly. Rows of a proof's support with a larger share join the active ones.
@@ -77,7 +77,7 @@ inline constexpr double touching = 1e-12, redundant_share = 1e-10;
 // motion.
 inline constexpr double no_contraction = 0.3, stalled = 1e-6;
 
-// Fast path of jointed bodies (solvers/joint_space/joint_space_active_set.h).
+// Fast path of jointed bodies (solvers/active_set/joint_space_active_set.h).
 
 // What the joints leave of a row that they determine: noise that a method would take for a row.
 inline constexpr double reduced_to_nothing = 1e-13;

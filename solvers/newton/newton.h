@@ -5,12 +5,12 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/dual_active_set.h>
-#include <zwang/solvers/common/extended_polish.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/unit_rows.h>
-#include <zwang/solvers/common/warm_rows.h>
+#include <zwang/solvers/finish/extended_polish.h>
 #include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/form/unit_rows.h>
+#include <zwang/solvers/form/warm_rows.h>
 #include <zwang/solvers/linalg/block_cholesky.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -4,8 +4,8 @@
 
 #include <zwang/core/files/other_program.h>
 #include <zwang/core/files/wire.h>
-#include <zwang/solvers/common/session.h>
-#include <zwang/solvers/common/setting.h>
+#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/rivals/peer_rows.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <zwang/solvers/common/session.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
+#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include <zwang/solvers/common/farkas.h>
+#include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {

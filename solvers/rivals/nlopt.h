@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include <zwang/solvers/common/equality_rows.h>
-#include <zwang/solvers/common/setting.h>
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
+#include <zwang/solvers/rivals/equality_rows.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/solvers/common/farkas.h>
+#include <zwang/solvers/finish/farkas.h>
 
 namespace zwang {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <zwang/solvers/common/unit_program.h>
+#include <zwang/solvers/form/unit_program.h>
 
 namespace zwang {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/rivals/peer_rows.h>
+#include <zwang/solvers/setting.h>
 
 // Solvers of quadratic programs, each of the unit program (unit_program.h) in the form that its library asks for, each
 // in the .cpp of its name.

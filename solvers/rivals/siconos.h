@@ -3,8 +3,8 @@
 #include <array>
 #include <string_view>
 
-#include <zwang/solvers/common/setting.h>
 #include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/setting.h>
 
 namespace zwang {
 

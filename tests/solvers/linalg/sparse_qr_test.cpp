@@ -10,7 +10,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
-#include <zwang/solvers/common/equality_elimination.h>
+#include <zwang/solvers/form/equality_elimination.h>
 #include <zwang/solvers/linalg/library_memory.h>
 #include <zwang/solvers/registry.h>
 

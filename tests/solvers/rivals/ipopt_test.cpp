@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include <zwang/core/problem/cpu_clock.h>
-#include <zwang/solvers/first_order/kkt_check.h>
+#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/ipopt/ipopt_method.h>
 #include "tests/solvers/friction/friction_problems.h"
 #include "tests/solvers/small_problems.h"

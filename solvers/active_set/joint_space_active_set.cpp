@@ -1,0 +1,302 @@
+#include <zwang/solvers/active_set/joint_space_active_set.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace zwang {
+namespace {
+
+constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
+
+}  // namespace
+
+// Pivots and remainders between these could go either way by the rounding of N.
+bool JointSpaceActiveSet::clearly_independent() const {
+  return climb_.smallest_accepted >= tolerances::clear_pivot && climb_.largest_rejected <= tolerances::clear_rest;
+}
+
+// Inequality row j enters the climb.
+void JointSpaceActiveSet::take(Index j) {
+  Index& place = place_[static_cast<std::size_t>(j)];
+  if (place >= 0) return;
+  place = climb_.rows();
+  const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+  taken_.push_back(i);
+  const BodyRows& rows = form_.rows();
+  form_.reduce_row(i, climb_.admit(rows.h[i] - rows.dot(i, form_.y_E()), rows.magnitude[i]));
+}
+
+// The rows that y violates and that are not in the climb enter it, the worst of them where there are many: with 200
+// contacts, steps over fewer rows pay for being more (9 % of the time), with 64 they do not.
+bool JointSpaceActiveSet::take_violated() {
+  constexpr std::size_t most = 80, pay_for_N = 48;
+  const BodyRows& rows = form_.rows();
+  const double length = y_.norm();
+  violated_.clear();
+  for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
+    if (place_[static_cast<std::size_t>(j)] >= 0) continue;
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    const double slack = rows.dot(i, y_) - rows.h[i];
+    if (-slack > DenseDualActiveSet::violation_tolerance * (rows.magnitude[i] + length))
+      violated_.emplace_back(slack, j);
+  }
+  if (violated_.size() > most) {
+    std::ranges::nth_element(violated_, violated_.begin() + most);
+    violated_.resize(most);
+  }
+  if (violated_.size() >= pay_for_N) form_.form_basis();
+  order_by_body();
+  for (const Index j : ordered_) take(j);
+  return !violated_.empty();
+}
+
+// violated_ as ordered_: neighbours meet the same unknowns, which row_lanes.h makes use of.
+void JointSpaceActiveSet::order_by_body() {
+  const BodyRows& rows = form_.rows();
+  const auto last_body = [&](Index j) {
+    const auto [first, second] = rows.body[static_cast<std::size_t>(form_.inequalities()[static_cast<std::size_t>(j)])];
+    return static_cast<std::size_t>(std::max(first, second));
+  };
+  place_of_body_.assign(static_cast<std::size_t>(rows.bodies()) + 1, 0);
+  for (const auto& [slack, j] : violated_) ++place_of_body_[last_body(j) + 1];
+  std::partial_sum(place_of_body_.begin(), place_of_body_.end(), place_of_body_.begin());
+  ordered_.resize(violated_.size());
+  for (const auto& [slack, j] : violated_) ordered_[place_of_body_[last_body(j)]++] = j;
+}
+
+bool JointSpaceActiveSet::prepare(const Problem& p) {
+  reason_ = {};
+  if (!form_.build(p)) return refuse(form_.reason());
+  if (form_.smallest_pivot() < tolerances::clear_pivot) return refuse("nearly dependent joints");
+  climb_.reset(form_.freedom(), static_cast<Index>(form_.inequalities().size()));
+  climb_.fixed_length = form_.y_E().norm();
+  place_.assign(form_.inequalities().size(), -1);
+  taken_.clear();
+  for (std::vector<Index>* list : {&taken_, &ordered_, &start_, &listed_}) list->reserve(place_.size());
+  violated_.reserve(place_.size());
+  const Index bodies = form_.rows().bodies(), padded = climb_.padded();
+  for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
+  for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
+  for (Vector* part : {&mu_, &sigma_I_, &dv_, &dmu_, &s_v_, &v_}) part->setZero(padded);
+  return true;
+}
+
+// A row that the joints leave nothing of is noise, which a method would take for a row: it is idle (c = -Inf), and
+// finish() judges it.
+void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
+  if (!place_.empty()) form_.form_basis();
+  for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) take(j);
+  const Index f = climb_.freedom(), m = climb_.rows();
+  reduced.name = p.name;
+  if (reduced.M.rows() != f) {
+    reduced.M.resize(f, f);
+    reduced.M.setIdentity();
+    reduced.z_u.setZero(f);
+  }
+  reduced.c.resize(m);
+  reduced.kind.assign(static_cast<std::size_t>(m), RowKind::inequality);
+  reduced.key.resize(static_cast<std::size_t>(m));
+  auto& J = reduced.J;
+  if (J.rows() != m || J.cols() != f) J.resize(m, f);
+  J.resizeNonZeros(m * f);
+  int entries = 0;
+  for (Index j = 0; j < m; ++j) {
+    const auto a = climb_.row(j).head(f);
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    J.outerIndexPtr()[j] = entries;
+    for (Index k = 0; k < f; ++k) {
+      if (a[k] == 0) continue;
+      J.innerIndexPtr()[entries] = static_cast<int>(k);
+      J.valuePtr()[entries++] = a[k];
+    }
+    reduced.c[j] = a.norm() > tolerances::reduced_to_nothing ? climb_.b(j) : -std::numeric_limits<double>::infinity();
+    reduced.key[static_cast<std::size_t>(j)] =
+        p.key[static_cast<std::size_t>(form_.rows().row[static_cast<std::size_t>(i)])];
+  }
+  J.outerIndexPtr()[m] = entries;
+  J.resizeNonZeros(entries);
+}
+
+bool JointSpaceActiveSet::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
+  const Deadline deadline(options.time_limit);
+  if (options.observe) return refuse("an observer");
+  if (!prepare(p)) return false;
+
+  start_.clear();
+  if (options.warm_start) {
+    column_.assign(static_cast<std::size_t>(form_.rows().rows()), -1);
+    for (std::size_t j = 0; j < form_.inequalities().size(); ++j)
+      column_[static_cast<std::size_t>(form_.inequalities()[j])] = static_cast<Index>(j);
+    for (const Index i : warm_.find(p, form_.rows(), options.warm_start))
+      start_.push_back(column_[static_cast<std::size_t>(i)]);
+  }
+  solution.iterations = 0;
+  return finish(options, deadline, start_, solution);
+}
+
+// Rows enter the climb when its optimum violates them; the others are only held against the answer. A warm start whose
+// rows are the active ones climbs nothing.
+bool JointSpaceActiveSet::climb(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
+                                int& iterations) {
+  start_.clear();
+  for (const Index j : active) {
+    take(j);
+    start_.push_back(place_[static_cast<std::size_t>(j)]);
+  }
+  climb_.start_from(start_);
+  return settle(options, deadline, iterations);
+}
+
+bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
+                                 Solution& solution) {
+  if (!climb(options, deadline, active, solution.iterations)) return false;
+  const double limit = accepted_error(options.tolerance);
+  constexpr int rounds = 8;
+  for (int round = 0;; ++round) {
+    begin_from_climb();
+    if (!polish) {
+      own_y_ = y_;
+      point_.write(form_.rows(), solution.z, solution.lambda);
+    }
+    if (!refine()) return refuse("the refinement does not contract");
+    if (climb_.has_climbed()) form_.reduce(y_, v_);
+    if (climb_.accept(v_, mu_)) {
+      if (rest_holds(limit)) break;
+      if (!take_violated()) return refuse("a row violated by less than rounding in double");
+    }
+    if (round == rounds) return refuse("decisions that rounding makes");
+    if (!settle(options, deadline, solution.iterations)) return false;
+  }
+
+  if (polish) {
+    point_.write(form_.rows(), solution.z, solution.lambda);
+  } else {
+    own_y_ -= y_;
+    if (!(own_y_.norm() <= limit * std::max(y_.norm(), form_.rows().free_norm))) return refuse("an inaccurate answer");
+  }
+  for (const Index i : form_.inequalities()) {
+    double& own = solution.lambda[form_.rows().row[static_cast<std::size_t>(i)]];
+    own = std::max(0.0, own);
+  }
+  for (Index k = 0; k < climb_.rows(); ++k)
+    if (climb_.is_retired(k))
+      solution.redundant.push_back(form_.rows().row[static_cast<std::size_t>(taken_[static_cast<std::size_t>(k)])]);
+  solution.margins = {.rank = static_cast<Index>(form_.equalities().size() + climb_.active().size()),
+                      .smallest_accepted = std::min(form_.smallest_pivot(), climb_.smallest_accepted),
+                      .largest_rejected = climb_.largest_rejected};
+  solution.status = Status::solved;
+  return true;
+}
+
+// Climbs until no row is violated.
+bool JointSpaceActiveSet::settle(const SolveOptions& options, const Deadline& deadline, int& iterations) {
+  do {
+    const bool all_active = climb_.rows() == static_cast<Index>(climb_.active().size());
+    if (!all_active && climb_.climb(iterations, options.max_iterations, deadline) != Status::solved)
+      return refuse("no clear optimum");
+    if (!clearly_independent()) return refuse("nearly dependent active rows");
+    locate();
+  } while (take_violated());
+  return true;
+}
+
+// y of the climb's point.
+void JointSpaceActiveSet::locate() {
+  y_ = form_.y_E();
+  if (climb_.active().empty()) return;
+  form_.expand(climb_.v(), rest_);
+  y_ += rest_;
+}
+
+// (z, lambda) of the climb's point.
+void JointSpaceActiveSet::begin_from_climb() {
+  const BodyRows& rows = form_.rows();
+  mu_ = climb_.u();
+  rest_ = y_;
+  for (Index k = 0; k < static_cast<Index>(climb_.active().size()); ++k) rows.add(active_row(k), -mu_[k], rest_);
+  form_.multipliers(rest_, mu_E_);
+  point_.begin(rows, y_);
+  push(mu_E_, mu_);
+}
+
+void JointSpaceActiveSet::push(const Vector& mu_E, const Vector& mu_I) {
+  for (std::size_t k = 0; k < form_.equalities().size(); ++k)
+    point_.push(form_.rows(), form_.equalities()[k], mu_E[static_cast<Index>(k)]);
+  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j)
+    point_.push(form_.rows(), active_row(j), mu_I[j]);
+}
+
+// M (z_u - z) + J'lambda, whitened, and c - J z over the rows that hold with equality.
+void JointSpaceActiveSet::compute_residuals() {
+  const BodyRows& rows = form_.rows();
+  point_.begin_force(rows);
+  point_.add_rows(rows, form_.equalities(), sigma_E_.data());
+  listed_.clear();
+  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j) listed_.push_back(active_row(j));
+  point_.add_rows(rows, listed_, sigma_I_.data());
+  point_.whiten_force(rows, rho_);
+}
+
+// Solves dy - G_A'dmu = rho, G_A dy = sigma, and adds the correction. Returns its length: |dy|, or |rho| where only the
+// multipliers were off (along a chain of ill-conditioned joints they lose more digits than y).
+double JointSpaceActiveSet::correct() {
+  const BodyRows& rows = form_.rows();
+  const auto q = static_cast<Index>(climb_.active().size());
+  form_.meet(sigma_E_, step_);
+  rest_ = rho_ - step_;
+  form_.reduce(rest_, s_v_);
+  for (Index j = 0; j < q; ++j) sigma_I_[j] -= rows.dot(active_row(j), step_);
+  climb_.solve(s_v_, sigma_I_, dv_, dmu_);
+
+  // Multipliers of the equality rows from what the rest leaves of dy - rho.
+  form_.expand(dv_, rest_);
+  step_ += rest_;
+  rest_ = step_ - rho_;
+  for (Index j = 0; j < q; ++j) rows.add(active_row(j), -dmu_[j], rest_);
+  form_.multipliers(rest_, mu_E_);
+
+  y_ += step_;
+  mu_.head(q) += dmu_.head(q);
+  push(mu_E_, dmu_);
+  point_.move(rows, step_);
+  return std::max(step_.norm(), rho_.norm());
+}
+
+bool JointSpaceActiveSet::refine() {
+  constexpr int passes = 4;
+  for (int pass = 0; pass < passes; ++pass) {
+    compute_residuals();
+    const double change = correct();
+    const double size = y_.norm() + form_.rows().free_norm;
+    // The next correction would be about change^2 / size.
+    if (change * change <= std::numeric_limits<double>::epsilon() * tolerances::refined * size * size) return true;
+  }
+  return false;
+}
+
+// The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
+// be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
+// the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself.
+bool JointSpaceActiveSet::rest_holds(double limit) {
+  const BodyRows& rows = form_.rows();
+  const double length = y_.norm(), far = std::max(length, rows.free_norm);
+  for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
+    if (is_active(j)) continue;
+    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    const double size = rows.magnitude[i] + length;
+    if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * size) continue;
+    const double violation = point_.violation(rows, i);
+    if (violation > rounding * size) return false;
+    const double most = violation + fine * size;
+    if (!(most > 0)) continue;
+    take(j);
+    const double share = climb_.share(place_[static_cast<std::size_t>(j)]), allowed = limit * far;
+    if (most <= allowed * share || share * climb_.longest_step() <= allowed) continue;
+    if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
+  }
+  return true;
+}
+
+}  // namespace zwang

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <zwang/solvers/factor/cone_face.h>
+#include <zwang/solvers/linalg/lanes.h>
+
+namespace zwang {
+
+// Rows of few unknowns, M = I: the freedoms of a hand, a local problem of the literature. Rows are columns padded to
+// whole vectors; I + G'DG is summed in tiles that stay in registers, and factorized by Cholesky, or by LU with row
+// exchanges where D is not symmetric.
+class DenseFace final : public ConeFace {
+ public:
+  // Zero rows; allocates only to grow.
+  void reset(Index size, Index cones, Index rays);
+  double* row(Index r) { return G_.col(r).data(); }  // padded() entries, zeros behind size
+  Index padded() const { return padded_; }
+
+  Index unknowns() const override { return padded_; }
+  void slack(const Vector& v, Vector& s) const override;
+  void force(const Vector& l, Vector& f) const override;
+  void mass(const Vector& v, Vector& f) const override { f = v; }
+  bool takes_unsymmetric() const override { return true; }
+  bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) override;
+  void solve(Vector& x) override;
+
+ private:
+  Index pack(const std::vector<double>& D, const Vector& ray_weight);
+  bool cholesky();
+  bool lu();
+  void update(Index begin, Index end, bool lower);
+
+  Index size_ = 0, padded_ = 0, cones_ = 0, rays_ = 0, rows_ = 0;
+  lanes::Columns G_, A_, DG_, H_, across_;  // A_, DG_: of the rows that have weight
+  Vector reciprocal_;                       // of the pivots
+  std::vector<Index> exchange_;
+  bool symmetric_ = true;
+};
+
+}  // namespace zwang

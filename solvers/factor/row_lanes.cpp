@@ -1,0 +1,73 @@
+#include <zwang/solvers/factor/row_lanes.h>
+
+namespace zwang {
+
+using lanes::at;
+using lanes::width;
+
+void RowLanes::reset(Index size, Index room) {
+  size_ = size;
+  const Index most = lanes::round_up(room) / width * size;
+  if (entries_.cols() < most) entries_.resize(width, most + 1);
+  column_.reserve(static_cast<std::size_t>(most));
+  start_.reserve(static_cast<std::size_t>(lanes::round_up(room) / width + 1));
+  start_.assign(1, 0);
+}
+
+void RowLanes::take(const lanes::Columns& At, Index known, Index rows) {
+  const Index first = known / width;
+  start_.resize(static_cast<std::size_t>(first) + 1);
+  Index used = start_.back();
+  column_.resize(static_cast<std::size_t>(entries_.cols()));
+  for (Index begin = first * width; begin < rows; begin += width) {
+    const Index count = std::min(width, rows - begin);
+    for (Index k = 0; k < size_; k += width) {
+      Mat<double, width, width> block;
+      for (Index l = 0; l < width; ++l) {
+        if (l < count)
+          block.col(l) = at(At.col(begin + l).data(), k);
+        else
+          block.col(l).setZero();
+      }
+      block.transposeInPlace();
+      for (Index c = 0; c < std::min(width, size_ - k); ++c) {
+        at(entries_.col(used).data(), 0) = block.col(c);
+        column_[static_cast<std::size_t>(used)] = static_cast<int>(k + c);
+        used += (block.col(c).array() != 0).any();
+      }
+    }
+    start_.push_back(used);
+  }
+}
+
+void RowLanes::accumulate(double scale, const double* x, double* y) const {
+  using packets::all;
+  using packets::load;
+  using packets::Packet;
+  constexpr Index count = width / packets::width;
+  const double* entry = entries_.data();
+  const int* column = column_.data();
+  for (std::size_t k = 1; k < start_.size(); ++k, y += width) {
+    Packet even[count], odd[count];
+    for (Index v = 0; v < count; ++v) even[v] = odd[v] = all(0);
+    Index left = start_[k] - start_[k - 1];
+    for (; left > 1; left -= 2, column += 2, entry += 2 * width) {
+      const Packet first = all(x[column[0]]), second = all(x[column[1]]);
+      for (Index v = 0; v < count; ++v) {
+        even[v] = packets::multiply_add(first, load(entry + v * packets::width), even[v]);
+        odd[v] = packets::multiply_add(second, load(entry + width + v * packets::width), odd[v]);
+      }
+    }
+    if (left > 0) {
+      const Packet own = all(x[*column++]);
+      for (Index v = 0; v < count; ++v) even[v] = packets::multiply_add(own, load(entry + v * packets::width), even[v]);
+      entry += width;
+    }
+    for (Index v = 0; v < count; ++v) {
+      double* const to = y + v * packets::width;
+      packets::store(to, packets::multiply_add(all(scale), even[v] + odd[v], load(to)));
+    }
+  }
+}
+
+}  // namespace zwang

@@ -1,0 +1,488 @@
+#include <zwang/solvers/finish/extended_polish.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace zwang {
+
+template <class Real>
+void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i, const Real& factor,
+                                   RealVector& v) const {
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+    v[it.col()] += Real(it.value()) * factor;
+}
+
+template <class Real>
+const typename ExtendedPolish<Real>::Rest& ExtendedPolish<Real>::rest(const Problem& p, const Whitened& w, Index i) {
+  using std::abs, std::ldexp;
+  Rest& own = rest_[at(i)];
+  if (own.at_z == z_number_) return own;
+  const Index row = w.row[at(i)];
+  Real violation(p.c[row]), terms = abs(violation);
+  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
+    const Real term = Real(it.value()) * z_[it.col()];
+    violation -= term;
+    terms += abs(term);
+  }
+  const Real unit(w.row_norm[i]);
+  return own = {ldexp(Real(violation / unit), -w.exponent), ldexp(Real(terms / unit), -w.exponent), z_number_};
+}
+
+template <class Real>
+void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
+  const Index n = p.size(), k = w.rows();
+  z_ = p.z_u.template cast<Real>();
+  l_.setZero(k);
+  u_.setZero(k);
+  b_.resize(k);
+  force_.resize(n);
+  mu_.resize(std::min(n, k));
+  r1_.resize(n);
+  r2_.resize(std::min(n, k));
+  t_.resize(std::min(n, k));
+  state_.assign(at(k), State::outside);
+  rest_.assign(at(k), Rest{});
+  z_number_ = 0;
+  share_.resize(at(k));
+  for (Index i = 0; i < k; ++i) b_[i] = violation(p, w, i);
+  z_u_length_ = w.free.norm();
+}
+
+// What the residuals at (z_, l_) ask for: of y in r1_, of the multipliers in r2_. Returns its length: that of y, or of
+// the forces that the multipliers leave unbalanced. (Looking at z alone took a dependent row with a pivot of 1.5e-14
+// and a multiplier of 4e17 for solved.) M (z - z_u) comes first: where masses couple unknowns, its large terms cancel
+// before the rows' small forces could lose their digits to them.
+template <class Real>
+double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRows& active) {
+  using std::ldexp;
+  const Index n = p.size(), a = active.size();
+  auto r2 = r2_.head(a);
+  force_.setZero();
+  const Real unit = ldexp(Real(1), -w.exponent);
+  for (Index j = 0; j < n; ++j) {
+    const Real d = (z_[j] - Real(p.z_u[j])) * unit;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
+  }
+  for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
+  r1_ = force_.template cast<double>();
+  if (n > 0) w.factor.solve_lower(r1_);
+  for (Index i = 0; i < a; ++i) r2[i] = static_cast<double>(violation(p, w, active[i]));
+  const double unbalanced = r1_.norm();
+  active.correct(r1_, r2);
+  return std::max(r1_.norm(), unbalanced);
+}
+
+template <class Real>
+void ExtendedPolish<Real>::measure(const Whitened& w, const ActiveRows& active) {
+  using std::sqrt;
+  Real square = 0;
+  for (const Index i : active.rows()) square += unit(w, i) * b_[i];  // |y|^2 = l'b at the solution
+  length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
+  scale_ = std::max(z_u_length_, length_);
+}
+
+// False when the corrections do not shrink: the factors no longer describe the rows. What stands along the smallest
+// pivot shrinks by `rate` a pass, which larger corrections hide: two of them alone once foretold an end ten digits
+// away.
+template <class Real>
+bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& active) {
+  using std::ldexp;
+  double last = std::numeric_limits<double>::infinity();
+  constexpr int most_steps = 60;
+  const double rate = active.contraction();
+  for (int step = 0; step < most_steps; ++step) {
+    const double length = correction(p, w, active);
+    for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]) / Real(w.row_norm[active[i]]);
+    if (p.size() > 0) w.factor.solve_upper(r1_);
+    const Real unit = ldexp(Real(1), w.exponent);
+    for (Index j = 0; j < p.size(); ++j) z_[j] += Real(r1_[j]) * unit;
+    ++z_number_;
+    measure(w, active);
+    if (!std::isfinite(length)) return false;
+    error_ = step > 0 ? length * std::min(1.0, std::max(length / last, rate)) : length;  // the next correction
+    if (error_ <= tolerances::extended_change * real_eps * scale_) return true;
+    if (step > 1 && length > tolerances::no_contraction * last) return length <= tolerances::stalled * scale_;
+    last = length;
+  }
+  return true;
+}
+
+template <class Real>
+void ExtendedPolish<Real>::remove(ActiveRows& active, Index position) {
+  state_[at(active[position])] = State::outside;
+  l_[active[position]] = 0;
+  active.drop(position);
+}
+
+// The active row with the most negative multiplier, or active.size().
+template <class Real>
+Index ExtendedPolish<Real>::pulling_row(const Whitened& w, const ActiveRows& active) const {
+  Index leaving = active.size();
+  Real most = -tolerances::pull * scale_;
+  for (Index i = 0; i < active.size(); ++i)
+    if (!w.equality[at(active[i])] && unit(w, active[i]) < most) {
+      most = unit(w, active[i]);
+      leaving = i;
+    }
+  return leaving;
+}
+
+// The most violated row outside, or -1, and how much: its share of its terms, of which less than `worst` is rounding.
+template <class Real>
+Index ExtendedPolish<Real>::violated_row(const Problem& p, const Whitened& w, Real& worst) {
+  using std::abs;
+  Index entering = -1;
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::outside) continue;
+    const Real v = violation(p, w, i), size = Real(w.magnitude[i]) + length_;
+    const Real relative = (w.equality[at(i)] ? abs(v) : v) / size;
+    if (relative > worst) {
+      worst = relative;
+      entering = i;
+    }
+  }
+  return entering;
+}
+
+// g_row = G_A' mu + rest as double sees it; returns the length of the rest.
+template <class Real>
+double ExtendedPolish<Real>::express(ActiveRows& active, Index row) {
+  auto t = t_.head(active.size());
+  r1_.setZero();
+  active.add(row, 1, r1_);
+  active.combine(r1_, t);
+  mu_.head(active.size()) = t.template cast<Real>();
+  return r1_.norm();
+}
+
+// The same in Real, from what double saw. Ends when the next correction would be nothing to mu: among rows of small
+// integers, corrections would otherwise shrink down to 1e-100.
+template <class Real>
+double ExtendedPolish<Real>::express_again(const Problem& p, Whitened& w, ActiveRows& active, Index row) {
+  const Index a = active.size();
+  auto t = t_.head(a);
+  double last = t.norm();
+  for (int step = 1;; ++step) {
+    force_.setZero();
+    add_row(p, w, row, Real(1) / Real(w.row_norm[row]), force_);
+    for (Index i = 0; i < a; ++i) add_row(p, w, active[i], -mu_[i] / Real(w.row_norm[active[i]]), force_);
+    r1_ = force_.template cast<double>();
+    w.factor.solve_lower(r1_);
+    active.combine(r1_, t);
+    mu_.head(a) += t.template cast<Real>();
+    const double change = t.norm(), weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
+    const double next = change < last ? change * (change / last) : change;
+    if (next <= real_eps * weight || (step > 2 && !(change < last / 2))) return r1_.norm();
+    last = change;
+  }
+}
+
+// Whether certificate_ proves that there is no z: h'u / |G'u| is beyond any motion of this problem, by the referee's
+// bound. |G'u| beyond row_rounding of sum |u_i| is no rounding of the rows: a long motion may then meet them. A wedge
+// with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46 times as
+// long, and the referee's bound alone would call it contradicting.
+template <class Real>
+bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution& s) {
+  using std::abs;
+  constexpr double row_rounding = tolerances::violation * std::numeric_limits<double>::epsilon();
+  Real work = 0, noise = 0, weight = 0;
+  double reach = z_u_length_;
+  force_.setZero();
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (certificate_[w.row[at(i)]] == 0) continue;
+    const Real u = Real(certificate_[w.row[at(i)]]) * Real(w.row_norm[i]);
+    work += u * b_[i];
+    noise += abs(u) * Real(w.magnitude[i]);
+    weight += abs(u);
+    reach = std::max(reach, std::abs(w.h[i]));
+    add_row(p, w, i, Real(certificate_[w.row[at(i)]]), force_);
+  }
+  r1_ = (force_ / noise).template cast<double>();
+  w.factor.solve_lower(r1_);
+  const double parts = static_cast<double>(weight / noise);
+  const double rest = r1_.norm() + real_eps * parts;  // and what rounding in Real hides
+  const bool proven = r1_.norm() <= row_rounding * parts && work > tolerances::violation * real_eps * noise &&
+                      static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest;
+  if (proven) s.zero_certificate(p.rows()) = certificate_;
+  return proven;
+}
+
+// The combination mu_ of a violated row as a proof, u = +-(e_row - mu). Joints that a weld repeats agree to the
+// rounding of their poses only; the contacts then have a part of 1e-17 in the combination, of either sign. What has the
+// wrong sign and cannot leave in exchange() is cut off. The proof is judged after rounding to double, so of three
+// normalizations the one that rounds best is kept (rows in small integers then give integers).
+template <class Real>
+bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
+  using std::abs;
+  const Real sign = violation(p, w, row) < 0 ? -1 : 1;
+  const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
+  Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
+  for (Index i = 0; i < active.size(); ++i) {
+    Real& mu = mu_[i];
+    const bool wrong = !w.equality[at(active[i])] && sign * mu > 0;
+    if (wrong && abs(mu) >= tolerances::exchange_part) return false;
+    if (wrong || abs(mu) <= tolerances::extended_multiplier * real_eps) mu = 0;
+    if (mu == 0) continue;
+    const Real u = abs(multiplier(active[i], mu));
+    smallest = std::min(smallest, u);
+    largest = std::max(largest, u);
+  }
+  for (const Real unit : {first, smallest, largest}) {
+    certificate_.setZero(p.rows());
+    certificate_[w.row[at(row)]] = static_cast<double>(multiplier(row, Real(1)) / unit);
+    for (Index i = 0; i < active.size(); ++i)
+      certificate_[w.row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
+    if (proves(p, w, s)) return true;
+  }
+  return false;
+}
+
+// As a row sign (G_A' mu_ + rest) enters.
+template <class Real>
+Blocking<Real> ExtendedPolish<Real>::blocking(const Whitened& w, const ActiveRows& active, Real sign) const {
+  Blocking<Real> first{.row = -1, .step = std::numeric_limits<double>::infinity()};
+  for (Index i = 0; i < active.size(); ++i) {
+    const Real rate = sign * mu_[i];
+    if (w.equality[at(active[i])] || rate < tolerances::exchange_part) continue;
+    const Real step = std::max(unit(w, active[i]), Real(0)) / rate;
+    if (step < first.step) first = {i, step};
+  }
+  return first;
+}
+
+// The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
+template <class Real>
+bool ExtendedPolish<Real>::exchange(const Whitened& w, ActiveRows& active, Index row) {
+  const Index leaving = blocking(w, active, w.equality[at(row)] && b_[row] < 0 ? -1 : 1).row;
+  if (leaving < 0) return false;
+  remove(active, leaving);
+  if (!active.accepts(active.append(row))) return false;
+  state_[at(row)] = State::inside;
+  return true;
+}
+
+template <class Real>
+bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& active, std::span<const Index> support,
+                                   Solution& s) {
+  prepare(p, w);
+  for (const Index i : support) {
+    if (active.share(i) > tolerances::certain_share && active.accepts(active.append(i))) continue;
+    express(active, i);
+    express_again(p, w, active, i);
+    if (farkas(p, w, active, i, s)) {
+      s.status = Status::infeasible;
+      return true;
+    }
+  }
+  return false;
+}
+
+template <class Real>
+void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
+  double square = 0;
+  for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
+  error_ += tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot();
+}
+
+// What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
+template <class Real>
+double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, const ActiveRows& active) {
+  using std::abs;
+  double sum = 0;
+  for (Index i = 0; i < active.size(); ++i)
+    sum += std::abs(static_cast<double>(mu_[i])) *
+           (std::abs(static_cast<double>(violation(p, w, active[i]))) + hidden(p, w, active[i]));
+  return sum;
+}
+
+// A row outside that is violated by v, or by what rounding hides, and has a share rho outside the active ones would
+// move z by v / rho if it were obeyed, unless an active row gives way to it first: nothing when it is an exact
+// combination or a neighbour's twin, much when it was only taken for one. One that is violated by more than rounding
+// and its parts in the combination explain, however little, has to be obeyed: it is returned, and where it could not
+// enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
+template <class Real>
+Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
+  constexpr double rank_rounding = tolerances::rank * std::numeric_limits<double>::epsilon();
+  const Index a = active.size();
+  const double needless = tolerances::needless * scale_;
+  const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
+  share_.assign(at(w.rows()), unknown);
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] == State::inside) continue;
+    const double rounding = hidden(p, w, i);
+    const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
+    if (!(most > needless * rank_rounding)) continue;
+    const double share = share_[at(i)] = express(active, i);
+    if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
+    const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
+    if (!(over > 0) && clear) {  // as double sees it
+      const double rest = share + rank_rounding * (1 + t_.head(a).template lpNorm<1>());
+      const double far = rest * static_cast<double>(blocking(w, active, sign).step);
+      if (far <= limit) {
+        error_ = std::max(error_, far);
+        continue;
+      }
+    }
+    const double rho = express_again(p, w, active, i);
+    const double weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
+    const bool combination = !(rho > tolerances::rank * real_eps * weight);
+    const bool violated =
+        over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(p, w, active);
+    if (violated && state_[at(i)] == State::outside) return i;
+    if (combination && !violated) continue;
+    double far = static_cast<double>(most) / rho;
+    if (!violated) far = std::min(far, rho * static_cast<double>(blocking(w, active, sign).step));
+    error_ = std::max(error_, std::min(scale_, far));
+  }
+  return -1;
+}
+
+template <class Real>
+void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& s) const {
+  using std::ldexp;
+  s.z = z_.template cast<double>();
+  s.lambda.setZero(p.rows());
+  for (Index i = 0; i < w.rows(); ++i) {
+    const Real own = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
+    s.lambda[w.row[at(i)]] = static_cast<double>(ldexp(own, w.exponent));
+  }
+}
+
+// Rows outside that hold with equality all the same are ignored; those that the active ones determine are redundant.
+template <class Real>
+void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s) {
+  using std::abs;
+  for (Index i = 0; i < w.rows(); ++i)
+    if (state_[at(i)] == State::outside &&
+        abs(violation(p, w, i)) <= tolerances::touching * (Real(w.magnitude[i]) + length_))
+      state_[at(i)] = State::ignored;
+  s.redundant.reserve(at(w.rows()) + w.idle.size());
+  s.redundant.assign(w.idle.begin(), w.idle.end());
+  s.margins = {.rank = active.size()};
+  if (active.size() > 0) s.margins.smallest_accepted = active.smallest_pivot();
+  for (Index i = 0; i < w.rows(); ++i) {
+    if (state_[at(i)] != State::ignored) continue;
+    const double share = share_[at(i)] >= 0 ? share_[at(i)] : active.share(i);
+    if (share > tolerances::redundant_share) continue;
+    s.redundant.push_back(w.row[at(i)]);
+    s.margins.largest_rejected =
+        std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
+  }
+  std::sort(s.redundant.begin(), s.redundant.end());
+}
+
+template <class Real>
+bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, const Vector& unit, Solution& s) {
+  prepare(p, w);
+  const double largest = unit.lpNorm<Eigen::Infinity>();
+  certificate_.setZero(p.rows());
+  for (Index i = 0; i < w.rows(); ++i)
+    if (w.equality[at(i)] || unit[i] > 0) certificate_[w.row[at(i)]] = unit[i] / largest / w.row_norm[i];
+  if (!(largest > 0) || !proves(p, w, s)) return false;
+  s.status = Status::infeasible;
+  return true;
+}
+
+// A row outside that is violated by more than is accepted, or a multiplier that pulls as much, refutes the answer. Less
+// is an error over the row's share.
+template <class Real>
+void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
+  using std::abs;
+  prepare(p, w);
+  using std::ldexp;
+  z_ = s.z.cast<Real>();
+  ++z_number_;
+  for (Index i = 0; i < w.rows(); ++i) l_[i] = ldexp(Real(s.lambda[w.row[at(i)]]), -w.exponent);
+  for (const Index i : active.rows()) state_[at(i)] = State::inside;
+  measure(w, active);
+  error_ = correction(p, w, active);
+  const double accepted = accepted_error(tolerance);
+  Real worst = accepted;
+  bool holds = std::isfinite(error_) && violated_row(p, w, worst) < 0;
+  for (const Index i : active.rows()) holds = holds && (w.equality[at(i)] || unit(w, i) >= -accepted * scale_);
+  if (!holds) {
+    s.status = Status::numerical_failure;
+    s.message = "the method's own answer does not meet the conditions of optimality";
+    return;
+  }
+  doubt_active(p, w, active);
+  const double limit = accepted * scale_;
+  for (Index i = doubt_others(p, w, active, limit); i >= 0; i = doubt_others(p, w, active, limit)) {
+    const double share = std::max(share_[at(i)], std::numeric_limits<double>::min());
+    error_ = std::max(error_, std::min(scale_, static_cast<double>(abs(violation(p, w, i))) / share));
+    state_[at(i)] = State::ignored;
+  }
+  name_redundant(p, w, active, s);
+  s.status = error_ <= limit ? Status::solved : Status::solved_ill_conditioned;
+}
+
+template <class Real>
+PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance,
+                                        Solution& s) {
+  // Where the refinement does not converge, a contact this near to a combination of the others gives way: its
+  // neighbours do what it did, and where they do not, it is found violated again and judged as dependent.
+  prepare(p, w);
+  for (const Index i : active.rows()) state_[at(i)] = State::inside;
+  const Index rounds = 20 + 2 * w.rows();
+  for (Index round = 0; round < rounds; ++round) {
+    if (round > 0) s.fallback = true;
+    if (!refine(p, w, active)) {
+      const Index weakest = active.coarsen(tolerances::weak_pivot);
+      if (weakest >= 0) {
+        remove(active, weakest);
+        continue;
+      }
+      s.message = "the active rows are too close to dependent to be told apart";
+      break;
+    }
+    if (const Index leaving = pulling_row(w, active); leaving < active.size()) {
+      remove(active, leaving);
+      continue;
+    }
+
+    const double limit = accepted_error(tolerance) * scale_;
+    Real worst = tolerances::wide_violation * real_eps;
+    Index entering = violated_row(p, w, worst);
+    if (entering < 0) {
+      doubt_active(p, w, active);
+      entering = doubt_others(p, w, active, limit);
+    }
+    if (entering < 0) {
+      write(p, w, s);
+      name_redundant(p, w, active, s);
+      s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
+      return Outcome::solved;
+    }
+    const double share = active.append(entering);
+    if (active.accepts(share)) {
+      state_[at(entering)] = State::inside;
+      continue;
+    }
+    if (active.undecided(share)) {
+      s.message = "a violated row is too close to a combination of the active ones";
+      break;
+    }
+    express(active, entering);
+    express_again(p, w, active, entering);
+    if (farkas(p, w, active, entering, s)) {
+      s.status = Status::infeasible;
+      return Outcome::infeasible;
+    }
+    if (exchange(w, active, entering)) continue;
+    if (worst > tolerances::dependent_violation) {
+      s.message = "a row that depends on others to rounding contradicts them, but not provably";
+      break;
+    }
+    state_[at(entering)] = State::ignored;
+  }
+  if (s.message.empty()) s.message = "no consistent active set was found";
+  s.status = Status::numerical_failure;
+  write(p, w, s);
+  return Outcome::failed;
+}
+
+template class ExtendedPolish<long double>;
+template class ExtendedPolish<DoubleDouble>;
+
+}  // namespace zwang

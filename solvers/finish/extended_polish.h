@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <zwang/core/referee/double_double.h>
+#include <zwang/solvers/factor/active_rows.h>
+#include <zwang/solvers/factor/dual_climb.h>
+#include <zwang/solvers/form/whiten.h>
+#include <zwang/solvers/linalg/tolerances.h>
+
+template <>
+struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::DoubleDouble> {};
+
+namespace zwang {
+
+enum class PolishOutcome { solved, infeasible, failed };
+
+// The active rows make Gauss' problem linear:  M d = J_A' l,  J_A d = b_A,  with d = z - z_u and b = c - J z_u.
+// It is solved by iterative refinement (Bjorck 1967, BIT 7, for the augmented system): residuals come from the
+// problem's own M, J, c in Real (long double or DoubleDouble), corrections from the double factors of the active unit
+// rows (active_rows.h). So rounding in the whitening does not reach the answer, and z is right to its last bits as long
+// as cond(G_A) eps < 1. "Ill-conditioned" is said where rounding in Real, over the smallest pivot, may have moved z
+// by more than was asked for (doubt_active, doubt_others), not where a pivot is small. Then every row and multiplier is
+// checked in the same precision. A violated row is added, a negative multiplier dropped, and a violated row that
+// depends on the active ones either takes the place of one of them (Goldfarb & Idnani's partial step) or yields a
+// Farkas certificate, refined in the same way.
+//
+// Tried before: trusting the least-distance solution itself loses digits as |y| grows (mass ratios of 4e9), and a rank
+// threshold of 1e-12 on double rows decides near-parallel joints wrongly below 1e-10.
+template <class Real>
+class ExtendedPolish {
+ public:
+  using Outcome = PolishOutcome;
+
+  // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
+  // holds the last point and a message.
+  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+
+  // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
+  // holds it. Changes active.
+  bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
+               Solution& solution);
+
+  // For methods that stand alone (polish=off), whose answers are judged and not changed:
+  // The status that the z and lambda in `solution` deserve with these active rows. The first correction of the
+  // refinement is computed, not made: its length is the error of z.
+  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+  // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
+  bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
+
+ private:
+  using RealVector = VectorX<Real>;
+  enum State : char { outside, inside, ignored };
+  // By how much z misses a unit row, c - J z, and the sum of the terms of that difference; known at the z that `at_z`
+  // numbers.
+  struct Rest {
+    Real violation, terms;
+    int at_z = -1;
+  };
+  static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
+
+  void prepare(const Problem& p, Whitened& w);
+  void add_row(const Problem& p, const Whitened& w, Index i, const Real& factor, RealVector& v) const;
+  const Rest& rest(const Problem& p, const Whitened& w, Index i);
+  double correction(const Problem& p, Whitened& w, ActiveRows& active);
+  void measure(const Whitened& w, const ActiveRows& active);
+  Real unit(const Whitened& w, Index i) const { return l_[i] * Real(w.row_norm[i]); }  // the multiplier of a unit row
+  bool refine(const Problem& p, Whitened& w, ActiveRows& active);
+  Index pulling_row(const Whitened& w, const ActiveRows& active) const;
+  Index violated_row(const Problem& p, const Whitened& w, Real& worst);
+  double express(ActiveRows& active, Index row);
+  double express_again(const Problem& p, Whitened& w, ActiveRows& active, Index row);
+  bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
+  bool proves(const Problem& p, const Whitened& w, Solution& s);
+  bool exchange(const Whitened& w, ActiveRows& active, Index row);
+  void remove(ActiveRows& active, Index position);
+  double inherited(const Problem& p, const Whitened& w, const ActiveRows& active);
+  void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
+  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
+  Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
+  void write(const Problem& p, const Whitened& w, Solution& s) const;
+  void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
+  // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
+  Real violation(const Problem& p, const Whitened& w, Index i) { return rest(p, w, i).violation; }
+  // What rounding can hide in a violation.
+  double hidden(const Problem& p, const Whitened& w, Index i) {
+    return real_eps * static_cast<double>(rest(p, w, i).terms);
+  }
+
+  RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
+  RealVector z_, l_;    // n, k: the point, and the multipliers of the rows as given, times 2^-exponent
+  RealVector force_;    // n
+  RealVector mu_;       // |A|: the dependent row as a combination of the active ones
+  RealVector u_;        // k
+  Vector r1_, r2_, t_;  // whitened residuals and a work vector
+  Vector certificate_;  // m: the Farkas vector under test
+  std::vector<char> state_;
+  std::vector<Rest> rest_;     // k
+  std::vector<double> share_;  // k, of the rows outside that doubt_others() asked for it; otherwise unknown
+  static constexpr double unknown = -1;
+  int z_number_ = 0;
+  double length_ = 0;  // |y|
+  double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent
+  double z_u_length_ = 0;
+  double error_ = 0;  // estimate of |z - z*|_M for the active set at hand
+};
+
+}  // namespace zwang

@@ -1,0 +1,31 @@
+#include <zwang/solvers/finish/polish.h>
+
+#include <cstdlib>
+
+namespace zwang {
+namespace {
+
+// Double-double has double's range: its products may not underflow.
+bool in_range(const Whitened& w) {
+  constexpr int most = 300;
+  return std::abs(w.exponent) < most && w.row_norm.maxCoeff() < std::ldexp(1, most) &&
+         w.row_norm.minCoeff() > std::ldexp(1, -most);
+}
+
+}  // namespace
+
+Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
+  const Outcome first = extended_.run(p, w, active, tolerance, s);
+  if (first == Outcome::infeasible || s.status == Status::solved || w.rows() == 0 || !in_range(w)) return first;
+  first_ = s;
+  s.message.clear();
+  const Outcome second = double_double_.run(p, w, active, tolerance, s);
+  if (second == Outcome::failed) {
+    s = first_;
+    return first;
+  }
+  s.fallback = true;
+  return second;
+}
+
+}  // namespace zwang

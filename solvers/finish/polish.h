@@ -1,0 +1,40 @@
+#pragma once
+
+#include <zwang/solvers/finish/extended_polish.h>
+
+namespace zwang {
+
+// From a guess of the active set to an answer that holds in extended precision: extended_polish.h with residuals in
+// long double, and again, from the rows that these end with, in double-double, where rounding in long double leaves z
+// in doubt or decides nothing. Joints 2^-27 apart lose 2^-64 / 2^-27 in long double and are right to the last bit of a
+// double in double-double, as long as the double factors contract: to 2^-45.
+class Polish {
+ public:
+  using Outcome = PolishOutcome;
+
+  // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
+  // holds the last point and a message.
+  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+
+  // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
+  // holds it. Changes active.
+  bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
+               Solution& solution) {
+    return extended_.certify(problem, rows, active, support, solution);
+  }
+
+  // With polish=off: extended_polish.h.
+  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution) {
+    extended_.judge(problem, rows, active, tolerance, solution);
+  }
+  bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution) {
+    return extended_.certify(problem, rows, unit, solution);
+  }
+
+ private:
+  ExtendedPolish<FactorReal> extended_;
+  ExtendedPolish<DoubleDouble> double_double_;
+  Solution first_;
+};
+
+}  // namespace zwang

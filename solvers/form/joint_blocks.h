@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <zwang/solvers/form/body_rows.h>
+#include <zwang/solvers/linalg/lanes.h>
+
+// Blocks of six by six, of one joint or of eight at once.
+namespace zwang::joint_blocks {
+
+// What is written for one joint holds for eight.
+using lanes::Pack;
+
+inline double root(double x) { return std::sqrt(x); }
+using lanes::root;
+inline double with_sign_against(double top, double norm) { return top > 0 ? -norm : norm; }
+inline Pack with_sign_against(const Pack& top, const Pack& norm) {
+  return Pack::each([](auto x, auto length) { return x > packets::all(0) ? -length : length; }, top, norm);
+}
+inline double least(double x) { return x; }
+inline double least(const Pack& x) {
+  return Eigen::Map<const Vec<double, 8>>(x.data()).minCoeff<Eigen::PropagateNaN>();
+}
+inline const double& lane(const double& x, std::size_t) { return x; }
+inline const double& lane(const Pack& x, std::size_t k) { return x.data()[k]; }
+inline void set(double& x, double value) { x = value; }
+inline void set(Pack& x, double value) { x = Pack(value); }
+
+template <class Scalar>
+using Column = std::array<Scalar, 6>;
+template <class Scalar>
+using Square = std::array<Column<Scalar>, 6>;
+
+inline const BodyRows::Lanes nothing = BodyRows::Lanes::Zero();
+
+// Entries of a joint's row, by joint.
+using Parts = std::array<const double*, 8>;
+inline void gather(const Parts& parts, Column<double>& row) { std::copy_n(parts[0], 6, row.begin()); }
+inline void gather(const Parts& parts, Column<Pack>& row) {
+  Mat<double, 8, 8> entries;
+  for (Index l = 0; l < 8; ++l) entries.col(l) = Eigen::Map<const Vec<double, 8>>(parts[static_cast<std::size_t>(l)]);
+  entries.transposeInPlace();
+  for (std::size_t i = 0; i < 6; ++i)
+    for (int v = 0; v < Pack::parts; ++v)
+      row[i].part[v] = packets::load(entries.col(static_cast<Index>(i)).data() + v * packets::width);
+}
+
+template <class Scalar>
+Column<Scalar> zero() {
+  Column<Scalar> x;
+  for (Scalar& entry : x) set(entry, 0);
+  return x;
+}
+
+// x -= a y.
+template <class Scalar>
+void subtract(const Scalar& a, const Column<Scalar>& y, Column<Scalar>& x) {
+  for (std::size_t i = 0; i < 6; ++i) x[i] = multiply_add(Scalar(-a), y[i], x[i]);
+}
+
+template <class Scalar>
+void scale(const Scalar& a, Column<Scalar>& x) {
+  for (Scalar& entry : x) entry *= a;
+}
+
+// I + scale v v', which takes a column to beta e_k and leaves what stands above. A column that meets one reflection
+// after the other stays in registers meanwhile: storing it costs more than the products.
+template <class Scalar>
+struct Reflection {
+  Column<Scalar> v;
+  Scalar scale, beta;
+
+  void take(const Column<Scalar>& column, std::size_t k) {
+    Scalar square;
+    set(square, 0);
+    for (std::size_t i = 0; i < 6; ++i) {
+      v[i] = column[i];
+      if (i < k) set(v[i], 0);
+      square = multiply_add(v[i], v[i], square);
+    }
+    beta = with_sign_against(v[k], root(square));
+    v[k] -= beta;
+    scale = 1 / (beta * v[k]);
+  }
+  void apply(Column<Scalar>& x) const {
+    Scalar even = v[0] * x[0], odd = v[1] * x[1];
+    for (std::size_t i = 2; i < 6; i += 2) {
+      even = multiply_add(v[i], x[i], even);
+      odd = multiply_add(v[i + 1], x[i + 1], odd);
+    }
+    const Scalar sum = scale * (even + odd);
+    for (std::size_t i = 0; i < 6; ++i) x[i] = multiply_add(v[i], sum, x[i]);
+  }
+};
+
+}  // namespace zwang::joint_blocks

@@ -1,0 +1,176 @@
+#include <zwang/solvers/form/joint_graph.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <tuple>
+
+namespace zwang {
+
+bool JointGraph::is_known(const BodyRows& rows) const {
+  if (known_bodies_ != rows.bodies()) return false;
+  if (std::ranges::count(rows.equality, 1) != static_cast<Index>(known_rows_.size())) return false;
+  for (std::size_t k = 0; k < known_rows_.size(); ++k) {
+    const Index i = known_rows_[k];
+    if (i >= rows.rows() || !rows.equality[static_cast<std::size_t>(i)] ||
+        known_[k] != rows.body[static_cast<std::size_t>(i)])
+      return false;
+  }
+  return true;
+}
+
+// So that nothing grows step by step in a first solve.
+void JointGraph::reserve(std::size_t bodies, std::size_t rows) {
+  for (std::vector<Index>* list : {&sorted_, &tree_rows_, &cut_, &known_rows_}) list->reserve(rows);
+  known_.reserve(rows);
+  edges_.reserve(rows);
+  joints_.reserve(bodies);
+  order_.reserve(bodies);
+  group_end_.reserve(bodies);
+}
+
+// Of known_rows_. Rows of a joint mostly follow each other: runs of them are put in order, not rows.
+void JointGraph::find_edges(const BodyRows& rows) {
+  const int world = static_cast<int>(rows.bodies());
+  edges_.clear();
+  for (std::size_t k = 0; k < known_rows_.size(); ++k) {
+    const auto [a, second] = known_[k];
+    const int b = second < 0 ? world : second;
+    if (edges_.empty() || edges_.back().a != a || edges_.back().b != b)
+      edges_.push_back({.a = a, .b = b, .first = static_cast<Index>(k), .count = 0});
+    ++edges_.back().count;
+  }
+  // The world, whose number is the largest, comes first.
+  const auto key = [&](const Edge& e) { return std::tuple(e.a, e.b == world ? -1 : e.b, e.first); };
+  std::ranges::sort(edges_, {}, key);
+  sorted_.clear();
+  edge_begin_.assign(static_cast<std::size_t>(world) + 2, 0);
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const Edge run = edges_[e];
+    if (count == 0 || edges_[count - 1].a != run.a || edges_[count - 1].b != run.b) {
+      for (const int end : {run.a, run.b}) ++edge_begin_[static_cast<std::size_t>(end) + 1];
+      edges_[count++] = {.a = run.a, .b = run.b, .first = static_cast<Index>(sorted_.size()), .count = 0};
+    }
+    edges_[count - 1].count += run.count;
+    const auto begin = known_rows_.begin() + run.first;
+    sorted_.insert(sorted_.end(), begin, begin + run.count);
+  }
+  edges_.resize(count);
+  std::partial_sum(edge_begin_.begin(), edge_begin_.end(), edge_begin_.begin());
+  edges_of_.resize(2 * edges_.size());
+  // Each beginning serves as the place of its next entry, and is put back.
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    for (const int end : {edges_[e].a, edges_[e].b})
+      edges_of_[static_cast<std::size_t>(edge_begin_[static_cast<std::size_t>(end)]++)] = static_cast<int>(e);
+  std::shift_right(edge_begin_.begin(), edge_begin_.end(), 1);
+  edge_begin_.front() = 0;
+}
+
+void JointGraph::span(int world) {
+  joints_.clear();
+  tree_rows_.clear();
+  reached_.assign(static_cast<std::size_t>(world) + 1, 0);
+  reached_.back() = 1;
+  used_.assign(edges_.size(), 0);
+  const auto spread = [&](int from, int position) {
+    const auto first = static_cast<int>(joints_.size());
+    for (const int e : edges_of(from)) {
+      const Edge& edge = edges_[static_cast<std::size_t>(e)];
+      const int to = edge.a == from ? edge.b : edge.a;
+      if (used_[static_cast<std::size_t>(e)] || reached_[static_cast<std::size_t>(to)]) continue;
+      used_[static_cast<std::size_t>(e)] = reached_[static_cast<std::size_t>(to)] = 1;
+      joints_.push_back({.body = to,
+                         .parent = from == world ? -1 : from,
+                         .first = static_cast<Index>(tree_rows_.size()),
+                         .count = edge.count});
+      for (Index k = 0; k < edge.count; ++k) tree_rows_.push_back(sorted_[static_cast<std::size_t>(edge.first + k)]);
+    }
+    if (position < 0) return;
+    joints_[static_cast<std::size_t>(position)].first_child = first;
+    joints_[static_cast<std::size_t>(position)].children = static_cast<int>(joints_.size()) - first;
+  };
+  std::size_t done = 0;
+  const auto exhaust = [&] {
+    for (; done < joints_.size(); ++done) spread(joints_[done].body, static_cast<int>(done));
+  };
+  spread(world, -1);
+  exhaust();
+  const auto joints_of = [&](int b) { return edges_of(b).size(); };
+  while (static_cast<int>(joints_.size()) < world) {
+    int root = -1;
+    for (int b = 0; b < world; ++b)
+      if (!reached_[static_cast<std::size_t>(b)] && (root < 0 || joints_of(b) > joints_of(root))) root = b;
+    reached_[static_cast<std::size_t>(root)] = 1;
+    joints_.push_back({.body = root});
+    exhaust();
+  }
+  position_.resize(joints_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    position_[static_cast<std::size_t>(joints_[j].body)] = static_cast<int>(j);
+  freedom_ = 0;
+  for (Joint& joint : joints_) {
+    joint.freedom = std::max<Index>(0, 6 - joint.count);
+    joint.column = freedom_;
+    freedom_ += joint.freedom;
+  }
+  cut_.clear();
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    for (Index k = 0; !used_[e] && k < edges_[e].count; ++k)
+      cut_.push_back(sorted_[static_cast<std::size_t>(edges_[e].first + k)]);
+}
+
+void JointGraph::group_joints() {
+  height_.assign(joints_.size(), 0);
+  order_.clear();
+  for (std::size_t j = joints_.size(); j-- > 0;) {
+    const auto first = static_cast<std::size_t>(joints_[j].first_child);
+    for (int c = 0; c < joints_[j].children; ++c)
+      height_[j] = std::max(height_[j], height_[first + static_cast<std::size_t>(c)] + 1);
+    order_.push_back(static_cast<int>(j));
+  }
+  const auto kind = [&](int j) {
+    return std::tuple(height_[static_cast<std::size_t>(j)], joints_[static_cast<std::size_t>(j)].count);
+  };
+  std::ranges::sort(order_, [&](int a, int b) { return std::tuple(kind(a), -a) < std::tuple(kind(b), -b); });
+  group_end_.clear();
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= order_.size(); ++k)
+    if (k == order_.size() || k - begin == BodyRows::lanes || kind(order_[k]) != kind(order_[begin])) {
+      group_end_.push_back(k);
+      begin = k;
+    }
+}
+
+// Of the first and the last body of each row (Fowler, Noll & Vo's hash): where it errs, storage is shared, no more.
+Index JointGraph::kind(const Problem& p) {
+  if (!p.J.isCompressed()) return 0;
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const int* start = p.J.outerIndexPtr();
+  const int* column = p.J.innerIndexPtr();
+  for (Index i = 0; i < p.rows(); ++i) {
+    if (!p.is_equality(i) || start[i] == start[i + 1]) continue;
+    const auto first = static_cast<std::uint64_t>(column[start[i]] / 6);
+    const auto last = static_cast<std::uint64_t>(column[start[i + 1] - 1] / 6);
+    hash = (hash ^ (first << 32 | last)) * 0x100000001b3;
+  }
+  return static_cast<Index>(hash);
+}
+
+void JointGraph::build(const BodyRows& rows) {
+  if (is_known(rows)) return;
+  known_bodies_ = rows.bodies();
+  reserve(static_cast<std::size_t>(rows.bodies()), static_cast<std::size_t>(std::ranges::count(rows.equality, 1)));
+  known_rows_.clear();
+  known_.clear();
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (!rows.equality[static_cast<std::size_t>(i)]) continue;
+    known_rows_.push_back(i);
+    known_.push_back(rows.body[static_cast<std::size_t>(i)]);
+  }
+  find_edges(rows);
+  span(static_cast<int>(rows.bodies()));
+  group_joints();
+}
+
+}  // namespace zwang

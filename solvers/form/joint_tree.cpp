@@ -1,0 +1,279 @@
+#include <zwang/solvers/form/joint_tree.h>
+
+#include <algorithm>
+
+#include <zwang/solvers/form/joint_blocks.h>
+#include <zwang/solvers/linalg/tolerances.h>
+
+namespace zwang {
+
+using namespace joint_blocks;
+
+// R of [I; S of each child], by reflections that touch one row of the triangle and all rows below. False: no children.
+template <>
+bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
+  constexpr std::size_t room = 36;
+  std::array<Column<Pack>, room> below;
+  int most = 0;
+  for (const int j : group) most = std::max(most, joint(j).children);
+  if (most == 0) return false;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) R[i][j] = Pack(i == j);
+  for (int c = 0; c < most;) {
+    // As many children as there is room for.
+    std::size_t count = 0;
+    for (; c < most && count + 6 <= room; ++c) {
+      Index first = 6;
+      for (const int j : group)
+        if (c < joint(j).children) first = std::min(first, joint(joint(j).first_child + c).freedom);
+      for (Index i = first; i < 6; ++i, ++count) {
+        Parts parts;
+        parts.fill(nothing.data());
+        for (std::size_t l = 0; l < group.size(); ++l) {
+          const int child = joint(group[l]).first_child + c;
+          if (c < joint(group[l]).children && i >= joint(child).freedom)
+            parts[l] = blocks_[static_cast<std::size_t>(child)].S.col(i).data();
+        }
+        gather(parts, below[count]);
+      }
+    }
+    for (std::size_t j = 0; j < 6; ++j) {
+      Pack square = R[j][j] * R[j][j];
+      for (std::size_t i = 0; i < count; ++i) square = multiply_add(below[i][j], below[i][j], square);
+      const Pack beta = with_sign_against(R[j][j], root(square));
+      const Pack lead = R[j][j] - beta, scale = 1 / (beta * lead);
+      R[j][j] = beta;
+      for (std::size_t m = j + 1; m < 6; ++m) {
+        Pack sum = lead * R[j][m];
+        for (std::size_t i = 0; i < count; ++i) sum = multiply_add(below[i][j], below[i][m], sum);
+        sum *= scale;
+        R[j][m] = multiply_add(lead, sum, R[j][m]);
+        for (std::size_t i = 0; i < count; ++i) below[i][m] = multiply_add(below[i][j], sum, below[i][m]);
+      }
+    }
+  }
+  return true;
+}
+
+// The same for one joint: the rows of all children, along whose columns the lanes go.
+template <>
+bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
+  constexpr std::size_t room = 36;
+  std::array<Lanes, room> below;
+  std::array<Lanes, 6> own;
+  int child = joint(group.front()).first_child;
+  const int end = child + joint(group.front()).children;
+  if (child == end) return false;
+  for (Index j = 0; j < 6; ++j) own[static_cast<std::size_t>(j)] = Lanes::Unit(j);
+  while (child < end) {
+    std::size_t count = 0;
+    for (; child < end && count + 6 <= room; ++child)
+      for (Index i = joint(child).freedom; i < 6; ++i)
+        below[count++] = blocks_[static_cast<std::size_t>(child)].S.col(i);
+    for (Index j = 0; j < 6; ++j) {
+      Lanes& top = own[static_cast<std::size_t>(j)];
+      Lanes even = Lanes::Zero(), odd = Lanes::Zero();
+      for (std::size_t i = 0; i < count; i += 2) even = multiply_add(below[i][j], below[i], even);
+      for (std::size_t i = 1; i < count; i += 2) odd = multiply_add(below[i][j], below[i], odd);
+      const Lanes products = even + odd;
+      const double beta = with_sign_against(top[j], root(top[j] * top[j] + products[j]));
+      const double lead = top[j] - beta;
+      const Lanes sum = (1 / (beta * lead)) * multiply_add(lead, top, products);
+      top = multiply_add(lead, sum, top);
+      top[j] = beta;
+      for (std::size_t i = 0; i < count; ++i) below[i] = multiply_add(below[i][j], sum, below[i]);
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) R[i][j] = own[i][static_cast<Index>(j)];
+  return true;
+}
+
+template <class Scalar>
+bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
+  const auto r = static_cast<std::size_t>(joint(group.front()).count);
+  if (r > 6) return refuse("more than six rows between two bodies");
+  const std::size_t d = 6 - r;
+
+  // Rows of C and D; lanes without a joint hold one that is easy.
+  Square<Scalar> C, D;
+  for (std::size_t k = 0; k < r; ++k) {
+    const BodyRows::Lanes easy = BodyRows::Lanes::Unit(static_cast<Index>(k));
+    Parts child, parent;
+    child.fill(easy.data());
+    parent.fill(nothing.data());
+    for (std::size_t l = 0; l < group.size(); ++l) {
+      const JointGraph::Joint& own = joint(group[l]);
+      const Index i = graph_.tree_rows()[static_cast<std::size_t>(own.first) + k];
+      const auto& bodies = rows.body[static_cast<std::size_t>(i)];
+      const int side = bodies[0] == own.body ? 0 : 1;
+      child[l] = rows.part(i, side).data();
+      if (bodies[1] >= 0) parent[l] = rows.part(i, 1 - side).data();
+    }
+    gather(child, C[k]);
+    gather(parent, D[k]);
+  }
+
+  // C' = Q [R_C; 0].
+  std::array<Reflection<Scalar>, 6> q;
+  for (std::size_t k = 0; k < r; ++k) {
+    Column<Scalar> x = C[k];
+    for (std::size_t l = 0; l < k; ++l) q[l].apply(x);
+    q[k].take(x, k);
+    C[k] = x;
+    const double pivot = least(Scalar(abs(q[k].beta)));
+    if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
+    smallest_pivot_ = std::min(smallest_pivot_, pivot);
+  }
+  Square<Scalar> Q;
+  for (std::size_t i = 0; i < 6; ++i) {
+    Column<Scalar> x = zero<Scalar>();
+    set(x[i], 1);
+    for (std::size_t k = std::min(i + 1, r); k-- > 0;) q[k].apply(x);
+    Q[i] = x;
+  }
+
+  // C^+ = Q_1 R_C^-T by columns; Z = Q_2.
+  Square<Scalar> C_inverse;
+  for (std::size_t k = r; k-- > 0;) {
+    Column<Scalar> x = Q[k];
+    for (std::size_t l = k + 1; l < r; ++l) subtract(C[l][k], C_inverse[l], x);
+    scale(Scalar(1 / q[k].beta), x);
+    C_inverse[k] = x;
+  }
+
+  // R [Z, X] = Q_z [T, B; 0, S], X = -C^+ D; P = Z T^-1 and F = X - P B, column by column.
+  Square<Scalar> R, P, B, F;
+  const bool carries = accumulate(group, R);
+  const auto multiply = [&](Column<Scalar>& x) {
+    for (std::size_t i = 0; carries && i < 6; ++i) {
+      x[i] *= R[i][i];
+      for (std::size_t k = i + 1; k < 6; ++k) x[i] = multiply_add(R[i][k], x[k], x[i]);
+    }
+  };
+  std::array<Reflection<Scalar>, 6> turn;
+  for (std::size_t c = 0; c < d; ++c) {
+    Column<Scalar> t = Q[r + c], x = t;
+    multiply(t);
+    for (std::size_t l = 0; l < c; ++l) {
+      turn[l].apply(t);
+      subtract(t[l], P[l], x);
+    }
+    turn[c].take(t, c);
+    scale(Scalar(1 / turn[c].beta), x);
+    P[c] = x;
+  }
+  for (std::size_t j = 0; r > 0 && j < 6; ++j) {
+    Column<Scalar> x = zero<Scalar>();
+    for (std::size_t k = 0; k < r; ++k) subtract(D[k][j], C_inverse[k], x);
+    Column<Scalar> b = x;
+    multiply(b);
+    for (std::size_t c = 0; c < d; ++c) {
+      turn[c].apply(b);
+      subtract(b[c], P[c], x);
+    }
+    B[j] = b;
+    F[j] = x;
+  }
+
+  for (std::size_t l = 0; l < group.size(); ++l) {
+    Blocks& own = blocks_[static_cast<std::size_t>(group[l])];
+    const auto write = [l](const Column<Scalar>& from, double* to, std::size_t stride = 1) {
+      for (std::size_t i = 0; i < 6; ++i) to[i * stride] = lane(from[i], l);
+    };
+    for (std::size_t k = 0; k < r; ++k) write(C_inverse[k], own.C_inverse.col(static_cast<Index>(k)).data());
+    for (std::size_t c = 0; c < d; ++c) write(P[c], own.P.col(static_cast<Index>(c)).data());
+    if (joint(group[l]).parent < 0) continue;
+    for (std::size_t j = 0; j < 6; ++j) {
+      write(F[j], own.F.col(static_cast<Index>(j)).data());
+      write(F[j], own.F_rows.data() + j, BodyRows::lanes);
+      write(B[j], own.S.data() + j, BodyRows::lanes);
+    }
+  }
+  return true;
+}
+
+bool JointTree::factorize(const BodyRows& rows) {
+  reason_ = {};
+  smallest_pivot_ = 1;
+  graph_.build(rows);
+  blocks_.resize(graph_.joints().size());
+  for (std::size_t g = 0; g < graph_.groups(); ++g) {
+    const auto group = graph_.group(g);
+    if (!(group.size() == 1 ? eliminate<double>(rows, group) : eliminate<Pack>(rows, group))) return false;
+  }
+  rest_.resize(BodyRows::lanes, rows.bodies());
+  v_.resize(freedom());
+  return true;
+}
+
+void JointTree::null_space(Matrix& Nt) const {
+  const Index padded = (freedom() + 7) / 8 * 8, bodies = rest_.cols();
+  if (Nt.rows() != padded || Nt.cols() != 6 * bodies) Nt.resize(padded, 6 * bodies);
+  for (std::size_t j = 0; j < blocks_.size(); ++j) {
+    const JointGraph::Joint& joint = graph_.joints()[j];
+    const Blocks& block = blocks_[j];
+    const Index at = 6 * joint.body;
+    if (joint.parent < 0)
+      Nt.middleCols<6>(at).setZero();
+    else
+      for (Index k = 0; k < padded; k += 8)
+        Nt.block<8, 6>(k, at).noalias() = Nt.block<8, 6>(k, 6 * joint.parent).lazyProduct(block.F_rows.topRows<6>());
+    for (Index i = 0; i < 6; ++i)
+      for (Index k = 0; k < joint.freedom; ++k) Nt(joint.column + k, at + i) += block.P(i, k);
+  }
+}
+
+void JointTree::add_reduced(int body, const Lanes& part, double* v) const {
+  Lanes own = part;
+  for (;;) {
+    const int position = graph_.position_of(body);
+    const JointGraph::Joint& joint = this->joint(position);
+    const Blocks& block = blocks_[static_cast<std::size_t>(position)];
+    for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] += block.P.col(k).dot(own);
+    if (joint.parent < 0) return;
+    own = BodyRows::times(block.F_rows, own);
+    body = joint.parent;
+  }
+}
+
+// y = (own columns) x from the roots to the tips. F serves where X would: they differ by free motions.
+void JointTree::forward(const Own& own, const Vector& x, Motion& y) const {
+  for (std::size_t j = 0; j < blocks_.size(); ++j) {
+    const JointGraph::Joint& joint = graph_.joints()[j];
+    const Blocks& block = blocks_[j];
+    Lanes sum = Lanes::Zero();
+    for (Index k = 0; k < joint.*own.count; ++k)
+      sum = multiply_add(x[joint.*own.first + k], (block.*own.columns).col(k), sum);
+    if (joint.parent >= 0) sum += BodyRows::times(block.F, y.col(joint.parent));
+    y.col(joint.body) = sum;
+  }
+}
+
+// x = (own columns)'y from the tips to the roots. A joint passes on X'y where C^+ is looked for; P'y = 0 for y in the
+// range of G_E', so F does as well.
+void JointTree::backward(const Own& own, const Motion& y, Vector& x) const {
+  rest_ = y;
+  for (std::size_t j = blocks_.size(); j-- > 0;) {
+    const JointGraph::Joint& joint = graph_.joints()[j];
+    const Blocks& block = blocks_[j];
+    const Lanes rest = rest_.col(joint.body);
+    for (Index k = 0; k < joint.*own.count; ++k) x[joint.*own.first + k] = (block.*own.columns).col(k).dot(rest);
+    if (joint.parent >= 0) rest_.col(joint.parent) += BodyRows::times(block.F_rows, rest);
+  }
+}
+
+// Less its part in the null space, taken again where little was left.
+void JointTree::shift(const Vector& sigma, Motion& y) const {
+  meet(sigma, y);
+  double before = 0, after = y.norm();
+  do {
+    before = after;
+    reduce(y, v_);
+    expand(v_, rest_);
+    y -= rest_;
+    after = y.norm();
+  } while (after > 0 && after < before / 8);
+}
+
+}  // namespace zwang

@@ -1,0 +1,83 @@
+#include <zwang/solvers/form/unit_program.h>
+
+#include <algorithm>
+
+#include <zwang/solvers/linalg/tolerances.h>
+
+namespace zwang {
+
+bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const Preparation preparing;
+  const Deadline deadline(options.time_limit);
+  if (!begin(whitened_, problem, options, deadline, solution)) return false;
+  if (rows() == 0) {
+    solution.z = problem.z_u;
+    solution.status = Status::solved;
+    return false;
+  }
+  free_ = whitened_.free;
+
+  // Only what is violated at z_u sets the scale: a far-away inactive row must not.
+  double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
+  for (Index i = 0; i < rows(); ++i)
+    largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
+  int exponent = 0;
+  if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
+  sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+  h_ = (whitened_.h / sigma_).cwiseMax(-tolerances::horizon);
+  free_ /= sigma_;
+  return true;
+}
+
+UnitProgram::Rows UnitProgram::some(const std::vector<Index>& rows) const {
+  Rows chosen(std::ssize(rows), size());
+  for (Index k = 0; k < chosen.rows(); ++k) {
+    chosen.startVec(k);
+    for (Rows::InnerIterator it(G(), rows[at(k)]); it; ++it) chosen.insertBack(k, it.col()) = it.value();
+  }
+  chosen.finalize();
+  return chosen;
+}
+
+void UnitProgram::motion(const Vector& lambda, Vector& y) const {
+  y.setZero(size());
+  for (Index i = 0; i < rows(); ++i)
+    if (lambda[i] != 0) add(i, lambda[i], y);
+}
+
+void UnitProgram::slack(const Vector& y, Vector& slack) const {
+  slack.resize(rows());
+  for (Index i = 0; i < rows(); ++i) slack[i] = dot(i, y) - h_[i];
+}
+
+void UnitProgram::project(Vector& lambda) const {
+  for (Index i = 0; i < rows(); ++i)
+    if (!is_equality(i)) lambda[i] = std::max(0.0, lambda[i]);
+}
+
+double UnitProgram::scale(const Vector& y) const {
+  return std::max({free_.norm(), (free_ + y).norm(), std::numeric_limits<double>::min()});
+}
+
+double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
+
+void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {
+  warm_rows_.multipliers(problem, whitened_, warm, lambda);
+  lambda /= sigma_;
+}
+
+void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {
+  scaled_y_ = sigma_ * y;
+  whitened_.primal(problem, scaled_y_, solution.z);
+  scaled_lambda_ = sigma_ * lambda;
+  if (lambda.size() == rows())
+    whitened_.multipliers(problem, scaled_lambda_, solution.lambda);
+  else
+    solution.empty_lambda();
+}
+
+void UnitProgram::write_certificate(const Problem& problem, const Vector& u, Solution& solution) const {
+  whitened_.multipliers(problem, u, solution.zero_certificate(problem.rows()));
+}
+
+}  // namespace zwang

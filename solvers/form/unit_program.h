@@ -1,0 +1,55 @@
+#pragma once
+
+#include <zwang/solvers/form/warm_rows.h>
+
+namespace zwang {
+
+// The whitened problem (whiten.h) as iterative methods and adapters want it: every length is divided by sigma, a power
+// of two near max(|z_u|_M, worst violation), so that an absolute tolerance means what measure.h means by it and |y|^2
+// cannot overflow:
+//
+//   minimize 1/2 |y|^2   subject to  G y = h or >= h;   at the solution y = G' lambda, lambda_I >= 0.
+//
+// Rebuilding it for a problem of the same shape allocates nothing.
+class UnitProgram {
+ public:
+  using Rows = Whitened::Rows;
+
+  // Resets the solution. False when the answer is already known, and then written: M not positive definite, a zero
+  // row that cannot hold, or no rows at all.
+  bool build(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+  Index size() const { return whitened_.size(); }
+  Index rows() const { return whitened_.rows(); }
+  const Rows& G() const { return whitened_.G; }     // k x n
+  const Vector& h() const { return h_; }            // k
+  Rows some(const std::vector<Index>& rows) const;  // of G
+  bool is_equality(Index i) const { return whitened_.equality[static_cast<std::size_t>(i)] != 0; }
+  Index problem_row(Index i) const { return whitened_.row[static_cast<std::size_t>(i)]; }
+
+  double dot(Index i, const Vector& y) const { return whitened_.dot(i, y); }          // g_i . y
+  void add(Index i, double amount, Vector& y) const { whitened_.add(i, amount, y); }  // y += amount g_i
+  void motion(const Vector& lambda, Vector& y) const;                                 // y = G' lambda
+  void slack(const Vector& y, Vector& slack) const;                                   // G y - h
+  void project(Vector& lambda) const;                                                 // inequality rows: max(0, lambda)
+  double scale(const Vector& y) const;  // max(|z_u|_M, |z|_M), in units of sigma
+
+  double reach() const;  // max(|z_u|_M, worst |h|), likewise
+
+  // Multipliers of an earlier frame on the unit rows, matched by key; zero where there is none.
+  void warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda);
+  // z and, unless it is empty, lambda of the problem.
+  void write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const;
+  // A vector over the unit rows as a Farkas vector over the problem's rows.
+  void write_certificate(const Problem& problem, const Vector& u, Solution& solution) const;
+
+ private:
+  Whitened whitened_;
+  WarmRows warm_rows_;
+  Vector h_;
+  Vector free_;  // n: Q z_u / sigma
+  mutable Vector scaled_y_, scaled_lambda_;
+  double sigma_ = 1;
+};
+
+}  // namespace zwang

@@ -1,0 +1,37 @@
+#include <zwang/solvers/finish/extended_polish.h>
+
+#include <gtest/gtest.h>
+
+#include "tests/solvers/brute_force.h"
+#include "tests/solvers/yardsticks.h"
+
+namespace zwang {
+namespace {
+
+// What refines where long double is no wider than double. The guess is the equality rows alone.
+TEST(ExtendedPolish, InDoubleDoubleAloneAgreesWithEnumeration) {
+  int solved = 0;
+  for (unsigned seed = 1000; seed < 1200; ++seed) {
+    const Problem p = random_small_problem(seed);
+    const auto truth = brute_force(p);
+    Whitened rows;
+    Solution s;
+    ASSERT_TRUE(begin(rows, p, {}, Deadline(), s)) << p.name;
+    const Deadline deadline;
+    QrRows active;
+    active.reset(rows, deadline);
+    for (Index i = 0; i < rows.rows(); ++i)
+      if (rows.equality[static_cast<std::size_t>(i)]) active.append(i);
+    ExtendedPolish<DoubleDouble> polish;
+    const PolishOutcome outcome = polish.run(p, rows, active, 1e-10, s);
+    ASSERT_EQ(outcome, truth ? PolishOutcome::solved : PolishOutcome::infeasible) << p.name;
+    if (!truth) continue;
+    ++solved;
+    EXPECT_EQ(s.status, Status::solved) << p.name;
+    EXPECT_LE(test::z_error(p, s.z, truth->z), 1e-13) << p.name;
+  }
+  EXPECT_GT(solved, 100);
+}
+
+}  // namespace
+}  // namespace zwang
