@@ -4,7 +4,8 @@
 
 An interior point guesses which rows hold at a solution. The conditions of Karush, Kuhn and Tucker of these rows are one
 linear system of stored doubles, solved in integers to far beyond what is asked; its rank, and which of the other
-numbers are zero, is decided by elimination modulo primes (core/referee/exact_rank.h). Nothing else is believed.
+numbers are zero, is decided by elimination modulo primes (core/referee/exact_rank.h). Rows that hold or push only by
+rounding are exchanged one by one until the signs are right. Nothing else is believed.
 """
 import math
 from fractions import Fraction
@@ -17,9 +18,11 @@ from . import _zwang
 
 DIGITS = 400  # bits behind the point, of unknowns scaled to about 1
 LARGEST = 3000  # unknowns and rows of one dense system
-ROUNDS = 40  # guesses at the rows that hold
+ROUNDS = 60  # rows exchanged because they differ by rounding
+DEPENDENT = 1e-9  # what is left of a unit row that is taken for a combination of others
 ROUNDING = 2.0**-40  # P's eigenvalues may be that much below zero, relative to its largest entry, by rounding
 CONVERGED = 1e-4  # the residual of a guess that is worth a proof
+BY_ROUNDING = "rows that hold at a solution seem to contradict each other by the rounding of their entries"
 CAUTION = 1e-12  # relative, of what doubles add to numbers that were known exactly
 
 
@@ -95,14 +98,13 @@ def solve_exactly(B, right):
     rows, exponents = integers(scaled)
     goal = [whole(r, DIGITS + e) for r, e in zip(numpy.asarray(right) * left, exponents)]
     v = [0] * n
-    for _ in range(4 * DIGITS):
+    for _ in range(DIGITS):
         residual = [g - s for g, s in zip(goal, times(rows, v))]
         r = numpy.array([real(x, DIGITS + e) for x, e in zip(residual, exponents)])
         step = inverse @ r
-        change = [whole(x, DIGITS) for x in step]
-        if not any(change):
+        if abs(step).max() < 2.0 ** (1 - DIGITS):
             break
-        v = [a + b for a, b in zip(v, change)]
+        v = [a + whole(b, DIGITS) for a, b in zip(v, step)]
     bound = 2 * ((abs(inverse) @ (abs(r) + 2.0**-DIGITS)).max() / (1 - contraction) + 2.0**-DIGITS)
     shifts = numpy.log2(across).astype(int).tolist()
     return [x << s if s >= 0 else x >> -s for x, s in zip(v, shifts)], bound * across + 2.0**-DIGITS
@@ -248,26 +250,73 @@ def prove(p):
     x, multipliers, ratio, residual = interior_point(p)
     if not residual < CONVERGED:
         return "no solution was guessed"
-    active = p.equal | (ratio < 1)
-    seen, why = set(), ""
+    outcome = prove_active(p, p.equal | (ratio < 1), x, multipliers, ratio)
+    if isinstance(outcome, Solved):
+        return outcome
+    # What holds but for rounding, or pushes but for rounding, is told apart one row at a time.
+    active = few_rows(p, p.equal | (ratio < 1), multipliers, ratio)
+    seen = set()
     for _ in range(ROUNDS):
         if active.tobytes() in seen:
-            break
+            return "rows that differ by rounding were exchanged in a circle"
         seen.add(active.tobytes())
         outcome = prove_active(p, active, x, multipliers, ratio)
         if isinstance(outcome, Solved):
             return outcome
         why, drop, add = outcome
+        if not len(drop) and not len(add):
+            return why
         active = active.copy()
         active[drop] = False
         active[add] = True
-        if not len(drop) and not len(add):  # more rows are needed: the next by their ratio
-            rest = numpy.flatnonzero(~active)
-            if not len(rest):
-                break
-            active[rest[numpy.argsort(ratio[rest])[:1]]] = True
-        active |= p.equal
-    return why or "no set of rows was found that holds at a solution"
+    return "too many rows differ by rounding"
+
+
+def unit_rows(p):
+    norms = numpy.sqrt(numpy.asarray(p.J.multiply(p.J).sum(axis=1)).ravel())
+    return p.J.toarray() / numpy.where(norms > 0, norms, 1)[:, None], norms
+
+
+def few_rows(p, active, multipliers, ratio):
+    """Rows independent of each other that can push as all the active ones do together (Caratheodory)."""
+    J, norms = unit_rows(p)
+    force, chosen, Q = multipliers * norms, [], numpy.zeros((0, len(p.q)))
+    held = numpy.flatnonzero(active)
+    for i in held[numpy.lexsort((ratio[held], ~p.equal[held]))]:
+        rest = J[i] - (J[i] @ Q.T) @ Q
+        rest = rest - (rest @ Q.T) @ Q
+        size = numpy.linalg.norm(rest)
+        if size > DEPENDENT:
+            chosen, Q = chosen + [i], numpy.vstack([Q, rest / size])
+            continue
+        parts = scipy.linalg.lstsq(J[chosen].T, J[i], lapack_driver="gelsy")[0]
+        room = [force[k] / -u if u < -DEPENDENT and not p.equal[k] else math.inf for k, u in zip(chosen, parts)]
+        least = int(numpy.argmin(room)) if room else 0
+        moved = min(force[i], room[least]) if room and not p.equal[i] else force[i]
+        force[chosen] += moved * parts
+        force[i] -= moved
+        if force[i] > 0 and not p.equal[i]:
+            force[chosen[least]] = 0
+            chosen[least] = i
+            Q = numpy.linalg.qr(J[chosen].T)[0].T
+    fewer = numpy.zeros(len(active), dtype=bool)
+    fewer[chosen] = True
+    return fewer
+
+
+def exchange(p, held, force, i):
+    """Rows to drop so that row i, which is broken by rounding, can push (Goldfarb and Idnani's step)."""
+    J, norms = unit_rows(p)
+    k, n = len(held), len(p.q)
+    K = numpy.block([[numpy.zeros((k, k)), J[held]], [-J[held].T, p.P.toarray()]])
+    goal = numpy.r_[numpy.zeros(k), J[i]]
+    step = scipy.linalg.lstsq(K, goal, cond=1e-13, lapack_driver="gelsy")[0]
+    if numpy.linalg.norm(K @ step - goal) > DEPENDENT or J[i] @ step[k:] > DEPENDENT:
+        return []  # x can move there
+    falls = -step[:k]
+    room = [f * norms[j] / u if u > DEPENDENT and not p.equal[j] else math.inf for j, f, u in zip(held, force, falls)]
+    least = int(numpy.argmin(room)) if room else 0
+    return [held[least]] if room and math.isfinite(room[least]) else None
 
 
 def prove_active(p, active, x, multipliers, ratio):
@@ -280,13 +329,11 @@ def prove_active(p, active, x, multipliers, ratio):
     K = scipy.sparse.bmat([[scipy.sparse.csr_matrix((m, m)), J], [-J.T, p.P]], format="csr")
     right = numpy.r_[p.c[held], -p.q]
     rows, contradictory = exact_basis(K, right)
-    if contradictory:
-        bad = held[[i for i in contradictory if i < m]]
-        if p.equal[bad].any():
-            return "equality rows contradict each other", nothing, nothing
-        if len(bad):
-            return "rows that seem to hold contradict each other", bad, nothing
-        return "the forces of the rows that hold do not balance", nothing, nothing
+    bad = held[[i for i in contradictory if i < m]]
+    if p.equal[bad].any():
+        return "equality rows contradict each other by rounding", nothing, nothing
+    if len(bad):
+        return "rows that seem to hold contradict each other", bad, nothing
     guess = numpy.r_[multipliers[held], x]
     basis, level = K[rows], right[rows]
     if len(rows) < n + m:  # the other unknowns stay where the guess has them
@@ -303,11 +350,29 @@ def prove_active(p, active, x, multipliers, ratio):
     loose = numpy.flatnonzero(~active)
     slack, slack_off = product(p.J[loose], exact_x, p.c[loose]), 2 * (abs(p.J[loose]) @ x_off)
     force, force_off = numpy.array([real(a, DIGITS) for a in v[:m]]), 2 * off[:m]
+    if contradictory:  # the objective falls along what no row holds: as far as the next row
+        pull = numpy.zeros(n)
+        at = numpy.array(contradictory) - m
+        pull[at] = product(K[contradictory], v, right[contradictory])
+        flat = scipy.linalg.null_space(numpy.vstack([unit_rows(p)[0][held], p.P.toarray()]), rcond=DEPENDENT)
+        fall = -flat @ (flat.T @ (pull / abs(pull).max()))
+        speed = -(p.J[loose] @ fall)
+        room = numpy.full(len(loose), math.inf)
+        ahead = speed > DEPENDENT * abs(speed).max(initial=0)
+        room[ahead] = numpy.maximum(slack[ahead], 0) / speed[ahead]
+        if not len(room) or not math.isfinite(room.min()):
+            return "the forces of the rows that hold do not balance", nothing, nothing
+        return "the forces of the rows that hold do not balance", nothing, loose[[int(room.argmin())]]
     one_sided = ~p.equal[held]
-    drop = held[one_sided & (force < -force_off)]
-    add = loose[slack < -slack_off]
-    if len(drop) or len(add):
-        return "a row pulls", drop, add
+    pulls, broken = one_sided & (force < -force_off), slack < -slack_off
+    if pulls.any():
+        return "a row pulls", held[[int(numpy.where(pulls, force, 0).argmin())]], nothing
+    if broken.any():
+        i = loose[int(numpy.where(broken, slack, 0).argmin())]
+        drop = exchange(p, held, force, i)
+        if drop is None:
+            return BY_ROUNDING, nothing, nothing
+        return "a row is broken", numpy.array(drop, dtype=int), numpy.array([i])
     zero_force = numpy.flatnonzero(one_sided & (abs(force) <= force_off))
     zero_slack = numpy.flatnonzero(abs(slack) <= slack_off)
     if len(zero_force) + len(zero_slack):
@@ -476,6 +541,8 @@ class Truth:
             self.least, self.off = objective(self.p, outcome.x), objective_off(self.p, outcome)
             return
         self.why = outcome
+        if outcome == BY_ROUNDING:
+            return
         self.state, self.certificate = without_solution(self.p)
 
 
