@@ -22,6 +22,7 @@ int pack_command(std::vector<std::string> words);
 int solve_pack_command(std::vector<std::string> words);
 int judge_command(std::vector<std::string> words);
 int guard_command(std::vector<std::string> words);
+int league_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
 
 // What `merge` does, and a campaign at its end: joins, prints what was found, writes the report.

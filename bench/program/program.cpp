@@ -49,6 +49,7 @@ std::vector<Command> own_commands(const Extensions& extensions) {
           {"solve-pack", solve_pack_command},
           {"judge", judge_command},
           {"guard", guard_command},
+          {"league", league_command},
           {"fuzz", fuzz_command},
           {"conformance", conformance_command},
           {"solve", solve_command},

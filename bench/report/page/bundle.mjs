@@ -1,4 +1,4 @@
-// node bundle.mjs OUT [collision]: body, style, scripts, chart specs and the Vega libraries as one page without its data.
+// node bundle.mjs OUT [collision|league]: body, style, scripts, chart specs and the Vega libraries as one page without its data.
 import fs from 'node:fs';
 
 const here = new URL('.', import.meta.url).pathname;
@@ -18,12 +18,13 @@ if (/^(import|export) /m.test(interpreter)) throw new Error('vega-interpreter ha
 
 const specs = Object.fromEntries(fs.readdirSync(here + '../charts').sort()
   .map(file => [file.replace('.vl.json', ''), JSON.parse(read('../charts/' + file))]));
-const libraries = ['vega/build/vega.min.js', 'vega-lite/build/vega-lite.min.js', 'vega-embed/build/vega-embed.min.js']
+const libraries = process.argv[3] === 'league' ? [] : ['vega/build/vega.min.js', 'vega-lite/build/vega-lite.min.js', 'vega-embed/build/vega-embed.min.js']
   .map(file => read('node_modules/' + file)).concat(`(() => {${interpreter}})();`);
 
-const [body, title, scripts] = process.argv[3] === 'collision' ?
-  ['collision.html', 'zwang: collision suite', ['charts.js', 'collision.js']] :
-  ['report.html', 'zwang report', ['charts.js', 'labels.js', 'table.js', 'page.js']];
+const [body, title, scripts] = {
+  collision: ['collision.html', 'zwang: collision suite', ['charts.js', 'collision.js']],
+  league: ['league.html', 'zwang league', ['charts.js', 'table.js', 'league.js']],
+}[process.argv[3]] ?? ['report.html', 'zwang report', ['charts.js', 'labels.js', 'table.js', 'page.js']];
 const globals = {'charts.js': `const STABILITY = ${read('stability.json')};\n`, 'page.js': `const SPECS = ${JSON.stringify(specs)};\n`};
 const script = name => inline((globals[name] ?? '') + read(name));
 

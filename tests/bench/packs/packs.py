@@ -6,6 +6,7 @@ import json
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -271,6 +272,66 @@ def check_guard():
     check("two tolerances", mixed.returncode == 2 and "another tolerance" in mixed.stderr, mixed.stderr)
 
 
+def check_league():
+    """A page of records: the same bytes for the same records, and one line for what is wrong with one."""
+    header, answers = read("dual_active_set.jsonl")
+    right = [a for a in answers if a["status"] in ("solved", "infeasible")]
+    handed = next(a["sha256"] for a in right)
+    entries = {"new": (right, "0.10", {"reply": "</script><b>Ours</b>"}), "old": (spoilt(right, 1e-3), "0.9", {}), "cone": (None, "1", {})}
+    for name, (given, version, more) in entries.items():
+        solver = "cone" if given is None else header["solver"]
+        if given is None:
+            os.makedirs("records/cone")
+            given = [{**a, **({"answered_by": "nnls"} if a["sha256"] == handed else {})} for a in read("cone.jsonl")[1]]
+        else:
+            os.makedirs("records/" + name)
+        write("entered.jsonl", {**header, "solver": solver, "machine": "one"}, [{**a, "seconds": 2e-3} for a in given])
+        run("judge", "pack", "entered.jsonl", "--out", f"records/{name}/small")
+        with open(f"records/{name}/entry.json", "w") as file:
+            json.dump({"solver": solver, "version": version, "url": "https://example.org", **more}, file)
+    made = run("league", "records/new", "records/old", "records/cone", "--out", "league")
+    check("a league", made.returncode == 0 and "League: league/index.html" in made.stdout, made.stdout + made.stderr)
+    page = open("league/index.html", encoding="utf-8").read()
+    data = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])
+    said = [(e["solver"], e["version"], sum(bool(row and row[0]) for row in e["packs"]["small"]["rows"]),
+             sum(bool(row and row[1]) for row in e["packs"]["small"]["rows"])) for e in data["entries"]]
+    wrong = sum(1 for r in map(json.loads, open("records/old/small/results.jsonl")) if r["verified"] == "wrong" and r["claimed"] == "solved")
+    by_cone = sum(a["status"] in ("solved", "infeasible") and a["sha256"] != handed and "answered_by" not in a for a in read("cone.jsonl")[1])
+    check("what it says", said[0] == ("cone", "1", by_cone, 0) and said[1][:2] == (header["solver"], "0.9") and said[1][3] == wrong > 30 and
+          said[2] == (header["solver"], "0.10", len(right), 0) and data["entries"][0]["packs"]["small"]["rows"].count(None) >= 1,
+          f"{said} {wrong} {by_cone} {len(right)}")
+    check("problems and replies", len(data["packs"]["small"]) == 48 and data["entries"][2]["reply"] == "</script><b>Ours</b>")
+    os.makedirs("elsewhere")
+    shutil.copytree("records", "elsewhere/moved")
+    run("league", "elsewhere/moved/cone", "elsewhere/moved/old", "elsewhere/moved/new", "--out", "league2")
+    check("the same bytes wherever records lie", open("league2/index.html", encoding="utf-8").read() == page)
+    run("pack", "chain(links=4)", "--out", "pack4")
+    run("solve-pack", "pack4", "--solver", "cone", "--out", "cone4.jsonl")
+
+    def spoil(says, change):
+        shutil.rmtree("spoilt", ignore_errors=True)
+        shutil.copytree("records/cone", "spoilt")
+        change()
+        wrong = run("league", "records/new", "spoilt", "--out", "never")
+        check(f"a bad record: {says}", wrong.returncode == 3 and says in wrong.stderr and wrong.stderr.count("\n") == 1 and
+              not os.path.exists("never"), wrong.stdout + wrong.stderr)
+
+    def entry(text):
+        with open("spoilt/entry.json", "w") as file:
+            file.write(text)
+    good = {"solver": "cone", "version": "1", "url": ""}
+    spoil("entry.json: no such file", lambda: os.remove("spoilt/entry.json"))
+    spoil("solver: expected", lambda: entry("{"))
+    spoil("version: expected", lambda: entry(json.dumps({**good, "version": 1})))
+    spoil("url: expected https", lambda: entry(json.dumps({**good, "url": "javascript:alert(1)"})))
+    spoil("no answer of pgs", lambda: entry(json.dumps({**good, "solver": "pgs"})))
+    spoil("no judgement", lambda: shutil.rmtree("spoilt/small"))
+    spoil("results.jsonl", lambda: open("spoilt/small/results.jsonl", "w").write("{\n{}\n"))
+    spoil("another pack than the small", lambda: (shutil.rmtree("spoilt/small"), run("judge", "pack4", "cone4.jsonl", "--out", "spoilt/small")))
+    twice = run("league", "records/new", "records/new", "--out", "never")
+    check("twice", twice.returncode == 3 and "a second record of" in twice.stderr, twice.stderr)
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
@@ -278,5 +339,6 @@ with tempfile.TemporaryDirectory() as folder:
     check_bad_answers()
     check_formats()
     check_guard()
+    check_league()
     os.chdir("/")
 sys.exit(1 if failures else 0)
