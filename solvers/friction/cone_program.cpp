@@ -104,9 +104,10 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
 
 void ConeProgram::measure_start() {
   start_ = 0;
+  const double opening = law_.opening();
   for (Index k = 0; k < cones(); ++k) {
-    const double slip = std::hypot(h_[3 * k + 1], h_[3 * k + 2]);
-    start_ = std::max(start_, mu(k) * (h_[3 * k] + law_.opening() * slip));
+    const double slip = opening > 0 ? opening * std::hypot(h_[3 * k + 1], h_[3 * k + 2]) : 0;
+    start_ = std::max(start_, mu(k) * (h_[3 * k] + slip));
   }
   for (Index r = 0; r < rays(); ++r) {
     const double own = h_[3 * cones() + r];

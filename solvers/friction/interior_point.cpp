@@ -65,7 +65,8 @@ void InteriorPoint::measure(ConeProgram& program) {
   const Index nc = program.cones();
   program.slack(v, s);
   left_ = s - w;
-  for (Index k = 0; k < nc; ++k) left_[3 * k] += program.law().shift(&s[3 * k]);
+  if (const double lift = program.law().lift; lift > 0)
+    for (Index k = 0; k < nc; ++k) left_[3 * k] += lift * soc::tangential(&s[3 * k]);
   program.face().force(y, force_);
   program.face().mass(v, mass_);
   force_ -= mass_;
@@ -76,7 +77,7 @@ void InteriorPoint::measure(ConeProgram& program) {
 // D and the affine target: dy = target_ - D ds.
 void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
-  const double rounding = tolerances::cone_slip_rounding * gap_, lift = program.law().lift;
+  const double rounding = tolerances::cone_slip_rounding * gap_, slope = coupling_ * program.law().lift;
   for (Index k = 0; k < nc; ++k) {
     Cone& cone = cone_[at(k)];
     double* D = &D_[at(9 * k)];
@@ -88,8 +89,8 @@ void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
     cone.slope1 = cone.slope2 = 0;
     if (!couples) continue;
     const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
-    cone.slope1 = coupling_ * lift * s[3 * k + 1] / size;
-    cone.slope2 = coupling_ * lift * s[3 * k + 2] / size;
+    cone.slope1 = slope * s[3 * k + 1] / size;
+    cone.slope2 = slope * s[3 * k + 2] / size;
     for (Index i = 0; i < 3; ++i) {
       D[i + 3] += D[i] * cone.slope1;
       D[i + 6] += D[i] * cone.slope2;
@@ -164,13 +165,13 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
 
 // What the shift is along that part of the predictor beyond its slope.
 void InteriorPoint::bend(const ConeProgram& program, double part) {
-  const double rounding = tolerances::cone_slip_rounding * gap_;
+  const double rounding = tolerances::cone_slip_rounding * gap_, share = part * program.law().lift;
   for (Index k = 0; k < program.cones(); ++k) {
     const double *own = &s[3 * k], *d = &ds_[3 * k], *D = &D_[at(9 * k)];
     const double end1 = own[1] + d[1], end2 = own[2] + d[2];
     const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
     const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
-    bend_[k] = part * program.law().lift * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
+    bend_[k] = share * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
     for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
   }
 }
