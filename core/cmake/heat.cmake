@@ -49,6 +49,9 @@ function(zwang_level LEVEL TARGET)
   if(NOT LEVEL STREQUAL "hot")
     target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
+  if(LEVEL STREQUAL "test")  # GoogleTest's macros name the file: not by its whole path, for clones share a cache
+    target_compile_options(${TARGET} PRIVATE -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
+  endif()
 endfunction()
 
 # zwang_precompile(LEVEL HEADER...): the precompiled header of LEVEL, of what all levels have and HEADERs.
