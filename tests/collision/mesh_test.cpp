@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include <zwang/bench/collision/meshes.h>
+#include "tests/folders.h"
 #include "tests/recorded_data.h"
 
 namespace zwang::collision {
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct MeshFiles : testing::Test {
-  fs::path folder = fs::temp_directory_path() / ("zwang_meshes_" + std::to_string(::getpid()));
+  fs::path folder = own_path("meshes");
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }
   fs::path write(const std::string& name, const std::string& text) const {

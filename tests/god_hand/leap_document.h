@@ -1,7 +1,5 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +9,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
+#include "tests/folders.h"
 
 namespace zwang::god {
 
@@ -56,8 +55,7 @@ inline nlohmann::json leap_document(int frames, bool right, bool left) {
 
 // A file of this text in a folder of its own; the name may have folders' characters.
 inline std::filesystem::path written(const std::string& name, const std::string& text) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("zwang_motions_" + std::to_string(getpid()));
+  const std::filesystem::path folder = own_path("motions");
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name, std::ios::binary) << text;
   return folder / name;

@@ -14,6 +14,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
+#include "tests/folders.h"
 
 namespace zwang::god {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Folder {
-  fs::path path = fs::temp_directory_path() / ("zwang-run-" + std::to_string(getpid()));
+  fs::path path = own_path("run");
   Folder() { fs::create_directories(path); }
   ~Folder() { fs::remove_all(path); }
 };

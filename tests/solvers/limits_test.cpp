@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -11,6 +9,7 @@
 #include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/problem/memory.h>
 #include <zwang/solvers/registry.h>
+#include "tests/folders.h"
 
 namespace zwang {
 namespace {
@@ -80,7 +79,7 @@ TEST(Memory, RefusedAllocationsAreOneLineHereAndInAChild) {
 
 // In a container whose files fill the memory it may use, what they fill is free: the kernel gives it up when asked.
 TEST(Memory, FilesKeptByAControlGroupAreFree) {
-  const auto folder = std::filesystem::temp_directory_path() / ("zwang-group-" + std::to_string(getpid()));
+  const auto folder = own_path("group");
   const auto put = [&](const char* file, const char* text) {
     std::filesystem::create_directories((folder / file).parent_path());
     std::ofstream(folder / file) << text;

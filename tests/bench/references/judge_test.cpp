@@ -1,8 +1,6 @@
 #include <zwang/bench/references/judge.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 
@@ -10,6 +8,7 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/files/problem_file.h>
 #include "tests/core/referee/friction/attacks.h"
+#include "tests/folders.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -90,8 +89,7 @@ TEST(Judge, BelievesNoFileThatTheRefereeRefutes) {
 
 // PINCH and the rod through a file: that there are other solutions is not lost, and that there are none not believed.
 TEST(Judge, AFileDoesNotMakeOneOfSeveralSolutionsTheOnlyOne) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("zwang-judge-test-" + std::to_string(::getpid()) + ".h5");
+  const std::filesystem::path file = own_path("judge-test.h5");
   const auto stored = [&](const Problem& problem, const Vector& z, bool unique) {
     Instance out{.problem = problem};
     out.reference = Reference{.z = z, .unique = unique, .method = "known answer"};
@@ -112,8 +110,7 @@ TEST(Judge, AFileDoesNotMakeOneOfSeveralSolutionsTheOnlyOne) {
 // Every law, one and several solutions, redundant rows, no solution at all: what a file keeps of a reference decides as
 // the scene's own does, for the stored answer, without multipliers, and spoilt.
 TEST(Judge, AProblemReadBackIsJudgedAsBefore) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("zwang-judge-back-" + std::to_string(::getpid()) + ".h5");
+  const std::filesystem::path file = own_path("judge-back.h5");
   int answers = 0;
   for (const char* scenes :
        {"stack(boxes=2),hand(contacts=4),leash,MR,NPE,LOOP,INC", "stack(boxes=2,mu=0.5),RANK,ROD,HELD,JAM,PINCH,PUCK"})

@@ -1,8 +1,6 @@
 #include <zwang/bench/references/reference.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +10,7 @@
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include "tests/folders.h"
 #include "tests/recorded_data.h"
 #include "tests/solvers/small_problems.h"
 
@@ -45,8 +44,7 @@ Problem ternary_problem(unsigned seed) {
 }
 
 struct Folder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("zwang-reference-test-" + std::to_string(::getpid()));
+  std::filesystem::path path = own_path("reference-test");
   Folder() { std::filesystem::remove_all(path); }
   ~Folder() { std::filesystem::remove_all(path); }
   std::filesystem::path only_file() const { return std::filesystem::directory_iterator(path)->path(); }

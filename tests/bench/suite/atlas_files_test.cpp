@@ -56,8 +56,7 @@ class AtlasFiles : public testing::Test {
     return folder / name;
   }
   void TearDown() override { std::filesystem::remove_all(folder); }
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("zwang-atlas-files-" + std::to_string(getpid()));
+  const std::filesystem::path folder = own_path("atlas-files");
 };
 
 TEST_F(AtlasFiles, TheListHasEveryPointOfTheSuite) {

@@ -8,6 +8,7 @@
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/suite/suite.h>
 #include "tests/bench/suite/test_solvers.h"
+#include "tests/folders.h"
 
 namespace zwang {
 namespace {
@@ -51,7 +52,7 @@ TEST(Flow, GivesARowPerRunThatSaysWhatTheSuiteSays) {
   plan.time_limit = 5;
   plan.runs = {{.solver = "dual_active_set"}, {.solver = "newton"}};
   plan.instances = {assembled_hand()};
-  const auto directory = std::filesystem::temp_directory_path() / ("zwang-flow" + std::to_string(getpid()));
+  const auto directory = own_path("flow");
   std::filesystem::remove_all(directory);
   run_suite(plan, {.directory = directory, .command = "test"}, tests::never);
 

@@ -24,10 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Folder {
   fs::path path;
-  explicit Folder(const std::string& name)
-      : path(fs::temp_directory_path() / ("zwang-" + name + std::to_string(getpid()))) {
-    fs::remove_all(path);
-  }
+  explicit Folder(const std::string& name) : path(own_path(name)) { fs::remove_all(path); }
   ~Folder() { fs::remove_all(path); }
 };
 

@@ -11,6 +11,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
+#include "tests/folders.h"
 
 namespace zwang {
 namespace {
@@ -73,7 +74,7 @@ TEST(Isolated, AnEndlessLoopAndASleepAreStopped) {
 }
 
 struct StoredFiles : testing::Test {
-  fs::path folder = fs::temp_directory_path() / ("zwang_stored_" + std::to_string(::getpid()));
+  fs::path folder = own_path("stored");
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }
   std::string complaint(const fs::path& file) const {

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include <zwang/core/files/problem_file.h>
+#include "tests/folders.h"
 
 namespace zwang {
 
@@ -18,7 +17,7 @@ class ProblemFile : public testing::Test {
  protected:
   void SetUp() override {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::temp_directory_path() / ("zwang_" + std::string(test->name()) + std::to_string(getpid()));
+    folder = own_path(test->name());
     fs::create_directories(folder);
   }
   void TearDown() override { fs::remove_all(folder); }

@@ -23,9 +23,7 @@
 namespace zwang::god {
 namespace {
 
-std::string socket_path() {
-  return (std::filesystem::temp_directory_path() / ("zwang-stream-" + std::to_string(getpid()))).string();
-}
+std::string socket_path() { return own_path("stream").string(); }
 
 Frame frame_of(long number) {
   Frame f;

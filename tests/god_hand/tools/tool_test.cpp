@@ -1,6 +1,5 @@
 #include <zwang/experiments/god_hand/tools/tool.h>
 
-#include <unistd.h>
 #include <filesystem>
 #include <fstream>
 
@@ -9,6 +8,7 @@
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 #include <zwang/experiments/god_hand/tools/path.h>
 #include <zwang/experiments/god_hand/tools/play.h>
+#include "tests/folders.h"
 #include "tests/god_hand/tracked.h"
 
 namespace zwang::god {
@@ -90,7 +90,7 @@ TEST(Tool, AGripperClosesAsFarAsThereIsRoom) {
 }
 
 TEST(Tool, FollowsAPathFromATable) {
-  const auto file = std::filesystem::temp_directory_path() / ("zwang-path-" + std::to_string(getpid()) + ".csv");
+  const auto file = own_path("path.csv");
   std::ofstream(file) << "time,x,y,z,qw,qx,qy,qz\n5,0,0,0.1,1,0,0,0\n6,0.2,0,0.1,2,0,0,0\n";
   const Tool tool = make_tool("sphere");
   const std::optional<HandMotion> motion = read_path(file, tool);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <unistd.h>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/tools/path.h>
 #include <zwang/experiments/god_hand/tools/play.h>
+#include "tests/folders.h"
 #include "tests/god_hand/tracked.h"
 
 namespace zwang::god {
@@ -18,8 +18,7 @@ namespace zwang::god {
 // A file of this text, while it is there.
 struct Written {
   std::filesystem::path path;
-  Written(const std::string& text, const std::string& kind)
-      : path(std::filesystem::temp_directory_path() / ("zwang-tool-" + std::to_string(getpid()) + kind)) {
+  Written(const std::string& text, const std::string& kind) : path(own_path("tool" + kind)) {
     std::ofstream(path) << text;
   }
   ~Written() { std::filesystem::remove(path); }
