@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -116,6 +117,19 @@ void read_head(const Json& head, Answers& all) {
     throw std::runtime_error("tolerance: expected a number between 0 and 1");
 }
 
+// One line's object. Of two equal keys the parser alone would take the last.
+Json object_of(const std::string& line) {
+  std::set<std::string> keys;
+  const auto once = [&](int depth, Json::parse_event_t event, const Json& key) {
+    if (depth == 1 && event == Json::parse_event_t::key && !keys.insert(key).second)
+      throw std::runtime_error(key.get<std::string>() + ": twice in the line");
+    return true;
+  };
+  Json record = Json::parse(line, once);
+  if (!record.is_object()) throw std::runtime_error("expected one JSON object");
+  return record;
+}
+
 // Each of these hands over the head, then answer by answer; `place` says where in the file it is.
 using Take = std::function<void(const Json& record)>;
 
@@ -124,9 +138,7 @@ void of_lines(const std::string& bytes, std::string& place, const Take& take) {
   std::size_t at = 0;
   for (std::string line; std::getline(lines, line);) {
     place = "line " + std::to_string(++at);
-    const Json record = Json::parse(line);
-    if (!record.is_object()) throw std::runtime_error("expected one JSON object");
-    take(record);
+    take(object_of(line));
   }
 }
 

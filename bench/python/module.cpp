@@ -242,6 +242,7 @@ PYBIND11_MODULE(_zwang, m) {
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) setenv(name, "1", 0);
   m.attr("__version__") = conditions().version;
   py::register_exception<BadFile>(m, "BadFile", PyExc_ValueError);
+  py::register_exception<NotDefinite>(m, "NotDefinite", PyExc_ValueError);
 
   made_by_calls(py::class_<Compressed>(m, "Compressed"))
       .def(py::init([](Numbers data, Integers indices, Integers indptr, Index rows, Index columns) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -43,7 +44,7 @@ json read_entry(const fs::path& file) {
 // What the solver made of each problem: [right, claimed falsely, proven error, seconds]; null where another one
 // answered in its place.
 json judgement(const fs::path& directory, const std::string& solver, std::map<std::string, std::string>& problems) {
-  const RunFolder run = read_run(directory);
+  const RunFolder run = read_run(directory, std::numeric_limits<std::size_t>::max());
   std::map<std::string, json> rows;
   std::string machine;
   bool there = std::ranges::any_of(run.handed_over, [&](const auto& over) { return over.first.first == solver; });

@@ -164,7 +164,7 @@ std::vector<std::string> distinct(const std::vector<Result>& results, std::strin
 
 }  // namespace
 
-RunFolder read_run(const fs::path& dir) {
+RunFolder read_run(const fs::path& dir, std::size_t large) {
   RunFolder run;
   run.dir = dir;
   run.label = dir.filename().empty() ? dir.parent_path().filename().string() : dir.filename().string();
@@ -178,7 +178,7 @@ RunFolder read_run(const fs::path& dir) {
       run.recorded.push_back(std::move(r));
       return;
     }
-    if (lines <= RunFolder::large) {
+    if (lines <= large) {
       r.replay = replay_command(run.dir, r);
     } else {
       // A string's room goes only with a move.

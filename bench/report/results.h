@@ -49,8 +49,8 @@ struct RunFolder {
 
 // Reads DIR/results.jsonl, and run.json, traces.jsonl, speed.jsonl and conformance.jsonl of DIR where they exist. A
 // torn last line (a killed run) is left out and noted; any other bad line throws std::runtime_error naming file, line
-// and reason in one line.
-RunFolder read_run(const std::filesystem::path& dir);
+// and reason in one line. Of more than `large` results only what charts need is kept.
+RunFolder read_run(const std::filesystem::path& dir, std::size_t large = RunFolder::large);
 
 // The run's problems by class, those without any left out: QP (frictionless, or pyramids of friction), convex cone,
 // Coulomb. Classes are never averaged: few solvers read all of them, and they cost differently. A solver is in the

@@ -1,7 +1,6 @@
 #include <zwang/core/referee/quadratic_program.h>
 
 #include <Eigen/SparseCholesky>
-#include <stdexcept>
 
 #include <zwang/core/problem/mix_bits.h>
 #include <zwang/core/problem/row_writer.h>
@@ -80,7 +79,7 @@ AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
   require(bad.empty(), bad);
 
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(p.P);
-  require(n == 0 || factor.info() == Eigen::Success, "P is not positive definite");
+  if (n > 0 && factor.info() != Eigen::Success) throw NotDefinite();
   // z_u = -P^-1 q, its residual P z_u + q taken in double-double: after a few corrections z_u is as good as rounding
   // to double allows, and the residual's dual norm says how good that is.
   Vector& z_u = problem.z_u;
@@ -98,10 +97,10 @@ AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
     for (Index i = 0; i < n; ++i) right[i] = r[static_cast<std::size_t>(i)].hi;
     z_u -= factor.solve(right);
   }
-  require(z_u.allFinite(), "P is not positive definite");
+  if (!z_u.allFinite()) throw NotDefinite();
   residual();
   const ScaledProblem scaled(problem);
-  require(scaled.definite, "P is not positive definite");
+  if (!scaled.definite) throw NotDefinite();
   for (DoubleDouble& x : r) x = x.scaled(-scaled.mass_exponent - scaled.motion_exponent);
   out.rounding = referee::widened_sum * scaled.to_problem_norm(scaled.dual_norm(r));
   return out;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <stdexcept>
+
 #include <zwang/core/problem/instance.h>
 
 namespace zwang {
@@ -31,8 +33,12 @@ struct AsLeastConstraint {
   Vector multipliers(const QuadraticProgram& program, const Vector& y, const Vector& z, const Vector& z_box) const;
 };
 
+struct NotDefinite : std::invalid_argument {
+  NotDefinite() : std::invalid_argument("P is not positive definite") {}
+};
+
 // Throws std::invalid_argument in one line: sizes that do not fit, numbers that are not finite, a P that is not
-// symmetric or not positive definite.
+// symmetric, or as NotDefinite not positive definite.
 AsLeastConstraint as_least_constraint(const QuadraticProgram& program);
 
 }  // namespace zwang

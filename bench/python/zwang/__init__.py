@@ -223,9 +223,8 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
         return _zwang.judge_qp(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), h,
                                _compressed(A, "A", n, True), b, lb, ub, x, _numbers(y, "y", 1), _numbers(z, "z", 1),
                                _numbers(z_box, "z_box", n), float(tolerance))
-    except ValueError as bad:
-        if str(bad) != "P is not positive definite":
-            raise
+    except _zwang.NotDefinite:
+        pass
     from . import semidefinite
     return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
 

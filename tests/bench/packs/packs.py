@@ -118,6 +118,7 @@ def check_bad_answers():
         "a name with a comma": [json.dumps({**header, "solver": "a,b"})],
         "tolerance": [json.dumps({**header, "tolerance": 0})],
         "twice": [json.dumps(header), text, text],
+        "a key twice": [json.dumps(header), text[:-1] + ", " + json.dumps({"z": first["z"]})[1:]],
         "another pack": [json.dumps(header), json.dumps({**first, "sha256": "0" * 64})],
         "too short": [json.dumps(header), json.dumps({**first, "z": first["z"][1:]})],
         "NaN": [json.dumps(header), json.dumps({**first, "z": [float("nan")] + first["z"][1:]})],
@@ -330,6 +331,15 @@ def check_league():
     spoil("another pack than the small", lambda: (shutil.rmtree("spoilt/small"), run("judge", "pack4", "cone4.jsonl", "--out", "spoilt/small")))
     twice = run("league", "records/new", "records/new", "--out", "never")
     check("twice", twice.returncode == 3 and "a second record of" in twice.stderr, twice.stderr)
+    row = next(r for r in map(json.loads, open("records/cone/small/results.jsonl")) if r["solver"] == "cone")
+    del row["check"]  # of one line as it stands
+    os.makedirs("records/cone/many")
+    with open("records/cone/many/results.jsonl", "w") as file:
+        for k in range(20001):
+            print(json.dumps({**row, "problem": str(k), "problem_sha256": f"{k:064x}"}), file=file)
+    run("league", "records/cone", "--out", "many")
+    names = json.loads(re.search(r'id="data">(.*?)</script>', open("many/index.html", encoding="utf-8").read())[1])["packs"]["many"]
+    check("more problems than a report shows one by one", names == list(map(str, range(20001))), str(names)[:200])
 
 
 with tempfile.TemporaryDirectory() as folder:
