@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <zwang/core/files/isolated.h>
 #include <zwang/core/problem/wording.h>
+#include <zwang/core/process/isolated.h>
 
 namespace zwang::collision {
 namespace {

@@ -13,9 +13,9 @@
 #include <tuple>
 
 #include <zwang/bench/suite/progress.h>
-#include <zwang/core/files/child_process.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/files/wire.h>
+#include <zwang/core/process/child_process.h>
+#include <zwang/core/process/wire.h>
 
 namespace zwang {
 
@@ -76,7 +76,8 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   if (outcome.solvers.size() > most_solvers) throw std::invalid_argument("at most 32 solvers are fuzzed at once");
   std::vector<FuzzTally> unused(outcome.solvers.size());
   // Throws here, before any process starts, where a name is mistyped.
-  Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});
+  Fuzzer(
+      options, among, unused, [](std::size_t) {}, [](const Fault&) {});
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
   const double start = wall_seconds();
   std::map<std::string, std::size_t> files, same_name;  // by solver; of further faults of one solver on one problem
@@ -91,7 +92,8 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       }
       send_message(socket, pack(finding));
     };
-    Fuzzer fuzzer(options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
+    Fuzzer fuzzer(
+        options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
     while (shared.next < end) {
       fuzzer.look(shared.next);
       ++shared.done;

@@ -21,8 +21,8 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/bench/timing/instruction_set.h>
-#include <zwang/core/files/other_program.h>
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/process/other_program.h>
 #include <zwang/solvers/linalg/library_memory.h>
 
 namespace zwang {
@@ -39,10 +39,8 @@ constexpr std::array words_of_zwang = {
 };
 
 std::vector<Command> own_commands(const Extensions& extensions) {
-  return {{"bench",
-           [collision = extensions.collision](std::vector<std::string> words) {
-             return bench_command(std::move(words), collision);
-           }},
+  return {{"bench", [collision = extensions.collision](
+                        std::vector<std::string> words) { return bench_command(std::move(words), collision); }},
           {"report", report_command},
           {"merge", merge_command},
           {"pack", pack_command},
@@ -67,12 +65,12 @@ std::vector<Command> all_commands(const Extensions& extensions) {
     if (word.program == "script") continue;
     const std::string name(word.name);
     const auto own = std::ranges::find(given, name, &Command::name);
-    all.push_back({name,
-                   own != given.end() ? own->run
-                                      : [name](const std::vector<std::string>& words) {
-                                          return continue_as_whole_program(name, words);
-                                        },
-                   std::string(word.group), std::string(word.line)});
+    all.push_back(
+        {name,
+         own != given.end()
+             ? own->run
+             : [name](const std::vector<std::string>& words) { return continue_as_whole_program(name, words); },
+         std::string(word.group), std::string(word.line)});
     if (own != given.end()) given.erase(own);
   }
   std::ranges::move(given, std::back_inserter(all));
@@ -119,7 +117,8 @@ int run(std::span<const Command> commands, const std::string& word, std::vector<
 
 int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words) {
   const std::string file = find_program("zwang-all").string();
-  if (file.empty()) throw std::invalid_argument("'" + word + "' is a command of zwang-all, which is not built: ./zwang setup all");
+  if (file.empty())
+    throw std::invalid_argument("'" + word + "' is a command of zwang-all, which is not built: ./zwang setup all");
   std::vector<const char*> arguments = {file.c_str(), word.c_str()};
   for (const std::string& w : words) arguments.push_back(w.c_str());
   arguments.push_back(nullptr);

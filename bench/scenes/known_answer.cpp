@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include <zwang/core/referee/double_double.h>
+#include <zwang/core/number/double_double.h>
 #include <zwang/core/referee/scaled_problem.h>
 
 namespace zwang {

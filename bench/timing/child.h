@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include <zwang/bench/timing/solve_service.h>
-#include <zwang/core/files/child_process.h>
+#include <zwang/core/process/child_process.h>
 
 namespace zwang {
 

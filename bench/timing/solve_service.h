@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <zwang/core/files/wire.h>
 #include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/problem/preparation.h>
 #include <zwang/core/problem/solver.h>
+#include <zwang/core/process/wire.h>
 
 namespace zwang {
 

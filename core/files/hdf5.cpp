@@ -6,8 +6,8 @@
 #include <cstring>
 #include <type_traits>
 
-#include <zwang/core/files/isolated.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/process/isolated.h>
 
 namespace zwang::hdf5 {
 

@@ -3,19 +3,14 @@
 #include <filesystem>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <zwang/core/problem/bad_file.h>
 #include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/law.h>
 
 namespace zwang {
-
-// What stands between a user's file and a problem. Its what() is one line: file, place, what was expected.
-struct BadFile : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 // Reads every problem of an HDF5 file: zwang's own layout, FCLIB (local or global), and collections of either
 // (one group a problem, in the natural order of their names, with optional truth/); or Siconos' text, .dat.

@@ -10,8 +10,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include <zwang/core/files/problem_file.h>
-
 namespace zwang {
 namespace {
 
@@ -94,14 +92,6 @@ std::string sha256(std::string_view bytes) {
   std::string text;
   for (const unsigned char byte : digest)
     for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
-}
-
-std::string one_line(std::string text) {
-  for (char& ch : text)
-    if (static_cast<unsigned char>(ch) < ' ' || ch == '\x7f') ch = ' ';
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  if (text.size() > 300) text = text.substr(0, 297) + "...";
   return text;
 }
 

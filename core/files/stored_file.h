@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include <zwang/core/problem/bad_file.h>
+
 namespace zwang {
 
 // A file's bytes as they are stored.
@@ -27,8 +29,5 @@ void replace_file(const std::filesystem::path& file, std::string_view bytes);
 
 // 64 hexadecimal digits.
 std::string sha256(std::string_view bytes);
-
-// One line of at most 300 characters without control characters, for what a library or a file says.
-std::string one_line(std::string text);
 
 }  // namespace zwang

@@ -2,8 +2,8 @@
 
 #include <Eigen/SparseCholesky>
 
+#include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/problem.h>
-#include <zwang/core/referee/double_double.h>
 
 namespace zwang {
 

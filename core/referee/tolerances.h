@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/types.h>
-#include <zwang/core/referee/double_double.h>
 
 // Every number that the referee decides by, with its reason. Lengths and slacks are of unit rows; "the motion" is s of
 // docs/referee.md. Most of them steer a guess: where it is wrong there is no bound, never a false one.

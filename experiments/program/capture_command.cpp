@@ -6,9 +6,9 @@
 #include <zwang/bench/capture/capture.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/core/files/isolated.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/wording.h>
+#include <zwang/core/process/isolated.h>
 #include <zwang/experiments/program/commands.h>
 
 namespace zwang {

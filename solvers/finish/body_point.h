@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <zwang/core/referee/double_double.h>
+#include <zwang/core/number/double_double.h>
 #include <zwang/solvers/form/body_rows.h>
 
 namespace zwang {

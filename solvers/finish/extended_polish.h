@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <zwang/core/referee/double_double.h>
+#include <zwang/core/number/double_double.h>
 #include <zwang/solvers/factor/active_rows.h>
 #include <zwang/solvers/factor/dual_climb.h>
 #include <zwang/solvers/form/whiten.h>

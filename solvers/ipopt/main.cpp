@@ -1,7 +1,7 @@
 // zwang-ipopt: answers the questions of Ipopt::solve().
-#include <zwang/core/files/other_program.h>
 #include <zwang/core/problem/memory.h>
 #include <zwang/core/problem/preparation.h>
+#include <zwang/core/process/other_program.h>
 #include <zwang/solvers/ipopt/ipopt_method.h>
 
 int main() {

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include <zwang/core/files/other_program.h>
-#include <zwang/core/files/wire.h>
+#include <zwang/core/process/other_program.h>
+#include <zwang/core/process/wire.h>
 #include <zwang/solvers/rivals/session.h>
 #include <zwang/solvers/setting.h>
 

@@ -6,9 +6,9 @@
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/row_by_row.h>
+#include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/problem/row_writer.h>
-#include <zwang/core/referee/double_double.h>
 
 namespace zwang {
 namespace {

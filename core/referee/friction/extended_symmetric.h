@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/types.h>
-#include <zwang/core/referee/double_double.h>
 
 namespace zwang {
 

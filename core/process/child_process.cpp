@@ -1,4 +1,4 @@
-#include <zwang/core/files/child_process.h>
+#include <zwang/core/process/child_process.h>
 
 #include <fcntl.h>
 #include <poll.h>

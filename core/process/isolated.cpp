@@ -1,4 +1,4 @@
-#include <zwang/core/files/isolated.h>
+#include <zwang/core/process/isolated.h>
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -9,10 +9,9 @@
 #include <fstream>
 #include <new>
 
-#include <zwang/core/files/child_process.h>
-#include <zwang/core/files/problem_file.h>
-#include <zwang/core/files/stored_file.h>
+#include <zwang/core/problem/bad_file.h>
 #include <zwang/core/problem/wording.h>
+#include <zwang/core/process/child_process.h>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)

@@ -25,7 +25,9 @@ struct Iterate {
 };
 
 // The fields of each type that is sent, in one list for both directions. Others add an overload beside their type.
-void fields(auto visit, same_but_const<Problem> auto& x) { visit(x.name, x.M, x.z_u, x.J, x.c, x.kind, x.key, x.mu, x.law); }
+void fields(auto visit, same_but_const<Problem> auto& x) {
+  visit(x.name, x.M, x.z_u, x.J, x.c, x.kind, x.key, x.mu, x.law);
+}
 void fields(auto visit, same_but_const<Solution> auto& x) {
   visit(x.status, x.z, x.lambda, x.iterations, x.certificate, x.redundant, x.margins, x.fallback, x.range_gap,
         x.handed_to, x.message);

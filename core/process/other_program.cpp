@@ -1,4 +1,4 @@
-#include <zwang/core/files/other_program.h>
+#include <zwang/core/process/other_program.h>
 
 #include <dlfcn.h>
 #include <unistd.h>

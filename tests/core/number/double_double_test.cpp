@@ -1,4 +1,4 @@
-#include <zwang/core/referee/double_double.h>
+#include <zwang/core/number/double_double.h>
 
 #include <gtest/gtest.h>
 

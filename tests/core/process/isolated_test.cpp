@@ -1,4 +1,4 @@
-#include <zwang/core/files/isolated.h>
+#include <zwang/core/process/isolated.h>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

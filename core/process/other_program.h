@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <zwang/core/files/child_process.h>
+#include <zwang/core/process/child_process.h>
 
 namespace zwang {
 
