@@ -23,7 +23,7 @@ from ._zwang import BadFile, Judgement, Solution, __version__
 from .packs import judge_pack, write_answers
 
 __all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_pack",
-           "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
+           "gradient", "gradient_of", "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
 
 
 def _numbers(value, name, size=None):
@@ -227,6 +227,28 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
         pass
     from . import semidefinite
     return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
+
+
+def gradient_of(problem, solution):
+    """The derivatives of a solution with respect to the numbers of its problem, proven: a Gradient, which factors once.
+
+    solution: what solve() returned, (z, lambda), or z. g.jvp(dM=, dz_u=, dJ=, dc=, dmu=) gives a Derivative in that direction,
+    g.vjp(z_bar, lambda_bar=None) a dict of gradients, one a name. Which rows hold, open and slide is proven at the solution itself,
+    to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
+    """
+    from . import gradients
+    return gradients.gradient_of(problem, solution)
+
+
+def gradient(problem, solution, wrt, direction=None):
+    """How the solution changes with the problem: a Derivative dz (n), dlambda (m), with the enclosure of each entry.
+
+    wrt: "M" (direction n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or a dict of such names and directions.
+    Where rows are about to open, close, stick or slide, `kink` names them, and the derivative is that of a step forward
+    (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
+    """
+    from . import gradients
+    return gradients.gradient(problem, solution, wrt, direction)
 
 
 def add_solver(name, function, method="a Python function"):

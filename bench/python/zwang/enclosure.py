@@ -1,0 +1,161 @@
+"""Square systems in doubles, with bounds that are proven: what zwang.gradient rests on (docs/python.md).
+
+Products are split into two doubles without error (Dekker, 1971) and sums rounded once (math.fsum), so that residuals are right to
+twice the digits. An approximate inverse is believed as far as |I - R K| < 1 is shown, with the a priori bounds of products of
+matrices in any order of summation (Higham 2002, section 3.5).
+"""
+import math
+
+import numpy
+import scipy.linalg
+import scipy.sparse
+
+from .semidefinite import LARGEST, powers_of_two
+
+EPSILON = 2.0**-53
+UNDERFLOW = 2.0**-1060  # more than what one product of two doubles loses there
+UP = 1 + 2.0**-36  # more than what sums of up to LARGEST terms that are not negative can lose
+SPLIT = 2.0**27 + 1
+
+
+class Unproven(Exception):
+    """Why nothing is proven, in one line."""
+
+
+def two_products(a, b):
+    """p + e = a b without error, but for underflow."""
+    def halves(x):
+        large = SPLIT * x
+        high = large - (large - x)
+        return high, x - high
+    p = a * b
+    (ah, al), (bh, bl) = halves(a), halves(b)
+    return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
+
+
+def added(a, b):
+    """a + b as two doubles, without error."""
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+class Rows:
+    """A sparse matrix whose products with vectors, each the sum of two, come as two doubles and a bound."""
+
+    def __init__(self, A):
+        A = scipy.sparse.csr_matrix(A)
+        self.data, self.indices, self.shape = A.data, A.indices, A.shape
+        self.starts = A.indptr.tolist()
+        self.absolute = abs(A)
+
+    def times(self, high, low, plus=()):
+        """A (high + low) + the sum of plus: (high, low, what these are off)."""
+        a, b = high[self.indices], low[self.indices]
+        with numpy.errstate(over="ignore", invalid="ignore"):
+            terms = numpy.stack([*two_products(self.data, a), *two_products(self.data, b)], axis=1)
+        if not numpy.isfinite(terms).all():
+            raise Unproven("numbers are too large for a proof")
+        terms = terms.ravel().tolist()
+        more = [p.tolist() for p in plus]
+        first, second = [], []
+        for i, (start, end) in enumerate(zip(self.starts, self.starts[1:])):
+            row = terms[4 * start:4 * end] + [p[i] for p in more]
+            sum_ = math.fsum(row)
+            row.append(-sum_)
+            first.append(sum_)
+            second.append(math.fsum(row))
+        first, second = numpy.array(first), numpy.array(second)
+        return first, second, EPSILON * abs(second) + 2 * (numpy.diff(self.starts) + 1) * UNDERFLOW
+
+
+class Regular:
+    """A square matrix K, each entry off by at most off, proven to be regular; else Unproven."""
+
+    def __init__(self, K, off=None):
+        n = len(K)
+        if n > LARGEST:
+            raise Unproven(f"more than {LARGEST} unknowns and forces")
+        left, across = numpy.ones(n), numpy.ones(n)
+        size = abs(K)
+        for _ in range(3 if n else 0):
+            left = left * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=1)))
+            across = across * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=0)))
+        self.K, self.off, self.left, self.across = K, off, left, across
+        S = K * left[:, None] * across
+        try:
+            self.inverse = scipy.linalg.inv(S, check_finite=False)
+        except (scipy.linalg.LinAlgError, ValueError):
+            raise Unproven("its equations depend on each other") from None
+        self.size = abs(self.inverse)
+        rest = abs(numpy.identity(n) - self.inverse @ S).sum(axis=1)
+        slack = 2 * (n + 4) * EPSILON * (self.size @ abs(S).sum(axis=1) + 1)
+        if off is not None:
+            slack = slack + self.size @ ((off * left[:, None]) @ across)
+        self.rest = (rest + slack) * UP
+        self.contraction = self.rest.max(initial=0)
+        if not self.contraction < 0.5:
+            raise Unproven("its equations are too close to dependent ones")
+
+    def step(self, right):
+        return self.across * (self.inverse @ (self.left * right))
+
+    def transposed(self, right):
+        """K'^-1 right, refined."""
+        def once(r):
+            return self.left * (self.inverse.T @ (self.across * r))
+        v = once(right)
+        for _ in range(2):
+            v = v + once(right - self.K.T @ v)
+        return v
+
+    def first(self, residual, off):
+        """A bound on |R r|, scaled, for a residual and what it is off."""
+        r = self.left * residual
+        return (abs(self.inverse @ r) + self.size @ ((len(r) + 4) * EPSILON * abs(r) + self.left * off)) * UP
+
+    def radius(self, residual, off, curvature=None):
+        """How far the solution is from the point of that residual. curvature: of quadratic equations, a bound on what the second
+        order adds to each for a step of 1 in scaled unknowns."""
+        delta = self.first(residual, off)
+        largest = delta.max(initial=0)
+        ball = 2 * largest / (1 - self.contraction)
+        bent = numpy.zeros(len(delta)) if curvature is None else self.size @ (self.left * curvature) * UP
+        total = (delta + self.rest * ball + bent * ball * ball) * UP
+        if not (total <= ball).all() or not (self.rest + 2 * bent * ball < 1).all():
+            raise Unproven("no solution is proven near the answer")
+        return self.across * total
+
+    def solve(self, right, right_low, right_off):
+        """K y = right as two doubles and what they are off."""
+        rows = Rows(scipy.sparse.csr_matrix(self.K))
+        high, low = self.step(right), numpy.zeros(len(right))
+        for turn in range(4):
+            residual, small, off = rows.times(-high, -low, (right, right_low))
+            off = off + right_off
+            if self.off is not None:
+                off = off + (self.off @ (abs(high) + abs(low))) * UP
+            if turn == 3:
+                break
+            high, rest = added(high, self.step(residual))
+            low = low + rest
+            high, low = added(high, low)
+        return high, low, self.radius(residual, off + abs(small))
+
+
+def is_definite(M):
+    """Whether the sparse symmetric M is proven positive definite (Rump 2006: a shifted factorization in doubles)."""
+    M = M.toarray()
+    n = len(M)
+    if not n:
+        return True
+    if not (M.diagonal() > 0).all():
+        return False
+    scale = powers_of_two(numpy.sqrt(M.diagonal()))
+    M = M * scale[:, None] * scale
+    shift = 4 * (n + 2) * EPSILON * M.trace()
+    try:
+        scipy.linalg.cholesky(M - shift * numpy.identity(n), check_finite=False)
+        return True
+    except scipy.linalg.LinAlgError:
+        return False

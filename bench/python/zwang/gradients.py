@@ -1,0 +1,623 @@
+"""Derivatives of a solution, proven (docs/python.md#gradients).
+
+Inside of the enclosure of a solution (modes.py) the derivative solves F_x x' = -F', with the inverse that proved the solution. At ties
+(ties.py) it solves a problem of its own: numbers that are zero, and may grow to either side, complement each other.
+"""
+import itertools
+import math
+
+import numpy
+import scipy.sparse
+
+from .enclosure import EPSILON, UP, Regular, Rows, Unproven
+from .modes import HELD, OPEN, Branch, Parts, Settled, length
+from .semidefinite import exact_basis
+from .ties import Exactly, Tie
+
+FAR = 1e-2  # an answer that is farther from the solution, relative to the motion, is none: where the referee's `near` ends
+NOT_UNIQUE = "forces are not unique: z has a derivative, and lambda has none"
+COMBINATIONS = 512  # of modes of ties that are tried
+AGREE = 2.0**-30  # relative: derivatives of two combinations that differ by less are one number
+
+
+class Derivative:
+    """How a solution changes in one direction, for a step of 1 in that direction.
+
+    dz: n. dlambda: m, or None where `note` says why. enclosure, enclosure_lambda: what each entry is off at most, proven.
+    one_sided: it holds for steps forward alone. kink: the rows that make it so. Where dz is None, `note` says why.
+    """
+
+    def __init__(self, problem, kink, one_sided):
+        self.dz = self.dlambda = self.enclosure = self.enclosure_lambda = None
+        self.kink, self.one_sided, self.note = list(kink), one_sided, ""
+        self.kink_names = [problem.row_names[i] for i in self.kink]
+
+    def __repr__(self):
+        text = "no number" if self.dz is None else f"one-sided, {len(self.dz)} entries" if self.one_sided else f"{len(self.dz)} entries"
+        if self.kink:
+            text += f"; kink: {', '.join(self.kink_names)}"
+        return f"<zwang.Derivative: {text}{'; ' + self.note if self.note else ''}>"
+
+
+class Change:
+    """One direction: dM, dz_u, dJ, dc, dmu."""
+
+    def __init__(self, p, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
+        def matrix(value, name, shape):
+            try:
+                A = scipy.sparse.csr_matrix(shape) if value is None else scipy.sparse.csr_matrix(value, dtype=float, copy=True)
+            except (TypeError, ValueError) as bad:
+                raise ValueError(f"{name} should be a matrix of numbers: {str(bad).splitlines()[0]}") from None
+            if A.shape != shape:
+                raise ValueError(f"{name} should have the shape {shape}, and has {A.shape}")
+            if not numpy.isfinite(A.data).all():
+                raise ValueError(f"{name} has entries that are not finite")
+            A.sum_duplicates()
+            A.eliminate_zeros()
+            A.sort_indices()
+            return A
+
+        def vector(value, name, size):
+            try:
+                v = numpy.zeros(size) if value is None else numpy.array(value, dtype=float)
+            except (TypeError, ValueError) as bad:
+                raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
+            if v.shape != (size,):
+                raise ValueError(f"{name} should have {size} entries, and has the shape {v.shape}")
+            if not numpy.isfinite(v).all():
+                raise ValueError(f"{name} has entries that are not finite")
+            return v
+        self.dM, self.dJ = matrix(dM, "dM", (p.n, p.n)), matrix(dJ, "dJ", (p.m, p.n))
+        self.dz_u, self.dc, self.dmu = vector(dz_u, "dz_u", p.n), vector(dc, "dc", p.m), vector(dmu, "dmu", p.m)
+        if abs(self.dM - self.dM.T).max() != 0:
+            raise ValueError("dM is not symmetric")
+        reading = [c.row for c in p.contacts if c.tangents]
+        for i in numpy.flatnonzero(self.dmu):
+            if i not in reading:
+                raise ValueError(f"dmu({i}) should be 0: no contact with friction reads mu({i})")
+
+
+class Gradient:
+    """The derivatives of one solution, from one factorization; zwang.gradient_of makes it.
+
+    kink, kink_names: rows that make a kink. unique_forces: whether lambda is unique. distance: of the given z from the proven
+    solution, in the M-norm, relative to the larger of it and z_u.
+    """
+
+    def __init__(self, problem, given, z, force):
+        self.problem = problem
+        self.p = p = Parts(problem)
+        self.settled = Settled(p, z, force)
+        self.branch = b = self.settled.branch
+        self.unique_forces = len(b.frozen) == 0
+        off = given - b.high[:p.n]
+        size = max(self.norm(p.z_u), self.norm(b.high[:p.n]))
+        self.distance = self.norm(off) / size if size else self.norm(off)
+        if not self.distance <= FAR:
+            raise Unproven(f"the answer is no solution: it is {self.distance:.3g} of the motion off one")
+        self.exactly = Exactly(self.settled)
+        self.ties = [self.tie(contact) for contact in self.settled.ties]
+        if self.ties:
+            self.borders()
+            self.require_weak()
+        self.kink = sorted(t.contact.row for t in self.ties)
+        self.kink_names = [problem.row_names[i] for i in self.kink]
+        self.coefficients()
+
+    def norm(self, v):
+        return math.sqrt(max(v @ (self.p.M @ v), 0.0))
+
+    def __repr__(self):
+        text = f"kink: {', '.join(self.kink_names)}" if self.kink else "smooth"
+        return f"<zwang.Gradient of {self.problem.name}: {text}{'' if self.unique_forces else '; ' + NOT_UNIQUE}>"
+
+    def tie(self, contact):
+        """What is zero at this contact, proven."""
+        p, b, i, t = self.p, self.branch, contact.row, contact.tangents
+        undecided = Unproven(f"{p.name(i)} is too near a tie to be told from one")
+        index = p.contacts.index(contact)
+        if b.modes[index] == HELD:
+            if not self.exactly.force_at_edge(contact):
+                raise undecided
+            if any(k not in b.column for k in contact.rows):
+                raise Unproven(f"{p.name(i)} is at the edge of its cone, and its force is not unique")
+            return Tie(contact, "edge", *self.direction(-b.force[t], b.force_off[t]))
+        slip, off = b.slip_at(contact) if t else (numpy.zeros(0), numpy.zeros(0))
+        if t and b.still(contact):
+            if not self.exactly.gaps(contact.rows):
+                raise undecided
+            return Tie(contact, "apex", None, None)
+        if not (self.exactly.at_edge(contact) if t and p.convex else self.exactly.gaps([i])):
+            raise undecided
+        if t and not any(abs(slip) > off):
+            raise undecided
+        return Tie(contact, "touch", *self.direction(slip, off))
+
+    @staticmethod
+    def direction(v, off):
+        """v / |v| and what it is off."""
+        if not len(v):
+            return v, off
+        size = length(v)
+        return v / size, ((off + off.sum()) / size + 8 * EPSILON) * UP
+
+    def require_weak(self):
+        """Proves that no choice of forces lets a tie push."""
+        p, b = self.p, self.branch
+        rows = [k for t in self.ties for k in t.contact.rows if t.word != "edge"]
+        if not rows:
+            return
+        if any(c.tangents for c in p.contacts):
+            new = [k for k, (tie, _) in enumerate(self.columns[-1]) if tie.word != "edge"]
+            try:
+                Regular(self.G[new][:, new], self.G_off[new][:, new])
+            except Unproven:
+                raise Unproven(f"contacts that touch without force depend on each other: {p.named(rows)}") from None
+            return
+        together = scipy.sparse.vstack([p.J[b.basis], p.J[rows]], format="csr")
+        if len(exact_basis(together, numpy.zeros(together.shape[0]))[0]) == together.shape[0]:
+            return
+        from scipy.optimize import linprog
+        n, unit = p.n, scipy.sparse.diags(1 / p.unit)
+        tied = scipy.sparse.hstack([-(unit @ p.J)[rows], numpy.ones((len(rows), 1))])
+        held = scipy.sparse.hstack([(unit @ p.J)[b.held], scipy.sparse.csr_matrix((len(b.held), 1))])
+        found = linprog(numpy.r_[numpy.zeros(n), -1.0], A_ub=tied, b_ub=numpy.zeros(len(rows)), A_eq=held,
+                        b_eq=numpy.zeros(len(b.held)), bounds=[(-1, 1)] * n + [(0, 1)], method="highs")
+        good = found.status == 0
+        if good:
+            y, low, off = b.regular.solve(numpy.r_[p.M @ found.x[:n], numpy.zeros(b.size - n)], numpy.zeros(b.size), numpy.zeros(b.size))
+            opening, small, bound = Rows(p.J[rows]).times(y[:n], low[:n])
+            good = (opening - abs(small) - bound - (abs(p.J[rows]) @ off[:n]) * UP > 0).all()
+        if not good:
+            raise Unproven(f"forces are not unique, and it is not known which of these rows can push: {p.named(rows)}")
+
+    def coefficients(self):
+        """F' of the equations below the balance of forces is W (dJ z - dc) + V dmu."""
+        p, b, n = self.p, self.branch, self.p.n
+        k = b.size - n
+        W, V = numpy.zeros((k, p.m)), numpy.zeros((k, p.m))
+        for row, i in enumerate(b.basis):
+            W[row, i] = 1
+        self.W_off, self.V_off = numpy.zeros((k, p.m)), numpy.zeros((k, p.m))
+        for contact in b.sliding:
+            i, t, mu, row = contact.row, contact.tangents, contact.mu, b.edges[contact.row] - n
+            r, normal = b.slip[i], b.column[i]
+            if p.convex:
+                W[row - 1, i], V[row - 1, i] = 1, -b.high[r]
+                self.V_off[row - 1, i] = b.radius[r] + EPSILON * abs(b.high[r])
+            if len(t) == 1:
+                V[row, i] = b.sign[i] * b.high[normal]
+                self.V_off[row, i] = b.radius[normal] + EPSILON * abs(b.high[normal])
+                W[row + 1, t[0]] = -b.sign[i]
+                continue
+            s, off = b.slip_at(contact)
+            for a, j in enumerate(t):
+                W[row + a, j] = mu * b.high[normal]
+                self.W_off[row + a, j] = mu * b.radius[normal]
+                V[row + a, i] = b.high[normal] * s[a]
+                self.V_off[row + a, i] = (abs(b.high[normal]) + b.radius[normal]) * off[a] + b.radius[normal] * abs(s[a])
+                W[row + 2, j] = -2 * s[a]
+                self.W_off[row + 2, j] = 2 * off[a]
+            self.W_off[row:row + 3] += 4 * EPSILON * abs(W[row:row + 3])
+            self.V_off[row:row + 3] += 4 * EPSILON * abs(V[row:row + 3])
+        self.W, self.V = W, V
+
+    def change_of_equations(self, change):
+        """-F' as two doubles and a bound; dJ z - dc with its bound."""
+        p, b, n = self.p, self.branch, self.p.n
+        nothing = numpy.zeros(len(b.constants))
+        full, low = numpy.r_[b.high, b.constants], numpy.r_[b.low, nothing]
+        off = numpy.r_[b.radius, nothing]
+        rest = scipy.sparse.csr_matrix((n, b.size - n - len(b.pushing)))
+        D = scipy.sparse.hstack([-change.dM, change.dJ[b.pushing].T, rest, change.dM, change.dJ[b.frozen].T], format="csr")
+        pushed, pushed_low, pushed_off = Rows(p.M).times(change.dz_u, numpy.zeros(n))
+        first, second, bound = Rows(D).times(full, low, (pushed, pushed_low))
+        bound = bound + pushed_off + (abs(D) @ off) * UP
+        t, t_low, t_off = Rows(change.dJ).times(b.high[:n], b.low[:n], (-change.dc,))
+        t_off = t_off + (abs(change.dJ) @ b.radius[:n]) * UP
+        W, V = self.W, self.V
+        below = -(W @ t + V @ change.dmu)
+        below_off = (abs(W) @ t_off + self.W_off @ (abs(t) + abs(t_low)) + self.V_off @ abs(change.dmu)) * UP
+        rounded = numpy.count_nonzero(W, axis=1) + numpy.count_nonzero(V, axis=1) > 1
+        below_off[rounded] += 8 * EPSILON * (abs(W) @ abs(t) + abs(V) @ abs(change.dmu))[rounded]
+        return (numpy.r_[first, below], numpy.r_[second, -(W @ t_low)],
+                numpy.r_[bound, below_off + EPSILON * EPSILON * (abs(W) @ abs(t))], t, (t_off + abs(t_low)) * UP)
+
+    def holds_together(self, change):
+        """Whether rows that depend on each other still hold together in this direction, to first order."""
+        p, b = self.p, self.branch
+        if not change.dJ[b.held].nnz and not change.dc[b.held].any():
+            return True
+        none = scipy.sparse.csr_matrix((len(b.basis), p.n))
+        rows = scipy.sparse.vstack([scipy.sparse.hstack([p.J[b.basis], none]),
+                                    scipy.sparse.hstack([change.dJ[b.basis], p.J[b.basis]]),
+                                    scipy.sparse.hstack([change.dJ[b.frozen], p.J[b.frozen]])], format="csr")
+        independent, contradictory = exact_basis(rows, numpy.r_[p.c[b.basis], change.dc[b.basis], change.dc[b.frozen]])
+        return not contradictory and len(independent) == 2 * len(b.basis)
+
+    def jvp(self, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
+        """The Derivative in a direction: dM n x n and symmetric, dz_u n, dJ m x n, dc m, dmu m, each 0 where it is not given."""
+        change = Change(self.p, dM, dz_u, dJ, dc, dmu)
+        try:
+            return self.along(change)
+        except Unproven as unproven:
+            raise ValueError(f"no gradient: {unproven}") from None
+
+    def along(self, change):
+        if not self.unique_forces and not self.holds_together(change):
+            return self.shared_anew(change)
+        right, low, off, t, t_off = self.change_of_equations(change)
+        y = self.branch.regular.solve(right, low, off)
+        out = Derivative(self.problem, self.kink, bool(self.ties))
+        if self.ties:
+            return self.with_ties(out, change, y, t, t_off)
+        self.fill(out, y[0], abs(y[1]) + y[2])
+        return out
+
+    def fill(self, out, x, off, extra=()):
+        p, b, n = self.p, self.branch, self.p.n
+        out.dz, out.enclosure = x[:n].copy(), off[:n] * UP
+        if not self.unique_forces:
+            out.note = NOT_UNIQUE
+            return
+        out.dlambda, out.enclosure_lambda = numpy.zeros(p.m), numpy.zeros(p.m)
+        part = slice(n, n + len(b.pushing))
+        out.dlambda[b.pushing], out.enclosure_lambda[b.pushing] = x[part], off[part] * UP
+        for i, value, bound in extra:
+            out.dlambda[i], out.enclosure_lambda[i] = value, bound * UP
+
+    # Ties: complementarity of few numbers.
+
+    def borders(self):
+        """Of each number that ties complement: (columns of K^-1 C, what they are off), rows D, their bound, and (tie, index)."""
+        p, b, n = self.p, self.branch, self.p.n
+        pushes, rows, rows_off, owners = [], [], [], []
+        for tie in self.ties:
+            contact, i, t = tie.contact, tie.contact.row, tie.contact.tangents
+            J = p.J[contact.rows].toarray()
+            if tie.word == "apex":
+                for k in range(len(contact.rows)):
+                    push, row = numpy.zeros(b.size), numpy.zeros(b.size)
+                    push[:n], row[:n] = -J[k], J[k]
+                    pushes.append((push, numpy.zeros(b.size)))
+                    rows.append(row)
+                    rows_off.append(numpy.zeros(b.size))
+                    owners.append((tie, k))
+                continue
+            push, row, push_off, row_off = (numpy.zeros(b.size) for _ in range(4))
+            d, d_off = tie.direction, tie.direction_off
+            if tie.word == "edge":
+                row[b.column[i]] = contact.mu
+                for k, j in enumerate(t):
+                    row[b.column[j]], row_off[b.column[j]] = d[k], d_off[k]
+                    at = n + int(numpy.flatnonzero(b.basis == j)[0])
+                    push[at], push_off[at] = -d[k], d_off[k]
+                if p.convex:
+                    push[n + int(numpy.flatnonzero(b.basis == i)[0])] = -contact.mu
+            else:
+                along = J[0] - contact.mu * (d @ J[1:]) if t else J[0]
+                along_off = (contact.mu * (d_off @ abs(J[1:])) + 8 * EPSILON * (abs(J[0]) + contact.mu * (abs(d) @ abs(J[1:]))) if t
+                             else numpy.zeros(n))
+                push[:n], push_off[:n] = -along, along_off
+                row[:n], row_off[:n] = (along, along_off) if p.convex else (J[0], 0)
+            pushes.append((push, push_off))
+            rows.append(row)
+            rows_off.append(row_off)
+            owners.append((tie, 0))
+        columns = []
+        for push, off in pushes:
+            high, low, radius = b.regular.solve(push, numpy.zeros(b.size), off)
+            columns.append((high, (abs(low) + radius) * UP))
+        Y, Y_off = numpy.array([c for c, _ in columns]).T, numpy.array([o for _, o in columns]).T
+        D, D_off = numpy.array(rows), numpy.array(rows_off)
+        self.columns = Y, Y_off, D, D_off, owners
+        self.G = -(D @ Y)
+        self.G_off = (abs(D) @ Y_off + D_off @ (abs(Y) + Y_off) + (b.size + 8) * EPSILON * (abs(D) @ abs(Y))) * UP
+
+    def own_change(self, change, t, t_off):
+        """Of each number that ties complement the change that does not come from x'."""
+        b, values, bounds = self.branch, [], []
+        for tie, k in self.columns[-1]:
+            contact, i = tie.contact, tie.contact.row
+            if tie.word == "apex":
+                value, off = t[contact.rows[k]], t_off[contact.rows[k]]
+            elif tie.word == "edge":
+                value = change.dmu[i] * b.force[i]
+                off = abs(change.dmu[i]) * b.force_off[i] + EPSILON * abs(value)
+            else:
+                value, off = t[i], t_off[i]
+                if self.p.convex and contact.tangents:
+                    s, s_off = b.slip_at(contact)
+                    at = contact.tangents
+                    terms = numpy.r_[value, -contact.mu * tie.direction * t[at], -change.dmu[i] * length(s)]
+                    value = terms.sum()
+                    off = off + (contact.mu * (tie.direction_off @ (abs(t[at]) + t_off[at]) + abs(tie.direction) @ t_off[at])
+                                 + abs(change.dmu[i]) * s_off.sum() + 16 * EPSILON * abs(terms).sum())
+            values.append(value)
+            bounds.append(off * UP)
+        return numpy.array(values), numpy.array(bounds)
+
+    def with_ties(self, out, change, y, t, t_off):
+        """The one-sided derivative, where one combination of modes of the ties is left."""
+        p, b = self.p, self.branch
+        Y, Y_off, D, D_off, owners = self.columns
+        x, x_off = y[0], (abs(y[1]) + y[2]) * UP
+        k, count = len(owners), b.size + 8
+        own, own_off = self.own_change(change, t, t_off)
+        q = own + D @ x
+        q_off = (own_off + abs(D) @ x_off + D_off @ (abs(x) + x_off) + count * EPSILON * (abs(D) @ abs(x)) + EPSILON * abs(q)) * UP
+        choices, at = [], 0
+        for tie in self.ties:
+            if tie.word != "apex":
+                choices.append([("rest", at), ("act", at)])
+                at += 1
+            else:
+                size = len(tie.contact.rows)
+                choices.append([("open", at), ("stick", at)] + ([("slide", at, 1.0), ("slide", at, -1.0)] if size == 2 else [("unknown", at)]))
+                at += size
+        if math.prod(len(c) for c in choices) > COMBINATIONS:
+            out.note = f"kink: too many ties for a number ({len(self.ties)})"
+            return out
+        found, open_questions = [], False
+        for modes in itertools.product(*choices):
+            answer = self.combination(modes, q, q_off, self.G, self.G_off)
+            if answer == "no":
+                continue
+            if answer == "unknown":
+                open_questions = True
+                continue
+            found.append(answer)
+        certain = [f for f in found if f[2]]
+        monotone = p.law != "coulomb"
+        if monotone and certain:
+            found = certain[:1]
+        elif open_questions:
+            found = []
+        if not found:
+            out.note = "kink: no number, since it is not known which of the ties push, slide or open in this direction"
+            return out
+        self.tight = [(tie.contact.row, not any(loose[at] for *_, loose in found)) for at, (tie, _) in enumerate(owners)]
+        points = []
+        for w, w_off, *_ in found:
+            z = x - Y @ w
+            z_off = (x_off + Y_off @ (abs(w) + w_off) + abs(Y) @ w_off + (k + 4) * EPSILON * (abs(x) + abs(Y) @ abs(w))) * UP
+            points.append((z, z_off, w, w_off))
+        z, z_off, w, w_off = points[0]
+        for other, other_off, v, v_off in points[1:]:
+            apart = abs(other - z)
+            if self.norm((other - z)[:p.n]) > AGREE * max(self.norm(z[:p.n]), self.norm(other[:p.n])):
+                out.note = f"kink: no number, since {len(points)} combinations of modes fit this direction"
+                return out
+            z_off, w_off = numpy.maximum(z_off, (apart + other_off) * UP), numpy.maximum(w_off, (abs(v - w) + v_off) * UP)
+        extra = []
+        for (tie, a), value, bound in zip(owners, w, w_off):
+            contact = tie.contact
+            if tie.word == "apex":
+                extra.append((contact.rows[a], value, bound))
+            elif tie.word == "touch":
+                extra.append((contact.row, value, bound))
+                for j, d, d_off in zip(contact.tangents, tie.direction, tie.direction_off):
+                    size = contact.mu * abs(d * value)
+                    extra.append((j, -contact.mu * d * value,
+                                  (contact.mu * (abs(d) * bound + d_off * (abs(value) + bound)) + 4 * EPSILON * size) * UP))
+        self.fill(out, z, z_off, extra)
+        return out
+
+    def combination(self, modes, q, q_off, G, G_off):
+        """(w, what it is off, whether all signs are strict, what opens) of one choice of modes; "no" where it is refuted, "unknown" where nothing
+        is known of it."""
+        k = len(q)
+        B, B_off, right, right_off = numpy.zeros((k, k)), numpy.zeros((k, k)), numpy.zeros(k), numpy.zeros(k)
+        line = 0
+
+        def still(at):
+            nonlocal line
+            B[line, at] = 1
+            line += 1
+
+        def zero(at, more=None, factor=0.0):
+            """u[at] + factor u[more] = 0."""
+            nonlocal line
+            B[line], B_off[line], right[line], right_off[line] = G[at], G_off[at], -q[at], q_off[at]
+            if more is not None:
+                B[line] += factor * G[more]
+                B_off[line] += abs(factor) * G_off[more] + 4 * EPSILON * (abs(G[at]) + abs(factor * G[more]))
+                right[line] -= factor * q[more]
+                right_off[line] += abs(factor) * q_off[more] + 4 * EPSILON * (abs(q[at]) + abs(factor * q[more]))
+            line += 1
+        for tie, (word, at, *sign) in zip(self.ties, modes):
+            size = len(tie.contact.rows) if tie.word == "apex" else 1
+            if word == "unknown":
+                return "unknown"
+            if word in ("rest", "open"):
+                for a in range(size):
+                    still(at + a)
+            elif word in ("act", "stick"):
+                for a in range(size):
+                    zero(at + a)
+            else:
+                B[line, at], B[line, at + 1] = tie.contact.mu * sign[0], 1
+                line += 1
+                zero(at, at + 1, -tie.contact.mu * sign[0]) if self.p.convex else zero(at)
+        try:
+            w, low, w_off = Regular(B, B_off).solve(right, numpy.zeros(k), right_off)
+        except Unproven:
+            return "no" if self.depend_on_each_other(modes) else "unknown"
+        w_off = (w_off + abs(low)) * UP
+        u = q + G @ w
+        u_off = (q_off + G_off @ (abs(w) + w_off) + abs(G) @ w_off + (k + 4) * EPSILON * (abs(q) + abs(G) @ abs(w))) * UP
+        strict = True
+        for value, off in self.signs(modes, w, w_off, u, u_off):
+            if value < -off:
+                return "no"
+            strict = strict and value > off
+        return w, w_off, strict, u > u_off
+
+    def depend_on_each_other(self, modes):
+        """Whether rows that this choice lets push are proven to depend on each other: then another one gives the same motion."""
+        if self.p.law == "coulomb" or any(c.tangents for c in self.p.contacts):
+            return False
+        rows = [t.contact.row for t, (word, *_) in zip(self.ties, modes) if word == "act"]
+        together = scipy.sparse.vstack([self.p.J[self.branch.basis], self.p.J[rows]], format="csr")
+        return len(exact_basis(together, numpy.zeros(together.shape[0]))[0]) < together.shape[0]
+
+    def signs(self, modes, w, w_off, u, u_off):
+        """Numbers that may not be negative, and what they are off."""
+        for tie, (word, at, *sign) in zip(self.ties, modes):
+            mu, size = tie.contact.mu, len(tie.contact.rows)
+            part = slice(at + 1, at + size)
+            if word == "rest":
+                yield u[at], u_off[at]
+            elif word == "act":
+                yield w[at], w_off[at]
+            elif word == "open":
+                if self.p.convex:
+                    slip = length(u[part])
+                    yield u[at] - mu * slip, (u_off[at] + mu * (u_off[part].sum() + 8 * EPSILON * slip) + EPSILON * abs(u[at])) * UP
+                else:
+                    yield u[at], u_off[at]
+            elif word == "stick":
+                along = length(w[part])
+                yield mu * w[at] - along, (mu * w_off[at] + w_off[part].sum() + 8 * EPSILON * (along + mu * abs(w[at]))) * UP
+            else:
+                yield w[at], w_off[at]
+                yield sign[0] * u[at + 1], u_off[at + 1]
+
+    def shared_anew(self, change):
+        """Where redundant rows no longer hold together: the load goes to those rows that gain most by it."""
+        p, b = self.p, self.branch
+        if any(c.tangents for c in p.contacts):
+            out = Derivative(self.problem, self.kink, True)
+            out.note = "forces are not unique, and rows that hold do not hold together in this direction: no number"
+            return out
+        from scipy.optimize import linprog
+        high = b.high[:p.n]
+        rows = numpy.array(sorted({*map(int, b.held), *(t.contact.row for t in self.ties)}))
+        gain = change.dc - change.dJ @ high
+        goal = p.M @ (high - p.z_u)
+        size = abs(goal).max(initial=0) or 1.0
+        unit = p.unit[rows]
+        equal = numpy.isin(rows, p.equal)
+        found = linprog(-(gain[rows] / unit) / (abs(gain[rows] / unit).max(initial=0) or 1.0),
+                        A_eq=(scipy.sparse.diags(1 / unit) @ p.J[rows]).T, b_eq=goal / size,
+                        bounds=[(None if e else 0, None) for e in equal], method="highs-ds")
+        if found.status == 3:
+            raise Unproven("pushed in this direction, rows that hold contradict each other")
+        if found.status != 0:
+            raise Unproven("forces are not unique, and no share of them was found in this direction")
+        force = numpy.zeros(p.m)
+        force[rows] = found.x * size / unit
+        pushing = {int(i) for i, f, e in zip(rows, found.x, equal) if e or f > 1e-9 * abs(found.x).max()}
+        modes = [HELD if c.row in pushing else OPEN for c in p.contacts]
+        vertex = object.__new__(Gradient)
+        vertex.problem, vertex.p, vertex.unique_forces = self.problem, p, True
+        vertex.branch = Branch(p, modes, force, p.J @ high - p.finite)
+        if len(vertex.branch.frozen):
+            raise Unproven("forces are not unique, and more than one share of them fits this direction")
+        vertex.branch.prove(high)
+        vertex.settled = self.settled
+        tied = [c for c in p.contacts if c.row in set(map(int, rows)) - pushing]
+        if any(vertex.branch.force[c.row] <= vertex.branch.force_off[c.row] for c in p.contacts if c.row in pushing):
+            raise Unproven("forces are not unique, and no share of them was found in this direction")
+        vertex.ties = [Tie(c, "touch", numpy.zeros(0), numpy.zeros(0)) for c in tied]
+        vertex.kink = sorted({c.row for c in tied} | set(self.kink))
+        vertex.coefficients()
+        vertex.borders()
+        out = vertex.along(change)
+        out.one_sided, out.dlambda, out.enclosure_lambda = True, None, None
+        out.note = out.note or NOT_UNIQUE
+        if out.dz is not None and change.dJ[rows].nnz and not self.one_share(vertex, out):
+            out.dz = out.enclosure = None
+            out.note = "forces are not unique, and a change of J acts on them: no number"
+        return out
+
+    @staticmethod
+    def one_share(vertex, out):
+        """Whether the rows that stay tight depend on no others, so that one share of the forces is left."""
+        rows = [*vertex.branch.basis, *(i for i, tight in vertex.tight if tight)]
+        together = vertex.p.J[rows]
+        return len(exact_basis(together, numpy.zeros(len(rows)))[0]) == len(rows)
+
+    def vjp(self, z_bar, lambda_bar=None):
+        """The gradient of a number whose gradient with respect to z is z_bar (n), and to lambda lambda_bar (m), with respect to the
+        problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m). Where forces are not unique, J and c
+        have none, and None stands there. Raises ValueError at a kink."""
+        p, b, n = self.p, self.branch, self.p.n
+        if self.ties:
+            raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
+        bars = []
+        for name, value, size in (("z_bar", z_bar, n), ("lambda_bar", numpy.zeros(p.m) if lambda_bar is None else lambda_bar, p.m)):
+            v = numpy.asarray(value, dtype=float)
+            if v.shape != (size,) or not numpy.isfinite(v).all():
+                raise ValueError(f"{name} should have {size} finite entries")
+            bars.append(v)
+        if lambda_bar is not None and not self.unique_forces:
+            raise ValueError(f"no gradient: {NOT_UNIQUE}")
+        right = numpy.zeros(b.size)
+        right[:n], right[n:n + len(b.pushing)] = bars[0], bars[1][b.pushing]
+        v = b.regular.transposed(right)
+        push, rest = v[:n], v[n:]
+        z, force = b.high[:n], b.force
+        M = -0.5 * (numpy.outer(push, z - p.z_u) + numpy.outer(z - p.z_u, push))
+        out = {"M": M, "z_u": p.M @ push, "J": None, "c": None, "mu": -(rest @ self.V)}
+        if self.unique_forces:
+            along = rest @ self.W
+            out["J"], out["c"] = numpy.outer(force, push) - numpy.outer(along, z), along
+        return out
+
+
+def answer(problem, solution):
+    """z and forces of what a solver returned, of a pair of them, or of z alone."""
+    if hasattr(solution, "lambda_"):
+        z, force = solution.z, solution.lambda_
+        if len(z) != problem.size:
+            raise ValueError(f"the solution has no z: {solution.status}")
+    else:
+        z, force = solution if isinstance(solution, tuple) and len(solution) == 2 else (solution, [])
+    try:
+        z, force = numpy.array(z, dtype=float), numpy.array(force, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError("solution should be what zwang.solve returns, z, or (z, lambda)") from None
+    for name, v, size in (("z", z, problem.size), ("lambda", force, problem.rows)):
+        if v.shape != (size,) and not (name == "lambda" and not v.size):
+            raise ValueError(f"{name} should have {size} entries, and has the shape {v.shape}")
+        if not numpy.isfinite(v).all():
+            raise ValueError(f"{name} has entries that are not finite")
+    return z, force
+
+
+def gradient_of(problem, solution):
+    from . import solve
+    z, force = answer(problem, solution)
+    why = None
+    if len(force) == problem.rows:
+        try:
+            return Gradient(problem, z, z, force)
+        except Unproven as unproven:
+            why = str(unproven)
+    found = solve(problem, "cone" if problem.tangent.any() else "dual_active_set", tolerance=1e-12)
+    if found.status == "infeasible":
+        raise ValueError("no gradient: the problem is infeasible")
+    if len(found.z) != problem.size or len(found.lambda_) != problem.rows:
+        raise ValueError(f"no gradient: {why or found.status}")
+    try:
+        return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_)
+    except Unproven as unproven:
+        raise ValueError(f"no gradient: {unproven}") from None
+
+
+def gradient(problem, solution, wrt, direction):
+    return gradient_of(problem, solution).jvp(**parameters(wrt, direction))
+
+
+def parameters(wrt, direction):
+    names = ("M", "z_u", "J", "c", "mu")
+    if isinstance(wrt, str):
+        if direction is None:
+            raise ValueError("a direction is missing")
+        wrt = {wrt: direction}
+    elif direction is not None:
+        raise ValueError("direction goes with one name: wrt should be a name, or a dict of names and directions")
+    if not isinstance(wrt, dict) or not wrt or not all(name in names for name in wrt):
+        raise ValueError(f"wrt should be one of {', '.join(names)}, or a dict of them")
+    return {"d" + name: value for name, value in wrt.items()}

@@ -1,0 +1,333 @@
+"""Derivatives against exact ones. Problems are planted: M = L L' of whole numbers with an inverse of whole numbers, so that a solution
+and the modes of its contacts are chosen first, and all numbers of the problem are doubles. Run by ctest: gradient_test.py [thorough]."""
+import itertools
+import random
+import sys
+import unittest
+from fractions import Fraction
+
+import numpy
+
+import zwang
+
+MANY = "thorough" in sys.argv[1:]
+PLANTED, TIED = (1200, 500) if MANY else (120, 60)
+SLIPS = [(3, 4), (-4, 3), (5, -12), (-8, -15), (4, 3), (0, 5)]
+
+
+def solve(rows, right):
+    """x with rows x = right in fractions, or None."""
+    n = len(rows)
+    A = [[Fraction(v) for v in row] + [Fraction(b)] for row, b in zip(rows, right)]
+    for k in range(n):
+        pivot = next((i for i in range(k, n) if A[i][k]), None)
+        if pivot is None:
+            return None
+        A[k], A[pivot] = A[pivot], A[k]
+        A[k] = [v / A[k][k] for v in A[k]]
+        for i in range(n):
+            if i != k and A[i][k]:
+                A[i] = [a - A[i][k] * b for a, b in zip(A[i], A[k])]
+    return [row[n] for row in A]
+
+
+def dot(a, b):
+    return sum((x * y for x, y in zip(a, b)), Fraction(0))
+
+
+class Planted:
+    """modes: of each contact "open", "held", "slides", and the ties "touch", "apex", "edge"."""
+
+    def __init__(self, seed, law, tie=None):
+        draw = random.Random(f"{seed} {law} {tie}")
+        self.law, n = law, draw.randint(4, 7)
+        L = [[draw.randint(-1, 1) if j < i else int(i == j) for j in range(n)] for i in range(n)]
+        self.M = [[sum(a * b for a, b in zip(r, s)) for s in L] for r in L]
+        z = [draw.randint(-4, 4) for _ in range(n)]
+        friction = law in ("coulomb", "convex")
+        self.J, self.c, self.force, self.equal, self.tangent, self.mu = [], [], [], [], [], []
+        self.contacts = []
+
+        def row(gap, push, equal=False, tangent=False, mu=0.0):
+            J = [draw.randint(-2, 2) for _ in range(n)]
+            self.J.append(J)
+            self.c.append(float(sum(a * b for a, b in zip(J, z)) - Fraction(gap)))
+            self.force.append(Fraction(push))
+            self.equal.append(equal)
+            self.tangent.append(tangent)
+            self.mu.append(mu)
+        for _ in range(draw.randint(0, 1)):
+            row(0, draw.randint(-3, 3), equal=True)
+        for k in range(draw.randint(1, 3)):
+            mode = tie if tie and k == 0 else draw.choice(["open", "held"] + ["slides"] * 2 * friction)
+            planar, mu = draw.random() < 0.4, draw.choice([0.5, 0.25, 1.0])
+            if mode == "apex" and not planar and draw.random() < 0.5:
+                planar = True
+            slip = [draw.choice([-3, 2])] if planar else list(draw.choice(SLIPS))
+            r = abs(slip[0]) if planar else int((slip[0]**2 + slip[1]**2) ** 0.5)
+            push = 4 * r * draw.randint(1, 3)
+            lift = Fraction(mu) * r if law == "convex" else 0
+            first = len(self.J)
+            if not friction:
+                row(draw.randint(1, 4) if mode == "open" else 0, push if mode == "held" else 0)
+                self.contacts.append((mode, first, [], 0.0))
+                continue
+            against = [-Fraction(mu) * push * Fraction(a, r) for a in slip]
+            gap, s, f, t = {"open": (lift + draw.randint(1, 3), slip, 0, [0, 0]), "held": (0, [0, 0], push, [a / 2 for a in against]),
+                            "slides": (lift, slip, push, against), "touch": (lift, slip, 0, [0, 0]), "apex": (0, [0, 0], 0, [0, 0]),
+                            "edge": (0, [0, 0], push, against)}[mode]
+            row(gap, f, mu=mu)
+            for a, b, _ in zip(s, t, slip):
+                row(a, b, tangent=True)
+            self.contacts.append((mode, first, list(range(first + 1, len(self.J))), mu))
+        self.z, self.n, self.m = z, n, len(self.J)
+        pushed = [dot([r[j] for r in self.J], self.force) for j in range(n)]
+        moved = solve(self.M, pushed)
+        self.z_u = [float(a - b) for a, b in zip(z, moved)]
+        assert all(Fraction(a) == b - c for a, b, c in zip(self.z_u, z, moved))
+        self.problem = zwang.Problem(self.M, self.z_u, self.J, self.c, equality=self.equal, name=f"planted {law} {seed}",
+                                     **(dict(tangent=self.tangent, mu=self.mu, law=law) if any(self.tangent) else {}))
+        half = [[draw.randint(-1, 1) for _ in range(n)] for _ in range(n)]
+        self.change = {"dM": [[half[i][j] + half[j][i] for j in range(n)] for i in range(n)],
+                       "dz_u": [draw.randint(-3, 3) for _ in range(n)], "dJ": [[draw.randint(-1, 1) for _ in range(n)] for _ in range(self.m)],
+                       "dc": [draw.randint(-3, 3) for _ in range(self.m)],
+                       "dmu": [draw.randint(-1, 1) if any(self.tangent[i + 1:i + 2]) and not self.tangent[i] else 0 for i in range(self.m)]}
+
+    def given(self):
+        return numpy.array(self.z, dtype=float), numpy.array([float(f) for f in self.force])
+
+    def derivative(self, modes):
+        """(dz, dlambda) of these modes in fractions, by their linear system in these unknowns alone; None where it is singular."""
+        n, m, d = self.n, self.m, self.change
+        rows, right = [], []
+
+        def unit(i):
+            return [int(k == n + i) for k in range(n + m)]
+
+        def motion(i):
+            return self.J[i] + [0] * m
+
+        def level(i):
+            return d["dc"][i] - dot(d["dJ"][i], self.z)
+        for j in range(n):
+            rows.append(list(self.M[j]) + [-self.J[i][j] for i in range(m)])
+            right.append(dot(self.M[j], d["dz_u"]) + dot([r[j] for r in d["dJ"]], self.force)
+                         - dot(d["dM"][j], [a - Fraction(b) for a, b in zip(self.z, self.z_u)]))
+        for i in range(m):
+            if self.equal[i]:
+                rows.append(motion(i))
+                right.append(level(i))
+        for mode, (_, i, t, mu) in zip(modes, self.contacts):
+            if mode == "open":
+                for k in [i, *t]:
+                    rows.append(unit(k))
+                    right.append(0)
+            elif mode == "held":
+                for k in [i, *t]:
+                    rows.append(motion(k))
+                    right.append(level(k))
+            else:
+                mu = Fraction(mu)
+                s = [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
+                edge = [-f / (mu * self.force[i]) for k, f in zip(t, [self.force[k] for k in t])] if mode == "at edge" else None
+                size = Fraction(int(dot(s, s) ** Fraction(1, 2))) if edge is None else None
+                e = [a / size for a in s] if edge is None else edge
+                rise, base = motion(i), level(i)
+                if self.law == "convex":
+                    rise = [a - mu * dot(e, [self.J[k][j] if j < n else 0 for k in t]) for j, a in enumerate(rise)]
+                    base += d["dmu"][i] * (size or 0) - mu * dot(e, [level(k) for k in t])
+                rows.append(rise)
+                right.append(base)
+                if edge is not None:
+                    along = [0] * n + [0] * m
+                    along[n + i] = mu
+                    for a, k in zip(e, t):
+                        along[n + k] = a
+                    rows.append(along)
+                    right.append(-d["dmu"][i] * self.force[i])
+                    if len(t) == 2:
+                        rows.append([e[1] * a - e[0] * b for a, b in zip(motion(t[0]), motion(t[1]))])
+                        right.append(e[1] * level(t[0]) - e[0] * level(t[1]))
+                    continue
+                for a, k in enumerate(t):
+                    # l_t' = -dmu l_n e - mu l_n' e - mu l_n (1 - e e') s_t' / |s_t|
+                    line = [Fraction(x) for x in unit(k)]
+                    line[n + i] += mu * e[a]
+                    turn = [mu * self.force[i] / size * ((a == b) - e[a] * e[b]) for b in range(len(t))]
+                    for b, h in zip(turn, t):
+                        for j in range(n):
+                            line[j] += b * self.J[h][j]
+                    rows.append(line)
+                    right.append(-d["dmu"][i] * self.force[i] * e[a] + dot(turn, [level(h) for h in t]))
+        x = solve(rows, right)
+        return None if x is None else (x[:n], x[n:])
+
+    def rise(self, i, dz):
+        """The change of J z - c in a row."""
+        return dot(self.J[i], dz) + dot(self.change["dJ"][i], self.z) - self.change["dc"][i]
+
+    def one_sided(self):
+        """All (dz, dlambda) that fit the first contact, a tie, to either side."""
+        rest = [mode for mode, *_ in self.contacts[1:]]
+        tie, i, t, mu = self.contacts[0]
+        mu, out = Fraction(mu), []
+        for mode in {"touch": ["open", "slides" if t else "held"], "edge": ["held", "at edge"]}[tie]:
+            found = self.derivative([mode, *rest])
+            if found is None:
+                return None
+            dz, force = found
+            if tie == "edge":
+                e = [-self.force[k] / (mu * self.force[i]) for k in t]
+                value = (self.change["dmu"][i] * self.force[i] + mu * force[i] + dot(e, [force[k] for k in t]) if mode == "held"
+                         else dot(e, [self.rise(k, dz) for k in t]))
+            elif mode == "open":
+                value = self.rise(i, dz)
+                if self.law == "convex" and t:
+                    s = [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
+                    size = int(dot(s, s) ** Fraction(1, 2))
+                    value -= self.change["dmu"][i] * size + mu * dot([a / size for a in s], [self.rise(k, dz) for k in t])
+            else:
+                value = force[i]
+            if value >= 0:
+                out.append((dz, force))
+        return out
+
+
+def contained(test, derivative, dz, dlambda, width=True):
+    for got, off, exact in [(derivative.dz, derivative.enclosure, dz), (derivative.dlambda, derivative.enclosure_lambda, dlambda)]:
+        for a, r, e in zip(got, off, exact):
+            test.assertLessEqual(abs(Fraction(float(a)) - e), Fraction(float(r)), f"{float(a)} is not within {r} of {float(e)}")
+        size = max((abs(float(e)) for e in [*dz, *dlambda]), default=0)
+        if width:
+            test.assertLessEqual(max(off, default=0), 1e-10 * size)
+
+
+class Strict(unittest.TestCase):
+    def test_enclosures_hold_the_exact_derivatives(self):
+        count = {law: 0 for law in ("frictionless", "convex", "coulomb")}
+        for law in count:
+            for seed in itertools.count():
+                if count[law] == PLANTED // 3:
+                    break
+                p = Planted(seed, law)
+                exact = p.derivative([mode for mode, *_ in p.contacts])
+                if exact is None:
+                    continue
+                count[law] += 1
+                with self.subTest(law=law, seed=seed):
+                    g = zwang.gradient_of(p.problem, p.given())
+                    self.assertEqual(g.kink, [])
+                    along = g.jvp(**p.change)
+                    self.assertFalse(along.one_sided)
+                    contained(self, along, *exact)
+                    draw = numpy.random.default_rng(seed)
+                    z_bar, lambda_bar = draw.normal(size=p.n), draw.normal(size=p.m)
+                    bars = g.vjp(z_bar, lambda_bar)
+                    terms = [numpy.sum(bars[name] * numpy.array(p.change["d" + name], dtype=float)) for name in bars]
+                    forward = z_bar @ along.dz + lambda_bar @ along.dlambda
+                    size = sum(numpy.abs(bars[name] * numpy.array(p.change["d" + name])).sum() for name in bars)
+                    self.assertLessEqual(abs(sum(terms) - forward), 1e-12 * size)
+
+
+class Ties(unittest.TestCase):
+    def test_planted_ties_are_named_and_the_one_sided_derivative_is_right(self):
+        kinds = [("frictionless", "touch"), *((law, tie) for law in ("convex", "coulomb") for tie in ("touch", "edge", "apex"))]
+        done = numbers = 0
+        for seed in itertools.count():
+            if done >= TIED:
+                break
+            for law, tie in kinds:
+                p = Planted(seed, law, tie)
+                pushes = {"edge": "held", "apex": "held", "touch": "slides" if law != "frictionless" else "held"}
+                rests = {"edge": "held", "apex": "open", "touch": "open"}
+                if any(p.derivative([to.get(mode, mode) for mode, *_ in p.contacts]) is None for to in (pushes, rests)):
+                    continue  # forces are not unique
+                done += 1
+                with self.subTest(law=law, tie=tie, seed=seed):
+                    g = zwang.gradient_of(p.problem, p.given())
+                    row = p.contacts[0][1]
+                    self.assertEqual(g.kink, [row])
+                    along = g.jvp(**p.change)
+                    self.assertEqual(along.kink, [row])
+                    self.assertTrue(along.one_sided)
+                    if along.dz is None:
+                        self.assertIn("kink", along.note)
+                    with self.assertRaisesRegex(ValueError, "kink"):
+                        g.vjp(numpy.ones(p.n))
+                    if tie == "apex":
+                        continue
+                    exact = p.one_sided()
+                    if exact is None:
+                        continue
+                    if law == "coulomb" and len(exact) != 1:
+                        self.assertTrue(along.dz is None or exact[0] == exact[-1])
+                        continue
+                    numbers += 1
+                    self.assertIsNotNone(along.dz, along.note)
+                    contained(self, along, *exact[0], width=False)
+        self.assertGreater(numbers, TIED // 2)
+
+
+class NotUnique(unittest.TestCase):
+    """A box on four corners: its weight can be shared out in many ways."""
+
+    def setUp(self):
+        self.box = zwang.scene("tower(boxes=1)")
+        self.gradient = zwang.gradient_of(self.box, zwang.solve(self.box))
+
+    def test_z_has_a_derivative_and_lambda_has_none(self):
+        self.assertFalse(self.gradient.unique_forces)
+        for dc, dz in [([1, 1, 1, 1], [0, 0, 1, 0, 0, 0]), ([1, 0, 1, 0], [0, 0, 0.5, 0, 1, 0])]:
+            along = self.gradient.jvp(dc=dc)
+            self.assertIsNone(along.dlambda)
+            self.assertIn("not unique", along.note)
+            self.assertFalse(along.one_sided)
+            numpy.testing.assert_allclose(along.dz, dz, atol=1e-15)
+        bars = self.gradient.vjp([0, 0, 1, 0, 0, 0])
+        self.assertIsNone(bars["c"])
+        numpy.testing.assert_allclose(bars["z_u"], 0, atol=1e-15)
+        with self.assertRaisesRegex(ValueError, "not unique"):
+            self.gradient.vjp(numpy.zeros(6), numpy.zeros(4))
+
+    def test_a_corner_that_is_lifted_tips_the_box_and_one_that_is_lowered_does_not(self):
+        up, down = self.gradient.jvp(dc=[1, 0, 0, 0]), self.gradient.jvp(dc=[-1, 0, 0, 0])
+        numpy.testing.assert_allclose(up.dz, [0, 0, 0.5, -0.5, 0.5, 0], atol=1e-15)
+        numpy.testing.assert_allclose(down.dz, numpy.zeros(6), atol=1e-15)
+        self.assertTrue(up.one_sided and down.one_sided)
+        self.assertEqual((up.kink, down.kink), ([1, 2], [0, 3]))
+
+    def test_rows_that_come_to_contradict_each_other_have_no_derivative(self):
+        twice = zwang.Problem(numpy.eye(2), [1, 1], [[1, 0], [2, 0]], [0, 0], equality=2)
+        of = zwang.gradient_of(twice, [0.0, 1.0])
+        numpy.testing.assert_allclose(of.jvp(dc=[1, 2]).dz, [1, 0], atol=1e-15)
+        with self.assertRaisesRegex(ValueError, "contradict"):
+            of.jvp(dc=[1, 0])
+
+
+class Refused(unittest.TestCase):
+    def test_what_has_no_derivative_costs_one_line(self):
+        p = zwang.Problem(numpy.eye(2), [1, -1], [[0, 1]], [0])
+        shut = zwang.Problem(numpy.eye(1), [0], [[1], [-1]], [1, 1])
+        huge = zwang.Problem([[1e300]], [1e300], [[1e300]], [1e300])
+        for word, call in [("infeasible", lambda: zwang.gradient_of(shut, [0.0])), ("infeasible", lambda: zwang.gradient_of(shut, zwang.solve(shut))),
+                           ("finite", lambda: zwang.gradient_of(p, [numpy.nan, 1])), ("entries", lambda: zwang.gradient_of(p, [1.0])),
+                           ("solution", lambda: zwang.gradient_of(p, "x")), ("no solution: it is", lambda: zwang.gradient_of(p, [5.0, 1.0])),
+                           ("too large", lambda: zwang.gradient_of(huge, [1.0])), ("one of", lambda: zwang.gradient(p, [1, 0], "q", [1])),
+                           ("entries", lambda: zwang.gradient(p, [1, 0], "c", [1, 2])), ("finite", lambda: zwang.gradient(p, [1, 0], "c", [numpy.inf])),
+                           ("symmetric", lambda: zwang.gradient(p, [1, 0], "M", [[0, 1], [0, 0]])), ("missing", lambda: zwang.gradient(p, [1, 0], "c")),
+                           ("shape", lambda: zwang.gradient(p, [1, 0], "J", [1, 2, 3])), ("reads", lambda: zwang.gradient(p, [1, 0], "mu", [1])),
+                           ("one name", lambda: zwang.gradient(p, [1, 0], {"c": [1]}, [1])), ("numbers", lambda: zwang.gradient(p, [1, 0], "c", ["a"]))]:
+            with self.subTest(word):
+                with self.assertRaisesRegex(ValueError, word) as caught:
+                    call()
+                self.assertNotIn("\n", str(caught.exception))
+
+    def test_rows_near_a_tie_are_told_apart_by_their_last_digit(self):
+        for gap in (2.0**-52, -2.0**-52):
+            p = zwang.Problem(numpy.eye(1), [1.0], [[1.0]], [1.0 + gap])
+            along = zwang.gradient(p, zwang.solve(p), "z_u", [1.0])
+            self.assertEqual((along.kink, along.dz[0]), ([], 0.0 if gap > 0 else 1.0))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
