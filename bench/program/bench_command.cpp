@@ -41,9 +41,10 @@ struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
   std::vector<std::filesystem::path> missing = {};
+  bool plan = false;
 };
 
-void add_what_is_run(CLI::App& options, Asked& asked) {
+void add_options(CLI::App& options, Asked& asked) {
   SuiteOptions& s = asked.suite;
   options.option_defaults()->group("What is run");
   options.add_option(
@@ -70,10 +71,7 @@ void add_what_is_run(CLI::App& options, Asked& asked) {
   options.add_flag("--trace", s.trace, "convergence of every solver on every problem, not only on one a family");
   options.add_flag("--sequence", s.sequence,
                    "the problems of a family are successive frames: time each also from the answer of the one before");
-}
-
-void add_options(CLI::App& options, Asked& asked) {
-  add_what_is_run(options, asked);
+  options.add_flag("--plan", asked.plan, "say what would be run, and run nothing");
   options.add_option("--shard", asked.suite.shard, "only part K of N, K from 0; joined by ./zwang merge")
       ->type_name("K/N");
   options.option_defaults()->group("Where it goes");
@@ -113,20 +111,6 @@ int print_missing(const std::vector<std::filesystem::path>& directories) {
 }
 
 }  // namespace
-
-void require_suite(std::vector<std::string> words) {
-  CLI::App options;
-  introduce(options, "bench", "");
-  Asked asked;
-  add_what_is_run(options, asked);
-  if (!read(options, std::move(words))) return;
-  if (asked.suite.suite == "collision")
-    throw std::invalid_argument("the collision suite takes minutes and has no parts");
-  if (!asked.tolerances.empty()) numbers("--tolerances", asked.tolerances);
-  if (find_suite(asked.suite.suite).speed)
-    throw std::invalid_argument("the suite " + asked.suite.suite + " times sequences on one machine and has no parts");
-  for (const std::string& text : split_solvers(asked.suite.solvers)) make_solver(text);
-}
 
 int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   CLI::App options("Runs solvers on problems, checks every answer, writes results and a report.");
@@ -180,6 +164,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
               plan.shard.of > 1 ? (", part " + plan.options.shard).c_str() : "");
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
   std::fflush(stdout);
+  if (asked.plan) return done;
 
   // problem -> solve -> solution -> measure -> results
   const std::string directory = settings.directory.string();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,7 @@ int export_command(std::vector<std::string> words);
 int report_command(std::vector<std::string> words);
 int fuzz_command(std::vector<std::string> words);
 int conformance_command(std::vector<std::string> words);
+int campaign_command(std::vector<std::string> words);
 int merge_command(std::vector<std::string> words);
 int pack_command(std::vector<std::string> words);
 int solve_pack_command(std::vector<std::string> words);
@@ -25,13 +25,8 @@ int guard_command(std::vector<std::string> words);
 int league_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
 
-// What `merge` does, and a campaign at its end: joins, prints what was found, writes the report.
-int merge_and_report(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& out,
-                     const std::string& command);
-
-// Throws std::invalid_argument unless these words of `bench` say what is run, and that can be dealt out to parts.
-void require_suite(std::vector<std::string> words);
-
+// Goes on as another program. Throws BadFile where it cannot be run.
+int continue_as(const std::string& file, const std::vector<std::string>& words);
 // Goes on as zwang-all, the program with every command. Throws std::invalid_argument where it is not there.
 int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words);
 

@@ -12,10 +12,21 @@
 
 namespace zwang {
 
-int merge_and_report(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& out,
-                     const std::string& command) {
-  const Merged merged = merge(parts, out, command);
-  const std::string folder = report::shell_word(out.string());
+int merge_command(std::vector<std::string> words) {
+  CLI::App options("Joins the parts of a suite into one run, and writes its report.");
+  introduce(options, "merge",
+            "  ./zwang bench --suite quick --shard 0/2 --out part0\n"
+            "  ./zwang bench --suite quick --shard 1/2 --out part1\n"
+            "  ./zwang merge part0 part1 --out whole");
+  std::vector<std::filesystem::path> parts;
+  std::string out;
+  options.add_option("DIR", parts, "folders of runs of one suite (--shard, or whole)")->required()->type_name("");
+  options.add_option("--out", out, "folder of the joined run")->required()->type_name("DIR");
+  const std::string command = command_line("merge", words);
+  if (!read(options, std::move(words))) return done;
+  const std::filesystem::path folder = new_directory(out, "");
+  const Merged merged = merge(parts, folder, command);
+  const std::string shown = report::shell_word(folder.string());
   std::printf("%s of %s runs", grouped(merged.present).c_str(), grouped(merged.planned).c_str());
   if (merged.twice > 0) std::printf(", %s of them twice and alike", grouped(merged.twice).c_str());
   if (merged.damaged > 0) std::printf(", %s damaged lines left out", grouped(merged.damaged).c_str());
@@ -31,24 +42,9 @@ int merge_and_report(const std::vector<std::filesystem::path>& parts, const std:
                 merged.planned == merged.present + 1
                     ? "1 run is missing"
                     : (grouped(merged.planned - merged.present) + " runs are missing").c_str(),
-                folder.c_str());
-  std::printf("Report: %s\n", report::write_report(out).c_str());
+                shown.c_str());
+  std::printf("Report: %s\n", report::write_report(folder).c_str());
   return merged.disagreeing.empty() ? done : found;
-}
-
-int merge_command(std::vector<std::string> words) {
-  CLI::App options("Joins the parts of a suite into one run, and writes its report.");
-  introduce(options, "merge",
-            "  ./zwang bench --suite quick --shard 0/2 --out part0\n"
-            "  ./zwang bench --suite quick --shard 1/2 --out part1\n"
-            "  ./zwang merge part0 part1 --out whole");
-  std::vector<std::filesystem::path> parts;
-  std::string out;
-  options.add_option("DIR", parts, "folders of runs of one suite (--shard, or whole)")->required()->type_name("");
-  options.add_option("--out", out, "folder of the joined run")->required()->type_name("DIR");
-  const std::string command = command_line("merge", words);
-  if (!read(options, std::move(words))) return done;
-  return merge_and_report(parts, new_directory(out, ""), command);
 }
 
 }  // namespace zwang

@@ -42,6 +42,7 @@ std::vector<Command> own_commands(const Extensions& extensions) {
   return {{"bench", [collision = extensions.collision](
                         std::vector<std::string> words) { return bench_command(std::move(words), collision); }},
           {"report", report_command},
+          {"campaign", campaign_command},
           {"merge", merge_command},
           {"pack", pack_command},
           {"solve-pack", solve_pack_command},
@@ -115,15 +116,21 @@ int run(std::span<const Command> commands, const std::string& word, std::vector<
 
 }  // namespace
 
+int continue_as(const std::string& file, const std::vector<std::string>& words) {
+  std::vector<const char*> arguments = {file.c_str()};
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+  arguments.push_back(nullptr);
+  execv(file.c_str(), const_cast<char**>(arguments.data()));
+  throw std::runtime_error(file + ": " + std::strerror(errno));
+}
+
 int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words) {
   const std::string file = find_program("zwang-all").string();
   if (file.empty())
     throw std::invalid_argument("'" + word + "' is a command of zwang-all, which is not built: ./zwang setup all");
-  std::vector<const char*> arguments = {file.c_str(), word.c_str()};
-  for (const std::string& w : words) arguments.push_back(w.c_str());
-  arguments.push_back(nullptr);
-  execv(file.c_str(), const_cast<char**>(arguments.data()));
-  throw std::runtime_error(file + ": " + std::strerror(errno));
+  std::vector<std::string> all = {word};
+  all.insert(all.end(), words.begin(), words.end());
+  return continue_as(file, all);
 }
 
 int program(int count, char** arguments, const Extensions& extensions) {

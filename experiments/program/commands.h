@@ -10,7 +10,6 @@ int simulate_command(std::vector<std::string> words);
 int experiment_command(std::vector<std::string> words);
 int live_command(std::vector<std::string> words);
 int hand_command(std::vector<std::string> words);
-int campaign_command(std::vector<std::string> words);
 int capture_command(std::vector<std::string> words);
 
 // `bench --suite collision`.

@@ -4,8 +4,7 @@
 
 int main(int count, char** arguments) {
   return zwang::program(count, arguments,
-                        {.commands = {{"campaign", zwang::campaign_command},
-                                      {"capture", zwang::capture_command},
+                        {.commands = {{"capture", zwang::capture_command},
                                       {"simulate", zwang::simulate_command},
                                       {"live", zwang::live_command},
                                       {"experiment", zwang::experiment_command},
