@@ -14,22 +14,22 @@ bool LawsonHanson::enter(const Columns& E, Index column) {
   rotated_[last] = qr_.Q().col(last).dot(r_);
   r_.noalias() -= rotated_[last] * qr_.Q().col(last);
   passive_.push_back(column);
-  state_[static_cast<std::size_t>(column)] = State::passive;
+  state_[at(column)] = State::passive;
   return true;
 }
 
-void LawsonHanson::leave(std::size_t at) {
-  const Index column = passive_[at];
-  qr_.drop(static_cast<Index>(at), rotated_.data());
-  passive_.erase(passive_.begin() + static_cast<std::ptrdiff_t>(at));
-  state_[static_cast<std::size_t>(column)] = State::zero;
+void LawsonHanson::leave(std::size_t place) {
+  const Index column = passive_[place];
+  qr_.drop(static_cast<Index>(place), rotated_.data());
+  passive_.erase(passive_.begin() + static_cast<std::ptrdiff_t>(place));
+  state_[at(column)] = State::zero;
   x_[column] = 0;
   r_.noalias() += rotated_[qr_.size()] * qr_.dropped();
 }
 
 // From the feasible x to the least-squares solution on the passive set, dropping what would turn negative on the way.
 void LawsonHanson::settle(std::span<const char> free) {
-  const auto bounded = [&](Index column) { return !free[static_cast<std::size_t>(column)]; };
+  const auto bounded = [&](Index column) { return !free[at(column)]; };
   for (;;) {
     auto trial = trial_.head(qr_.size());
     trial = rotated_.head(qr_.size());
@@ -67,24 +67,21 @@ Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const ch
   r_ = f;
   passive_.clear();
   dependent_.clear();
-  passive_.reserve(static_cast<std::size_t>(k));
-  dependent_.reserve(static_cast<std::size_t>(k));
-  state_.assign(static_cast<std::size_t>(k), State::zero);
+  passive_.reserve(at(k));
+  dependent_.reserve(at(k));
+  state_.assign(at(k), State::zero);
   for (Index j = 0; j < k; ++j) length_[j] = E.col(j).norm();
 
-  const auto keep_time = [&] {
-    if (limits.deadline) limits.deadline->keep();
-  };
   for (Index j = 0; j < k; ++j) {
-    if (!free[static_cast<std::size_t>(j)]) continue;
-    keep_time();
+    if (!free[at(j)]) continue;
+    limits.deadline.keep();
     if (enter(E, j)) continue;
     dependent_.push_back(j);
-    state_[static_cast<std::size_t>(j)] = State::barred;
+    state_[at(j)] = State::barred;
   }
   for (const Index j : warm) {
-    keep_time();
-    if (state_[static_cast<std::size_t>(j)] == State::zero) enter(E, j);
+    limits.deadline.keep();
+    if (state_[at(j)] == State::zero) enter(E, j);
   }
   settle(free);
 
@@ -92,12 +89,12 @@ Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const ch
   const double noise = tolerances::violation * std::numeric_limits<double>::epsilon() * f.norm();
   const int last = limits.iterations - iterations_;
   for (int step = 0;; ++step) {
-    if (limits.deadline && limits.deadline->passed()) return Status::time_limit;
+    if (limits.deadline.passed()) return Status::time_limit;
     w_.head(k).noalias() = E.transpose() * r_;
     Index best = -1;
     double steepest = noise;
     for (Index j = 0; j < k; ++j)
-      if (state_[static_cast<std::size_t>(j)] == State::zero && w_[j] > steepest * length_[j]) {
+      if (state_[at(j)] == State::zero && w_[j] > steepest * length_[j]) {
         steepest = w_[j] / length_[j];
         best = j;
       }
@@ -105,18 +102,18 @@ Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const ch
     if (step >= last) return Status::iteration_limit;
     ++iterations_;
     if (!enter(E, best)) {
-      state_[static_cast<std::size_t>(best)] = State::barred;
+      state_[at(best)] = State::barred;
       continue;
     }
     settle(free);
-    if (state_[static_cast<std::size_t>(best)] == State::passive) {
+    if (state_[at(best)] == State::passive) {
       for (char& s : state_)
         if (s == State::barred) s = State::zero;
-      for (const Index j : dependent_) state_[static_cast<std::size_t>(j)] = State::barred;
+      for (const Index j : dependent_) state_[at(j)] = State::barred;
     } else {
-      state_[static_cast<std::size_t>(best)] = State::barred;
+      state_[at(best)] = State::barred;
     }
-    if (limits.each) (*limits.each)();
+    if (limits.each) limits.each();
   }
 }
 

@@ -27,9 +27,9 @@ class LawsonHanson {
   using Columns = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
 
   struct Limits {
-    int iterations;                               // to add to those already counted
-    const Deadline* deadline = nullptr;           // null: none
-    const std::function<void()>* each = nullptr;  // called after every iteration; null in timed runs
+    int iterations;  // to add to those already counted
+    Deadline deadline = Deadline();
+    std::function<void()> each = {};  // called after every iteration; none in timed runs
   };
 
   double threshold = tolerances::dependent_column;  // relative pivot of a column
@@ -48,7 +48,7 @@ class LawsonHanson {
 
  private:
   bool enter(const Columns& E, Index column);
-  void leave(std::size_t at);
+  void leave(std::size_t place);
   void settle(std::span<const char> free);
 
   ThinQr qr_;

@@ -68,15 +68,15 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
     rows_.primal(p, y_, s.z);
     rows_.multipliers(p, least_squares_.x(), s.lambda);
   };
-  std::function<void()> observe;
+  std::function<void()> each;
   if (options.observe)
-    observe = [&] {
+    each = [&] {
       write();
       options.observe(least_squares_.iterations(), s.z, s.lambda);
     };
   least_squares_.restart();
   s.status = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
-                                  {options.max_iterations, &deadline, observe ? &observe : nullptr});
+                                  {options.max_iterations, deadline, each});
   s.iterations = least_squares_.iterations();
   for (const Index i : least_squares_.dependent_free()) s.redundant.push_back(rows_.row[at(i)]);
   write();

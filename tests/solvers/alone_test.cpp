@@ -96,8 +96,8 @@ TEST_P(Alone, SecondSolveAllocatesNothingAndGivesTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, Alone,
-                         testing::Values("dual_active_set", "dual_active_set:reduce=off", "nnls", "nnls:project=off",
-                                         "nnls:reduce=on", "cholesky", "cholesky:reduce=on", "newton"),
+                         testing::Values("dual_active_set", "dual_active_set:reduce=off", "nnls", "nnls:reduce=on",
+                                         "cholesky", "cholesky:reduce=on", "newton"),
                          [](const auto& i) {
                            std::string name = i.param;
                            for (char& c : name)

@@ -127,8 +127,7 @@ TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet,
-                         testing::Values("nnls", "nnls:project=off", "nnls:reduce=on", "cholesky",
-                                         "cholesky:reduce=on"),
+                         testing::Values("nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on"),
                          [](const auto& i) {
                            std::string name = i.param;
                            for (char& letter : name)
