@@ -23,7 +23,7 @@ from ._zwang import BadFile, Judgement, Solution, __version__
 from .packs import judge_pack, write_answers
 
 __all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_pack",
-           "gradient", "gradient_of", "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
+           "gradient", "gradient_of", "judge_gradient", "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
 
 
 def _numbers(value, name, size=None):
@@ -229,18 +229,19 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
     return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
 
 
-def gradient_of(problem, solution):
+def gradient_of(problem, solution, *, law=None):
     """The derivatives of a solution with respect to the numbers of its problem, proven: a Gradient, which factors once.
 
-    solution: what solve() returned, (z, lambda), or z. g.jvp(dM=, dz_u=, dJ=, dc=, dmu=) gives a Derivative in that direction,
+    solution: what solve() returned, (z, lambda), or z. law: the solution is one of problem.under(law), and derivatives are those with
+    respect to the problem as it is given, mu included. g.jvp(dM=, dz_u=, dJ=, dc=, dmu=) gives a Derivative in that direction,
     g.vjp(z_bar, lambda_bar=None) a dict of gradients, one a name. Which rows hold, open and slide is proven at the solution itself,
     to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
     """
     from . import gradients
-    return gradients.gradient_of(problem, solution)
+    return gradients.gradient_of(problem, solution, law)
 
 
-def gradient(problem, solution, wrt, direction=None):
+def gradient(problem, solution, wrt, direction=None, *, law=None):
     """How the solution changes with the problem: a Derivative dz (n), dlambda (m), with the enclosure of each entry.
 
     wrt: "M" (direction n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or a dict of such names and directions.
@@ -248,7 +249,19 @@ def gradient(problem, solution, wrt, direction=None):
     (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
     """
     from . import gradients
-    return gradients.gradient(problem, solution, wrt, direction)
+    return gradients.gradient_of(problem, solution, law).jvp(**gradients.parameters(wrt, direction))
+
+
+def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=None, law=None, tolerance=1e-9):
+    """Whether a gradient is right, whoever computed it: a GradientJudgement with the verdict "right", "wrong", "undecided" or
+    "kink: [rows]", and proven bounds at_least and at_most on its distance from the true one.
+
+    gradient: dz (n) in a direction, as in gradient(); its distance is in the M-norm, relative to the larger of dz and of the change of
+    the free motion. Or, with z_bar (n), the gradient with respect to `wrt` of a number whose gradient with respect to z is z_bar, as a
+    backward pass gives it; its distance is in the sum of squares, relative to the true gradient. Raises ValueError as gradient() does.
+    """
+    from . import gradients
+    return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, float(tolerance))
 
 
 def add_solver(name, function, method="a Python function"):

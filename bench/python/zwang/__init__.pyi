@@ -96,12 +96,23 @@ class ConvexJudgement:
 
 class Derivative:
     dz: numpy.ndarray | None
+    free: numpy.ndarray | None
     dlambda: numpy.ndarray | None
     enclosure: numpy.ndarray | None
     enclosure_lambda: numpy.ndarray | None
+    reach: float
+    reach_row: int | None
     one_sided: bool
     kink: list[int]
     kink_names: list[str]
+    note: str
+
+class GradientJudgement:
+    verdict: str
+    kink: list[int]
+    at_least: float
+    at_most: float
+    scale: float
     note: str
 
 class Gradient:
@@ -127,9 +138,12 @@ def judge_qp(P: Matrix, q: Numbers, G: Matrix | None = None, h: Numbers | None =
              tolerance: float = 1e-9) -> Judgement | ConvexJudgement: ...
 def judge_pack(pack: str | Path, *answers: str | Path, out: str | Path | None = None) -> list[dict[str, Any]]: ...
 def write_answers(file: str | Path, answers: Iterable[dict[str, Any]], *, solver: str, **header: str | float) -> None: ...
-def gradient_of(problem: Problem, solution: Solution | Answer) -> Gradient: ...
+def gradient_of(problem: Problem, solution: Solution | Answer, *, law: str | None = None) -> Gradient: ...
 def gradient(problem: Problem, solution: Solution | Answer, wrt: str | dict[str, Matrix | Numbers],
-             direction: Matrix | Numbers | None = None) -> Derivative: ...
+             direction: Matrix | Numbers | None = None, *, law: str | None = None) -> Derivative: ...
+def judge_gradient(problem: Problem, solution: Solution | Answer, gradient: Matrix | Numbers, wrt: str | dict[str, Matrix | Numbers],
+                   direction: Matrix | Numbers | None = None, *, z_bar: Numbers | None = None, law: str | None = None,
+                   tolerance: float = 1e-9) -> GradientJudgement: ...
 def add_solver(name: str, function: Callable[[Problem, float], Answer], method: str = "a Python function") -> None: ...
 def bench(scenes: str | Path | Problem | Iterable[Problem] | None = None, *, suite: str = "quick",
           solvers: str | Callable[[Problem, float], Answer] | Iterable[str | Callable[[Problem, float], Answer]] | None = None,

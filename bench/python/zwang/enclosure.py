@@ -101,13 +101,22 @@ class Regular:
         return self.across * (self.inverse @ (self.left * right))
 
     def transposed(self, right):
-        """K'^-1 right, refined."""
+        """v with K'v = right, and what its entries are off."""
         def once(r):
             return self.left * (self.inverse.T @ (self.across * r))
-        v = once(right)
-        for _ in range(2):
-            v = v + once(right - self.K.T @ v)
-        return v
+        rows = Rows(scipy.sparse.csr_matrix(self.K.T))
+        v, low = once(right), numpy.zeros(len(right))
+        for turn in range(3):
+            residual, small, off = rows.times(-v, -low, (right,))
+            if turn == 2:
+                break
+            v, rest = added(v, once(residual))
+            v, low = added(v, low + rest)
+        if self.off is not None:
+            off = off + (self.off.T @ (abs(v) + abs(low))) * UP
+        # K^-T = R' (1 - E)^-T in scaled numbers, and the column sums of (1 - E)^-T are those of the rows that are bounded.
+        left = (self.across * (abs(residual) + abs(small) + off)).sum() / (1 - self.contraction)
+        return v, (self.left * (self.size.max(axis=0, initial=0) * left) + abs(low)) * UP
 
     def first(self, residual, off):
         """A bound on |R r|, scaled, for a residual and what it is off."""

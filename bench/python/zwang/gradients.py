@@ -17,19 +17,23 @@ from .ties import Exactly, Tie
 FAR = 1e-2  # an answer that is farther from the solution, relative to the motion, is none: where the referee's `near` ends
 NOT_UNIQUE = "forces are not unique: z has a derivative, and lambda has none"
 COMBINATIONS = 512  # of modes of ties that are tried
+NAMES = ("M", "z_u", "J", "c", "mu")
+UP_TO = 2.0**-36  # what sums of products of doubles may lose, relative, where terms are not negative
 AGREE = 2.0**-30  # relative: derivatives of two combinations that differ by less are one number
 
 
 class Derivative:
     """How a solution changes in one direction, for a step of 1 in that direction.
 
-    dz: n. dlambda: m, or None where `note` says why. enclosure, enclosure_lambda: what each entry is off at most, proven.
+    dz: n; free: the same of a motion that the same forces push, and no row holds. dlambda: m, or None where `note` says why. enclosure, enclosure_lambda: what each entry is off at most, proven.
+    reach, reach_row: to first order, the step to either side at which a row first changes its mode, and that row.
     one_sided: it holds for steps forward alone. kink: the rows that make it so. Where dz is None, `note` says why.
     """
 
     def __init__(self, problem, kink, one_sided):
-        self.dz = self.dlambda = self.enclosure = self.enclosure_lambda = None
+        self.dz = self.free = self.dlambda = self.enclosure = self.enclosure_lambda = None
         self.kink, self.one_sided, self.note = list(kink), one_sided, ""
+        self.reach, self.reach_row = 0.0 if one_sided else math.inf, None
         self.kink_names = [problem.row_names[i] for i in self.kink]
 
     def __repr__(self):
@@ -84,8 +88,8 @@ class Gradient:
     solution, in the M-norm, relative to the larger of it and z_u.
     """
 
-    def __init__(self, problem, given, z, force):
-        self.problem = problem
+    def __init__(self, problem, given, z, force, laid=None):
+        self.problem, self.laid = problem, laid
         self.p = p = Parts(problem)
         self.settled = Settled(p, z, force)
         self.branch = b = self.settled.branch
@@ -237,7 +241,10 @@ class Gradient:
 
     def jvp(self, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
         """The Derivative in a direction: dM n x n and symmetric, dz_u n, dJ m x n, dc m, dmu m, each 0 where it is not given."""
-        change = Change(self.p, dM, dz_u, dJ, dc, dmu)
+        if self.laid:
+            change = self.laid.forward(Change(Parts(self.laid.given), dM, dz_u, dJ, dc, dmu))
+        else:
+            change = Change(self.p, dM, dz_u, dJ, dc, dmu)
         try:
             return self.along(change)
         except Unproven as unproven:
@@ -249,10 +256,45 @@ class Gradient:
         right, low, off, t, t_off = self.change_of_equations(change)
         y = self.branch.regular.solve(right, low, off)
         out = Derivative(self.problem, self.kink, bool(self.ties))
+        n = self.p.n
+        out.free = self.p.solve_mass(right[:n] + low[:n])
         if self.ties:
             return self.with_ties(out, change, y, t, t_off)
         self.fill(out, y[0], abs(y[1]) + y[2])
+        self.look_ahead(out, y[0], change, t)
         return out
+
+    def look_ahead(self, out, x, change, t):
+        """To first order, the step at which a row first changes its mode."""
+        p, b = self.p, self.branch
+        rise = p.J @ x[:p.n] + t
+        force = numpy.zeros(p.m)
+        force[b.pushing] = x[p.n:p.n + len(b.pushing)]
+        steps = {}
+        for contact, mode in zip(p.contacts, b.modes):
+            i, tangents, mu = contact.row, contact.tangents, contact.mu
+            left = []
+            if mode == "open":
+                s, ds = b.slack[i], rise[i]
+                if p.convex and tangents:
+                    size = length(b.slack[tangents])
+                    s, ds = s - mu * size, ds - change.dmu[i] * size - (mu * (b.slack[tangents] @ rise[tangents]) / size if size else 0)
+                left.append((s, ds))
+            else:
+                left.append((b.force[i], force[i]))
+            if mode == "held" and tangents:
+                size = length(b.force[tangents])
+                left.append((mu * b.force[i] - size, change.dmu[i] * b.force[i] + mu * force[i]
+                             - (b.force[tangents] @ force[tangents] / size if size else 0)))
+            elif mode == "slides":
+                r = b.slip[i]
+                left.append((b.high[r], x[r]))
+            steps[i] = min((value / abs(slope) for value, slope in left if slope), default=math.inf)
+        if steps:
+            out.reach_row = min(steps, key=steps.get)
+            out.reach = steps[out.reach_row]
+            if out.reach == math.inf:
+                out.reach_row = None
 
     def fill(self, out, x, off, extra=()):
         p, b, n = self.p, self.branch, self.p.n
@@ -355,6 +397,8 @@ class Gradient:
                 size = len(tie.contact.rows)
                 choices.append([("open", at), ("stick", at)] + ([("slide", at, 1.0), ("slide", at, -1.0)] if size == 2 else [("unknown", at)]))
                 at += size
+        if math.prod(len(c) for c in choices) > COMBINATIONS and not any(c.tangents for c in p.contacts):
+            choices = self.pushing(out.free, t, choices)
         if math.prod(len(c) for c in choices) > COMBINATIONS:
             out.note = f"kink: too many ties for a number ({len(self.ties)})"
             return out
@@ -385,7 +429,7 @@ class Gradient:
         z, z_off, w, w_off = points[0]
         for other, other_off, v, v_off in points[1:]:
             apart = abs(other - z)
-            if self.norm((other - z)[:p.n]) > AGREE * max(self.norm(z[:p.n]), self.norm(other[:p.n])):
+            if self.norm(apart[:p.n]) > AGREE * self.norm((abs(x) + abs(Y) @ abs(w) + abs(Y) @ abs(v))[:p.n]):
                 out.note = f"kink: no number, since {len(points)} combinations of modes fit this direction"
                 return out
             z_off, w_off = numpy.maximum(z_off, (apart + other_off) * UP), numpy.maximum(w_off, (abs(v - w) + v_off) * UP)
@@ -402,6 +446,18 @@ class Gradient:
                                   (contact.mu * (abs(d) * bound + d_off * (abs(value) + bound)) + 4 * EPSILON * size) * UP))
         self.fill(out, z, z_off, extra)
         return out
+
+    def pushing(self, free, t, choices):
+        """The choice that a solver makes, for ties too many to try them all."""
+        from . import Problem, solve
+        b, rows = self.branch, [tie.contact.row for tie in self.ties]
+        both = [*b.basis, *rows]
+        found = solve(Problem(self.p.M, free, self.p.J[both], -t[both], equality=len(b.basis)), tolerance=1e-12)
+        if len(found.lambda_) != len(both):
+            return choices
+        slack = self.p.J[rows] @ found.z + t[rows]
+        act = found.lambda_[len(b.basis):] * self.p.unit[rows] > slack / self.p.unit[rows]
+        return [[choice[int(a)]] for choice, a in zip(choices, act)]
 
     def combination(self, modes, q, q_off, G, G_off):
         """(w, what it is off, whether all signs are strict, what opens) of one choice of modes; "no" where it is refuted, "unknown" where nothing
@@ -542,12 +598,27 @@ class Gradient:
         """The gradient of a number whose gradient with respect to z is z_bar (n), and to lambda lambda_bar (m), with respect to the
         problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m). Where forces are not unique, J and c
         have none, and None stands there. Raises ValueError at a kink."""
+        return self.backward(z_bar, lambda_bar)[0]
+
+    def within_contacts(self):
+        """Whether the only rows that depend on each other are the edges of one contact: they do so whatever changes."""
+        if not self.laid:
+            return False
+        groups = {}
+        for row, i, *_ in self.laid.edges:
+            if row in self.branch.held:
+                groups.setdefault(i, []).append(row)
+        spare = sum(len(rows) - len(exact_basis(self.p.J[rows], self.p.c[rows])[0]) for rows in groups.values())
+        return spare == len(self.branch.frozen)
+
+    def backward(self, z_bar, lambda_bar):
+        """What vjp gives, and what each entry is off."""
         p, b, n = self.p, self.branch, self.p.n
         if self.ties:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
         bars = []
         for name, value, size in (("z_bar", z_bar, n), ("lambda_bar", numpy.zeros(p.m) if lambda_bar is None else lambda_bar, p.m)):
-            v = numpy.asarray(value, dtype=float)
+            v = numbers(value, name)
             if v.shape != (size,) or not numpy.isfinite(v).all():
                 raise ValueError(f"{name} should have {size} finite entries")
             bars.append(v)
@@ -555,15 +626,95 @@ class Gradient:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
         right = numpy.zeros(b.size)
         right[:n], right[n:n + len(b.pushing)] = bars[0], bars[1][b.pushing]
-        v = b.regular.transposed(right)
-        push, rest = v[:n], v[n:]
-        z, force = b.high[:n], b.force
-        M = -0.5 * (numpy.outer(push, z - p.z_u) + numpy.outer(z - p.z_u, push))
-        out = {"M": M, "z_u": p.M @ push, "J": None, "c": None, "mu": -(rest @ self.V)}
-        if self.unique_forces:
+        v, off = b.regular.transposed(right)
+        (push, rest), (push_off, rest_off) = (v[:n], v[n:]), (off[:n], off[n:])
+        z, z_off = b.high[:n], abs(b.low[:n]) + b.radius[:n]
+        moved = z - p.z_u
+        moved_off = z_off + EPSILON * abs(moved)
+        M, M_off = outer(push, push_off, moved, moved_off)
+        out = {"M": -0.5 * (M + M.T), "z_u": p.M @ push, "J": None, "c": None, "mu": -(rest @ self.V)}
+        bound = {"M": 0.5 * (M_off + M_off.T) + EPSILON * (abs(M) + abs(M.T)),
+                 "z_u": abs(p.M) @ (push_off + (n + 4) * EPSILON * abs(push)),
+                 "mu": rest_off @ abs(self.V) + (abs(rest) + rest_off) @ self.V_off + (len(rest) + 4) * EPSILON * (abs(rest) @ abs(self.V))}
+        if self.unique_forces or self.within_contacts():
             along = rest @ self.W
-            out["J"], out["c"] = numpy.outer(force, push) - numpy.outer(along, z), along
-        return out
+            along_off = (rest_off @ abs(self.W) + (abs(rest) + rest_off) @ self.W_off
+                         + (len(rest) + 4) * EPSILON * (abs(rest) @ abs(self.W)))
+            (one, one_off), (two, two_off) = outer(b.force, b.force_off, push, push_off), outer(along, along_off, z, z_off)
+            out["J"], out["c"] = one - two, along
+            bound["J"], bound["c"] = one_off + two_off + 2 * EPSILON * (abs(one) + abs(two)), along_off
+        bound = {name: value * UP for name, value in bound.items()}
+        return self.laid.back(out, bound) if self.laid else (out, bound)
+
+
+def outer(a, a_off, b, b_off):
+    """a b' and what it is off."""
+    both = numpy.outer(a, b)
+    return both, numpy.outer(a_off, abs(b) + b_off) + numpy.outer(abs(a), b_off) + EPSILON * abs(both)
+
+
+def numbers(value, name):
+    try:
+        return numpy.array(value, dtype=float)
+    except (TypeError, ValueError) as bad:
+        raise ValueError(f"{name} should be numbers: {str(bad).splitlines()[0]}") from None
+
+
+class Laid:
+    """The problem under a simpler law: how changes of the given rows change those of the law (core/problem/law.h)."""
+
+    def __init__(self, given, law):
+        self.given, self.problem = given, given.under(law)
+        tangent, mu, edges = given.tangent, given.mu, self.problem.law == "pyramid"
+        at, self.edges, i = [], [], 0
+        while i < given.rows:
+            end = i + 1
+            while end < given.rows and tangent[end]:
+                end += 1
+            slips = end > i + 1 and bool(mu[i] > 0)
+            for t in range(i + 1, end) if edges and slips else ():
+                for sign in (1.0, -1.0):
+                    self.edges.append((len(at), i, t, sign))
+                    at.append({i: 1.0, t: sign * mu[i]})
+            if not (edges and slips):
+                at += [{k: 1.0} for k in range(i, end if slips and self.problem.law in ("convex", "coulomb") else i + 1)]
+            i = end
+        self.T = scipy.sparse.csr_matrix(([v for row in at for v in row.values()],
+                                          ([k for k, row in enumerate(at) for _ in row], [j for row in at for j in row])),
+                                         shape=(len(at), given.rows))
+        self.turn = scipy.sparse.csr_matrix(([s for *_, s in self.edges], ([r for r, *_ in self.edges], [t for _, _, t, _ in self.edges])),
+                                            shape=self.T.shape)
+        self.owner = scipy.sparse.csr_matrix((numpy.ones(len(self.edges)), ([r for r, *_ in self.edges], [i for _, i, _, _ in self.edges])),
+                                             shape=self.T.shape)
+
+    def forward(self, change):
+        """The Change of the law's rows. Its entries are rounded where mu or dmu are not powers of two."""
+        rows, c = self.given.J, numpy.where(numpy.isfinite(self.given.c), self.given.c, 0)
+        turned = self.owner @ change.dmu
+        change.dJ = scipy.sparse.csr_matrix(self.T @ change.dJ + scipy.sparse.diags(turned) @ (self.turn @ rows))
+        change.dJ.sort_indices()
+        change.dc = self.T @ change.dc + turned * (self.turn @ c)
+        change.dmu = numpy.zeros(self.T.shape[0]) if self.edges else self.T @ change.dmu
+        return change
+
+    def back(self, out, bound):
+        rows, c = self.given.J, numpy.where(numpy.isfinite(self.given.c), self.given.c, 0)
+        T, size = self.T, 8 * EPSILON
+        out, bound = dict(out), dict(bound)
+        mu = T.T @ out["mu"] if not self.edges else None
+        mu_off = T.T @ bound["mu"] if not self.edges else None
+        if out["J"] is not None:
+            J, c_bar, J_off, c_off = out["J"], out["c"], bound["J"], bound["c"]
+            if self.edges:
+                along, turn = self.turn @ rows, self.turn @ c
+                terms = along.multiply(J).sum(axis=1).A1 + turn * c_bar
+                many = (self.given.size + 8) * EPSILON
+                terms_off = abs(along).multiply(J_off + many * abs(J)).sum(axis=1).A1 + abs(turn) * (c_off + many * abs(c_bar))
+                mu, mu_off = self.owner.T @ terms, self.owner.T @ (terms_off + size * abs(terms))
+            out["J"], out["c"] = T.T @ J, T.T @ c_bar
+            bound["J"], bound["c"] = abs(T).T @ (J_off + size * abs(J)), abs(T).T @ (c_off + size * abs(c_bar))
+        out["mu"], bound["mu"] = mu, None if mu_off is None else mu_off * UP
+        return out, bound
 
 
 def answer(problem, solution):
@@ -586,13 +737,15 @@ def answer(problem, solution):
     return z, force
 
 
-def gradient_of(problem, solution):
+def gradient_of(problem, solution, law):
     from . import solve
+    laid = Laid(problem, law) if law is not None and problem.tangent.any() else None
+    problem = laid.problem if laid else problem
     z, force = answer(problem, solution)
     why = None
     if len(force) == problem.rows:
         try:
-            return Gradient(problem, z, z, force)
+            return Gradient(problem, z, z, force, laid)
         except Unproven as unproven:
             why = str(unproven)
     found = solve(problem, "cone" if problem.tangent.any() else "dual_active_set", tolerance=1e-12)
@@ -601,23 +754,70 @@ def gradient_of(problem, solution):
     if len(found.z) != problem.size or len(found.lambda_) != problem.rows:
         raise ValueError(f"no gradient: {why or found.status}")
     try:
-        return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_)
+        return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_, laid)
     except Unproven as unproven:
         raise ValueError(f"no gradient: {unproven}") from None
 
 
-def gradient(problem, solution, wrt, direction):
-    return gradient_of(problem, solution).jvp(**parameters(wrt, direction))
-
-
 def parameters(wrt, direction):
-    names = ("M", "z_u", "J", "c", "mu")
     if isinstance(wrt, str):
         if direction is None:
             raise ValueError("a direction is missing")
         wrt = {wrt: direction}
     elif direction is not None:
         raise ValueError("direction goes with one name: wrt should be a name, or a dict of names and directions")
-    if not isinstance(wrt, dict) or not wrt or not all(name in names for name in wrt):
-        raise ValueError(f"wrt should be one of {', '.join(names)}, or a dict of them")
+    if not isinstance(wrt, dict) or not wrt or not all(name in NAMES for name in wrt):
+        raise ValueError(f"wrt should be one of {', '.join(NAMES)}, or a dict of them")
     return {"d" + name: value for name, value in wrt.items()}
+
+
+class GradientJudgement:
+    """What is proven of a gradient. verdict: "right", "wrong", "undecided" or "kink: [rows]". at_least, at_most: of its distance from the
+    true one, over `scale`; at a kink from the one-sided one, where there is one. note: why there is none."""
+
+    def __init__(self, kink, at_least, at_most, scale, tolerance, note=""):
+        self.kink, self.at_least, self.at_most, self.scale, self.note = kink, at_least, at_most, scale, note
+        self.verdict = (f"kink: [{', '.join(map(str, kink))}]" if kink else "right" if at_most <= tolerance else
+                        "wrong" if at_least > tolerance else "undecided")
+
+    def __repr__(self):
+        text = f"{self.verdict}: off by at least {self.at_least:.3g} and at most {self.at_most:.3g}"
+        return f"<{text}{'; ' + self.note if self.note else ''}>"
+
+
+def apart(distance, off, scale):
+    """Proven bounds of a distance that is off by so much, over the scale."""
+    low, high = max(distance * (1 - UP_TO) - off, 0.0), distance * (1 + UP_TO) + off
+    return (low / scale, high / scale) if scale > 0 else (math.inf if low > 0 else 0.0, math.inf if high > 0 else 0.0)
+
+
+def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, tolerance):
+    of = gradient_of(problem, solution, law)
+    if z_bar is None:
+        true = of.jvp(**parameters(wrt, direction))
+        got = numbers(given, "gradient")
+        if got.shape != (of.p.n,):
+            raise ValueError(f"gradient should have {of.p.n} entries, and has the shape {got.shape}")
+        if true.dz is None:
+            return GradientJudgement(true.kink, 0.0, math.inf, 0.0, tolerance, true.note)
+        if not numpy.isfinite(got).all():
+            return GradientJudgement(true.kink, math.inf, math.inf, 0.0, tolerance, "it has entries that are not finite")
+        # |v|_M <= |v'| over the diagonal times the root of the size holds for any positive definite M.
+        width = math.sqrt(of.p.n) * math.sqrt(of.p.M.diagonal() @ true.enclosure**2) * UP
+        size = of.norm(true.dz)
+        low, high = apart(of.norm(got - true.dz), width, max(size, of.norm(true.free)))
+        return GradientJudgement(true.kink, low, high, max(size, of.norm(true.free)), tolerance, true.note if true.kink else "")
+    if direction is not None or wrt not in NAMES:
+        raise ValueError(f"with z_bar, wrt should be one of {', '.join(NAMES)}, and direction is left out")
+    if of.ties:
+        return GradientJudgement(of.kink, 0.0, math.inf, 0.0, tolerance)
+    true, bound = of.backward(z_bar, None)
+    if true[wrt] is None:
+        raise ValueError(f"no gradient with respect to {wrt}: forces are not unique")
+    got = numbers(given.toarray() if scipy.sparse.issparse(given) else given, "gradient")
+    if got.shape != true[wrt].shape:
+        raise ValueError(f"gradient should have the shape {true[wrt].shape}, and has {got.shape}")
+    if not numpy.isfinite(got).all():
+        return GradientJudgement([], math.inf, math.inf, 0.0, tolerance, "it has entries that are not finite")
+    size = float(numpy.linalg.norm(true[wrt]))
+    return GradientJudgement([], *apart(float(numpy.linalg.norm(got - true[wrt])), float(numpy.linalg.norm(bound[wrt])) * UP, size), size, tolerance)

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy
 import scipy.sparse
+import scipy.sparse.linalg
 
 from .enclosure import EPSILON, UP, Regular, Rows, Unproven, added, is_definite
 from .semidefinite import exact_basis
@@ -53,6 +54,9 @@ class Parts:
 
     def named(self, rows):
         return ", ".join(self.name(i) for i in rows)
+
+    def solve_mass(self, v):
+        return scipy.sparse.linalg.spsolve(scipy.sparse.csc_matrix(self.M), v) if self.n else v
 
     def slack(self, high, low):
         """J z - c of all rows, as two doubles and a bound."""

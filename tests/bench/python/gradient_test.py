@@ -12,6 +12,7 @@ import zwang
 
 MANY = "thorough" in sys.argv[1:]
 PLANTED, TIED = (1200, 500) if MANY else (120, 60)
+ALONG = [(3, 0), (-2, 0), (0, 1), (0, -4)]  # the edges of a pyramid
 SLIPS = [(3, 4), (-4, 3), (5, -12), (-8, -15), (4, 3), (0, 5)]
 
 
@@ -44,7 +45,7 @@ class Planted:
         L = [[draw.randint(-1, 1) if j < i else int(i == j) for j in range(n)] for i in range(n)]
         self.M = [[sum(a * b for a, b in zip(r, s)) for s in L] for r in L]
         z = [draw.randint(-4, 4) for _ in range(n)]
-        friction = law in ("coulomb", "convex")
+        friction = law != "frictionless"
         self.J, self.c, self.force, self.equal, self.tangent, self.mu = [], [], [], [], [], []
         self.contacts = []
 
@@ -63,10 +64,10 @@ class Planted:
             planar, mu = draw.random() < 0.4, draw.choice([0.5, 0.25, 1.0])
             if mode == "apex" and not planar and draw.random() < 0.5:
                 planar = True
-            slip = [draw.choice([-3, 2])] if planar else list(draw.choice(SLIPS))
+            slip = [draw.choice([-3, 2])] if planar else list(draw.choice(SLIPS if law != "pyramid" else ALONG))
             r = abs(slip[0]) if planar else int((slip[0]**2 + slip[1]**2) ** 0.5)
             push = 4 * r * draw.randint(1, 3)
-            lift = Fraction(mu) * r if law == "convex" else 0
+            lift = Fraction(mu) * r if law in ("convex", "pyramid") else 0
             first = len(self.J)
             if not friction:
                 row(draw.randint(1, 4) if mode == "open" else 0, push if mode == "held" else 0)
@@ -86,7 +87,7 @@ class Planted:
         self.z_u = [float(a - b) for a, b in zip(z, moved)]
         assert all(Fraction(a) == b - c for a, b, c in zip(self.z_u, z, moved))
         self.problem = zwang.Problem(self.M, self.z_u, self.J, self.c, equality=self.equal, name=f"planted {law} {seed}",
-                                     **(dict(tangent=self.tangent, mu=self.mu, law=law) if any(self.tangent) else {}))
+                                     **(dict(tangent=self.tangent, mu=self.mu, law="convex" if law == "convex" else "coulomb") if any(self.tangent) else {}))
         half = [[draw.randint(-1, 1) for _ in range(n)] for _ in range(n)]
         self.change = {"dM": [[half[i][j] + half[j][i] for j in range(n)] for i in range(n)],
                        "dz_u": [draw.randint(-3, 3) for _ in range(n)], "dJ": [[draw.randint(-1, 1) for _ in range(n)] for _ in range(self.m)],
@@ -126,6 +127,15 @@ class Planted:
                 for k in [i, *t]:
                     rows.append(motion(k))
                     right.append(level(k))
+            elif self.law == "pyramid":
+                mu, s = Fraction(mu), [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
+                at = next(k for k, a in enumerate(s) if a)
+                sign, k = -1 if s[at] > 0 else 1, t[at]
+                rows.append([a + sign * mu * b for a, b in zip(motion(i), motion(k))])
+                right.append(level(i) + sign * (mu * level(k) - d["dmu"][i] * s[at]))
+                for j in t:
+                    rows.append([a - sign * mu * b * (j == k) for a, b in zip(unit(j), unit(i))])
+                    right.append(sign * d["dmu"][i] * self.force[i] * (j == k))
             else:
                 mu = Fraction(mu)
                 s = [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
@@ -195,6 +205,8 @@ class Planted:
 
 def contained(test, derivative, dz, dlambda, width=True):
     for got, off, exact in [(derivative.dz, derivative.enclosure, dz), (derivative.dlambda, derivative.enclosure_lambda, dlambda)]:
+        if not len(exact):
+            continue
         for a, r, e in zip(got, off, exact):
             test.assertLessEqual(abs(Fraction(float(a)) - e), Fraction(float(r)), f"{float(a)} is not within {r} of {float(e)}")
         size = max((abs(float(e)) for e in [*dz, *dlambda]), default=0)
@@ -227,6 +239,35 @@ class Strict(unittest.TestCase):
                     forward = z_bar @ along.dz + lambda_bar @ along.dlambda
                     size = sum(numpy.abs(bars[name] * numpy.array(p.change["d" + name])).sum() for name in bars)
                     self.assertLessEqual(abs(sum(terms) - forward), 1e-12 * size)
+
+
+class Pyramid(unittest.TestCase):
+    """Under the law, the derivative with respect to the problem as it is given."""
+
+    def test_enclosures_hold_the_exact_derivatives(self):
+        count = smooth = 0
+        for seed in itertools.count():
+            if count == PLANTED // 4:
+                break
+            p = Planted(seed, "pyramid")
+            exact = p.derivative([mode for mode, *_ in p.contacts])
+            if exact is None or not any(p.tangent):
+                continue
+            count += 1
+            with self.subTest(seed=seed):
+                g = zwang.gradient_of(p.problem, numpy.array(p.z, dtype=float), law="pyramid")
+                self.assertEqual(g.kink, [])
+                along = g.jvp(**p.change)
+                self.assertFalse(along.one_sided)
+                contained(self, along, exact[0], ())
+                z_bar = numpy.random.default_rng(seed).normal(size=p.n)
+                bars = g.vjp(z_bar)
+                if bars["J"] is None:
+                    continue  # contacts depend on each other
+                smooth += 1
+                terms = [(bars[name] * numpy.array(p.change["d" + name])).ravel() for name in bars]
+                self.assertLessEqual(abs(sum(t.sum() for t in terms) - z_bar @ along.dz), 1e-12 * sum(abs(t).sum() for t in terms))
+        self.assertGreater(smooth, count // 2)
 
 
 class Ties(unittest.TestCase):
@@ -266,6 +307,97 @@ class Ties(unittest.TestCase):
                     self.assertIsNotNone(along.dz, along.note)
                     contained(self, along, *exact[0], width=False)
         self.assertGreater(numbers, TIED // 2)
+
+
+class Judged(unittest.TestCase):
+    def test_right_and_wrong_gradients_are_told_apart(self):
+        counted = 0
+        for law, seed in itertools.product(("frictionless", "convex", "coulomb"), range(12)):
+            p = Planted(seed, law)
+            exact = p.derivative([mode for mode, *_ in p.contacts])
+            if exact is None:
+                continue
+            counted += 1
+            with self.subTest(law=law, seed=seed):
+                dz = numpy.array([float(a) for a in exact[0]])
+                wrt = {name[1:]: value for name, value in p.change.items()}
+                good = zwang.judge_gradient(p.problem, p.given(), dz, wrt)
+                self.assertEqual((good.verdict, good.at_least < 1e-13), ("right", True))
+                bad = zwang.judge_gradient(p.problem, p.given(), dz + 1e-6 * abs(dz).max(), wrt)
+                self.assertEqual(bad.verdict, "wrong")
+                self.assertLessEqual(bad.at_least, bad.at_most)
+                z_bar = numpy.arange(1.0, p.n + 1)
+                bars = zwang.gradient_of(p.problem, p.given()).vjp(z_bar)
+                for name, bar in bars.items():
+                    self.assertEqual(zwang.judge_gradient(p.problem, p.given(), bar, name, z_bar=z_bar).verdict, "right", name)
+                    if bar.any():
+                        spoilt = zwang.judge_gradient(p.problem, p.given(), bar * (1 + 1e-6), name, z_bar=z_bar)
+                        self.assertEqual(spoilt.verdict, "wrong", name)
+                self.assertEqual(zwang.judge_gradient(p.problem, p.given(), dz * numpy.nan, wrt).verdict, "wrong")
+        self.assertGreater(counted, 20)
+
+    def test_bounds_of_a_backward_pass_hold(self):
+        for seed in range(30):
+            p = Planted(seed, "coulomb")
+            if p.derivative([mode for mode, *_ in p.contacts]) is None:
+                continue
+            z_bar = [1] + [0] * (p.n - 1)
+            bars, off = zwang.gradient_of(p.problem, p.given()).backward(z_bar, None)
+            for j in range(p.n):
+                p.change = {name: numpy.zeros_like(numpy.array(value)).tolist() for name, value in p.change.items()}
+                p.change["dz_u"][j] = 1
+                exact = p.derivative([mode for mode, *_ in p.contacts])[0][0]
+                self.assertLessEqual(abs(Fraction(float(bars["z_u"][j])) - exact), Fraction(float(off["z_u"][j])))
+            for i in range(p.m):
+                p.change["dz_u"], p.change["dc"] = [0] * p.n, [int(k == i) for k in range(p.m)]
+                exact = p.derivative([mode for mode, *_ in p.contacts])[0][0]
+                self.assertLessEqual(abs(Fraction(float(bars["c"][i])) - exact), Fraction(float(off["c"][i])))
+
+    def test_a_kink_is_said_instead_of_a_verdict(self):
+        p = zwang.Problem(numpy.eye(2), [0.0, 0.0], [[0, 1]], [0])
+        forward = zwang.judge_gradient(p, zwang.solve(p), [0, 1], "z_u", [0, 1])
+        self.assertEqual((forward.verdict, forward.kink, forward.at_most < 1e-14), ("kink: [0]", [0], True))
+        central = zwang.judge_gradient(p, zwang.solve(p), [0, 0.5], "z_u", [0, 1])
+        self.assertEqual((central.verdict, round(central.at_least, 9)), ("kink: [0]", 0.5))
+        self.assertEqual(zwang.judge_gradient(p, zwang.solve(p), [0, 1], "z_u", z_bar=[0, 1]).verdict, "kink: [0]")
+
+
+class Reach(unittest.TestCase):
+    def test_the_row_that_changes_first_is_named(self):
+        p = zwang.Problem(numpy.eye(3), [1, 2, -1.0], numpy.eye(3), [0.5, -3, 0])
+        along = zwang.gradient(p, zwang.solve(p), "z_u", [-1, -1, -1])
+        self.assertEqual((along.reach, along.reach_row), (0.5, 0))
+        along = zwang.gradient(p, zwang.solve(p), "z_u", [0, 0, -2])
+        self.assertEqual((along.reach, along.reach_row), (0.5, 2))
+
+    def test_a_tilted_block_reaches_the_edge_of_its_cone(self):
+        p = zwang.Problem(numpy.eye(3), [1, 0, -4.0], [[0, 0, 1], [1, 0, 0], [0, 1, 0]], [0, 0, 0], tangent=[False, True, True],
+                          mu=[0.5, 0, 0])
+        along = zwang.gradient(p, zwang.solve(p, "cone"), "z_u", [1, 0, 0])
+        self.assertEqual((along.reach, along.reach_row), (1.0, 0))
+        edge = zwang.Problem(numpy.eye(3), [2, 0, -4.0], p.J, p.c, tangent=p.tangent, mu=p.mu)
+        at = zwang.gradient(edge, zwang.solve(edge, "cone"), "z_u", [1, 0, 0])
+        numpy.testing.assert_allclose(at.dz, [1, 0, 0], atol=1e-14)
+        self.assertEqual((at.kink, at.reach), ([0], 0.0))
+        back = zwang.gradient(edge, zwang.solve(edge, "cone"), "z_u", [-1, 0, 0])
+        numpy.testing.assert_allclose(back.dz, [0, 0, 0], atol=1e-14)
+
+
+class ManyTies(unittest.TestCase):
+    def test_forty_ties_at_once(self):
+        n = 40
+        p = zwang.Problem(numpy.eye(n), numpy.zeros(n), numpy.eye(n), numpy.zeros(n))
+        direction = numpy.where(numpy.arange(n) % 3 == 0, -1.0, 2.0)
+        along = zwang.gradient(p, zwang.solve(p), "z_u", direction)
+        self.assertEqual(along.kink, list(range(n)))
+        numpy.testing.assert_array_equal(along.dz, numpy.maximum(direction, 0))
+
+    def test_ties_that_depend_on_each_other(self):
+        p = zwang.Problem(numpy.eye(2), [0, 0], [[0, 1], [0, 2], [1, 1]], [0, 0, 0])
+        for direction, dz in [([0, -1], [0.0, 0.0]), ([1, -1], [1, 0]), ([-2, 1], [-1.5, 1.5])]:
+            along = zwang.gradient(p, [0, 0], "z_u", direction)
+            self.assertEqual(along.kink, [0, 1, 2])
+            numpy.testing.assert_allclose(along.dz, dz, atol=1e-14)
 
 
 class NotUnique(unittest.TestCase):
