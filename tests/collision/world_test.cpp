@@ -4,7 +4,6 @@
 
 #include <cstring>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/timing/allocations.h>

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 #include <zwang/experiments/god_hand/run/hand_study.h>
 
 namespace zwang::god {

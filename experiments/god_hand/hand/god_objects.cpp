@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 
 namespace zwang::god {
 using collision::Shape;

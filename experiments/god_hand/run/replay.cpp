@@ -10,10 +10,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 #include <zwang/experiments/god_hand/run/display_mesh.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 

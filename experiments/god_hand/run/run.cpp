@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include <zwang/bench/collision/audit.h>
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/stored_file.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 #include <zwang/experiments/god_hand/measure/disturbance.h>
 #include <zwang/experiments/god_hand/run/frame_store.h>
 #include <zwang/experiments/god_hand/run/replay.h>

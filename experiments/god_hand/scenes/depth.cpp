@@ -4,11 +4,11 @@
 #include <array>
 #include <limits>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/bench/collision/hull_faces.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/collision/narrow_phase/closest.h>
 #include <zwang/collision/nearest.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 
 namespace zwang::god {
 

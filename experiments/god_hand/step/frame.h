@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/core/model/pose.h>
 #include <zwang/core/referee/measure.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 
 namespace zwang::god {
 

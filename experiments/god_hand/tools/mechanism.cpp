@@ -4,8 +4,8 @@
 #include <cctype>
 #include <optional>
 
-#include <zwang/bench/collision/hand_shapes.h>
 #include <zwang/collision/world.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 #include <zwang/experiments/god_hand/hand/skeleton.h>
 
 namespace zwang::god {

@@ -1,4 +1,4 @@
-#include <zwang/bench/collision/hand_shapes.h>
+#include <zwang/experiments/god_hand/hand/hand_shapes.h>
 
 #include <algorithm>
 
