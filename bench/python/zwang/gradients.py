@@ -429,7 +429,8 @@ class Gradient:
         z, z_off, w, w_off = points[0]
         for other, other_off, v, v_off in points[1:]:
             apart = abs(other - z)
-            if self.norm(apart[:p.n]) > AGREE * self.norm((abs(x) + abs(Y) @ abs(w) + abs(Y) @ abs(v))[:p.n]):
+            size = max(self.norm(out.free), self.norm((abs(x) + abs(Y) @ (abs(w) + abs(v)))[:p.n]))
+            if self.norm(apart[:p.n]) > AGREE * size:
                 out.note = f"kink: no number, since {len(points)} combinations of modes fit this direction"
                 return out
             z_off, w_off = numpy.maximum(z_off, (apart + other_off) * UP), numpy.maximum(w_off, (abs(v - w) + v_off) * UP)

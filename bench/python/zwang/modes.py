@@ -249,7 +249,12 @@ class Branch:
         regular, last = None, math.inf
         for _ in range(STEPS):
             if regular is None:
-                regular = Regular(*self.matrix(high, low))
+                try:
+                    regular = Regular(*self.matrix(high, low))
+                except Unproven:
+                    if self.sliding:
+                        raise Unproven("the forces of contacts that slide are not unique, or nearly so") from None
+                    raise
             first, second, off = self.residual(high, low)
             step = -regular.step(first)
             size = abs(step / regular.across).max(initial=0)
