@@ -97,7 +97,8 @@ int conformance_command(std::vector<std::string> words) {
             "  ./zwang conformance --solver newton --tolerance 1e-8\n"
             "  ./zwang conformance --solver cone,nsgs,newton\n"
             "  ./zwang conformance\n"
-            "Exit code 1 where a check does not pass.");
+            "Exit code 1 where a check does not pass.\n"
+            "Of physics engines instead of solvers: ./zwang conformance --engines --help");
   std::string names;
   Marks marks;
   options.add_option("--solvers,--solver", names,

@@ -1,0 +1,79 @@
+#include <zwang/bench/engines/adapters/protocol.h>
+
+#include <unistd.h>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+namespace zwang::engines {
+namespace {
+
+using nlohmann::json;
+
+Scene scene_of(const json& text, bool tuned) {
+  Scene scene;
+  scene.dt = text["dt"], scene.mu = text["mu"], scene.restitution = text["restitution"];
+  scene.gravity = text["gravity"], scene.tuned = tuned;
+  for (const json& b : text["bodies"]) {
+    Body& body = scene.bodies.emplace_back();
+    body.motion = b["motion"], body.mass = b["mass"], body.inertia = b["inertia"];
+    body.at = b["at"], body.turn = b["turn"], body.velocity = b["velocity"], body.spin = b["spin"];
+    body.force = b["force"], body.torque = b["torque"];
+    for (const json& s : b["shapes"])
+      body.shapes.push_back({s["kind"], s["at"], s.value("half", Triple{}), s.value("radius", 0.0)});
+  }
+  for (const json& j : text["joints"]) scene.joints.push_back({j["a"], j["b"], j["at"]});
+  return scene;
+}
+
+json states_of(const World& world, int bodies) {
+  json states = json::array();
+  for (int i = 0; i < bodies; ++i) {
+    const State s = world.state(i);
+    json state = s.at;
+    for (const double x : s.turn) state.push_back(x);
+    for (const double x : s.velocity) state.push_back(x);
+    for (const double x : s.spin) state.push_back(x);
+    states.push_back(std::move(state));
+  }
+  return {{"states", states}};
+}
+
+}  // namespace
+
+int serve(const Hello& hello, const Make& make) {
+  // Engines that talk do so on stderr: stdout is the protocol's.
+  std::FILE* out = fdopen(dup(STDOUT_FILENO), "w");
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  const auto say = [&](const json& answer) {
+    std::fprintf(out, "%s\n", answer.dump().c_str());
+    std::fflush(out);
+  };
+  say({{"engine", hello.engine},
+       {"version", hello.version},
+       {"licence", hello.licence},
+       {"bits", hello.bits},
+       {"order", hello.order},
+       {"substeps", {{"default", hello.substeps[0]}, {"tuned", hello.substeps[1]}}}});
+  std::unique_ptr<World> world;
+  int bodies = 0;
+  for (std::string line; std::getline(std::cin, line);) {
+    const json ask = json::parse(line);
+    try {
+      if (ask.contains("scene")) {
+        world.reset();
+        const Scene scene = scene_of(ask["scene"], ask["setting"] == "tuned");
+        bodies = static_cast<int>(scene.bodies.size());
+        world = make(scene);
+      } else {
+        for (int k = ask["step"]; k > 0; --k) world->step();
+      }
+      say(states_of(*world, bodies));
+    } catch (const Absent& absent) {
+      say({{"absent", absent.what()}});
+    }
+  }
+  return 0;
+}
+
+}  // namespace zwang::engines

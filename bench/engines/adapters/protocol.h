@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+// The protocol of docs/engines.md for engines of C++. Lengths in m, masses in kg, turns as (w, x, y, z), all from the
+// world.
+namespace zwang::engines {
+
+using Triple = std::array<double, 3>;
+using Turn = std::array<double, 4>;
+
+struct Shape {
+  std::string kind;  // plane (z <= 0 of the body's frame), sphere, box
+  Triple at{}, half{};
+  double radius = 0;
+};
+
+struct Body {
+  std::string motion;  // free, fixed, driven (keeps its velocity)
+  double mass = 0;
+  Triple inertia{}, at{}, velocity{}, spin{}, force{}, torque{};
+  Turn turn{};
+  std::vector<Shape> shapes;
+
+  bool free() const { return motion == "free"; }
+};
+
+// Two bodies share a point; b is -1 for the world.
+struct Joint {
+  int a = 0, b = -1;
+  Triple at{};
+};
+
+struct Scene {
+  double dt = 0, mu = 0, restitution = 0;
+  Triple gravity{};
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  bool tuned = false;  // the engine's best setting for the question, not its default
+};
+
+struct State {
+  Triple at{};
+  Turn turn{};
+  Triple velocity{}, spin{};
+};
+
+class World {
+ public:
+  virtual ~World() = default;
+  virtual void step() = 0;
+  virtual State state(int body) const = 0;
+};
+
+// The engine has no such thing as the scene holds.
+struct Absent : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// What an adapter says first. order: 1 where positions move with the new velocity, -1 with the old one, 0 as in
+// continuous time; a step is `substeps` steps of the solver, in the default and the tuned setting.
+struct Hello {
+  std::string engine, version, licence;
+  int bits = 64, order = 1;
+  std::array<int, 2> substeps{1, 1};
+};
+
+using Make = std::function<std::unique_ptr<World>(const Scene&)>;
+
+// Answers lines of stdin on stdout until they end.
+int serve(const Hello& hello, const Make& make);
+
+}  // namespace zwang::engines

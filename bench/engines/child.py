@@ -1,0 +1,78 @@
+"""An engine in a process of its own: questions in, answers out, each with a deadline."""
+import json
+import os
+import selectors
+import signal
+import subprocess
+import time
+
+
+class Failure(Exception):
+    """Why there is no answer; `lost`: the process is gone."""
+
+    def __init__(self, why, lost=True):
+        super().__init__(why)
+        self.lost = lost
+
+
+class Child:
+    def __init__(self, command, environment, deadline):
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                        env={**os.environ, **environment}, start_new_session=True)
+        os.set_blocking(self.process.stdout.fileno(), False)
+        self.rest = b""
+        self.allow(deadline)
+        self.hello = self.read()
+
+    def allow(self, seconds):
+        """From now on the process has so long."""
+        self.seconds, self.end = seconds, time.monotonic() + seconds
+
+    def ask(self, question):
+        try:
+            self.process.stdin.write(json.dumps(question).encode() + b"\n")
+            self.process.stdin.flush()
+        except OSError:
+            raise Failure(self.why_ended())
+        return self.read()
+
+    def read(self):
+        with selectors.DefaultSelector() as selector:
+            selector.register(self.process.stdout, selectors.EVENT_READ)
+            pieces = [self.rest]
+            while b"\n" not in pieces[-1]:
+                if not selector.select(max(0, self.end - time.monotonic())):
+                    self.close()
+                    raise Failure(f"no answer in {self.seconds:g} s")
+                piece = self.process.stdout.read()
+                if piece == b"":
+                    raise Failure(self.why_ended())
+                pieces.append(piece or b"")
+        line, _, self.rest = b"".join(pieces).partition(b"\n")
+        try:
+            answer = json.loads(line)
+        except ValueError:
+            answer = None
+        if not isinstance(answer, dict):
+            self.close()
+            raise Failure("an answer that is not the protocol's")
+        if "absent" in answer:
+            raise Failure(f"has no {answer['absent']}", lost=False)
+        return answer
+
+    def why_ended(self):
+        try:
+            code = self.process.wait(max(0.1, self.end - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            code = 0
+        self.close()
+        return f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            try:
+                pipe.close()
+            except OSError:  # what it was still to be told
+                pass
