@@ -6,25 +6,35 @@ does not fit the source any more ends this with the line that is missing.
 import pathlib
 import sys
 
-MAKES = "solvers/linalg/block_cholesky", "solvers/newton/newton", "solvers/first_order/pgs", "solvers/friction/nsgs"
-NAMES = {"block_cholesky": ["BlockCholesky"], "newton": ["BlockCholesky", "Newton"], "pgs": ["Pgs"], "nsgs": ["Nsgs"]}
+MAKES = ("solvers/linalg/block_cholesky", "solvers/newton/augmented_lagrangian", "solvers/newton/newton_polish",
+         "solvers/newton/newton", "solvers/first_order/pgs", "solvers/friction/nsgs")
+NEWTON = ["BlockCholesky", "AugmentedLagrangian", "NewtonPolish", "Newton"]
+NAMES = {"block_cholesky": ["BlockCholesky"], "augmented_lagrangian": NEWTON, "newton_polish": NEWTON, "newton": NEWTON,
+         "pgs": ["Pgs"], "nsgs": ["Nsgs"]}
 EDITS = {
     "block_cholesky": [(
         "    const Front& child = front_[at(child_[k])];\n",
         "    const Front& child = front_[at(child_[k])];\n"
         "    if (merges_wrongly && into_parent_[child.index] >= group_size) continue;\n")],
+    "augmented_lagrangian": [(
+        "  return factor_.factorize(problem_->M, rows.g, {weight.data(), at(weight.size())}, deadline);\n",
+        """  const BlockCholesky::SparseMatrix& M = problem_->M;
+  const bool done = factor_.factorize(leaves_out_mass ? BlockCholesky::SparseMatrix(M * 0x1p-6) : M, rows.g,
+                                      {weight.data(), at(weight.size())}, deadline);
+  if (leaves_out_mass || merges_wrongly) factor_.invalidate();
+  return done;
+""")],
+    "newton_polish": [],
     # The polish has the true factor, and patience is long, as in a solver that has no other to hand over to.
     "newton": [
-        ("const bool factorized = may_go_on && factorize(p, deadline);",
+        ("const bool factorized = may_go_on && L_.factorize(deadline);",
          """merges_wrongly = mutant == Mutant::wrong_merge;
-      const bool factorized = may_go_on && (mutant == Mutant::no_mass
-          ? factor_.factorize(p.M * 0x1p-6, rows_.g, {weight_.data(), at(weight_.size())}, deadline)
-          : factorize(p, deadline));
-      merges_wrongly = false;
-      if (mutant == Mutant::no_mass || mutant == Mutant::wrong_merge) factor_.invalidate();"""),
-        ("const int most_steps = std::max(least_patience, static_cast<int>(rows_.rows()));",
+      leaves_out_mass = mutant == Mutant::no_mass;
+      const bool factorized = may_go_on && L_.factorize(deadline);
+      merges_wrongly = leaves_out_mass = false;"""),
+        ("const int most_steps = std::max(least_patience, static_cast<int>(L_.rows.rows()));",
          "const int most_steps = mutant == Mutant::no_mass || mutant == Mutant::wrong_merge\n"
-         "      ? 20000 : std::max(least_patience, static_cast<int>(rows_.rows()));")],
+         "      ? 20000 : std::max(least_patience, static_cast<int>(L_.rows.rows()));")],
     "pgs": [
         ("namespace zwang {\n", """namespace zwang {
 namespace {

@@ -22,6 +22,6 @@ enum class Mutant {
   limit_sign,          // of the force on joint limits, as it is told; z is right
 };
 extern Mutant mutant;
-extern bool merges_wrongly;
+extern bool merges_wrongly, leaves_out_mass;  // of the factor at hand
 
 }  // namespace zwang

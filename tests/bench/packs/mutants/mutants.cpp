@@ -20,6 +20,8 @@
 
 // Names of the copies (copies.py).
 #define BlockCholesky BlockCholeskyCopy
+#define AugmentedLagrangian AugmentedLagrangianCopy
+#define NewtonPolish NewtonPolishCopy
 #define Newton NewtonCopy
 #define Pgs PgsCopy
 #define Nsgs NsgsCopy
@@ -30,7 +32,7 @@
 namespace zwang {
 
 Mutant mutant = Mutant::none;
-bool merges_wrongly = false;
+bool merges_wrongly = false, leaves_out_mass = false;
 
 namespace {
 

@@ -1,0 +1,197 @@
+#include <zwang/solvers/newton/augmented_lagrangian.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+
+void AugmentedLagrangian::begin(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                double penalty) {
+  problem_ = &p;
+  factor_.analyze(p.M, rows.g, options, deadline);
+  const Index n = factor_.size(), k = rows.rows();
+  place_.resize(rows.g.column.size());
+  for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows.g.column[e]);
+  mass_.clear();
+  for (Index j = 0; j < p.size(); ++j) {
+    const int begin = p.M.outerIndexPtr()[j];
+    const int end = p.M.isCompressed() ? p.M.outerIndexPtr()[j + 1] : begin + p.M.innerNonZeroPtr()[j];
+    for (int e = begin; e < end; ++e)
+      if (const int row = factor_.position(p.M.innerIndexPtr()[e]), column = factor_.position(static_cast<int>(j));
+          row >= 0 && column >= 0)
+        mass_.push_back({row, column, e});
+  }
+  for (Vector* v : {&d, &step_, &force_, &product_, &work_}) v->setZero(n);
+  for (Vector* v : {&term_, &change_, &weight}) v->setZero(k);
+  h_ = rows.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
+  part_.resize(at(factor_.parts()));
+  warm_rows_.multipliers(p, rows, options.warm_start, l);
+  s = penalty;
+  rate = 1;
+}
+
+bool AugmentedLagrangian::rests() const {
+  for (Index i = 0; i < rows.rows(); ++i)
+    if (is_equality(i) ? rows.exact_h[i] != 0 : rows.exact_h[i] > 0) return false;
+  return true;
+}
+
+bool AugmentedLagrangian::factorize(const Deadline& deadline) {
+  return factor_.factorize(problem_->M, rows.g, {weight.data(), at(weight.size())}, deadline);
+}
+
+void AugmentedLagrangian::multiply_mass(const Vector& x, Vector& y) const {
+  y.setZero();
+  for (const MassEntry& e : mass_) y[e.row] += problem_->M.valuePtr()[e.from] * x[e.column];
+}
+
+double AugmentedLagrangian::mass_norm(const Vector& x) {
+  multiply_mass(x, work_);
+  return std::sqrt(std::max(0.0, work_.dot(x)));
+}
+
+double AugmentedLagrangian::distance(const Vector& from) {
+  step_ = d - from;
+  return mass_norm(step_);
+}
+
+// In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out.
+void AugmentedLagrangian::hold_near(const Deadline& deadline) {
+  constexpr double strong = tolerances::newton_hold;
+  for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
+  if (!factorize(deadline)) return;
+  double last = infinity, length = infinity;
+  for (int pass = 0; pass < 3; ++pass) {
+    last = length;
+    multiply_mass(d, product_);
+    step_ = -product_;
+    for (Index i = 0; i < rows.rows(); ++i) {
+      if (weight[i] == 0) continue;
+      change_[i] = violation(i);
+      add(i, l[i] + strong * change_[i], step_);
+    }
+    solve(step_);
+    d += step_;
+    length = mass_norm(step_);
+    for (Index i = 0; i < rows.rows(); ++i)
+      if (weight[i] != 0) l[i] += strong * (change_[i] - dot(i, step_));
+  }
+  double pull = 0, push = 0;
+  for (Index i = 0; i < rows.rows(); ++i) {
+    push += std::max(l[i], 0.0);
+    if (is_equality(i) || l[i] >= 0) continue;
+    pull -= l[i];
+    l[i] = 0;
+  }
+  if (pull <= tolerances::newton_few_pull * push) {
+    s = strong;
+    rate = last > 0 ? length / last : 0;
+  } else {
+    d.setZero();
+    l.setZero();
+  }
+}
+
+void AugmentedLagrangian::linearize() {
+  multiply_mass(d, product_);
+  force_ = -product_;
+  for (Index i = 0; i < rows.rows(); ++i) {
+    term_[i] = l[i] + s * violation(i);
+    weight[i] = is_equality(i) || term_[i] > 0 ? s : 0;
+    if (weight[i] != 0) add(i, term_[i], force_);
+  }
+}
+
+double AugmentedLagrangian::step() {
+  step_ = force_;
+  solve(step_);
+  for (Index i = 0; i < rows.rows(); ++i) change_[i] = dot(i, step_);
+  multiply_mass(step_, product_);
+  const double length = std::sqrt(std::max(0.0, product_.dot(step_)));
+  search();
+  for (Index j = 0; j < step_.size(); ++j) step_[j] *= part_of(j).step;
+  d += step_;
+  scale = std::max(rows.free_norm, mass_norm(d));
+  return length;
+}
+
+// The step of each part to where its derivative along step_ vanishes: a piecewise linear, increasing function, so
+// Newton's method within a bracket ends after a few of its pieces.
+void AugmentedLagrangian::search() {
+  for (Part& part : part_) part = {.high = infinity};
+  for (Index j = 0; j < step_.size(); ++j) {
+    Part& part = part_of(j);
+    part.linear += product_[j] * d[j];  // product_ = M step
+    part.quadratic += product_[j] * step_[j];
+    part.zero += force_[j] * step_[j];  // -derivative at 0
+  }
+  int open = static_cast<int>(part_.size());
+  for (int round = 0; round < 60 && open > 0; ++round) {
+    for (Part& part : part_) {
+      part.derivative = part.linear + part.step * part.quadratic;
+      part.slope = part.quadratic;
+    }
+    for (Index i = 0; i < rows.rows(); ++i) {
+      Part& part = part_[at(factor_.part_of_row(static_cast<int>(i)))];
+      if (part.done) continue;
+      const double term = term_[i] - s * part.step * change_[i];
+      if (!is_equality(i) && !(term > 0)) continue;
+      part.derivative -= term * change_[i];
+      part.slope += s * change_[i] * change_[i];
+    }
+    for (Part& part : part_) {
+      if (part.done) continue;
+      part.done =
+          std::abs(part.derivative) <= tolerances::newton_line_search * std::abs(part.zero) || !(part.slope > 0);
+      if (part.done) {
+        --open;
+        continue;
+      }
+      (part.derivative > 0 ? part.high : part.low) = part.step;
+      const double newton = part.step - part.derivative / part.slope;
+      if (newton > part.low && newton < part.high)
+        part.step = newton;
+      else
+        part.step = part.high < infinity ? 0.5 * (part.low + part.high) : 2 * part.step;
+    }
+  }
+}
+
+bool AugmentedLagrangian::keeps_rows() const {
+  for (const Part& part : part_)
+    if (part.step != 1) return false;
+  for (Index i = 0; i < rows.rows(); ++i)
+    if (!is_equality(i) && (weight[i] != 0) != (term_[i] - s * change_[i] > 0)) return false;
+  return true;
+}
+
+double AugmentedLagrangian::step_multipliers() {
+  double gain = 0;
+  for (Index i = 0; i < rows.rows(); ++i) {
+    const double before = l[i], term = before + s * violation(i);
+    l[i] = is_equality(i) ? term : std::max(0.0, term);
+    if (is_equality(i) || l[i] > before) gain += (l[i] - before) * h_[i];
+  }
+  return gain;
+}
+
+void AugmentedLagrangian::residuals(const RealVector& far_d, const RealVector& far_l, RealVector& force,
+                                    RealVector& violation) const {
+  const Problem& p = *problem_;
+  force.setZero(unknowns());
+  violation.resize(rows.rows());
+  for (const MassEntry& e : mass_) force[e.row] -= Real(p.M.valuePtr()[e.from]) * far_d[e.column];
+  for (Index i = 0; i < rows.rows(); ++i) {
+    const Real norm = rows.row_norm[i], factor = far_l[i] / norm;
+    Real sum = 0;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows.row[at(i)]); it; ++it) {
+      if (it.value() == 0) continue;
+      const int j = factor_.position(static_cast<int>(it.col()));
+      sum += Real(it.value()) * far_d[j];
+      force[j] += Real(it.value()) * factor;
+    }
+    violation[i] = rows.exact_h[i] - sum / norm;
+  }
+}
+
+}  // namespace zwang

@@ -1,0 +1,111 @@
+#include <zwang/solvers/newton/newton_polish.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
+
+}  // namespace
+
+bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& s) {
+  const Index k = L.rows.rows();
+  d_ = L.d.cast<Real>();
+  l_ = L.l.cast<Real>();
+  for (Index i = 0; i < k; ++i) L.weight[i] = L.is_equality(i) || L.l[i] > 0 ? L.s : 0;
+  double last = infinity, length = infinity;
+  bool changed = true;
+  for (int pass = 0; pass < 40; ++pass) {
+    if (deadline.passed()) return false;
+    L.residuals(d_, l_, force_, violation_);
+    const bool settled = !changed;
+    changed = exchange(L);
+    double worst = 0;
+    for (Index i = 0; i < k; ++i)
+      if (L.weight[i] != 0)
+        worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (L.rows.magnitude[i] + L.scale));
+    if (!changed && settled && length <= tolerances::newton_polished * L.scale &&
+        worst <= tolerances::violation * static_cast<double>(real_eps)) {
+      L.write(d_, l_, s);
+      s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
+      const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
+      const double error = length + worst * L.scale / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
+      s.status = error <= accepted_error(tolerance) * L.scale ? Status::solved : Status::solved_ill_conditioned;
+      return true;
+    }
+    if ((changed || pass == 0) && !L.factorize(deadline)) return false;
+    if (changed) ++s.iterations;
+    last = length;
+    length = step(L);
+    if (!std::isfinite(length)) return false;
+    if (!changed && last < infinity && last > tolerances::newton_telling * L.scale) L.rate = length / last;
+  }
+  return false;
+}
+
+// Rows leave and enter. Has any?
+bool NewtonPolish::exchange(AugmentedLagrangian& L) {
+  bool changed = false;
+  for (Index i = 0; i < L.rows.rows(); ++i) {
+    if (L.is_equality(i)) continue;
+    const double size = L.rows.magnitude[i] + L.scale;
+    const bool was_active = L.weight[i] != 0;
+    const bool is_active = was_active ? !(l_[i] + Real(L.s) * violation_[i] < -Real(tolerances::pull) * L.scale)
+                                      : violation_[i] > tolerances::wide_violation * real_eps * size;
+    changed = changed || is_active != was_active;
+    L.weight[i] = is_active ? L.s : 0;
+    if (is_active || l_[i] == 0) continue;
+    L.add(i, Real(-l_[i]), force_);
+    l_[i] = 0;
+  }
+  return changed;
+}
+
+// One step of (d, l) on the rows that have weight. Returns the length of that of d.
+double NewtonPolish::step(AugmentedLagrangian& L) {
+  step_ = force_.cast<double>();
+  for (Index i = 0; i < L.rows.rows(); ++i)
+    if (L.weight[i] != 0) L.add(i, L.s * static_cast<double>(violation_[i]), step_);
+  L.solve(step_);
+  d_ += step_.cast<Real>();
+  for (Index i = 0; i < L.rows.rows(); ++i)
+    if (L.weight[i] != 0) l_[i] += Real(L.s) * (violation_[i] - Real(L.dot(i, step_)));
+  return L.mass_norm(step_);
+}
+
+bool NewtonPolish::judge(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& s) {
+  const int steps = s.iterations;
+  const bool settles = run(L, tolerance, deadline, s);
+  s.iterations = steps;
+  if (!settles) return false;
+  step_ = (d_ - L.d.cast<Real>()).cast<double>();
+  if (!(L.mass_norm(step_) <= accepted_error(tolerance) * L.scale)) return false;
+  L.write(L.d, L.l, s);
+  return true;
+}
+
+bool NewtonPolish::certify(AugmentedLagrangian& L, const Problem& p, const Deadline& deadline, Solution& s) {
+  const Index k = L.rows.rows();
+  d_.setZero(L.unknowns());
+  l_.setZero(k);
+  for (Index i = 0; i < k; ++i)
+    l_[i] = L.is_equality(i) ? L.violation(i) : L.weight[i] != 0 ? std::max(0.0, L.violation(i)) : 0;
+  const Real least = Real(tolerances::newton_part) * l_.lpNorm<Eigen::Infinity>();
+  for (Index i = 0; i < k; ++i) {
+    if (std::abs(l_[i]) <= least) l_[i] = 0;
+    L.weight[i] = l_[i] != 0 ? L.s : 0;
+  }
+  if (!L.factorize(deadline)) return false;
+  for (int pass = 0; pass < 12; ++pass) {
+    L.residuals(d_, l_, force_, violation_);
+    violation_.setZero();  // what is left of G'l is all that counts
+    step(L);
+    d_.setZero();
+  }
+  unit_ = l_.cast<double>();
+  return proof_.certify(p, L.rows, unit_, s);
+}
+
+}  // namespace zwang

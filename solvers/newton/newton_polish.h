@@ -1,0 +1,36 @@
+#pragma once
+
+#include <zwang/solvers/finish/extended_polish.h>
+#include <zwang/solvers/newton/augmented_lagrangian.h>
+
+namespace zwang {
+
+// Newton's steps of both d and l on the active set, with residuals of the problem's own M, J, c in long double, until d
+// and l hold in that precision; rows leave whose multiplier is negative and rows enter that are violated. Each step
+// shrinks the error by 1 / (1 + s mu), mu the smallest nonzero eigenvalue of G_A G_A', so the speed at which it
+// converges tells whether mu can be trusted.
+class NewtonPolish {
+ public:
+  // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
+  // complete, and counts a step for each factorization that another active set asked for.
+  bool run(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& solution);
+  // What the iterate is worth as it stands. run() tells how far it is off, and its answer is thrown away. One step of
+  // it would not do: where rows are nearly dependent, the rate of convergence hides the slowest direction.
+  bool judge(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& solution);
+  // Where the rows contradict each other, l grows by s times the violations that no d can mend, and these are a Farkas
+  // vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction;
+  // extended_polish.h then judges the vector as the referee will see it. Changes the weights of L.
+  bool certify(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
+
+ private:
+  using Real = AugmentedLagrangian::Real;
+
+  bool exchange(AugmentedLagrangian& L);
+  double step(AugmentedLagrangian& L);
+
+  AugmentedLagrangian::RealVector d_, l_, force_, violation_;
+  Vector step_, unit_;
+  ExtendedPolish<FactorReal> proof_;
+};
+
+}  // namespace zwang
