@@ -81,7 +81,7 @@ class Regular:
         for _ in range(3 if n else 0):
             left = left * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=1)))
             across = across * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=0)))
-        self.K, self.off, self.left, self.across = K, off, left, across
+        self.K, self.off, self.left, self.across, self.rows = K, off, left, across, None
         S = K * left[:, None] * across
         try:
             self.inverse = scipy.linalg.inv(S, check_finite=False)
@@ -100,10 +100,15 @@ class Regular:
     def step(self, right):
         return self.across * (self.inverse @ (self.left * right))
 
-    def transposed(self, right):
-        """v with K'v = right, and what its entries are off."""
+    def transposed(self, right, bounded):
+        """v with K'v = right, and what its entries are off where that is asked for."""
         def once(r):
             return self.left * (self.inverse.T @ (self.across * r))
+        if not bounded:
+            v = once(right)
+            for _ in range(2):
+                v = v + once(right - self.K.T @ v)
+            return v, numpy.zeros(len(right))
         rows = Rows(scipy.sparse.csr_matrix(self.K.T))
         v, low = once(right), numpy.zeros(len(right))
         for turn in range(3):
@@ -137,7 +142,9 @@ class Regular:
 
     def solve(self, right, right_low, right_off):
         """K y = right as two doubles and what they are off."""
-        rows = Rows(scipy.sparse.csr_matrix(self.K))
+        if self.rows is None:
+            self.rows = Rows(scipy.sparse.csr_matrix(self.K))
+        rows = self.rows
         high, low = self.step(right), numpy.zeros(len(right))
         for turn in range(4):
             residual, small, off = rows.times(-high, -low, (right, right_low))

@@ -599,7 +599,7 @@ class Gradient:
         """The gradient of a number whose gradient with respect to z is z_bar (n), and to lambda lambda_bar (m), with respect to the
         problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m). Where forces are not unique, J and c
         have none, and None stands there. Raises ValueError at a kink."""
-        return self.backward(z_bar, lambda_bar)[0]
+        return self.backward(z_bar, lambda_bar, False)[0]
 
     def within_contacts(self):
         """Whether the only rows that depend on each other are the edges of one contact: they do so whatever changes."""
@@ -612,8 +612,8 @@ class Gradient:
         spare = sum(len(rows) - len(exact_basis(self.p.J[rows], self.p.c[rows])[0]) for rows in groups.values())
         return spare == len(self.branch.frozen)
 
-    def backward(self, z_bar, lambda_bar):
-        """What vjp gives, and what each entry is off."""
+    def backward(self, z_bar, lambda_bar, bounded=True):
+        """What vjp gives, and what each entry is off where that is asked for."""
         p, b, n = self.p, self.branch, self.p.n
         if self.ties:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
@@ -627,7 +627,7 @@ class Gradient:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
         right = numpy.zeros(b.size)
         right[:n], right[n:n + len(b.pushing)] = bars[0], bars[1][b.pushing]
-        v, off = b.regular.transposed(right)
+        v, off = b.regular.transposed(right, bounded)
         (push, rest), (push_off, rest_off) = (v[:n], v[n:]), (off[:n], off[n:])
         z, z_off = b.high[:n], abs(b.low[:n]) + b.radius[:n]
         moved = z - p.z_u

@@ -82,8 +82,8 @@ def guessed(p, z, force):
 class Branch:
     """One choice of modes as a square system. Its unknowns are z, the forces of independent rows, and |s_t| of what slides."""
 
-    def __init__(self, p, modes, force, slips):
-        self.p, self.modes = p, modes
+    def __init__(self, p, modes, force, slips, begins=()):
+        self.p, self.modes, self.begins = p, modes, begins
         n = p.n
         held, sliding = [], []
         for contact, mode in zip(p.contacts, modes):
@@ -117,8 +117,8 @@ class Branch:
     def equations(self):
         """The linear equations A (x, z_u, frozen forces) = b. Quadratic ones have a row of zeros, and stand in `bent`."""
         p, n, N = self.p, self.p.n, self.size
-        at, to, value, right = [], [], [], [0.0] * n
-        self.bent = []
+        at, to, value, right = [], [], [], [0.0] * n  # entries of further equations, right sides of all
+        self.bent, self.exact, self.tangents = [], {}, {}
 
         def entries(row, columns, values):
             at.extend([row] * len(columns))
@@ -128,9 +128,7 @@ class Branch:
         def held(row, i, sign=1.0):
             part = slice(p.J.indptr[i], p.J.indptr[i + 1])
             entries(row, p.J.indices[part], sign * p.J.data[part])
-        for i in self.basis:
-            held(len(right), i)
-            right.append(p.c[i])
+        right.extend(p.c[self.basis])
         self.edges = {}
         for contact in self.sliding:
             r, i, t = self.slip[contact.row], contact.row, contact.tangents
@@ -148,27 +146,22 @@ class Branch:
                 right.append(-sign * p.c[t[0]])
             else:
                 self.bent.append((contact, len(right)))
+                parts = [slice(p.J.indptr[k], p.J.indptr[k + 1]) for k in t]
+                self.exact[i] = [([(int(j), Fraction(a)) for j, a in zip(p.J.indices[part], p.J.data[part].tolist())], Fraction(float(p.c[k])))
+                                 for k, part in zip(t, parts)]
+                self.tangents[i] = p.J[t].toarray()
                 right += [0.0] * 3
-        A = scipy.sparse.csr_matrix((value, (at, to)), shape=(N, N))
-        push = p.J[self.pushing].T.tocoo()
-        forces = scipy.sparse.csr_matrix((-push.data, (push.row, push.col + n)), shape=(n, N))
-        square = scipy.sparse.csr_matrix(scipy.sparse.vstack([scipy.sparse.hstack(
-            [p.M, scipy.sparse.csr_matrix((n, N - n))]), scipy.sparse.csr_matrix((N - n, N))])) + A
-        square = square + scipy.sparse.vstack([forces, scipy.sparse.csr_matrix((N - n, N))])
-        rest = scipy.sparse.vstack([scipy.sparse.hstack([-p.M, -p.J[self.frozen].T]),
-                                    scipy.sparse.csr_matrix((N - n, n + len(self.frozen)))])
-        self.A = scipy.sparse.csr_matrix(scipy.sparse.hstack([square, rest]))
+        M, push, held, rest = p.M.tocoo(), p.J[self.pushing].tocoo(), p.J[self.basis].tocoo(), p.J[self.frozen].tocoo()
+        parts = [(at, to, value), (M.row, M.col, M.data), (push.col, push.row + n, -push.data), (held.row + n, held.col, held.data),
+                 (M.row, M.col + N, -M.data), (rest.col, rest.row + N + n, -rest.data)]
+        self.A = scipy.sparse.csr_matrix((numpy.concatenate([v for *_, v in parts]), (
+            numpy.concatenate([i for i, *_ in parts]), numpy.concatenate([j for _, j, _ in parts]))), shape=(N, N + n + len(self.frozen)))
         self.right, self.rows = numpy.array(right), Rows(self.A)
-        self.linear = square.toarray()
+        self.linear = self.A.toarray()[:, :N]
 
     def slip_of(self, contact, high, low):
         """s_t without error."""
-        p, out = self.p, []
-        for i in contact.tangents:
-            part = slice(p.J.indptr[i], p.J.indptr[i + 1])
-            out.append(sum((Fraction(a) * (Fraction(high[j]) + Fraction(low[j]))
-                            for a, j in zip(p.J.data[part].tolist(), p.J.indices[part].tolist())), -Fraction(float(p.c[i]))))
-        return out
+        return [sum((a * (Fraction(high[j]) + Fraction(low[j])) for j, a in row), -c) for row, c in self.exact[contact.row]]
 
     def bent_values(self, contact, high, low):
         """(force against slip, 2), (slip's size) without error."""
@@ -190,24 +183,19 @@ class Branch:
         return first, second, off
 
     def matrix(self, high, low):
-        """F_x, and what its entries are off; a bound on what the second order of F adds for a step of `size`."""
+        """F_x, and what its entries are off."""
         p, K = self.p, self.linear.copy()
         off = numpy.zeros_like(K) if self.bent else None
         for contact, row in self.bent:
-            s = [float(a) for a in self.slip_of(contact, high, low)]
-            r, normal = high[self.slip[contact.row]], high[self.column[contact.row]]
-            for k, i in enumerate(contact.tangents):
-                force = high[self.column[i]]
-                tangent = p.J[i].toarray().ravel()
-                K[row + k, :p.n] += contact.mu * normal * tangent
-                K[row + k, self.column[i]] += r
-                K[row + k, self.column[contact.row]] += contact.mu * s[k]
-                K[row + k, self.slip[contact.row]] += force
-                K[row + 2, :p.n] -= 2 * s[k] * tangent
-            K[row + 2, self.slip[contact.row]] += 2 * r
-            part = slice(row, row + 3)
-            off[part] = 16 * EPSILON * abs(K[part])
-            off[row + 2, :p.n] += 16 * EPSILON * sum(2 * abs(a) * abs(p.J[i].toarray().ravel()) for a, i in zip(s, contact.tangents))
+            s = numpy.array([float(a) for a in self.slip_of(contact, high, low)])
+            r, i, J = self.slip[contact.row], self.column[contact.row], self.tangents[contact.row]
+            for k, j in enumerate(contact.tangents):
+                at = self.column[j]
+                K[row + k, :p.n] = contact.mu * high[i] * J[k]
+                K[row + k, at], K[row + k, i], K[row + k, r] = high[r], contact.mu * s[k], high[at]
+            K[row + 2, :p.n], K[row + 2, r] = -2 * s @ J, 2 * high[r]
+            off[row:row + 3] = 16 * EPSILON * abs(K[row:row + 3])
+            off[row + 2, :p.n] = 32 * EPSILON * (abs(s) @ abs(J))
         return K, off
 
     def curvature(self, across):
@@ -218,7 +206,7 @@ class Branch:
             r, normal = across[self.slip[contact.row]], across[self.column[contact.row]]
             square = r * r
             for k, i in enumerate(contact.tangents):
-                reach = float((abs(self.p.J[i]) @ across[:self.p.n])[0])
+                reach = abs(self.tangents[contact.row][k]) @ across[:self.p.n]
                 out[row + k] = r * across[self.column[i]] + contact.mu * normal * reach
                 square += reach * reach
             out[row + 2] = square
@@ -232,7 +220,7 @@ class Branch:
         for contact, row in self.bent:
             r, n = radius[self.slip[contact.row]], radius[self.column[contact.row]]
             for k, i in enumerate(contact.tangents):
-                tangent = abs(p.J[i]).toarray().ravel()
+                tangent = abs(self.tangents[contact.row][k])
                 reach = tangent @ radius[:p.n]
                 off[row + k, :p.n] += contact.mu * n * tangent
                 off[row + k, self.column[i]] += r
@@ -242,10 +230,29 @@ class Branch:
             off[row + 2, self.slip[contact.row]] += 2 * r
         return off * UP
 
+    def begin(self, high, low):
+        """A step of Newton's method with the directions kept of slips that begin: their size is near 0, where |s_t| bends."""
+        K, first = self.matrix(high, low)[0], self.residual(high, low)[0]
+        for contact, row in self.bent:
+            if contact.row not in self.begins:
+                continue
+            K[row:row + 3] = 0
+            normal, r = self.column[contact.row], self.slip[contact.row]
+            K[row + 2, r], first[row + 2] = 1, high[r]
+            direction = self.begins[contact.row]
+            for k, (i, d) in enumerate(zip(contact.tangents, direction)):
+                K[row + k, self.column[i]], K[row + k, normal] = 1, contact.mu * d
+                first[row + k] = high[self.column[i]] + contact.mu * d * high[normal]
+                K[row + 2, :self.p.n] -= d * self.tangents[contact.row][k]
+                first[row + 2] -= d * (self.tangents[contact.row][k] @ high[:self.p.n] - self.p.c[i])
+        return high - Regular(K).step(first)
+
     def prove(self, z):
         """Encloses the solution: high + low, each off by at most radius."""
         high, low = self.start.copy(), numpy.zeros(self.size)
         high[:self.p.n] = z
+        if any(contact.row in self.begins for contact, _ in self.bent):
+            high = self.begin(high, low)
         regular, last = None, math.inf
         for _ in range(STEPS):
             if regular is None:
@@ -273,8 +280,9 @@ class Branch:
         self.radius = regular.radius(first, off + abs(second), self.curvature(regular.across))
         self.high, self.low, self.regular = high, low, regular
         if self.bent:
-            regular.off = regular.off + self.spread(self.radius)
-            regular.rest = (regular.rest + regular.size @ ((self.spread(self.radius) * regular.left[:, None]) @ regular.across)) * UP
+            spread = self.spread(self.radius)
+            regular.off = regular.off + spread
+            regular.rest = (regular.rest + regular.size @ ((spread * regular.left[:, None]) @ regular.across)) * UP
             regular.contraction = regular.rest.max()
             if not regular.contraction < 0.5:
                 raise Unproven("its equations are too close to dependent ones")
@@ -379,11 +387,11 @@ class Settled:
         self.p = p
         if not is_definite(p.M):
             raise Unproven("M is not proven to be positive definite")
-        modes, seen = guessed(p, z, force), set()
+        modes, seen, begins = guessed(p, z, force), set(), {}
         slips = p.J @ z - p.finite
         shared = False
         for _ in range(ROUNDS):
-            branch = Branch(p, modes, force, slips)
+            branch = Branch(p, modes, force, slips, begins)
             if len(branch.contradictory):
                 by_row = {c.row: k for k, c in enumerate(p.contacts)}
                 bad = [by_row[i] for i in branch.contradictory if i in by_row]
@@ -423,10 +431,13 @@ class Settled:
             seen.add(key)
             modes = [new.get(k, mode) for k, mode in enumerate(modes)]
             force = numpy.where(branch.force_off > 0, branch.force, force)
-            slips = branch.slack
+            slips, begins = branch.slack.copy(), {}
             for k, mode in new.items():
+                contact = p.contacts[k]
                 if mode == SLIDES and branch.modes[k] == HELD:
-                    slips[p.contacts[k].tangents] = -branch.force[p.contacts[k].tangents]
+                    against = branch.force[contact.tangents]
+                    begins[contact.row] = -against / length(against)
+                    slips[contact.tangents] = -against
         else:
             raise Unproven("too many rows differ by rounding")
         self.branch = branch
