@@ -123,7 +123,9 @@ class Gradient:
         if b.modes[index] == HELD:
             if not self.exactly.force_at_edge(contact):
                 raise undecided
-            if any(k not in b.column for k in contact.rows):
+            others = scipy.sparse.vstack([p.J[numpy.setdiff1d(b.basis, contact.rows)], p.J[b.frozen]], format="csr")
+            rank = len(exact_basis(others, numpy.zeros(others.shape[0]))[0]) if others.shape[0] else 0
+            if rank > len(b.basis) - len(contact.rows) or any(k not in b.column for k in contact.rows):
                 raise Unproven(f"{p.name(i)} is at the edge of its cone, and its force is not unique")
             return Tie(contact, "edge", *self.direction(-b.force[t], b.force_off[t]))
         slip, off = b.slip_at(contact) if t else (numpy.zeros(0), numpy.zeros(0))
@@ -151,29 +153,35 @@ class Gradient:
         rows = [k for t in self.ties for k in t.contact.rows if t.word != "edge"]
         if not rows:
             return
-        if any(c.tangents for c in p.contacts):
-            new = [k for k, (tie, _) in enumerate(self.columns[-1]) if tie.word != "edge"]
-            try:
-                Regular(self.G[new][:, new], self.G_off[new][:, new])
-            except Unproven:
-                raise Unproven(f"contacts that touch without force depend on each other: {p.named(rows)}") from None
-            return
-        together = scipy.sparse.vstack([p.J[b.basis], p.J[rows]], format="csr")
-        if len(exact_basis(together, numpy.zeros(together.shape[0]))[0]) == together.shape[0]:
-            return
+        new = [k for k, (tie, _) in enumerate(self.columns[-1]) if tie.word != "edge"]
+        try:
+            Regular(self.G[new][:, new], self.G_off[new][:, new])
+        except Unproven:
+            if b.sliding or not self.open_together([t.contact for t in self.ties if t.word != "edge"]):
+                raise Unproven(f"forces are not unique, and it is not known which of these rows can push: {p.named(rows)}") from None
+
+    def open_together(self, contacts):
+        """Whether a motion that moves no row that holds is proven to open all these contacts, s_n > mu |s_t|: then none can push."""
         from scipy.optimize import linprog
-        n, unit = p.n, scipy.sparse.diags(1 / p.unit)
-        tied = scipy.sparse.hstack([-(unit @ p.J)[rows], numpy.ones((len(rows), 1))])
-        held = scipy.sparse.hstack([(unit @ p.J)[b.held], scipy.sparse.csr_matrix((len(b.held), 1))])
-        found = linprog(numpy.r_[numpy.zeros(n), -1.0], A_ub=tied, b_ub=numpy.zeros(len(rows)), A_eq=held,
-                        b_eq=numpy.zeros(len(b.held)), bounds=[(-1, 1)] * n + [(0, 1)], method="highs")
-        good = found.status == 0
-        if good:
-            y, low, off = b.regular.solve(numpy.r_[p.M @ found.x[:n], numpy.zeros(b.size - n)], numpy.zeros(b.size), numpy.zeros(b.size))
-            opening, small, bound = Rows(p.J[rows]).times(y[:n], low[:n])
-            good = (opening - abs(small) - bound - (abs(p.J[rows]) @ off[:n]) * UP > 0).all()
-        if not good:
-            raise Unproven(f"forces are not unique, and it is not known which of these rows can push: {p.named(rows)}")
+        p, b, n = self.p, self.branch, self.p.n
+        unit, lines = scipy.sparse.diags(1 / p.unit) @ p.J, []
+        for c in contacts:
+            for signs in itertools.product((1, -1), repeat=len(c.tangents)):
+                factors = numpy.r_[1.0, [c.mu * sign * p.unit[k] / p.unit[c.row] for sign, k in zip(signs, c.tangents)]]
+                lines.append(-(factors @ unit[c.rows].toarray()))
+        found = linprog(numpy.r_[numpy.zeros(n), -1.0], A_ub=numpy.c_[lines, numpy.ones(len(lines))], b_ub=numpy.zeros(len(lines)),
+                        A_eq=scipy.sparse.hstack([unit[b.held], scipy.sparse.csr_matrix((len(b.held), 1))]), b_eq=numpy.zeros(len(b.held)),
+                        bounds=[(-1, 1)] * n + [(0, 1)], method="highs")
+        if found.status != 0:
+            return False
+        zero = numpy.zeros(b.size)
+        y, low, off = b.regular.solve(numpy.r_[p.M @ found.x[:n], zero[n:]], zero, zero)
+        for c in contacts:
+            s, small, bound = Rows(p.J[c.rows]).times(y[:n], low[:n])
+            bound = (abs(small) + bound + abs(p.J[c.rows]) @ off[:n]) * UP
+            if not s[0] - bound[0] > c.mu * (abs(s[1:]) + bound[1:]).sum() * UP:
+                return False
+        return True
 
     def coefficients(self):
         """F' of the equations below the balance of forces is W (dJ z - dc) + V dmu."""
@@ -572,7 +580,7 @@ class Gradient:
         if len(vertex.branch.frozen):
             raise Unproven("forces are not unique, and more than one share of them fits this direction")
         vertex.branch.prove(high)
-        vertex.settled = self.settled
+        vertex.settled, vertex.tight = self.settled, []
         tied = [c for c in p.contacts if c.row in set(map(int, rows)) - pushing]
         if any(vertex.branch.force[c.row] <= vertex.branch.force_off[c.row] for c in p.contacts if c.row in pushing):
             raise Unproven("forces are not unique, and no share of them was found in this direction")

@@ -33,7 +33,7 @@ def rational(branch):
             r = residual(x)
             largest = max(map(abs, r), default=Fraction(0))
             if not largest:
-                return x
+                return near_enough(branch, x)
             shift = largest.denominator.bit_length() - largest.numerator.bit_length()
             if shift > bits:
                 break
@@ -43,8 +43,14 @@ def rational(branch):
             x = [Fraction(((a - Fraction(b) * size) * (1 << bits + 64)).__floor__(), 1 << bits + 64) for a, b in zip(x, step.tolist())]
         near = [a.limit_denominator(1 << bits // 2 - 8) for a in x]
         if not any(residual(near)):
-            return near
+            return near_enough(branch, near)
     return None
+
+
+def near_enough(branch, x):
+    """x, where it lies in the ball in which there is one solution."""
+    inside = all(abs(a - Fraction(b) - Fraction(c)) <= Fraction(r) for a, b, c, r in zip(x, branch.high, branch.low, branch.radius))
+    return x if inside else None
 
 
 class Tie:

@@ -400,6 +400,44 @@ class ManyTies(unittest.TestCase):
             numpy.testing.assert_allclose(along.dz, dz, atol=1e-14)
 
 
+class AtAWall(unittest.TestCase):
+    """A box on the ground, flush with a wall that it does not press: four corners each, mu = 1/2 at the wall."""
+
+    def make(self, law, ground=0.0):
+        corners = [numpy.array([x, y, z]) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+        rows = []
+        for axis, side in ((2, -0.5), (0, -0.5)):
+            for r in corners:
+                if r[axis] != side:
+                    continue
+                n, t, u = (numpy.roll(numpy.eye(3)[axis], k) for k in range(3))
+                rows += [numpy.r_[d, numpy.cross(r, d)] for d in (n, t, u)]
+        m = len(rows)
+        box = zwang.Problem(numpy.diag([2.0, 2, 2, 1, 1, 1]), [0, 0, -8, 0, 0, 0], rows, numpy.zeros(m), tangent=numpy.arange(m) % 3 > 0,
+                            mu=numpy.where(numpy.arange(m) % 3, 0, numpy.where(numpy.arange(m) < 12, ground, 0.5)), law="convex" if law == "convex" else "coulomb")
+        return (box, [12, 15, 18, 21]) if law != "frictionless" else (box.under(law), [4, 5, 6, 7])
+
+    def test_its_corners_are_named_though_they_depend_on_each_other(self):
+        for law in ("frictionless", "convex", "coulomb"):
+            with self.subTest(law):
+                box, wall = self.make(law)
+                g = zwang.gradient_of(box, zwang.solve(box, "cone" if box.tangent.any() else "dual_active_set"))
+                self.assertEqual(g.kink, wall)
+                away, into = ([side, 0, 0, 0, 0, 0] for side in (1, -1))
+                if law == "frictionless":
+                    numpy.testing.assert_allclose(g.jvp(dz_u=away).dz, away, atol=1e-14)
+                    numpy.testing.assert_allclose(g.jvp(dz_u=into).dz, numpy.zeros(6), atol=1e-14)
+                for direction in (away, into):
+                    along = g.jvp(dz_u=direction)
+                    self.assertTrue(along.dz is not None or "kink" in along.note)
+
+    def test_where_the_ground_holds_it_by_friction_the_wall_can_push_and_there_is_no_kink(self):
+        box, _ = self.make("coulomb", ground=0.5)
+        g = zwang.gradient_of(box, zwang.solve(box, "cone"))
+        self.assertEqual((g.kink, g.unique_forces), ([], False))
+        numpy.testing.assert_allclose(g.jvp(dz_u=[1, 0, 0, 0, 0, 0]).dz, numpy.zeros(6), atol=1e-14)
+
+
 class NotUnique(unittest.TestCase):
     """A box on four corners: its weight can be shared out in many ways."""
 
