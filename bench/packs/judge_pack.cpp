@@ -5,7 +5,6 @@
 #include <memory>
 #include <set>
 
-#include <zwang/bench/packs/xml.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/solvers/runs_apart.h>
@@ -35,6 +34,13 @@ std::string described(const Answers& a) {
   for (const auto& [what, said] : {std::pair("version ", &a.version), {"settings ", &a.settings}, {"on ", &a.machine}})
     if (!said->empty()) text += std::string(", ") + what + *said;
   return text;
+}
+
+// A value in quotation marks.
+std::string in_xml(std::string text) {
+  for (const auto& [mark, name] : {std::pair('&', "&amp;"), {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}})
+    for (std::size_t at = 0; (at = text.find(mark, at)) != text.npos; ++at) text.replace(at, 1, name);
+  return '"' + text + '"';
 }
 
 }  // namespace
@@ -76,17 +82,25 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
 }
 
 std::string to_junit(const std::vector<Result>& rows) {
-  std::vector<XmlCase> cases;
+  std::string body;
+  std::size_t failures = 0, skipped = 0;
   for (const Result& r : rows) {
-    XmlCase& c = cases.emplace_back(XmlCase{.group = r.solver, .name = r.problem});
-    if (r.metrics.verdict == Verdict::unsupported)
-      c.remark = "skipped";
-    else if (r.is_open() || r.metrics.verdict == Verdict::infeasible_claimed)
-      c.remark = r.verdict();
-    else if (!r.is_right())
-      c.failure = "claimed " + r.claim() + ", verified " + r.verdict();
+    body += "  <testcase classname=" + in_xml(r.solver) + " name=" + in_xml(r.problem);
+    if (r.metrics.verdict == Verdict::unsupported) {
+      body += "><skipped/></testcase>\n";
+      ++skipped;
+    } else if (r.is_open() || r.metrics.verdict == Verdict::infeasible_claimed) {
+      body += "><system-out>" + r.verdict() + "</system-out></testcase>\n";
+    } else if (r.is_right()) {
+      body += "/>\n";
+    } else {
+      body += "><failure message=" + in_xml("claimed " + r.claim() + ", verified " + r.verdict()) + "/></testcase>\n";
+      ++failures;
+    }
   }
-  return junit(cases);
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"zwang\" tests=\"" +
+         std::to_string(rows.size()) + "\" failures=\"" + std::to_string(failures) + "\" skipped=\"" +
+         std::to_string(skipped) + "\">\n" + body + "</testsuite>\n";
 }
 
 std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesystem::path& file,

@@ -2,11 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
-#include <sstream>
 #include <stdexcept>
 
-#include <zwang/bench/packs/guard.h>
 #include <zwang/bench/packs/judge_pack.h>
 #include <zwang/bench/packs/proofs.h>
 #include <zwang/bench/program/commands.h>
@@ -110,17 +107,6 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   if (!out.flush()) throw BadFile(file.string() + ": cannot be written");
 }
 
-// "a.jsonl,b.jsonl" -> answers.
-std::vector<Answers> read_runs(const std::string& files, const Pack& pack) {
-  std::vector<Answers> all;
-  std::stringstream names(files);
-  for (std::string name; std::getline(names, name, ',');) {
-    all.push_back(read_answers(name, pack));
-    print_missing(all.back(), pack);
-  }
-  return all;
-}
-
 void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
   Progress bar(isatty(STDERR_FILENO));
   const ProofTally tally =
@@ -138,20 +124,28 @@ int judge_command(std::vector<std::string> words) {
       "Judges answers to a pack: verdicts, proven distances, false claims, a report. Exit code 1: a false claim.");
   introduce(options, "judge", "  ./zwang judge guard mine.jsonl theirs.jsonl --out judged --junit judged.xml");
   std::string directory, out, junit, proofs;
-  std::vector<std::string> files;
+  std::vector<std::string> files, names;
   options.add_option("PACK", directory, "the pack's folder")->required();
   options.add_option("ANSWERS", files, "files of answers (docs/packs.md), one a solver")->required();
   options.add_option("--out", out, "folder for the results; default: results/<date>-<time>")->type_name("DIR");
+  options.add_option("--names", names, "what the solvers are called, with commas; default: as their files say")
+      ->delimiter(',')
+      ->type_name("A,B");
   options.add_option("--junit", junit, "also: a test case an answer, for continuous integration")->type_name("FILE");
-  options.add_option("--proofs", proofs, "new folder: also a file an answer that proves how far it is from the true one")
+  options
+      .add_option("--proofs", proofs, "new folder: also a file an answer that proves how far it is from the true one")
       ->type_name("DIR");
   const std::string command = command_line("judge", words);
   if (!read(options, std::move(words))) return done;
   const Pack pack(directory);
   std::vector<Answers> contestants;
+  if (!names.empty() && names.size() != files.size())
+    throw std::invalid_argument("--names says " + std::to_string(names.size()) + " for " +
+                                std::to_string(files.size()) + " files of answers");
   for (const std::string& file : files) {
     contestants.push_back(read_answers(file, pack));
     print_missing(contestants.back(), pack);
+    if (!names.empty()) contestants.back().solver = names[contestants.size() - 1];
   }
   SuiteSettings settings{.directory = new_directory(out, "./zwang judge"),
                          .cache = reference_cache(),
@@ -170,60 +164,6 @@ int judge_command(std::vector<std::string> words) {
   if (!junit.empty()) write_text(junit, to_junit(rows));
   std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
   return t.lies > 0 ? found : done;
-}
-
-int guard_command(std::vector<std::string> words) {
-  CLI::App options(
-      "Compares one solver's answers to a pack before and after a change. Exit code 1: newly wrong or unsolved, less "
-      "accurate, wrong forces, or more work or time beyond chance (docs/guard.md).");
-  introduce(options, "guard",
-            "  ./zwang guard guard before.jsonl after.jsonl --out guarded\n"
-            "  ./zwang guard guard b1.jsonl,b2.jsonl,b3.jsonl a1.jsonl,a2.jsonl,a3.jsonl      times, too");
-  std::string directory, before, after, out, junit;
-  options.add_option("PACK", directory, "the pack's folder")->required();
-  options.add_option("BEFORE", before, "files of answers, with commas between repeated runs")->required();
-  options.add_option("AFTER", after, "likewise")->required();
-  options.add_option("--out", out, "folder for map.svg, badge.svg and both judgements; default: results/<date>-<time>")
-      ->type_name("DIR");
-  options.add_option("--junit", junit, "also: a test case a problem")->type_name("FILE");
-  const std::string command = command_line("guard", words);
-  if (!read(options, std::move(words))) return done;
-  const Pack pack(directory);
-  std::vector<Answers> runs = read_runs(before, pack), later = read_runs(after, pack);
-  if (runs.empty() || later.empty()) throw std::invalid_argument("guard takes a file or more a side");
-  for (const auto* side : {&runs, &later})
-    for (const Answers& a : *side)
-      if (a.tolerance != runs[0].tolerance)
-        throw std::invalid_argument(a.file.string() + " was asked for another tolerance than " + runs[0].file.string());
-  const std::size_t first = runs.size();
-  std::ranges::move(later, std::back_inserter(runs));
-  for (std::size_t k = 0; k < runs.size(); ++k)
-    runs[k].solver = (k < first ? "before" : "after") + ((k < first ? first : runs.size() - first) > 1
-                                                             ? "-" + std::to_string(k < first ? k + 1 : k - first + 1)
-                                                             : std::string());
-  SuiteSettings settings{.directory = new_directory(out, "./zwang guard"),
-                         .cache = reference_cache(),
-                         .command = command,
-                         .terminal = isatty(STDERR_FILENO) == 1};
-  const std::size_t all = runs.size();
-  const auto [outcome, rows] = judge_pack(pack, std::move(runs), settings, stop_on_interrupt());
-  if (outcome.interrupted) {
-    std::puts("Stopped: nothing is compared.");
-    return stopped;
-  }
-  std::vector<std::vector<Result>> sides[2];
-  for (std::size_t k = 0; k < all; ++k) {
-    auto& run = sides[k < first ? 0 : 1].emplace_back();
-    for (std::size_t i = k; i < rows.size(); i += all) run.push_back(rows[i]);
-  }
-  const Guarded guarded = compare(sides[0], sides[1]);
-  std::printf("%s", describe(guarded, 20).c_str());
-  write_text(settings.directory / "map.svg", to_map(guarded));
-  write_text(settings.directory / "badge.svg", to_badge(guarded));
-  if (!junit.empty()) write_text(junit, to_junit(guarded));
-  std::printf("Map: %s   report: %s\n", (settings.directory / "map.svg").c_str(),
-              report::write_report(settings.directory).c_str());
-  return guarded.is_worse() ? found : done;
 }
 
 }  // namespace zwang

@@ -23,22 +23,12 @@ void write(const fs::path& file, const std::string& text) {
   replace_file(file, text);
 }
 
-// Of the names of files: "-convex-cone"; "" where there is one class.
-std::string class_ending(std::string name) {
-  for (char& ch : name) ch = ch == ' ' ? '-' : static_cast<char>(std::tolower(ch));
-  return name.empty() ? "" : "-" + name;
-}
-
 void require_known(const std::string& what, const std::vector<std::string>& names,
                    const std::vector<std::string>& known) {
   for (const std::string& name : names)
     if (std::ranges::find(known, name) == known.end())
       throw std::invalid_argument("no " + what + " '" + name + "'" + did_you_mean(name, known) + " (" + joined(known) +
                                   ")");
-}
-
-bool left_out(const std::vector<std::string>& chosen, const std::string& name) {
-  return !chosen.empty() && !name.empty() && std::ranges::find(chosen, name) == chosen.end();
 }
 
 std::string collision_data(const fs::path& file) try {
@@ -89,30 +79,19 @@ std::vector<fs::path> write_figures(const fs::path& dir, const Figures& asked) {
   require_known("family", asked.families, families_of(run.results));
   const PageText text = page_text(run);
   const std::vector<RunFolder> classes = by_class(std::move(run));
-  std::vector<fs::path> files;
-  const auto write_tables = [&](const std::vector<Table>& tables, const std::string& ending) {
-    for (Table table : tables) {
-      std::erase_if(table.rows, [&](const Row& row) {
-        return left_out(asked.solvers, row.solver) || left_out(asked.families, row.group);
-      });
-      if (table.rows.empty()) continue;
-      table.id += ending;
-      write(files.emplace_back(dir / "tables" / (table.id + ".csv")), to_csv(table));
-      write(files.emplace_back(dir / "tables" / (table.id + ".tex")), to_tex(table));
-    }
-  };
-  write_tables(text.tables, "");
-  for (const RunFolder& part : classes) write_tables(class_tables(part), class_ending(part.problem_class));
-  const fs::path figures = dir / "figures", data = figures / "data.json";
+  const fs::path figures = dir / "figures", tables = dir / "tables", data = figures / "data.json";
+  fs::create_directories(tables);
   const nlohmann::json print = {{"formats", asked.formats},
                                 {"charts", asked.charts},
                                 {"solvers", asked.solvers},
                                 {"families", asked.families},
                                 {"width", asked.width}};
-  write(data, "{\"print\":" + print.dump() + ",\"page\":" + page_data(text, classes) + "}");
-  draw_figures(data, figures);
+  write(data, "{\"print\":" + print.dump() + ",\"page\":" + page_data(text, classes, {}, std::string::npos) + "}");
+  draw_figures(data, figures, tables);
   fs::remove(data);
-  for (const auto& entry : fs::directory_iterator(figures)) files.push_back(entry.path());
+  std::vector<fs::path> files;
+  for (const fs::path& folder : {figures, tables})
+    for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -56,8 +56,9 @@ void run(const char* name, std::string_view script, std::vector<std::string> wor
 
 }  // namespace
 
-void draw_figures(const std::filesystem::path& data, const std::filesystem::path& directory) {
-  run("figures.mjs", figures_mjs(), {data.string(), directory.string()});
+void draw_figures(const std::filesystem::path& data, const std::filesystem::path& figures,
+                  const std::filesystem::path& tables) {
+  run("figures.mjs", figures_mjs(), {data.string(), figures.string(), tables.string()});
 }
 
 void draw(const std::filesystem::path& findings, const std::filesystem::path& directory) {

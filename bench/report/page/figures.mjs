@@ -1,4 +1,5 @@
-// node figures.mjs DATA.json OUT: charts of a report as files for print (svg, pdf), and the caption of each as .txt.
+// node figures.mjs DATA.json OUT TABLES: charts of a report as files for print (svg, pdf), and the caption of each as .txt;
+// its tables as .csv and .tex.
 // bundle_script.mjs puts the specs into CHARTS.
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
@@ -6,9 +7,10 @@ import * as vega from 'vega';
 import * as vega_lite from 'vega-lite';
 import './charts.js';
 import './labels.js';
+import {to_csv, to_tex} from './table_files.mjs';
 import {use_font} from './font.mjs';
 
-const [data_file, out] = process.argv.slice(2);
+const [data_file, out, tables_out] = process.argv.slice(2);
 const {page: data, print: {formats, charts, solvers, families, width}} = JSON.parse(fs.readFileSync(data_file, 'utf8'));
 const {register, spec, rows, words, take_class, all_rows, speed_families, relative_error} = zwang_charts;
 const {labelled} = zwang_labels;
@@ -109,6 +111,18 @@ function progress(name) {
   if (process.stderr.isTTY) process.stderr.write(`\r${done} of ${planned} charts   ${name}\x1b[K${done === planned ? '\r\x1b[K' : ''}`);
   else if (Math.floor(10 * done / planned) > Math.floor(10 * (done - 1) / planned)) process.stderr.write(`${Math.floor(10 * done / planned)}0 %\n`);
 }
+const left_out = (chosen, name) => chosen.length > 0 && name && !chosen.includes(name);
+function write_tables(tables, ending) {
+  for (const [name, {note, columns, rows: all}] of Object.entries(tables)) {
+    const chosen = all.filter(row => !left_out(solvers, row.solver) && !left_out(families, row.group));
+    if (chosen.length === 0) continue;
+    const table = {id: name + ending, note, columns, rows: chosen};
+    fs.writeFileSync(`${tables_out}/${table.id}.csv`, to_csv(table));
+    fs.writeFileSync(`${tables_out}/${table.id}.tex`, to_tex(table));
+  }
+}
+write_tables(data.common ?? data.tables, '');
+for (const part of data.classes) write_tables(part.tables, part.name && `-${part.name.replaceAll(' ', '-').toLowerCase()}`);
 for (const k of data.classes.keys()) {
   const part = take_class(data, k);
   for (const figure of figures()) {

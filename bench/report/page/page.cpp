@@ -53,9 +53,7 @@ std::vector<std::string> notes(const RunFolder& run) {
   return out;
 }
 
-constexpr std::size_t most_rows = 2000;  // of a table; files/tables hold all
-
-json to_json(const Table& table) {
+json to_json(const Table& table, std::size_t most_rows) {
   json columns = json::array(), rows = json::array();
   for (const Column& c : table.columns) columns.push_back({{"name", c.name}, {"numeric", c.numeric}});
   for (const Row& row : table.rows) {
@@ -78,9 +76,9 @@ json to_json(const Table& table) {
   return {{"note", note}, {"columns", columns}, {"rows", rows}};
 }
 
-json to_json(const std::vector<Table>& tables) {
+json to_json(const std::vector<Table>& tables, std::size_t most_rows) {
   json all = json::object();
-  for (const Table& table : tables) all[table.id] = to_json(table);
+  for (const Table& table : tables) all[table.id] = to_json(table, most_rows);
   return all;
 }
 
@@ -174,7 +172,8 @@ PageText page_text(const RunFolder& run) {
   return {title, headline(run), opening(run), joined(circumstances), notes(run), run.solvers, common_tables(run)};
 }
 
-std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single) {
+std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single,
+                      std::size_t most_rows) {
   std::string parts;
   std::set<std::string> shown_somewhere;
   for (const RunFolder& part : classes) {
@@ -186,7 +185,7 @@ std::string page_data(const PageText& text, const std::vector<RunFolder>& classe
                         {"families", families_of(part.results)},
                         {"solvers", names(part)},
                         {"shown", shown},
-                        {"tables", to_json(class_tables(part))}};
+                        {"tables", to_json(class_tables(part), most_rows)}};
     parts += (parts.empty() ? "" : ",") + with_member(about, "charts", chart_rows(part));
   }
   json solvers = json::array();
@@ -200,7 +199,7 @@ std::string page_data(const PageText& text, const std::vector<RunFolder>& classe
   json about = {{"title", text.title},       {"opening", text.opening},
                 {"headline", text.headline}, {"circumstances", text.circumstances},
                 {"notes", text.notes},       {"solvers", solvers},
-                {"levels", error_levels},    {"tables", to_json(text.tables)}};
+                {"levels", error_levels},    {"tables", to_json(text.tables, most_rows)}};
   if (!single.empty()) about["single"] = json::parse(single);
   return with_member(about, "classes", "[" + parts + "]");
 }

@@ -23,8 +23,9 @@ PageText page_text(const RunFolder& run);
 std::vector<std::string> headline(const RunFolder& run);
 
 // Everything the page and the figures draw, as one JSON object: of by_class(). `single`: the index of
-// single_run_scripts(), or "".
-std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single = "");
+// single_run_scripts(), or "". A table's rows from most_rows on are left out, which its note then says.
+std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single = "",
+                      std::size_t most_rows = 2000);
 
 // The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);

@@ -74,7 +74,5 @@ std::vector<Table> class_tables(const RunFolder& of_class);
 
 std::string knob_text(double value);  // "2^-27" for far powers of two, else "64" or "0.001"
 
-std::string to_csv(const Table& table);
-std::string to_tex(const Table& table);
 
 }  // namespace zwang::report

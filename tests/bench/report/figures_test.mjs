@@ -5,6 +5,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import '../../../bench/report/page/charts.js';
 import '../../../bench/report/page/labels.js';
+import {to_csv, to_tex} from '../../../bench/report/page/table_files.mjs';
 
 const here = new URL('.', import.meta.url).pathname;
 const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);
@@ -121,3 +122,10 @@ assert.equal(column[4].at_y, 100);
 const report = `${here}../../../bench/report/`, families = JSON.parse(fs.readFileSync(`${report}page/stability.json`, 'utf8')).map(of => of.family);
 const [, listed] = /std::set<std::string> families = \{([^}]*)\}/.exec(fs.readFileSync(`${report}tables/sweeps.cpp`, 'utf8'));
 assert.deepEqual(listed.match(/\w+/g), families);
+
+// Tables escape what their format reads.
+const table = {id: 't', note: 'A note.', columns: [{name: 'a_b', numeric: false}, {name: 'x, y', numeric: true}], rows: [{cells: [{text: '50 %'}, {text: '2.0 us', value: 2e-6}]}]};
+assert.equal(to_csv(table), 'a_b,"x, y"\n50 %,2e-06\n');
+for (const part of ['a\\_b & x, y \\\\\n', '50 \\% & 2.0 $\\mu$s \\\\\n', '\n\\begin{table}\n']) assert.ok(to_tex(table).includes(part), part);
+for (const [value, text] of [[0, '0'], [120, '120'], [1234567890, '1.23456789e+09'], [0.1 + 0.2, '0.3'], [1.5e-300, '1.5e-300'], [-2.5, '-2.5'], [1e9, '1e+09'], [123456789, '123456789'], [1e-5, '1e-05'], [0.0001, '0.0001']])
+  assert.equal(to_csv({columns: [{name: 'x', numeric: true}], rows: [{cells: [{text: '', value}]}]}), `x\n${text}\n`);

@@ -95,17 +95,6 @@ TEST(Tables, FalseClaimsAreCountedBySolver) {
   EXPECT_EQ(table.rows[1].cells[5].value, 1) << "flagged, but wrong";
 }
 
-TEST(Tables, FilesEscapeWhatTheirFormatReads) {
-  Table table("verdicts");
-  table.columns.clear();
-  table.add_columns("a_b; #x, y");
-  table.add("", "", {"50 %", Cell("2.0 us", 2e-6)});
-  EXPECT_EQ(to_csv(table), "a_b,\"x, y\"\n50 %,2e-06\n");
-  EXPECT_NE(to_tex(table).find("a\\_b & x, y \\\\"), std::string::npos);
-  EXPECT_NE(to_tex(table).find("\n\\begin{table}\n"), std::string::npos) << "which a column of two has room for";
-  EXPECT_NE(to_tex(table).find("50 \\% & 2.0 $\\mu$s \\\\"), std::string::npos);
-}
-
 TEST(Tables, PowersOfTwoFarFromOne) {
   EXPECT_EQ(knob_text(std::ldexp(1, -27)), "2^-27");
   EXPECT_EQ(knob_text(std::ldexp(1, 48)), "2^48");

@@ -44,20 +44,4 @@ void Table::add_columns(const std::string& titles) {
   }
 }
 
-std::string to_csv(const Table& table) {
-  std::vector<std::string> fields;
-  for (const Column& column : table.columns) fields.push_back(csv_field(column.name));
-  std::string out = joined(fields, ",") + "\n";
-  for (const Row& row : table.rows) {
-    fields.clear();
-    for (std::size_t i = 0; i < row.cells.size(); ++i) {
-      const Cell& cell = row.cells[i];
-      const bool number = table.columns[i].numeric && std::isfinite(cell.value);
-      fields.push_back(number ? printed("%.9g", cell.value) : csv_field(cell.text));
-    }
-    out += joined(fields, ",") + "\n";
-  }
-  return out;
-}
-
 }  // namespace zwang::report
