@@ -96,7 +96,8 @@ class ConvexJudgement:
 
 class Derivative:
     dz: numpy.ndarray | None
-    free: numpy.ndarray | None
+    @property
+    def free(self) -> numpy.ndarray: ...
     dlambda: numpy.ndarray | None
     enclosure: numpy.ndarray | None
     enclosure_lambda: numpy.ndarray | None

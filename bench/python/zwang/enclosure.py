@@ -151,9 +151,10 @@ class Regular:
             off = off + right_off
             if self.off is not None:
                 off = off + (self.off @ (abs(high) + abs(low))) * UP
-            if turn == 3:
+            step = self.step(residual)
+            if turn == 3 or (abs(step) <= 2.0**-80 * abs(high).max(initial=0)).all():
                 break
-            high, rest = added(high, self.step(residual))
+            high, rest = added(high, step)
             low = low + rest
             high, low = added(high, low)
         return high, low, self.radius(residual, off + abs(small))

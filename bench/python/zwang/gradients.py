@@ -25,16 +25,22 @@ AGREE = 2.0**-30  # relative: derivatives of two combinations that differ by les
 class Derivative:
     """How a solution changes in one direction, for a step of 1 in that direction.
 
-    dz: n; free: the same of a motion that the same forces push, and no row holds. dlambda: m, or None where `note` says why. enclosure, enclosure_lambda: what each entry is off at most, proven.
+    dz: n; free: the same of a motion that the same forces push, and no row holds. dlambda: m, or None where `note` says why.
+    enclosure, enclosure_lambda: what each entry is off at most, proven.
     reach, reach_row: to first order, the step to either side at which a row first changes its mode, and that row.
     one_sided: it holds for steps forward alone. kink: the rows that make it so. Where dz is None, `note` says why.
     """
 
-    def __init__(self, problem, kink, one_sided):
-        self.dz = self.free = self.dlambda = self.enclosure = self.enclosure_lambda = None
+    def __init__(self, problem, p, kink, one_sided):
+        self.p, self.pushed = p, numpy.zeros(p.n)
+        self.dz = self.dlambda = self.enclosure = self.enclosure_lambda = None
         self.kink, self.one_sided, self.note = list(kink), one_sided, ""
         self.reach, self.reach_row = 0.0 if one_sided else math.inf, None
         self.kink_names = [problem.row_names[i] for i in self.kink]
+
+    @property
+    def free(self):
+        return self.p.solve_mass(self.pushed)
 
     def __repr__(self):
         text = "no number" if self.dz is None else f"one-sided, {len(self.dz)} entries" if self.one_sided else f"{len(self.dz)} entries"
@@ -221,12 +227,16 @@ class Gradient:
         full, low = numpy.r_[b.high, b.constants], numpy.r_[b.low, nothing]
         off = numpy.r_[b.radius, nothing]
         rest = scipy.sparse.csr_matrix((n, b.size - n - len(b.pushing)))
-        D = scipy.sparse.hstack([-change.dM, change.dJ[b.pushing].T, rest, change.dM, change.dJ[b.frozen].T], format="csr")
-        pushed, pushed_low, pushed_off = Rows(p.M).times(change.dz_u, numpy.zeros(n))
-        first, second, bound = Rows(D).times(full, low, (pushed, pushed_low))
-        bound = bound + pushed_off + (abs(D) @ off) * UP
-        t, t_low, t_off = Rows(change.dJ).times(b.high[:n], b.low[:n], (-change.dc,))
-        t_off = t_off + (abs(change.dJ) @ b.radius[:n]) * UP
+        first, second, bound = p.mass.times(change.dz_u, numpy.zeros(n))
+        t, t_low, t_off = -change.dc, numpy.zeros(p.m), numpy.zeros(p.m)
+        if change.dM.nnz or change.dJ.nnz:
+            D = scipy.sparse.hstack([-change.dM, change.dJ[b.pushing].T, rest, change.dM, change.dJ[b.frozen].T], format="csr")
+            pushed_off = bound
+            first, second, bound = Rows(D).times(full, low, (first, second))
+            bound = bound + pushed_off + (abs(D) @ off) * UP
+        if change.dJ.nnz:
+            t, t_low, t_off = Rows(change.dJ).times(b.high[:n], b.low[:n], (-change.dc,))
+            t_off = t_off + (abs(change.dJ) @ b.radius[:n]) * UP
         W, V = self.W, self.V
         below = -(W @ t + V @ change.dmu)
         below_off = (abs(W) @ t_off + self.W_off @ (abs(t) + abs(t_low)) + self.V_off @ abs(change.dmu)) * UP
@@ -263,9 +273,8 @@ class Gradient:
             return self.shared_anew(change)
         right, low, off, t, t_off = self.change_of_equations(change)
         y = self.branch.regular.solve(right, low, off)
-        out = Derivative(self.problem, self.kink, bool(self.ties))
-        n = self.p.n
-        out.free = self.p.solve_mass(right[:n] + low[:n])
+        out = Derivative(self.problem, self.p, self.kink, bool(self.ties))
+        out.pushed = right[:self.p.n]
         if self.ties:
             return self.with_ties(out, change, y, t, t_off)
         self.fill(out, y[0], abs(y[1]) + y[2])
@@ -552,7 +561,7 @@ class Gradient:
         """Where redundant rows no longer hold together: the load goes to those rows that gain most by it."""
         p, b = self.p, self.branch
         if any(c.tangents for c in p.contacts):
-            out = Derivative(self.problem, self.kink, True)
+            out = Derivative(self.problem, self.p, self.kink, True)
             out.note = "forces are not unique, and rows that hold do not hold together in this direction: no number"
             return out
         from scipy.optimize import linprog

@@ -43,7 +43,7 @@ class Parts:
             while end < self.m and tangent[end]:
                 end += 1
             self.contacts.append(Contact(int(i), list(range(int(i) + 1, end)) if mu[i] > 0 else [], float(mu[i])))
-        self.rows = Rows(self.J)
+        self.rows, self.mass = Rows(self.J), Rows(self.M)
         self.finite = numpy.where(self.c > -math.inf, self.c, 0)
         unit = numpy.asarray(self.J.multiply(self.J / self.M.diagonal()[None, :]).sum(axis=1)).ravel()
         self.unit = numpy.sqrt(numpy.where(unit > 0, unit, 1))
@@ -274,9 +274,10 @@ class Branch:
             last = size
             high, rest = added(high, step)
             high, low = added(high, low + rest)
+        else:
+            first, second, off = self.residual(high, low)
         if self.bent:
             regular = Regular(*self.matrix(high, low))
-        first, second, off = self.residual(high, low)
         self.radius = regular.radius(first, off + abs(second), self.curvature(regular.across))
         self.high, self.low, self.regular = high, low, regular
         if self.bent:
