@@ -3,9 +3,7 @@
 finite differences, and by rows made soft. Takes some minutes. Needs the Python module (./zwang python).
 
 Left, a block of mass 1 that rests on the ground, mu = 1/2, and is pushed by its weight times x: how fast it slides. Right, on the problems
-below, dz for a random change of z_u, against zwang.gradient.
-Rows made soft, as in MuJoCo: minimize 1/2 |z - z_u|_M^2 + sum |lambda_i|^2 R_i / 2, lambda_i = P_K(-s_i) / R_i, R_i = smoothing J_i M^-1 J_i'.
-Its gradient is exact, of a softer problem.
+below, what zwang.compare_gradients says.
 """
 import math
 import pathlib
@@ -13,6 +11,7 @@ import pathlib
 import numpy
 
 import zwang
+from zwang.usual_gradients import Soft
 
 ink, muted, blue, red, amber, light = "#1b1f24", "#57606a", "#0b5fa5", "#b3261e", "#9a6700", "#d0d7de"
 steps = [10.0**-k for k in range(1, 13)]
@@ -20,65 +19,7 @@ names = ["hand(contacts=4)", "hand(contacts=16)", "tower(boxes=4)", "pile", "cha
          "CHAIN", "FLIP", "UNIT", "ANI", "planted", "stack(boxes=2)", "MU0", "MUL", "APEX", "SLIP", "ball"]
 
 
-def project(x, mu):
-    """P_K(x) of the cone |x_t| <= mu x_n, and its derivative."""
-    n, t = x[0], x[1:]
-    if not len(t):
-        return numpy.maximum(x, 0), numpy.array([[float(n > 0)]])
-    size = numpy.linalg.norm(t)
-    if size <= mu * n:
-        return x.copy(), numpy.eye(len(x))
-    if mu * size <= -n:
-        return 0 * x, numpy.zeros((len(x), len(x)))
-    d, a = t / size, (n + mu * size) / (1 + mu * mu)
-    along = numpy.r_[1, mu * d] / (1 + mu * mu)
-    bend = numpy.zeros((len(x), len(x)))
-    bend[1:, 1:] = mu * a / size * (numpy.eye(len(t)) - numpy.outer(d, d))
-    return numpy.r_[a, mu * a * d], numpy.outer(numpy.r_[1, mu * d], along) + bend
-
-
-class Soft:
-    def __init__(self, p, smoothing):
-        self.p, self.M, self.J = p, p.M.toarray(), p.J.toarray()
-        unit = numpy.einsum("ij,ji->i", self.J, numpy.linalg.solve(self.M, self.J.T))
-        tangent, self.blocks, self.R, i = p.tangent, [], numpy.ones(p.rows), 0
-        while i < p.rows:
-            end = i + 1
-            while end < p.rows and tangent[end]:
-                end += 1
-            if p.c[i] > -math.inf and unit[i] > 0:
-                self.blocks.append((slice(i, end), p.mu[i], p.equality[i]))
-                self.R[i:end] = smoothing * unit[i]
-            i = end
-
-    def at(self, z, bend=True):
-        """The objective, its gradient and Hessian."""
-        s, d = self.J @ z - numpy.where(numpy.isfinite(self.p.c), self.p.c, 0), z - self.p.z_u
-        force, D = numpy.zeros(len(s)), numpy.zeros((len(s), len(s)))
-        for rows, mu, equal in self.blocks:
-            force[rows], D[rows, rows] = (-s[rows], numpy.eye(rows.stop - rows.start)) if equal else project(-s[rows], mu)
-        value, slope = 0.5 * d @ self.M @ d + 0.5 * force @ (force / self.R), self.M @ d - self.J.T @ (force / self.R)
-        return value, slope, self.M + self.J.T @ (D / self.R[:, None]) @ self.J if bend else None
-
-    def solve(self, z):
-        for _ in range(60):
-            value, slope, H = self.at(z)
-            step, t = -numpy.linalg.solve(H, slope), 1.0
-            if abs(slope @ step) < 1e-26 * (1 + abs(value)):
-                break
-            while self.at(z + t * step, False)[0] > value + 1e-4 * t * (slope @ step) and t > 1e-6:
-                t /= 2
-            z = z + t * step
-        return z, H
-
-
-def changed(p, d, h):
-    friction = dict(tangent=p.tangent, mu=p.mu, law=p.law) if p.tangent.any() else {}
-    return zwang.Problem(p.M, p.z_u + h * d, p.J, p.c, equality=p.equality, **friction)
-
-
 def errors():
-    """(law, {step: error of central differences}, {smoothing: error of soft rows}, width of the enclosure, reach) of each problem."""
     out, kinks = [], 0
     for name in names:
         for law in ("frictionless", "convex", "coulomb"):
@@ -90,29 +31,10 @@ def errors():
                 p = p if p.law == law else p.under(law)
                 if p.law != law or p.size > 100:
                     continue
-                solver = "cone" if p.tangent.any() else "dual_active_set"
-                answer = zwang.solve(p, solver, tolerance=1e-12)
-                draw = numpy.random.default_rng(seed)
-                d = draw.normal(size=p.size)
-                norm = lambda v: math.sqrt(v @ (p.M @ v))
-                d *= norm(p.z_u) / norm(d)
-                try:
-                    true = zwang.gradient(p, answer, "z_u", d)
-                except ValueError:
-                    continue
-                kinks += bool(true.kink)
-                if true.kink or norm(true.dz) < 1e-3 * norm(d):
-                    continue
-                off = lambda v: norm(v - true.dz) / norm(true.dz)
-                central, soft = {}, {}
-                for h in steps:
-                    ahead, behind = (zwang.solve(changed(p, d, t), solver, tolerance=1e-12) for t in (h, -h))
-                    if len(ahead.z) and len(behind.z):
-                        central[h] = off((ahead.z - behind.z) / (2 * h))
-                    if law != "coulomb":
-                        z, H = Soft(p, h).solve(answer.z)
-                        soft[h] = off(numpy.linalg.solve(H, p.M @ d))
-                out.append((law, central, soft, norm(true.enclosure) / norm(true.dz), true.reach))
+                row, = zwang.compare_gradients(p, steps=steps, smoothings=steps, seed=seed)
+                kinks += bool(row["kink"])
+                if row["width"] >= 0 and not row["kink"]:
+                    out.append(row)
     return out, kinks
 
 
@@ -164,7 +86,7 @@ def right(found):
     for h in steps[1::2]:
         parts.append(text(X(h), 268, f"1e{round(math.log10(h))}", 11, muted, "middle"))
     said = {}
-    for which, color, name, place in ((1, blue, "finite differences, by step", (11, "end")), (2, amber, "rows made soft, by smoothing", (1, "start"))):
+    for which, color, name, place in (("differences", blue, "finite differences, by step", (11, "end")), ("soft", amber, "rows made soft, by smoothing", (1, "start"))):
         bands = []
         for h in steps:
             values = sorted(row[which][h] for row in found if h in row[which])
@@ -173,7 +95,7 @@ def right(found):
         parts += [path([(X(h), Y(mid)) for h, mid, _ in bands], color, 2.5), path([(X(h), Y(high)) for h, _, high in bands], color, 1.2, "4 3")]
         at = bands[place[0]]
         parts.append(text(X(at[0]), Y(at[2]) - 9, name, 12, color, place[1]))
-    width = sorted(row[3] for row in found)
+    width = sorted(row["width"] for row in found)
     parts += [path([(X(0.1), Y(width[(9 * len(width)) // 10])), (X(1e-12), Y(width[(9 * len(width)) // 10]))], red, 2.5),
               text(X(1e-12), Y(width[(9 * len(width)) // 10]) - 6, "zwang.gradient, proven, nine in ten", 12, red, "end"),
               text(X(1e-12), 286, "step, or smoothing, relative", 12, muted, "end")]
@@ -188,4 +110,4 @@ pathlib.Path(__file__).with_suffix(".svg").with_name("gradients.svg").write_text
 for name, bands in said.items():
     print(name, {f"{h:.0e}": f"{mid:.1e} {high:.1e}" for h, (mid, high) in bands.items()})
 print(f"{len(found)} problems; proven to {width[len(width) // 2]:.1e} (median), {width[(9 * len(width)) // 10]:.1e} (nine in ten), {width[-1]:.1e}; "
-      f"kinks left out: {kinks}; reach below 1e-2: {sum(row[4] < 1e-2 for row in found)}, below 1e-4: {sum(row[4] < 1e-4 for row in found)}")
+      f"kinks left out: {kinks}; reach below 1e-2: {sum(row['reach'] < 1e-2 for row in found)}, below 1e-4: {sum(row['reach'] < 1e-4 for row in found)}")

@@ -22,8 +22,9 @@ from . import _zwang
 from ._zwang import BadFile, Judgement, Solution, __version__
 from .packs import judge_pack, write_answers
 
-__all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "judge", "judge_pack",
-           "gradient", "gradient_of", "judge_gradient", "judge_qp", "load", "save", "scene", "scenes", "solve", "solvers", "write_answers"]
+__all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "compare_gradients",
+           "gradient", "gradient_of", "judge", "judge_gradient", "judge_pack", "judge_qp", "load", "save", "scene",
+           "scenes", "solve", "solvers", "write_answers"]
 
 
 def _numbers(value, name, size=None):
@@ -262,6 +263,19 @@ def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=No
     """
     from . import gradients
     return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, float(tolerance))
+
+
+def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-4, 1e-6), law=None, seed=1):
+    """How far off gradients are that are made as usual: dz for a random change of z_u, as large as z_u, by central differences with these
+    steps, and of rows made soft by these amounts (not under Coulomb's law), relative to the proven dz.
+
+    scenes: as in scene(), a Problem, or a list of them; law: each under this law. Returns one dict a problem: problem, law, kink (rows),
+    reach, width (of the enclosure), differences {step: error}, soft {smoothing: error}, note (why there is nothing to compare with).
+    """
+    from . import usual_gradients
+    problems = scene(scenes, seed) if isinstance(scenes, str) else scenes
+    problems = [problems] if isinstance(problems, _zwang.Problem) else problems
+    return [usual_gradients.compare(p if law is None else p.under(law), steps, smoothings, seed) for p in problems]
 
 
 def add_solver(name, function, method="a Python function"):

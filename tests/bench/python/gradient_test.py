@@ -438,6 +438,17 @@ class AtAWall(unittest.TestCase):
         numpy.testing.assert_allclose(g.jvp(dz_u=[1, 0, 0, 0, 0, 0]).dz, numpy.zeros(6), atol=1e-14)
 
 
+class Usual(unittest.TestCase):
+    def test_errors_of_differences_and_of_soft_rows(self):
+        for row in zwang.compare_gradients("hand(contacts=4)") + zwang.compare_gradients(zwang.scene("ball", mu=0.5), law="convex"):
+            self.assertLess(row["width"], 1e-12)
+            self.assertLess(row["differences"][1e-5], 1e-7)
+            soft = [row["soft"][a] for a in (1e-2, 1e-4, 1e-6)]
+            self.assertTrue(soft[0] > 3 * soft[1] > 9 * soft[2], soft)
+        still, = zwang.compare_gradients(zwang.Problem(numpy.eye(1), [-1.0], [[1.0]], [0.0]))
+        self.assertIn("hardly", still["note"])
+
+
 class NotUnique(unittest.TestCase):
     """A box on four corners: its weight can be shared out in many ways."""
 
