@@ -163,31 +163,8 @@ class Gradient:
         try:
             Regular(self.G[new][:, new], self.G_off[new][:, new])
         except Unproven:
-            if b.sliding or not self.open_together([t.contact for t in self.ties if t.word != "edge"]):
+            if b.sliding or not open_together(p, b, [t.contact for t in self.ties if t.word != "edge"]):
                 raise Unproven(f"forces are not unique, and it is not known which of these rows can push: {p.named(rows)}") from None
-
-    def open_together(self, contacts):
-        """Whether a motion that moves no row that holds is proven to open all these contacts, s_n > mu |s_t|: then none can push."""
-        from scipy.optimize import linprog
-        p, b, n = self.p, self.branch, self.p.n
-        unit, lines = scipy.sparse.diags(1 / p.unit) @ p.J, []
-        for c in contacts:
-            for signs in itertools.product((1, -1), repeat=len(c.tangents)):
-                factors = numpy.r_[1.0, [c.mu * sign * p.unit[k] / p.unit[c.row] for sign, k in zip(signs, c.tangents)]]
-                lines.append(-(factors @ unit[c.rows].toarray()))
-        found = linprog(numpy.r_[numpy.zeros(n), -1.0], A_ub=numpy.c_[lines, numpy.ones(len(lines))], b_ub=numpy.zeros(len(lines)),
-                        A_eq=scipy.sparse.hstack([unit[b.held], scipy.sparse.csr_matrix((len(b.held), 1))]), b_eq=numpy.zeros(len(b.held)),
-                        bounds=[(-1, 1)] * n + [(0, 1)], method="highs")
-        if found.status != 0:
-            return False
-        zero = numpy.zeros(b.size)
-        y, low, off = b.regular.solve(numpy.r_[p.M @ found.x[:n], zero[n:]], zero, zero)
-        for c in contacts:
-            s, small, bound = Rows(p.J[c.rows]).times(y[:n], low[:n])
-            bound = (abs(small) + bound + abs(p.J[c.rows]) @ off[:n]) * UP
-            if not s[0] - bound[0] > c.mu * (abs(s[1:]) + bound[1:]).sum() * UP:
-                return False
-        return True
 
     def coefficients(self):
         """F' of the equations below the balance of forces is W (dJ z - dc) + V dmu."""
@@ -246,16 +223,34 @@ class Gradient:
                 numpy.r_[bound, below_off + EPSILON * EPSILON * (abs(W) @ abs(t))], t, (t_off + abs(t_low)) * UP)
 
     def holds_together(self, change):
-        """Whether rows that depend on each other still hold together in this direction, to first order."""
+        """Whether rows that depend on each other go on holding together in this direction."""
         p, b = self.p, self.branch
-        if not change.dJ[b.held].nnz and not change.dc[b.held].any():
-            return True
+        bend, held = change.dJ[b.held], [*b.basis, *b.frozen]
+        if not bend.nnz:
+            return not change.dc[b.held].any() or self.depend(p.J[held], change.dc[held])
+        columns = [scipy.sparse.csr_matrix(p.c[held]).T, change.dJ[held], scipy.sparse.csr_matrix(change.dc[held]).T]
+        if self.depend(scipy.sparse.hstack([p.J[held], *columns], format="csr"), numpy.zeros(len(held))):
+            return True  # they depend on each other in the same way, however far
+        # To first order is enough where a motion opens them all: then the problem goes on having solutions.
         none = scipy.sparse.csr_matrix((len(b.basis), p.n))
-        rows = scipy.sparse.vstack([scipy.sparse.hstack([p.J[b.basis], none]),
-                                    scipy.sparse.hstack([change.dJ[b.basis], p.J[b.basis]]),
-                                    scipy.sparse.hstack([change.dJ[b.frozen], p.J[b.frozen]])], format="csr")
-        independent, contradictory = exact_basis(rows, numpy.r_[p.c[b.basis], change.dc[b.basis], change.dc[b.frozen]])
-        return not contradictory and len(independent) == 2 * len(b.basis)
+        rows = scipy.sparse.vstack([scipy.sparse.hstack([p.J[b.basis], none]), scipy.sparse.hstack([change.dJ[held], p.J[held]])], format="csr")
+        return (not any(c.tangents for c in p.contacts) and self.depend(rows, numpy.r_[p.c[b.basis], change.dc[held]], 2 * len(b.basis))
+                and self.have_room())
+
+    def depend(self, rows, right, rank=None):
+        """Whether equations have the rank of the rows that hold, and do not contradict each other."""
+        independent, contradictory = exact_basis(rows, right)
+        return not contradictory and len(independent) == (len(self.branch.basis) if rank is None else rank)
+
+    def have_room(self):
+        """Whether equality rows are independent, and a motion that keeps them opens all rows that touch."""
+        p = self.p
+        free = Branch(p, [OPEN] * len(p.contacts), numpy.zeros(p.m), numpy.zeros(p.m))
+        if len(free.contradictory) or len(free.frozen):
+            return False
+        free.regular = Regular(*free.matrix(numpy.zeros(free.size), numpy.zeros(free.size)))
+        touching = {*map(int, self.branch.held), *(t.contact.row for t in self.ties)}
+        return open_together(p, free, [c for c in p.contacts if c.row in touching])
 
     def jvp(self, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
         """The Derivative in a direction: dM n x n and symmetric, dz_u n, dJ m x n, dc m, dmu m, each 0 where it is not given."""
@@ -663,6 +658,30 @@ class Gradient:
             bound["J"], bound["c"] = one_off + two_off + 2 * EPSILON * (abs(one) + abs(two)), along_off
         bound = {name: value * UP for name, value in bound.items()}
         return self.laid.back(out, bound) if self.laid else (out, bound)
+
+
+def open_together(p, b, contacts):
+    """Whether a motion that moves no row that holds in the branch is proven to open all these contacts, s_n > mu |s_t|."""
+    from scipy.optimize import linprog
+    n = p.n
+    unit, lines = scipy.sparse.diags(1 / p.unit) @ p.J, []
+    for c in contacts:
+        for signs in itertools.product((1, -1), repeat=len(c.tangents)):
+            factors = numpy.r_[1.0, [c.mu * sign * p.unit[k] / p.unit[c.row] for sign, k in zip(signs, c.tangents)]]
+            lines.append(-(factors @ unit[c.rows].toarray()))
+    found = linprog(numpy.r_[numpy.zeros(n), -1.0], A_ub=numpy.c_[lines, numpy.ones(len(lines))], b_ub=numpy.zeros(len(lines)),
+                    A_eq=scipy.sparse.hstack([unit[b.held], scipy.sparse.csr_matrix((len(b.held), 1))]), b_eq=numpy.zeros(len(b.held)),
+                    bounds=[(-1, 1)] * n + [(0, 1)], method="highs")
+    if found.status != 0:
+        return False
+    zero = numpy.zeros(b.size)
+    y, low, off = b.regular.solve(numpy.r_[p.M @ found.x[:n], zero[n:]], zero, zero)
+    for c in contacts:
+        s, small, bound = Rows(p.J[c.rows]).times(y[:n], low[:n])
+        bound = (abs(small) + bound + abs(p.J[c.rows]) @ off[:n]) * UP
+        if not s[0] - bound[0] > c.mu * (abs(s[1:]) + bound[1:]).sum() * UP:
+            return False
+    return True
 
 
 def outer(a, a_off, b, b_off):

@@ -92,7 +92,8 @@ class Branch:
             elif mode == SLIDES:
                 sliding.append(contact)
         first = [c.row for c in sliding] if not p.convex else []
-        rows = numpy.array([*p.equal, *first, *held], dtype=int)
+        # Those that slide come last: the others depend on each other alone, and forces that are kept change no friction.
+        rows = numpy.array([*p.equal, *held, *first], dtype=int)
         chosen, contradictory = exact_basis(p.J[rows], p.c[rows]) if len(rows) else ([], [])
         self.contradictory = rows[contradictory]
         if len(contradictory):

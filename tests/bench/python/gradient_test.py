@@ -477,6 +477,22 @@ class NotUnique(unittest.TestCase):
         self.assertTrue(up.one_sided and down.one_sided)
         self.assertEqual((up.kink, down.kink), ([1, 2], [0, 3]))
 
+    def test_rows_that_turn_apart_have_none_though_they_fit_to_first_order(self):
+        """x >= 0 and -x >= 0 become x + t y >= 0 and -x + t y >= 0: what was a line is a cone, for any t."""
+        slot = zwang.Problem(numpy.eye(2), [0, 0], [[1, 0], [-1, 0]], [0, 0])
+        along = zwang.gradient_of(slot, zwang.solve(slot)).jvp(dJ=[[0, 1], [0, 1]], dz_u=[0, -1])
+        self.assertIsNone(along.dz)
+        self.assertIn("no number", along.note)
+        turned = zwang.gradient_of(slot, zwang.solve(slot)).jvp(dJ=[[0, 1], [0, -1]], dz_u=[0, -1])
+        numpy.testing.assert_allclose(turned.dz, [0, -1], atol=1e-15)
+        self.assertFalse(turned.one_sided)
+
+    def test_where_the_load_of_what_slides_can_be_shared_out_there_is_none(self):
+        for name in ("PUCK", "belt"):
+            p = zwang.scene(name, mu=0.5) if name == "belt" else zwang.scene(name)
+            with self.assertRaisesRegex(ValueError, "forces of contacts that slide are not unique"):
+                zwang.gradient_of(p, zwang.solve(p, "cone"))
+
     def test_rows_that_come_to_contradict_each_other_have_no_derivative(self):
         twice = zwang.Problem(numpy.eye(2), [1, 1], [[1, 0], [2, 0]], [0, 0], equality=2)
         of = zwang.gradient_of(twice, [0.0, 1.0])
