@@ -2,7 +2,9 @@
 // after the number type it describes
 #include <boost/multiprecision/eigen.hpp>
 
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/referee/exact_rank.h>
+#include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/friction/self_bound.h>
 #include <zwang/core/referee/measure.h>
@@ -27,10 +30,12 @@ using Json = nlohmann::ordered_json;
 using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::et_off>;
 using Numbers = VectorX<Hundred>;
 using Sparse = Eigen::SparseMatrix<Hundred>;
+using Dense = Eigen::Matrix<Hundred, Eigen::Dynamic, Eigen::Dynamic>;
 using Rows = std::vector<Index>;
 
-constexpr double zero = 1e-60;  // of a row's or a motion's size: 100 digits leave 1e-68 where doubles are dependent
-constexpr int digits = 20;
+constexpr double straight = 1e-20;  // less of a slip is across it by rounding of what the referee found
+constexpr double zero = 1e-60;      // of a row's or a motion's size: 100 digits leave 1e-68 where doubles are dependent
+constexpr int digits = 20, newton_steps = 12, second_order_rounds = 20;
 
 struct NoProof : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -48,6 +53,31 @@ std::string rounded_up(const Hundred& x) {
     return text.substr(0, 1) + "." + text.substr(1, digits - 1) + "e" + std::to_string(exponent);
   }
 }
+
+// A contact that slides along d: a tangent row, where nothing is of second order, or between two. Near its solution the
+// force l and k = slip / friction. `most`: how large what is of second order may become (docs/checker/check.py).
+struct Slide {
+  Index row = 0, tangents = 0;
+  double l = 0, k = 0, most = 0;
+  std::array<double, 2> d = {};
+
+  bool operator==(const Slide&) const = default;
+  bool curved() const { return d[0] != 0 && d[1] != 0; }
+  void start(const Hundred& mu, const Numbers& slack, const Numbers& force) {
+    const Numbers slip = slack.segment(row + 1, tangents);
+    const Hundred length = slip.norm();
+    for (Index t = 0; t < tangents; ++t)
+      d[static_cast<std::size_t>(t)] = abs(slip[t]) < straight * length ? 0 : static_cast<double>(slip[t] / length);
+    l = static_cast<double>(force[row]);
+    k = static_cast<double>(length / (mu * force[row]));
+  }
+};
+
+// What terms of second order may change: slacks, forces, and z.
+struct Spread {
+  Numbers slack, force;
+  Hundred motion = 0;
+};
 
 // A problem in 100 digits.
 class ProofSearch {
@@ -82,9 +112,9 @@ class ProofSearch {
     const RefereeActiveSet::Outcome outcome =
         active.solve(scaled.motion(z.size() > 0 ? z : p_.z_u), lambda.size() > 0 ? &guess : nullptr);
     if (outcome == RefereeActiveSet::Outcome::infeasible) return contradict(active.farkas, proof);
-    if (p_.has_tangents()) return slip_lifts(p_.law) ? stick(z, lambda, proof) : enclose(z, lambda, proof);
+    if (p_.has_tangents()) return follow(z, lambda, proof);
     if (outcome != RefereeActiveSet::Outcome::optimal) throw NoProof("the rows that hold were not found");
-    hold(active.basis, Numbers::Zero(p_.rows()), z, lambda, proof);
+    hold(active.basis, Numbers::Zero(p_.rows()), {}, z, lambda, proof);
   }
 
  private:
@@ -92,122 +122,227 @@ class ProofSearch {
   Hundred squared(const Numbers& v) const { return v.dot(M_ * v); }
   Numbers moved(const Numbers& force) const { return factor_.solve(Numbers(J_.transpose() * force)); }
 
-  NoProof not_held() const {
-    return NoProof(p_.has_tangents() && slip_lifts(p_.law)
-                       ? "there are no proof files yet where contacts slide under Coulomb's law"
-                       : "rows that depend on each other disagree in their last digits");
-  }
-
-  // Independent rows, the equality rows first.
-  Rows independent(const Rows& others) const {
+  // Independent rows, the equality rows first; those of slides that lift as they will be.
+  Rows independent(const Rows& others, const std::vector<Slide>& slides) const {
+    Eigen::SparseMatrix<double, Eigen::RowMajor> lift(p_.rows(), p_.rows());
+    lift.setIdentity();
+    for (const Slide& it : slides)
+      for (Index t = 0; t < it.tangents && !slip_lifts(p_.law); ++t)
+        lift.coeffRef(it.row, it.row + 1 + t) = -p_.mu[it.row] * it.d[static_cast<std::size_t>(t)];
     Rows rows;
     for (Index i = 0; i < p_.rows(); ++i)
       if (p_.is_equality(i)) rows.push_back(i);
     std::ranges::copy_if(others, std::back_inserter(rows), [&](Index i) { return !p_.is_equality(i); });
-    const ExactBasis found = exact_basis(p_.J, p_.c, rows);
-    if (!found.contradictory.empty()) throw not_held();
+    const ExactBasis found = exact_basis(lift * p_.J, lift * p_.c, rows);
+    if (!found.contradictory.empty()) throw NoProof("rows that depend on each other disagree in their last digits");
     return found.rows;
+  }
+
+  Sparse picked(const Rows& rows) const {
+    Sparse pick(std::ssize(rows), p_.rows());
+    for (std::size_t k = 0; k < rows.size(); ++k) pick.insert(static_cast<Index>(k), rows[k]) = 1;
+    return pick;
   }
 
   // Forces on independent rows that bring their slack to 0.
   Numbers balance(const Rows& rows, const Numbers& slack) const {
-    Numbers force = Numbers::Zero(p_.rows());
-    if (rows.empty()) return force;
-    Sparse pick(std::ssize(rows), p_.rows());
-    for (std::size_t k = 0; k < rows.size(); ++k) pick.insert(static_cast<Index>(k), rows[k]) = 1;
+    if (rows.empty()) return Numbers::Zero(p_.rows());
+    const Sparse pick = picked(rows);
     const Eigen::SimplicialLLT<Sparse> own(Sparse(pick * W_ * pick.transpose()));
     if (own.info() != Eigen::Success) throw NoProof("the rows that hold are too close to dependent");
-    force -= pick.transpose() * Numbers(own.solve(Numbers(pick * slack)));
+    return -(pick.transpose() * Numbers(own.solve(Numbers(pick * slack))));
+  }
+
+  // The same where contacts slide, by Newton's method from these forces; those of rows after the `held` ones stay. The
+  // last step starts from doubles, which the slides keep.
+  Numbers balance(const Rows& rows, Index held, Numbers force, std::vector<Slide>& slides, Spread& spread) const {
+    const Sparse pick = picked(rows);
+    const Dense W = pick * W_ * pick.transpose();
+    const Numbers free = pick * free_slack_;
+    const Index size = std::ssize(rows), terms = 3 * std::ssize(slides);
+    const auto at = [&](Index row) { return std::ranges::find(rows, row) - rows.begin(); };
+    const Hundred lift = slip_lifts(p_.law) ? 0 : 1;
+    Dense bends;
+    std::vector<Slide> before;
+    for (int step = 0; step < newton_steps; ++step) {
+      const Numbers slack = free_slack_ + W_ * force;
+      for (Slide& it : slides) it.start(p_.mu[it.row], slack, force);
+      if (slides == before) break;
+      before = slides;
+      Dense A = W, units = Dense::Zero(size, terms);
+      Numbers right = -free;
+      for (Index k = held; k < size; ++k)
+        A.row(k) = Numbers::Unit(size, k), right[k] = force[rows[static_cast<std::size_t>(k)]];
+      Index term = 0;
+      for (const Slide& it : slides) {
+        const Index n = at(it.row), a = at(it.row + 1), b = a + it.tangents - 1;
+        const Hundred mu = p_.mu[it.row], d0 = it.d[0], d1 = it.d[1], k = it.k;
+        const Hundred bent = mu * it.l * (1 - d0 * d0 - d1 * d1) / 2;
+        if (lift > 0 && n < held) {
+          A.row(n) = W.row(n) - mu * (d0 * W.row(a) + d1 * W.row(b));
+          right[n] = mu * (d0 * free[a] + d1 * free[b] + k * bent) - free[n];
+        }
+        A.row(b) = d0 * W.row(b) - d1 * W.row(a);
+        A(b, a) -= k * d1, A(b, b) += k * d0;
+        right[b] = d1 * free[a] - d0 * free[b];
+        A.row(a).setZero();
+        A(a, n) = mu, A(a, b) = d1, A(a, a) = d0;
+        right[a] = bent;
+        if (it.curved()) units(a, term) = 1, units(b, term + 1) = k, units(n, term + 2) = lift * k * mu;
+        term += 3;
+      }
+      const Eigen::PartialPivLU<Dense> own(A);
+      force = pick.transpose() * Numbers(own.solve(right));
+      bends = pick.transpose() * Dense(own.solve(units));
+    }
+    const Dense turned = W_ * bends;
+    const Numbers slack = free_slack_ + W_ * force;
+    Numbers most = Numbers::Zero(terms);
+    bool inside = false;
+    for (int round = 0; round < second_order_rounds && !inside; ++round) {
+      inside = true;
+      spread = {turned.cwiseAbs() * most, bends.cwiseAbs() * most};
+      for (Index c = 0; 3 * c < terms; ++c) {
+        Slide& it = slides[static_cast<std::size_t>(c)];
+        const Hundred mu = p_.mu[it.row], k = it.k, friction = mu * it.l;
+        const auto off = [&](const Numbers& value, const Numbers& by, Index row, const Hundred& near) {
+          return Hundred(abs(value[row] - near) + by[row]);
+        };
+        Hundred sum = mu * off(force, spread.force, it.row, it.l);
+        sum += lift * off(slack, spread.slack, it.row, k * mu * friction) / (k * mu);
+        for (Index t = 0; t < it.tangents; ++t) {
+          const Hundred along = friction * it.d[static_cast<std::size_t>(t)];
+          sum += off(force, spread.force, it.row + 1 + t, -along);
+          sum += off(slack, spread.slack, it.row + 1 + t, k * along) / k;
+        }
+        if (!it.curved() || sum * sum <= friction * it.most) continue;
+        it.most = static_cast<double>(2 * sum * sum / friction);
+        most.segment(3 * c, 3).setConstant(it.most);
+        inside = false;
+      }
+    }
+    if (!inside || !spread.force.allFinite())
+      throw NoProof("contacts that slide leave their forces open, or slide too little");
+    for (Index k = 0; k < terms; ++k)
+      if (most[k] > 0) spread.motion += most[k] * Hundred(rounded_up(sqrt(Hundred(bends.col(k).dot(turned.col(k))))));
     return force;
   }
 
-  // forces'slack, where all rows hold and forces push within their cones; under Coulomb's law, fit the slip.
-  Hundred complementarity(const Numbers& slack, const Numbers& force, const Hundred& motion) const {
-    Hundred total(0);
-    const bool coulomb = slip_lifts(p_.law);
-    const Hundred push = force.cwiseProduct(unit_).norm();
+  // Throws where a row does not hold, a force pulls or leaves its cone, or does not fit the slip.
+  void require_law(const Numbers& slack, const Numbers& force, const Hundred& motion, const Spread& spread,
+                   const std::vector<Slide>& slides) const {
+    const Hundred push = force.cwiseProduct(unit_).norm(), lift = slip_lifts(p_.law) ? 0 : 1;
+    const auto require = [](bool holds) {
+      if (!holds) throw NoProof("rows disagree in their last digits, or contacts are at the edge of what they do");
+    };
     for (Index i = 0; i < p_.rows(); ++i) {
       if (!counts(i) || p_.is_tangent(i)) continue;
       const Hundred room = unit_[i] > 0 ? Hundred(unit_[i] * motion * zero) : Hundred(0);
       const Hundred none = unit_[i] > 0 ? Hundred(push / unit_[i] * zero) : Hundred(0);
       const Index t = p_.is_equality(i) ? 0 : p_.tangents(i);
-      const Hundred mu = t > 0 ? p_.mu[i] : 0., slip = slack.segment(i + 1, t).norm();
-      const Hundred along = force.segment(i + 1, t).norm(), work = slack.segment(i + 1, t).dot(force.segment(i + 1, t));
-      if (p_.is_equality(i) ? abs(slack[i]) > room : slack[i] - (coulomb ? Hundred(0) : mu * slip) < -room)
-        throw not_held();
-      if (p_.is_equality(i)) continue;
-      if (force[i] < -none || along > mu * force[i] + none) throw not_held();
-      if (coulomb &&
-          (force[i] * slack[i] > none * motion || abs(work + mu * force[i] * slip) > none * motion * (1 + mu)))
-        throw not_held();
-      total += force[i] * slack[i] + work;
+      const Hundred mu = t > 0 ? p_.mu[i] : 0., closed = abs(slack[i]) + spread.slack[i];
+      if (p_.is_equality(i)) {
+        require(closed <= room);
+        continue;
+      }
+      const Numbers slip = slack.segment(i + 1, t).cwiseAbs() + spread.slack.segment(i + 1, t);
+      const Numbers along = force.segment(i + 1, t).cwiseAbs() + spread.force.segment(i + 1, t);
+      const Hundred least = force[i] - spread.force[i], open = slack[i] - spread.slack[i];
+      require(least >= -none && open >= -room);
+      if (const auto it = std::ranges::find(slides, i, &Slide::row); it != slides.end()) {
+        const Numbers s = slack.segment(i + 1, t), f = force.segment(i + 1, t);
+        require(s.dot(f) + along.dot(slip) - f.cwiseAbs().dot(s.cwiseAbs()) <= 0 && (lift > 0 || closed <= room));
+        for (Index k = 0; k < t && !it->curved(); ++k)
+          require(it->d[static_cast<std::size_t>(k)] != 0 || (slip[k] <= room && along[k] <= none));
+        require(it->curved() || lift == 0 || abs(slack[i] - mu * slip.norm()) <= room);
+      } else {
+        require(force[i] * closed <= none * motion && mu * force[i] * slip.norm() <= none * motion * (1 + mu));
+        require(along.norm() <= mu * least + none && open >= lift * mu * slip.norm() - room);
+      }
     }
-    return total;
   }
 
-  // The solution at which these rows hold, with the forces that are given on those that depend on others.
-  void hold(const Rows& rows, Numbers force, const Vector& z, const Vector& lambda, Json& proof) const {
-    const Rows basis = independent(rows);
-    Json frozen = Json::array();
-    for (const Index i : basis) force[i] = 0;
-    for (const Index i : rows)
-      if (force[i] != 0) frozen.push_back({i, static_cast<double>(force[i])});
-    force += balance(basis, free_slack_ + W_ * force);
+  // The solution at which these rows hold and these contacts slide. Rows that depend on others keep their forces.
+  void hold(const Rows& held, Numbers force, std::vector<Slide> slides, const Vector& z, const Vector& lambda,
+            Json& proof) const {
+    const Numbers slack = free_slack_ + W_ * force;
+    for (Slide& it : slides) it.start(p_.mu[it.row], slack, force);
+    Rows rows = independent(held, slides);
+    for (const Slide& it : slides)
+      for (Index k = 1; k <= it.tangents; ++k) rows.push_back(it.row + k);
+    const Rows basis = rows;
+    for (const Index i : held) {
+      if (force[i] == 0 || std::ranges::find(basis, i) != basis.end()) continue;
+      const auto it = std::ranges::find(slides, i, &Slide::row);
+      if (!slip_lifts(p_.law) && it != slides.end() && it->curved())
+        throw NoProof("contacts that slide depend on each other");
+      force[i] = static_cast<double>(force[i]);
+      proof["frozen"].push_back({i, static_cast<double>(force[i])});
+      rows.push_back(i);
+    }
+    Spread spread{Numbers::Zero(p_.rows()), Numbers::Zero(p_.rows())};
+    if (slides.empty()) {
+      for (const Index i : basis) force[i] = 0;
+      force += balance(basis, free_slack_ + W_ * force);
+    } else {
+      force = balance(rows, std::ssize(basis), force, slides, spread);
+    }
     const Numbers point = z_u_ + moved(force);
-    complementarity(free_slack_ + W_ * force, force, sqrt(squared(point)) + sqrt(squared(z_u_)));
+    require_law(free_slack_ + W_ * force, force, sqrt(squared(point)) + sqrt(squared(z_u_)), spread, slides);
     proof["basis"] = basis;
-    if (!frozen.empty()) proof["frozen"] = frozen;
-    state(point, 0, z, lambda, proof);
-  }
-
-  // Coulomb's law: contacts stick or are open, as the answer's forces say.
-  void stick(const Vector& z, const Vector& lambda, Json& proof) const {
-    if (lambda.size() == 0) throw NoProof("there are no proof files yet under Coulomb's law without multipliers");
-    Numbers force = Numbers::Zero(p_.rows());
-    const Numbers size = lambda.cast<Hundred>().cwiseProduct(unit_).cwiseAbs();
-    const Hundred least = size.maxCoeff() * referee::mode_cut;
-    Rows rows;
-    for (Index i = 0; i < p_.rows(); ++i) {
-      if (p_.is_tangent(i) || !counts(i) || (!p_.is_equality(i) && (lambda[i] < 0 || size[i] <= least))) continue;
-      const Index end = i + (p_.is_equality(i) || p_.mu[i] == 0 ? 0 : p_.tangents(i));
-      for (Index k = i; k <= end; ++k) rows.push_back(k), force[k] = lambda[k];
+    for (const Slide& it : slides) {
+      proof["slides"].push_back({it.row, it.l, it.k, it.most});
+      for (Index t = 0; t < it.tangents; ++t) proof["slides"].back().push_back(it.d[static_cast<std::size_t>(t)]);
     }
-    hold(rows, force, z, lambda, proof);
+    state(point, spread.motion * spread.motion, z, lambda, proof);
   }
 
-  // The convex law: what the referee's duality ends at.
-  void enclose(const Vector& z, const Vector& lambda, Json& proof) const {
+  // What the contacts do near the answer, as the referee finds it; under the convex law, at the solution.
+  void follow(const Vector& z, const Vector& lambda, Json& proof) const {
     const ScaledProblem scaled(p_);
-    const double motion = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+    const Vector& from = z.size() > 0 ? z : p_.z_u;
+    const double motion = std::max({scaled.norm_of_free_motion(), scaled.norm_of(from), scaled.least_scale()});
     const ContactProblem contacts(p_, scaled, motion);
-    const auto count = contacts.contacts.size();
-    const ConvexBound bound =
-        bound_convex(contacts, scaled, ExtendedVector(count), Vector::Zero(static_cast<Index>(count)), nullptr);
-    if (bound.x.empty()) throw NoProof("no point inside the cones was found");
-    ExtendedVector x = contacts.to_motion(bound.x), l = contacts.to_multipliers(bound.lambda);
-    Numbers near(p_.size()), force(p_.rows());
-    Json points = Json::array(), forces = Json::array();
-    const auto take = [](const DoubleDouble& number, Hundred& to, Json& list) {
-      to = Hundred(number.hi) + Hundred(number.lo);
-      list.push_back({number.hi, number.lo});
-    };
-    for (std::size_t j = 0; j < x.size(); ++j) {
-      const auto k = static_cast<Index>(j);
-      take(x[j].scaled(scaled.motion_exponent) + DoubleDouble(p_.z_u[k]), near[k], points);
+    if (!referee::may_prove(p_.size(), p_.rows()))
+      throw NoProof("there are no proofs of so large problems with friction");
+    const bool coulomb = slip_lifts(p_.law);
+    const ExtendedVector x = contacts.motion(scaled.motion(from));
+    ModeProof found;
+    if (coulomb && lambda.size() > 0) {
+      const ExtendedVector l = contacts.multipliers(scaled.multipliers(lambda));
+      found = prove_near(contacts, scaled, {x, l, modes_by_size(contacts, x, l, referee::mode_cut)});
     }
-    for (std::size_t i = 0; i < l.size(); ++i)
-      take(l[i].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[i]),
-           force[static_cast<Index>(i)], forces);
-    const Rows basis = independent({});
-    const Numbers apart = near - z_u_;
-    const Numbers onto = balance(basis, free_slack_ + J_ * apart);
-    const Numbers point = near + moved(onto);
-    const Numbers slack = free_slack_ + J_ * Numbers(point - z_u_);
-    const Hundred gap = complementarity(slack, force, Hundred(0));
-    proof["near"] = points;
-    proof["forces"] = forces;
-    proof["basis"] = basis;
-    state(point, Hundred(squared(apart - moved(force)) + 2 * gap), z, lambda, proof);
+    if (!found.proven) {
+      ExtendedVector slips(contacts.contacts.size());
+      for (std::size_t c = 0; c < slips.size() && coulomb; ++c) slips[c] = contacts.slip(contacts.contacts[c], x);
+      const ConvexBound bound = bound_convex(contacts, scaled, slips, Vector::Zero(std::ssize(slips)), nullptr);
+      found.point = {bound.x, bound.lambda, bound.modes};
+      if (coulomb && !bound.x.empty()) found = prove_near(contacts, scaled, found.point);
+      if (bound.x.empty() || (coulomb && !found.proven)) throw NoProof("no solution was found near it");
+    }
+    const ModePoint& point = found.point;
+    const ExtendedVector l = contacts.to_multipliers(point.lambda);
+    Numbers force = Numbers::Zero(p_.rows());
+    Rows held;
+    std::vector<Slide> slides;
+    const auto push = [&](Index i, Index end, bool holds) {
+      for (; i < end; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const DoubleDouble own = l[k].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[k]);
+        force[i] = Hundred(own.hi) + Hundred(own.lo);
+        if (holds) held.push_back(i);
+      }
+    };
+    for (const Index i : contacts.equalities) push(i, i + 1, true);
+    for (std::size_t c = 0; c < contacts.contacts.size(); ++c) {
+      const ContactRows& contact = contacts.contacts[c];
+      const bool slide = point.modes[c] == ContactMode::slide;
+      if (point.modes[c] == ContactMode::open) continue;
+      push(contact.row, contact.row + 1, true);
+      push(contact.row + 1, contact.row + contact.rows(), !slide);
+      if (slide) slides.push_back({.row = contact.row, .tangents = contact.tangents});
+    }
+    hold(held, force, slides, z, lambda, proof);
   }
 
   // What follows from a solution within sqrt(square) of the point.
@@ -323,7 +458,7 @@ ProofTally write_proofs(const Pack& pack, std::span<const Answers> contestants, 
       const auto found = contestants[k].of.find(packed.sha256);
       if (found == contestants[k].of.end()) continue;
       const Solution& s = found->second.solution;
-      Json proof = {{"zwang_proof", 1},
+      Json proof = {{"zwang_proof", 2},
                     {"problem", "../problems/" + file},
                     {"sha256", packed.sha256},
                     {"name", packed.name},

@@ -2,8 +2,7 @@
 """Checks proofs that `./zwang judge --proofs` wrote, from the numbers of the problem alone.
 
 PROOF: a proof file or a folder of them. One sentence a file; exit code 0: all hold, 1: one does not, 2: wrong use, 3: bad input.
-Needs Python 3.9 and its standard library, and nothing of zwang. Every double enters as the rational number that it is, and everything is
-decided in integers and fractions. docs/packs.md says what a proof file holds, and why what is checked here is a proof.
+Python 3.9 is all it needs. Every double enters as the rational that it is; integers and fractions decide everything (docs/packs.md).
 """
 import argparse
 import hashlib
@@ -39,41 +38,40 @@ def times(row, x):
 
 def root_up(square, digits=20):
     """The square root as text, rounded up at this digit."""
-    if square == 0:
-        return "0"
-    shift = digits - 1 - (len(str(square.numerator)) - len(str(square.denominator))) // 2
-    while True:
-        above, below = square.numerator * 10 ** max(2 * shift, 0), square.denominator * 10 ** max(-2 * shift, 0)
-        root = isqrt(above // below)
-        root += root * root * below < above
-        if len(str(root)) == digits:
-            return f"{str(root)[0]}.{str(root)[1:]}e{digits - 1 - shift}"
+    shift = root = 0
+    while square and len(str(root)) != digits:
         shift += digits - len(str(root))
+        above = square * Fraction(100)**shift
+        root = isqrt(int(above))
+        root += root * root < above
+    return f"{str(root)[0]}.{str(root)[1:]}e{digits - 1 - shift}" if square else "0"
 
 
-def solve(rows, right, positive_definite=False):
-    """x with rows x = right, by elimination in integers, the shortest row first. Symmetric rows are positive definite by their pivots."""
-    left, done, x = {}, [], [None] * len(rows)
+def solve(rows, *rights, positive_definite=False):
+    """An x with rows x = right for each right, by elimination in integers, the shortest row first."""
+    left, done, size, x = {}, [], len(rows), [[None] * len(rows) for _ in rights]
     for i, row in enumerate(rows):
-        factor = lcm(*(v.denominator for v in row.values()), right[i].denominator)
-        left[i] = {**{j: int(v * factor) for j, v in row.items()}, len(rows): int(right[i] * factor)}
+        whole = {**row, **{size + k: right[i] for k, right in enumerate(rights)}}
+        factor = lcm(*(v.denominator for v in whole.values()))
+        left[i] = {j: int(v * factor) for j, v in whole.items() if v}
     while left:
         i = min(left, key=lambda k: len(left[k]))
-        row = {j: v for j, v in left.pop(i).items() if v}
-        columns = {j: sum(j in other for other in left.values()) for j in row if j < len(rows)}
+        row = left.pop(i)
+        columns = {j: sum(j in other for other in left.values()) for j in row if j < size}
         column = i if positive_definite else min(columns, key=columns.get, default=None)
         expect(row.get(column, 0) > 0 or not positive_definite, "M is not positive definite")
         expect(column in row, "its equations depend on each other")
         for k, other in left.items():
             if column in other:
-                common = gcd(other[column], row[column])
-                keep, take = row[column] // common, other.pop(column) // common
+                keep, take = row[column], other.pop(column)
                 both = {j: keep * other.get(j, 0) - take * row.get(j, 0) for j in {**other, **row} if j != column}
                 common = gcd(*both.values())
                 left[k] = {j: v // common for j, v in both.items() if v}
         done.append((column, row))
     for column, row in reversed(done):
-        x[column] = (row.get(len(rows), 0) - dot((Fraction(v), x[j]) for j, v in row.items() if j not in (column, len(rows)))) / row[column]
+        for k, found in enumerate(x):
+            rest = dot((Fraction(v), found[j]) for j, v in row.items() if j != column and j < size)
+            found[column] = (row.get(size + k, 0) - rest) / row[column]
     return x
 
 
@@ -97,10 +95,8 @@ class Problem:
                 words += struct.pack("<2qd", i, j, x) if x else b""
             words += struct.pack("<q", -1)
         words += struct.pack(f"<{self.n + self.m}d{self.m}q", *doubles["z_u"], *doubles["c"], *self.kind)
-        if self.mu:
-            words += struct.pack(f"<{self.m}dq", *doubles["mu"], {"convex": 2, "coulomb": 3}[self.law])
+        words += struct.pack(f"<{self.m}dq", *doubles["mu"], {"convex": 2, "coulomb": 3}[self.law]) if self.mu else b""
         self.sha256 = hashlib.sha256(words).hexdigest()  # the name of its contents (docs/formats.md)
-        self.columns = [{i: row[j] for i, row in enumerate(self.J) if j in row} for j in range(self.n)]
         expect(all(self.M[j].get(i) == x for i, row in enumerate(self.M) for j, x in row.items()), "M is not symmetric", 3)
         solve(self.M, self.z_u, positive_definite=True)
         heads = [i for i, kind in enumerate(self.kind) if kind != TANGENT] + [self.m]
@@ -109,89 +105,95 @@ class Problem:
         self.silent = {k for i, rows, _ in groups if self.c[i] is None for k in (i, *rows)}
         self.contacts = [group for group in groups if self.kind[group[0]] == INEQUALITY and group[0] not in self.silent]
 
-    def held(self, rows, force, values):
-        """y, w with M y - J_B'w = force and J_B y = values of these rows B."""
-        system = [dict(row) for row in self.M + [self.J[i] for i in rows]]
+    def balance(self, rows):
+        """M y - J_B'w of these rows B, as rows in y and w."""
+        system = [dict(row) for row in self.M]
         for k, i in enumerate(rows):
             for j, x in self.J[i].items():
                 system[j][self.n + k] = -x
-        x = solve(system, force + values)
-        return x[:self.n], x[self.n:]
+        return system
 
-    def slack(self, i, z):
-        return times(self.J[i], z) - self.c[i]
+    def combined(self, terms):
+        """The sum of rows of J times numbers."""
+        return {j: sum(x * self.J[i].get(j, 0) for i, x in terms) for i, _ in terms for j in self.J[i]}
 
     def squared(self, z):
         return dot((x, times(row, z)) for x, row in zip(z, self.M))
-
-    def squared_force(self, force):
-        """force'M^-1 force."""
-        return dot(zip(force, self.held([], force, [])[0]))
-
-    def unbalanced(self, z, forces):
-        """|M (z - z_u) - J'forces|^2 in the dual norm."""
-        moved = [x - y for x, y in zip(z, self.z_u)]
-        return self.squared_force([times(row, moved) - times(column, forces) for row, column in zip(self.M, self.columns)])
 
     def named(self, rows):
         expect(len(set(rows)) == len(rows) and all(0 <= i < self.m and i not in self.silent for i in rows), "rows that are none", 3)
         return rows
 
-    def complementarity(self, z, forces):
-        """forces'(J z - c), where z meets all rows and forces lie in their cones. Coulomb's law: where they also fit the slip."""
-        total, equalities = 0, (i for i, kind in enumerate(self.kind) if kind == EQUALITY)
-        expect(all(self.slack(i, z) == 0 for i in equalities), "an equality row does not hold")
-        for i, tangents, mu in self.contacts:
-            s, force = self.slack(i, z), forces[i]
-            slips = [self.slack(k, z) for k in tangents]
-            slip, along, work = dot(zip(slips, slips)), sum(forces[k]**2 for k in tangents), dot(zip((forces[k] for k in tangents), slips))
-            expect(s >= 0 and (self.law == "coulomb" or s * s >= mu * mu * slip), f"row {i} does not hold")
-            expect(force >= 0 and along <= (mu * force)**2, f"row {i} would have to pull, or its force leaves the cone")
-            expect(self.law != "coulomb" or s * force == 0 and work <= 0 and work**2 == (mu * force)**2 * slip, f"row {i} slides otherwise")
-            total += s * force + work
-        return total
-
-
-# What is proven: each function gives z and r^2, for a solution at most r from z.
 
 def solution(p, proof):
-    """z where the rows of the basis hold, with forces on them in balance: a solution, if it obeys the law in every row. frozen: forces that
-    are given, of rows that depend on the basis."""
-    basis, frozen, forces = p.named(proof["basis"]), dict(proof.get("frozen", ())), [Fraction(0)] * p.m
-    for i in p.named([*basis, *frozen]):
-        forces[i] = Fraction(frozen.get(i, 0))
-    pushed = [times(row, p.z_u) + times(column, forces) for row, column in zip(p.M, p.columns)]
-    z, held = p.held(basis, pushed, [p.c[i] for i in basis])
-    for i, x in zip(basis, held):
-        forces[i] = x
-    total = p.complementarity(z, forces)
-    expect(p.law == "coulomb" or total == 0, "rows push that do not touch")
-    return z, Fraction(0)
+    """z and r^2, for a solution that is at most r from z. At z the rows of the basis hold, with forces on them in balance. frozen: forces
+    that are given. slides: contacts that slide, and near the solution their force l, k = slip / friction, direction d. For them |f| = mu l,
+    d x (slip + k f) = 0 and, where slip lifts, s = mu |slip| are equations, linear but for terms of second order. These are at most as
+    large as the proof says wherever they are that, and so somewhere what they have to be (Brouwer)."""
+    frozen, lifts, curved = dict(proof.get("frozen", ())), p.law == "convex", {}
+    met = [(p.J[i], p.c[i]) for i, kind in enumerate(p.kind) if kind == EQUALITY]
+    slides = {i: [Fraction(x) for x in near] for i, *near in proof.get("slides", ())}
+    rows = p.named([*proof["basis"], *frozen])
+    place = {i: p.n + k for k, i in enumerate(rows)}
+    system = p.balance(rows) + [{place[i]: 1} if i in frozen else p.J[i] for i in rows]
+    right = [times(row, p.z_u) for row in p.M] + [Fraction(frozen[i]) if i in frozen else p.c[i] for i in rows]
+    for i, tangents, mu in (contact for contact in p.contacts if contact[0] in slides):
+        l, k, most, *d = slides[i]
+        at, bent = [place[t] for t in tangents], mu * l * (1 - dot(zip(d, d))) / 2
+        system[at[0]], right[at[0]] = {place[i]: mu, **dict(zip(at, d))}, bent
+        if len(at) == 2:
+            terms = (tangents[1], d[0] / k), (tangents[0], -d[1] / k)
+            system[at[1]], right[at[1]] = {**p.combined(terms), at[0]: -d[1], at[1]: d[0]}, sum(x * p.c[t] for t, x in terms)
+            curved.update(dict.fromkeys([*at, place[i]][:2 + lifts], most))
+        if lifts:
+            terms = (i, 1 / (k * mu)), *((t, -x / k) for t, x in zip(tangents, d))
+            lifted = p.combined(terms), sum(x * p.c[t] for t, x in terms) + bent
+            met += [lifted] * (i in frozen)
+            system[place[i]], right[place[i]] = (system[place[i]], right[place[i]]) if i in frozen else lifted
+    x, *bends = solve(system, right, *([int(j == row) for j in range(len(system))] for row in curved))
 
+    def between(row, less=0):
+        """What the row's product with the solution, less this, is between."""
+        middle, bent = times(row, x) - less, dot((abs(times(row, bend)), most) for bend, most in zip(bends, curved.values()))
+        return middle - bent, middle + bent
 
-def enclosure(p, proof):
-    """Weak duality: |z - z*|^2 <= |M (z - z_u) - J'l|^2 + 2 l'(J z - c) of a z that meets all rows and forces l in their cones. z: near,
-    brought onto the equality rows of the basis; the forces on them that this takes are in balance."""
-    near, forces = ([sum(map(Fraction, parts)) for parts in proof[key]] for key in ("near", "forces"))
-    expect(p.law != "coulomb" and (len(near), len(forces)) == (p.n, p.m), "no proof under this law, or of another length", 3)
-    z, _ = p.held(p.named(proof["basis"]), [times(row, near) for row in p.M], [p.c[i] for i in proof["basis"]])
-    return z, p.unbalanced(near, forces) + 2 * p.complementarity(z, forces)
+    def off(ends, near=0):
+        return max(abs(end - near) for end in ends)
+
+    expect(all(between(*row) == (0, 0) for row in met), "an equality row does not hold, or one that should lift")
+    for i, tangents, mu in p.contacts:
+        s, *slips = (between(p.J[t], p.c[t]) for t in (i, *tangents))
+        push, *along = (between({place[t]: 1} if t in place else {}) for t in (i, *tangents))
+        expect(s[0] >= 0 and push[0] >= 0 and ((0, 0) in (s, push) or lifts and i in slides), f"row {i} does not hold, or pushes otherwise")
+        if i in slides:
+            l, k, most, *d = slides[i]
+            far = mu * off(push, l) + off(s, lifts * k * mu * mu * l) / (k * mu)
+            far += sum(off(f, -mu * l * y) + off(slip, k * mu * l * y) / k for f, slip, y in zip(along, slips, d))
+            bounded = len(d) == len(tangents) == 2 and min(k, most) >= 0 and far * far <= mu * l * most and not (lifts and i in frozen)
+            aligned = most == 0 and sorted(map(abs, d)) == [0, 1][-len(d):]
+            straight = aligned and all(f == slip == (0, 0) for f, slip, y in zip(along, slips, d) if y == 0)
+            expect(bounded or straight, f"row {i} is farther from what is linear than the proof says")
+            expect(sum(max(u * v for u in f for v in slip) for f, slip in zip(along, slips)) <= 0, f"row {i} slides along its force")
+        else:
+            expect(mu * push[1] == 0 or all(slip == (0, 0) for slip in slips), f"row {i} slides otherwise")
+            lift, friction = (sum(off(ends)**2 for ends in of) for of in (slips, along))
+            expect(friction <= (mu * push[0])**2 and lifts * mu * mu * lift <= s[0]**2, f"row {i} leaves its cone")
+    return x[:p.n], sum(Fraction(root_up(p.squared(bend[:p.n]))) * most for bend, most in zip(bends, curved.values()))**2
 
 
 def contradiction(p, proof):
     """Motion / distance, as text: of all z that meet the rows of the basis and one more, from z_u. "0": there are none. Weights u of these
     rows, u_I >= 0, leave c'u <= z'J'u, and so |z - z_u| >= (c - J z_u)'u / |J'u|."""
     basis, more = p.named(proof["basis"]), proof["more"]
-    expect(more not in basis and all(p.kind[i] != TANGENT for i in p.named([*basis, more])), "rows that cannot contradict", 3)
+    expect(all(p.kind[i] != TANGENT for i in p.named([*basis, more])), "rows that cannot contradict", 3)
     dense = {i: [p.J[i].get(j, Fraction(0)) for j in range(p.n)] for i in (more, *basis)}
-    rest, weights = p.held(basis, dense[more], [Fraction(0)] * len(basis))
-    u = {more: Fraction(1), **dict(zip(basis, weights))}
-    gain, left, motion = -dot((x, p.slack(i, p.z_u)) for i, x in u.items()), times(p.J[more], rest), p.squared(p.z_u)
+    x, = solve(p.balance(basis) + [p.J[i] for i in basis], dense[more] + [Fraction(0)] * len(basis))
+    u, slack = {more: Fraction(1), **dict(zip(basis, x[p.n:]))}, {i: times(p.J[i], p.z_u) - p.c[i] for i in dense}
+    gain, left = -dot((u[i], slack[i]) for i in u), times(p.J[more], x)
     sign = -1 if p.kind[more] == EQUALITY and gain < 0 else 1
     expect(sign * gain > 0 and all(p.kind[i] == EQUALITY or sign * x >= 0 for i, x in u.items()), "its rows do not contradict each other")
-    for i in u if left else ():
-        unit = p.squared_force(dense[i])
-        motion = max(motion, p.slack(i, p.z_u)**2 / unit if unit else 0)
+    units = [dot(zip(row, pulled)) for row, pulled in zip(dense.values(), solve(p.M, *dense.values()))]
+    motion = max([p.squared(p.z_u), *(slack[i]**2 / unit for i, unit in zip(dense, units) if unit)])
     return root_up(left * motion / gain**2)
 
 
@@ -203,7 +205,7 @@ def answer_sha256(answer):
 
 def check(proof, p):
     """Holds every statement of the proof against the problem; returns the sentence."""
-    expect((proof["zwang_proof"], proof["sha256"]) == (1, p.sha256), "the problem's numbers are not those that the proof names")
+    expect((proof["zwang_proof"], proof["sha256"]) == (2, p.sha256), "the problem's numbers are not those that the proof names")
     expect(answer_sha256(proof) == proof["answer_sha256"], "the answer is not the one that the proof names")
     z, forces = ([Fraction(x) for x in proof.get(key) or ()] for key in ("z", "lambda"))
     expect(len(z) in (0, p.n) and len(forces) in (0, p.m), "an answer of another length", 3)
@@ -212,10 +214,9 @@ def check(proof, p):
         found["contradiction"] = contradiction(p, proof)
         expect(Fraction(found["contradiction"]) <= Fraction(1e-8), "its rows can be met within 1e8 motions")
         found["verdict"] = "infeasible, proven" if proof["status"] == "infeasible" else "wrong"
-        said = f"no z meets the rows {', '.join(map(str, sorted([*proof['basis'], proof['more']])))}" + (
-            "" if found["contradiction"] == "0" else f" within {1 / float(found['contradiction']):.3g} motions")
+        said = f"no z meets the rows {sorted([*proof['basis'], proof['more']])}, motions / distance {found['contradiction']}"
     else:
-        true, square = enclosure(p, proof) if "near" in proof else solution(p, proof)
+        true, square = solution(p, proof)
         motion, said = max(p.squared(p.z_u), p.squared(true)), "there is a solution"
         if z:
             away = p.squared([x - y for x, y in zip(z, true)])
@@ -230,7 +231,8 @@ def check(proof, p):
             said = f"z is {float(far):.3g} of the motion off {'a' if p.law == 'coulomb' else 'the'} solution" if far else "z is a solution"
         if z and forces:
             forces = [0 if i in p.silent else x for i, x in enumerate(forces)]
-            found["imbalance"] = root_up(p.unbalanced(z, forces) / (motion or 1))
+            left = [times(row, [x - y for x, y in zip(z, p.z_u)] + forces) for row in p.balance(range(p.m))]
+            found["imbalance"] = root_up(dot(zip(left, solve(p.M, left)[0])) / (motion or 1))
             found["pulling"] = sum(forces[i] < 0 for i, _, _ in p.contacts)
             said += f", its forces are {float(found['imbalance']):.3g} out of balance"
     for key in "verdict", "distance", "imbalance", "pulling", "contradiction":
@@ -262,9 +264,7 @@ def main():
     parser.add_argument("--pack", metavar="DIR", help="its index has to name the problems, and its files (read where h5py is) to hold them")
     parser.add_argument("--answers", metavar="FILE", help="lines of JSON, in which the answers have to stand")
     options = parser.parse_args()
-    getattr(sys, "set_int_max_str_digits", int)(0)
-    index = read(os.path.join(options.pack, "pack.json"))["problems"] if options.pack else ()
-    pack = {p["sha256"]: os.path.join(options.pack, p["file"]) for p in index}
+    pack = {p["sha256"]: p["file"] for p in read(os.path.join(options.pack, "pack.json"))["problems"]} if options.pack else {}
     with open(options.answers or os.devnull, encoding="utf-8") as lines:
         given = {a["sha256"]: answer_sha256(a) for a in map(json.loads, lines) if "sha256" in a}
     problems, refused = {}, 0
@@ -278,7 +278,7 @@ def main():
                 name, link = problems[twin].sha256, ""
                 if options.pack:
                     expect(name in pack, "the pack names no problem of these numbers")
-                    stored = read(pack[name])
+                    stored = read(os.path.join(options.pack, pack[name]))
                     expect(not stored or Problem(stored).sha256 == name, f"{pack[name]} holds other numbers")
                     link = "; the pack's file holds these numbers" if stored else "; the pack's index names these numbers"
                 expect(not options.answers or given.get(proof["sha256"]) == proof["answer_sha256"], f"{options.answers} has another answer")
