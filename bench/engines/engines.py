@@ -27,8 +27,9 @@ NPM = ROOT / "build/engines"
 STEPS = [F(1, 60), F(1, 120), F(1, 240), F(1, 1000)]
 SETTINGS = ["default", "tuned"]
 # Engine: the package it comes from, Debian's (an adapter in C++) or npm's (one in JavaScript).
-DEBIAN = {"bullet": "libbullet-dev"}
-PACKAGES = {"cannon-es": "cannon-es@0.20.0", "rapier": "@dimforge/rapier3d-compat@0.21.0"}
+DEBIAN = {"bullet": "libbullet-dev", "dart": "libdart-dev", "mujoco": "libmujoco-dev", "ode": "libode-dev", "simbody": "libsimbody-dev"}
+PACKAGES = {"cannon-es": "cannon-es@0.20.0", "jolt": "jolt-physics@1.1.0", "mujoco-js": "@mujoco/mujoco@3.14.0", "physx": "physx-js-webidl@2.7.3",
+            "rapier": "@dimforge/rapier3d-compat@0.21.0"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -125,10 +126,11 @@ def cells_of(engine, setting, phenomenon, deadline):
 
 
 def picture(phenomenon, states):
-    """What the page draws of a run: poses at some samples, and how the measured number came about."""
-    few = states[::max(1, len(states) // 40)]
+    """What the page draws of a run: poses at the start and the end, the ways between, and how the measured number came about."""
+    few = states[:-1:max(1, len(states) // 40)] + states[-1:]
     return {"curve": [float(f"{phenomenon.measure(few[:k + 1], phenomenon.scene):.5g}") for k in range(len(few))],
-            "poses": [[[round(x, 4) for x in state[:7]] for state in sample] for sample in (few[0], few[len(few) // 2], few[-1])]}
+            "ways": [[[round(x, 4) for x in sample[b][:3]] for sample in few] for b in range(len(few[0]))],
+            "poses": [[[round(x, 4) for x in state[:7]] for state in sample] for sample in (few[0], few[-1])]}
 
 
 def whole_run(engines, chosen, deadline, say):

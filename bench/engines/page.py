@@ -21,7 +21,7 @@ table.map { border-collapse: separate; border-spacing: 1px; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)); gap: 10px; margin: 6px 0; }
 .pictures svg { width: 100%; height: auto; max-height: 260px; }
 svg .start { fill: none; stroke: var(--muted); } svg .best { fill: none; stroke: #2f7ed8; } svg .worst { fill: none; stroke: var(--wrong); }
-svg .ground { stroke: var(--ink); stroke-width: 1.5; } svg .axis { stroke: var(--line); fill: none; } svg text { fill: var(--muted); font-size: 11px; }
+svg .way { stroke-width: 0.8; stroke-dasharray: 2 2; vector-effect: non-scaling-stroke; } svg .ground { stroke: var(--ink); stroke-width: 1.5; } svg .axis { stroke: var(--line); fill: none; } svg text { fill: var(--muted); font-size: 11px; }
 svg .curve { fill: none; stroke-width: 1.3; } svg .tuned { stroke-dasharray: 4 3; } svg .due { fill: var(--ink); } svg :is(.start, .best, .worst) { vector-effect: non-scaling-stroke; }
 pre { white-space: pre-wrap; margin: 2px 0 8px; }
 .cells td { white-space: nowrap; }
@@ -99,7 +99,7 @@ def hull(points):
                 chain.pop()
             chain.append(p)
         return chain[:-1]
-    points = sorted(set(points))
+    points = sorted({(round(x, 5), round(y, 5)) for x, y in points})
     return half(points) + half(points[::-1])
 
 
@@ -110,12 +110,17 @@ def sketch(p, motions, cells):
                     if "off" in cells[e][s][p.name]["1/60"] and motions.get(f"{e} {s}"))
     if not ranked:
         return ""
-    poses = {"start": motions[ranked[0][1]]["poses"][0], "best": motions[ranked[0][1]]["poses"][-1], "worst": motions[ranked[-1][1]]["poses"][-1]}
+    ends = {"best": ranked[0][1], "worst": ranked[-1][1]}
+    poses = {"start": motions[ends["best"]]["poses"][0], **{kind: motions[name]["poses"][-1] for kind, name in ends.items()}}
     drawn, seen = [], []
     for kind in ("worst", "best", "start"):
-        for b, pose in zip(p.scene["bodies"], poses[kind]):
+        for place, (b, pose) in enumerate(zip(p.scene["bodies"], poses[kind])):
             if b["shapes"][0]["kind"] == "plane" or (b["motion"] == "fixed" and kind != "start"):
                 continue
+            if kind != "start":
+                way = " ".join(f"{x[across]:.4g},{-x[up]:.4g}" for x in motions[ends[kind]]["ways"][place])
+                drawn.append(f'<polyline class="{kind} way" points="{way}"/>')
+                seen += [(x[across], x[up]) for x in motions[ends["best"]]["ways"][place]]
             circles, polygons = outline(b, pose, across, up)
             drawn += [f'<circle class="{kind}" cx="{x:.4g}" cy="{-y:.4g}" r="{r:.4g}"/>' for x, y, r in circles]
             drawn += [f'<polygon class="{kind}" points="{" ".join(f"{x:.4g},{-y:.4g}" for x, y in polygon)}"/>' for polygon in polygons]
@@ -133,7 +138,7 @@ def sketch(p, motions, cells):
         if abs(normal[across]) + abs(normal[up]) > 0.5:
             drawn.append(f'<line class="ground" vector-effect="non-scaling-stroke" x1="{x - far * normal[up]:.4g}" y1="{y - far * normal[across]:.4g}" '
                          f'x2="{x + far * normal[up]:.4g}" y2="{y + far * normal[across]:.4g}"/>')
-    names = f"grey: the start; blue: the end by {ranked[0][1]}, the nearest; red: by {ranked[-1][1]}, the farthest"
+    names = f"grey: the start; blue: the way and the end by {ends['best']}, the nearest; red: by {ends['worst']}, the farthest"
     return (f'<div><svg viewBox="{left:.4g} {top:.4g} {width:.4g} {height:.4g}" role="img" aria-label="{escape(p.title)}">'
             f'<g stroke-width="1.4">{"".join(drawn)}</g></svg><p class="how">{escape(names)}</p></div>')
 
@@ -141,16 +146,17 @@ def sketch(p, motions, cells):
 def curves(p, motions, names):
     """How what is measured comes about, of every engine, in the largest step; the exact answer is the dot at the end."""
     due = float(p.exact(Clock(F(1, 60))))
-    reach = max(4 * p.mark, 1e-9)
     shown = [(name, m["curve"]) for name, m in motions.items() if m]
-    within = [y for _, c in shown for y in c if abs(y - due) <= reach] + [due]
-    first = [c[0] for _, c in shown if math.isfinite(c[0])]
-    low, high = min(within + first), max(within + first)
-    spread = max(high - low, p.mark / 50)
+    if not shown:
+        return ""
+    # As high as the curve of whoever comes nearest, and the mark around it.
+    nearest = min((c for _, c in shown), key=lambda c: abs(c[-1] - due))
+    low, high = min(*nearest, due - p.mark), max(*nearest, due + p.mark)
+    spread = high - low
     width, height = 330, 190
 
     def place(k, n, y):
-        return f"{8 + k / max(1, n - 1) * (width - 70):.1f},{height - 22 - (min(max(y, low - spread), high + spread) - low) / spread * (height - 40):.1f}"
+        return f"{8 + k / max(1, n - 1) * (width - 70):.1f},{height - 22 - (min(max(y, low - spread / 20), high + spread / 20) - low) / spread * (height - 40):.1f}"
     lines = []
     for name, c in shown:
         engine, setting = name.rsplit(" ", 1)

@@ -26,9 +26,9 @@ Scene scene_of(const json& text, bool tuned) {
   return scene;
 }
 
-json states_of(const World& world, int bodies) {
+json states_of(const World& world) {
   json states = json::array();
-  for (int i = 0; i < bodies; ++i) {
+  for (int i = 0; i < world.scene.size(); ++i) {
     const State s = world.state(i);
     json state = s.at;
     for (const double x : s.turn) state.push_back(x);
@@ -41,7 +41,7 @@ json states_of(const World& world, int bodies) {
 
 }  // namespace
 
-int serve(const Hello& hello, const Make& make) {
+int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const Scene&)>& make) {
   // Engines that talk do so on stderr: stdout is the protocol's.
   std::FILE* out = fdopen(dup(STDOUT_FILENO), "w");
   dup2(STDERR_FILENO, STDOUT_FILENO);
@@ -56,19 +56,16 @@ int serve(const Hello& hello, const Make& make) {
        {"order", hello.order},
        {"substeps", {{"default", hello.substeps[0]}, {"tuned", hello.substeps[1]}}}});
   std::unique_ptr<World> world;
-  int bodies = 0;
   for (std::string line; std::getline(std::cin, line);) {
     const json ask = json::parse(line);
     try {
       if (ask.contains("scene")) {
         world.reset();
-        const Scene scene = scene_of(ask["scene"], ask["setting"] == "tuned");
-        bodies = static_cast<int>(scene.bodies.size());
-        world = make(scene);
+        world = make(scene_of(ask["scene"], ask["setting"] == "tuned"));
       } else {
         for (int k = ask["step"]; k > 0; --k) world->step();
       }
-      say(states_of(*world, bodies));
+      say(states_of(*world));
     } catch (const Absent& absent) {
       say({{"absent", absent.what()}});
     }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 // The protocol of docs/engines.md for engines of C++. Lengths in m, masses in kg, turns as (w, x, y, z), all from the
@@ -13,6 +14,17 @@ namespace zwang::engines {
 
 using Triple = std::array<double, 3>;
 using Turn = std::array<double, 4>;
+
+// Another library's vector, and back.
+template <class Vector>
+Vector as(const Triple& t) {
+  return Vector(t[0], t[1], t[2]);
+}
+template <class Vector>
+Triple triple(const Vector& v) {
+  return {v[0], v[1], v[2]};
+}
+inline Triple minus(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 struct Shape {
   std::string kind;  // plane (z <= 0 of the body's frame), sphere, box
@@ -42,6 +54,14 @@ struct Scene {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   bool tuned = false;  // the engine's best setting for the question, not its default
+
+  int size() const { return static_cast<int>(bodies.size()); }
+  // The joint by which a body hangs on another one or on the world; null where it is free.
+  const Joint* holds(int body) const {
+    for (const Joint& joint : joints)
+      if (joint.a == body) return &joint;
+    return nullptr;
+  }
 };
 
 struct State {
@@ -50,11 +70,15 @@ struct State {
   Triple velocity{}, spin{};
 };
 
+// An engine's world.
 class World {
  public:
+  explicit World(Scene given) : scene(std::move(given)) {}
   virtual ~World() = default;
   virtual void step() = 0;
   virtual State state(int body) const = 0;
+
+  const Scene scene;
 };
 
 // The engine has no such thing as the scene holds.
@@ -70,9 +94,12 @@ struct Hello {
   std::array<int, 2> substeps{1, 1};
 };
 
-using Make = std::function<std::unique_ptr<World>(const Scene&)>;
-
 // Answers lines of stdin on stdout until they end.
-int serve(const Hello& hello, const Make& make);
+int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const Scene&)>& make);
+
+template <class Engine>
+int serve(const Hello& hello) {
+  return serve(hello, [](const Scene& scene) { return std::make_unique<Engine>(scene); });
+}
 
 }  // namespace zwang::engines

@@ -9,9 +9,10 @@ import {pathToFileURL} from 'node:url';
 console.log = console.info = console.debug = console.warn = console.error;
 const folder = join(process.env.ZWANG_ENGINES, 'node_modules');
 
-// A package's module (or one file of it), and its version.
+// A package's module (or one file of it), a file of it, and its version.
 export const library = (name, file = '') => import(pathToFileURL(createRequire(folder).resolve(join(folder, name, file))));
-export const version = name => JSON.parse(readFileSync(join(folder, name, 'package.json'))).version;
+export const read = (name, file) => readFileSync(join(folder, name, file));
+export const version = name => JSON.parse(read(name, 'package.json')).version;
 
 // Thrown by `make` where an engine has no such thing as the scene holds.
 export class Absent extends Error {}
