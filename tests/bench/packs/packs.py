@@ -342,6 +342,32 @@ def check_league():
     check("more problems than a report shows one by one", names == list(map(str, range(20001))), str(names)[:200])
 
 
+def check_own_league():
+    """The records of solvers that are built, and the one that is there to be copied."""
+    league = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../docs/league")
+
+    def own():
+        return subprocess.run([sys.executable, os.path.join(league, "own.py"), "small=chain(links=4)", "--program", program,
+                               "--solvers", "nnls,cone", "--out", "own"], capture_output=True, text=True, timeout=120)
+    first = own()
+    page = open("own/index.html", "rb").read()
+    check("records of two solvers", first.returncode == 0 and first.stdout.count("1 answers: 1 right") == 2 and
+          all(os.path.exists(f"own/records/{s}/small/{name}.jsonl") for s in ("nnls", "cone") for name in ("answers", "results")),
+          first.stdout + first.stderr)
+    again = own()
+    check("what is there is kept, and the page has the same bytes", again.stdout.count("\n") == 1 and
+          open("own/index.html", "rb").read() == page, again.stdout + again.stderr)
+    shutil.rmtree("own/records/nnls")
+    check("what was removed is made again", own().stdout.count("1 answers: 1 right") == 1)
+    example = os.path.join(league, "example")
+    made = run("league", "own/records/cone", example, "--out", "beside")  # refused where the pack's problem is another by now
+    check("the example stands beside them", made.returncode == 0, made.stderr)
+    judged = run("judge", "own/packs/small", example + "/small/answers.jsonl", "--out", "example")
+    said = [[json.loads(line)[key] for key in ("problem_sha256", "claimed", "verified")]
+            for name in ("example/results.jsonl", example + "/small/results.jsonl") for line in open(name)]
+    check("and is judged as it says", judged.returncode == 0 and len(said) == 2 and said[0] == said[1], f"{said}{judged.stderr}")
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
@@ -350,5 +376,6 @@ with tempfile.TemporaryDirectory() as folder:
     check_formats()
     check_guard()
     check_league()
+    check_own_league()
     os.chdir("/")
 sys.exit(1 if failures else 0)
