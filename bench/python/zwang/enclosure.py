@@ -15,6 +15,7 @@ from .semidefinite import LARGEST, powers_of_two
 EPSILON = 2.0**-53
 UNDERFLOW = 2.0**-1060  # more than what one product of two doubles loses there
 UP = 1 + 2.0**-36  # more than what sums of up to LARGEST terms that are not negative can lose
+SCALINGS = 20  # of rows and columns, at most
 SPLIT = 2.0**27 + 1
 
 
@@ -70,17 +71,22 @@ class Rows:
 
 
 class Regular:
-    """A square matrix K, each entry off by at most off, proven to be regular; else Unproven."""
+    """A square matrix K, each entry off by at most off, proven to be regular; else Unproven. units: of the unknowns, where they are known."""
 
-    def __init__(self, K, off=None):
+    def __init__(self, K, off=None, units=None):
         n = len(K)
         if n > LARGEST:
             raise Unproven(f"more than {LARGEST} unknowns and forces")
-        left, across = numpy.ones(n), numpy.ones(n)
+        left, across = numpy.ones(n), numpy.ones(n) if units is None else 1 / powers_of_two(units)
         size = abs(K)
-        for _ in range(3 if n else 0):
-            left = left * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=1)))
+        if units is not None and n:
+            left = powers_of_two((size * across).max(axis=1))
+        for _ in range(SCALINGS if units is None and n else 0):
             across = across * powers_of_two(numpy.sqrt((size * left[:, None] * across).max(axis=0)))
+            rows = (size * left[:, None] * across).max(axis=1)
+            left = left * powers_of_two(numpy.sqrt(rows))
+            if rows.max() <= 4 and rows.min() >= 0.25:
+                break
         self.K, self.off, self.left, self.across, self.rows = K, off, left, across, None
         S = K * left[:, None] * across
         try:
@@ -119,9 +125,10 @@ class Regular:
             v, low = added(v, low + rest)
         if self.off is not None:
             off = off + (self.off.T @ (abs(v) + abs(low))) * UP
-        # K^-T = R' (1 - E)^-T in scaled numbers, and the column sums of (1 - E)^-T are those of the rows that are bounded.
-        left = (self.across * (abs(residual) + abs(small) + off)).sum() / (1 - self.contraction)
-        return v, (self.left * (self.size.max(axis=0, initial=0) * left) + abs(low)) * UP
+        # K^-T = R' (1 - E)^-T in scaled numbers, and sums of columns of E' are those of rows of E, which are bounded.
+        rest = self.across * (abs(residual) + abs(small) + off)
+        more = rest.sum() * self.contraction / (1 - self.contraction)
+        return v, (self.left * (self.size.T @ rest + self.size.max(axis=0, initial=0) * more) + abs(low)) * UP
 
     def first(self, residual, off):
         """A bound on |R r|, scaled, for a residual and what it is off."""

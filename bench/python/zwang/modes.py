@@ -108,6 +108,7 @@ class Branch:
         self.slip = {c.row: n + len(self.pushing) + k for k, c in enumerate(sliding)}
         self.size = n + len(self.pushing) + len(sliding)
         self.sign = {c.row: math.copysign(1, slips[c.tangents[0]]) for c in sliding if len(c.tangents) == 1}
+        self.units = numpy.concatenate([1 / numpy.sqrt(p.M.diagonal()), 1 / p.unit[self.pushing], p.unit[[c.row for c in sliding]]])
         self.equations()
         self.constants = numpy.concatenate([p.z_u, force[self.frozen]])
         self.start = numpy.zeros(self.size)
@@ -246,7 +247,7 @@ class Branch:
                 first[row + k] = high[self.column[i]] + contact.mu * d * high[normal]
                 K[row + 2, :self.p.n] -= d * self.tangents[contact.row][k]
                 first[row + 2] -= d * (self.tangents[contact.row][k] @ high[:self.p.n] - self.p.c[i])
-        return high - Regular(K).step(first)
+        return high - Regular(K, units=self.units).step(first)
 
     def prove(self, z):
         """Encloses the solution: high + low, each off by at most radius."""
@@ -258,7 +259,7 @@ class Branch:
         for _ in range(STEPS):
             if regular is None:
                 try:
-                    regular = Regular(*self.matrix(high, low))
+                    regular = Regular(*self.matrix(high, low), self.units)
                 except Unproven:
                     if self.sliding:
                         raise Unproven("the forces of contacts that slide are not unique, or nearly so") from None
@@ -278,7 +279,7 @@ class Branch:
         else:
             first, second, off = self.residual(high, low)
         if self.bent:
-            regular = Regular(*self.matrix(high, low))
+            regular = Regular(*self.matrix(high, low), self.units)
         self.radius = regular.radius(first, off + abs(second), self.curvature(regular.across))
         self.high, self.low, self.regular = high, low, regular
         if self.bent:

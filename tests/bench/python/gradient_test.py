@@ -1,6 +1,7 @@
 """Derivatives against exact ones. Problems are planted: M = L L' of whole numbers with an inverse of whole numbers, so that a solution
 and the modes of its contacts are chosen first, and all numbers of the problem are doubles. Run by ctest: gradient_test.py [thorough]."""
 import itertools
+import math
 import random
 import sys
 import unittest
@@ -32,8 +33,12 @@ def solve(rows, right):
     return [row[n] for row in A]
 
 
+def root(x):
+    return Fraction(math.isqrt(x.numerator), math.isqrt(x.denominator))
+
+
 def dot(a, b):
-    return sum((x * y for x, y in zip(a, b)), Fraction(0))
+    return sum((Fraction(x) * Fraction(y) for x, y in zip(a, b)), Fraction(0))
 
 
 class Planted:
@@ -81,6 +86,14 @@ class Planted:
             for a, b, _ in zip(s, t, slip):
                 row(a, b, tangent=True)
             self.contacts.append((mode, first, list(range(first + 1, len(self.J))), mu))
+        if draw.random() < 0.3:  # other units, of each contact and of all masses
+            heavy = 2.0 ** draw.randint(-20, 20)
+            self.M = [[a * heavy for a in row] for row in self.M]
+            self.force = [f * Fraction(heavy) for f in self.force]
+            for rows in [[i] for i, equal in enumerate(self.equal) if equal] + [[i, *t] for _, i, t, _ in self.contacts]:
+                unit = 2.0 ** draw.randint(-20, 20)
+                for i in rows:
+                    self.J[i], self.c[i], self.force[i] = [a * unit for a in self.J[i]], self.c[i] * unit, self.force[i] / Fraction(unit)
         self.z, self.n, self.m = z, n, len(self.J)
         pushed = [dot([r[j] for r in self.J], self.force) for j in range(n)]
         moved = solve(self.M, pushed)
@@ -140,7 +153,7 @@ class Planted:
                 mu = Fraction(mu)
                 s = [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
                 edge = [-f / (mu * self.force[i]) for k, f in zip(t, [self.force[k] for k in t])] if mode == "at edge" else None
-                size = Fraction(int(dot(s, s) ** Fraction(1, 2))) if edge is None else None
+                size = root(dot(s, s)) if edge is None else None
                 e = [a / size for a in s] if edge is None else edge
                 rise, base = motion(i), level(i)
                 if self.law == "convex":
@@ -194,7 +207,7 @@ class Planted:
                 value = self.rise(i, dz)
                 if self.law == "convex" and t:
                     s = [dot(self.J[k], self.z) - Fraction(self.c[k]) for k in t]
-                    size = int(dot(s, s) ** Fraction(1, 2))
+                    size = root(dot(s, s))
                     value -= self.change["dmu"][i] * size + mu * dot([a / size for a in s], [self.rise(k, dz) for k in t])
             else:
                 value = force[i]
