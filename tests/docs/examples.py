@@ -47,7 +47,7 @@ shorter = [
      lambda m: f"{m[1]} SOURCE/{m[2]} --frames 20 --out $(mktemp -u)" + (f"{m[3]}SOURCE/{m[4]}" if m[4] else "")),
     (r"./zwang simulate simple --god hand.xml@x-z .*", None),
     (r"(./zwang simulate gear.stl@mm .*)", r"\1 --frames 5 --out gear"),
-    (r"./zwang experiment all .*", None),
+    (r"./zwang experiment (all|feasibility) .*", None),  # feasibility: a script, with a test of its own
     (r"./zwang experiment fig8", "./zwang experiment fig8 --seconds 0.05 --out questions"),
     (r"./zwang experiment laws.*", "./zwang experiment --help"),
     (r"(./zwang bench --scenes .* --law pyramid,convex,coulomb)", r"\1 --solvers cone,newton --tolerances 1e-6 --out laws"),

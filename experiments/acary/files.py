@@ -1,0 +1,89 @@
+"""Problem files of any kind as arrays, through the program's own reader."""
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+
+WRONG_USE, BAD_FILE = 2, 3
+
+
+def fail(line, code=WRONG_USE):
+    print(line, file=sys.stderr)
+    sys.exit(code)
+
+
+class Problem:
+    """M [n, n], J [m, n], c [m]; equalities: rows; contacts: a list of rows each, normal first; mu of each contact."""
+
+    def __init__(self, M, J, c, kind, mu, name="", notes=()):
+        keep = np.flatnonzero(np.isfinite(c))  # c = -inf: the contact cannot be met
+        for row in np.flatnonzero(~np.isfinite(c)):
+            while row + 1 < len(kind) and kind[row + 1] == 2:
+                row += 1
+                keep = keep[keep != row]
+        self.M, self.J, self.c, kind, mu = M, J[keep], c[keep], kind[keep], mu[keep]
+        self.name, self.notes = name, list(notes)
+        self.equalities = [int(row) for row in np.flatnonzero(kind == 0)]
+        self.contacts, self.mu = [], []
+        for row, what in enumerate(kind):
+            if what == 1:
+                self.contacts.append([row])
+                self.mu.append(float(mu[row]))
+            elif what == 2:
+                self.contacts[-1].append(row)
+        self.rolling = any("rolling" in note for note in self.notes)
+
+
+def dense(group, shape, by_columns):
+    if isinstance(group, h5py.Dataset):
+        return np.array(group, float)
+    out, p, i, x = np.zeros(shape), group["p"][:], group["i"][:], group["x"][:]
+    lines = np.repeat(np.arange(len(p) - 1), np.diff(p))
+    np.add.at(out, (i, lines) if by_columns else (lines, i), x)
+    return out
+
+
+def read(path):
+    """The problem of a file in the project's own layout (docs/formats.md)."""
+    with h5py.File(path) as file:
+        g = file["zwang"]
+        n, m = len(g["z_u"]), len(g["c"])
+        text = lambda key: [t.decode() if isinstance(t, bytes) else str(t) for t in g[key][:]] if key in g else []
+        mu = g["mu"][:] if "mu" in g else np.zeros(m)
+        return Problem(dense(g["M"], (n, n), True), dense(g["J"], (m, n), False), g["c"][:], g["kind"][:], mu,
+                       (text("name") or [pathlib.Path(path).stem])[0], text("notes"))
+
+
+def run(words):
+    """Standard output of a command of the program; its error, where it has one, ends this one the same way."""
+    done = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, text=True)
+    if done.returncode not in (0, 1):
+        sys.exit(done.returncode)
+    return done.stdout
+
+
+def packed(program, what, out):
+    """Writes the problems into OUT/problems, unless they are there, and returns their files."""
+    index, what = out / "pack.json", [str(pathlib.Path(w).resolve()) if pathlib.Path(w).exists() else w for w in what]
+    if not index.exists():
+        run([program, "pack", *what, "--out", out])
+    elif shlex.split(json.loads(index.read_text())["made_by"])[2:-2] != what:
+        fail(f"{out} holds other problems: --out DIR names another folder")
+    return [out / p["file"] for p in json.loads(index.read_text())["problems"]]
+
+
+def solutions(program, path):
+    return json.loads(run([program, "solve", path, "--law", "coulomb", "--solutions", "--json"]))
+
+
+def asymmetry(notes):
+    """Largest |W - W'| entry where the file stored W; None where it did not."""
+    for note in notes:
+        if found := re.match(r"W is asymmetric by up to ([0-9.e+-]+\d)", note):
+            return float(found[1])
+    return 0.0 if any(note.startswith("Delassus form") for note in notes) else None
