@@ -259,7 +259,8 @@ def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=No
 
     gradient: dz (n) in a direction, as in gradient(); its distance is in the M-norm, relative to the larger of dz and of the change of
     the free motion. Or, with z_bar (n), the gradient with respect to `wrt` of a number whose gradient with respect to z is z_bar, as a
-    backward pass gives it; its distance is in the sum of squares, relative to the true gradient. Raises ValueError as gradient() does.
+    backward pass gives it; its distance is in the sum of squares, relative to the larger of the true gradient and that of a motion that
+    no row holds. Raises ValueError as gradient() does.
     """
     from . import gradients
     return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, float(tolerance))

@@ -87,7 +87,7 @@ class Regular:
             left = left * powers_of_two(numpy.sqrt(rows))
             if rows.max() <= 4 and rows.min() >= 0.25:
                 break
-        self.K, self.off, self.left, self.across, self.rows = K, off, left, across, None
+        self.K, self.off, self.left, self.across, self.rows, self.columns = K, off, left, across, None, None
         S = K * left[:, None] * across
         try:
             self.inverse = scipy.linalg.inv(S, check_finite=False)
@@ -106,22 +106,20 @@ class Regular:
     def step(self, right):
         return self.across * (self.inverse @ (self.left * right))
 
-    def transposed(self, right, bounded):
-        """v with K'v = right, and what its entries are off where that is asked for."""
+    def transposed(self, right):
+        """v with K'v = right, and what its entries are off."""
         def once(r):
             return self.left * (self.inverse.T @ (self.across * r))
-        if not bounded:
-            v = once(right)
-            for _ in range(2):
-                v = v + once(right - self.K.T @ v)
-            return v, numpy.zeros(len(right))
-        rows = Rows(scipy.sparse.csr_matrix(self.K.T))
+        if self.columns is None:
+            self.columns = Rows(scipy.sparse.csr_matrix(self.K.T))
+        rows = self.columns
         v, low = once(right), numpy.zeros(len(right))
         for turn in range(3):
             residual, small, off = rows.times(-v, -low, (right,))
-            if turn == 2:
+            step = once(residual)
+            if turn == 2 or (abs(step) <= 2.0**-80 * abs(v).max(initial=0)).all():
                 break
-            v, rest = added(v, once(residual))
+            v, rest = added(v, step)
             v, low = added(v, low + rest)
         if self.off is not None:
             off = off + (self.off.T @ (abs(v) + abs(low))) * UP

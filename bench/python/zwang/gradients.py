@@ -562,7 +562,8 @@ class Gradient:
         from scipy.optimize import linprog
         high = b.high[:p.n]
         rows = numpy.array(sorted({*map(int, b.held), *(t.contact.row for t in self.ties)}))
-        gain = change.dc - change.dJ @ high
+        *_, t, t_off = self.change_of_equations(change)
+        gain = numpy.where(abs(t) > t_off, -t, 0)
         goal = p.M @ (high - p.z_u)
         size = abs(goal).max(initial=0) or 1.0
         unit = p.unit[rows]
@@ -611,7 +612,7 @@ class Gradient:
         """The gradient of a number whose gradient with respect to z is z_bar (n), and to lambda lambda_bar (m), with respect to the
         problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m). Where forces are not unique, J and c
         have none, and None stands there. Raises ValueError at a kink."""
-        return self.backward(z_bar, lambda_bar, False)[0]
+        return self.backward(z_bar, lambda_bar)[0]
 
     def within_contacts(self):
         """Whether the only rows that depend on each other are the edges of one contact: they do so whatever changes."""
@@ -624,8 +625,8 @@ class Gradient:
         spare = sum(len(rows) - len(exact_basis(self.p.J[rows], self.p.c[rows])[0]) for rows in groups.values())
         return spare == len(self.branch.frozen)
 
-    def backward(self, z_bar, lambda_bar, bounded=True):
-        """What vjp gives, and what each entry is off where that is asked for."""
+    def backward(self, z_bar, lambda_bar):
+        """What vjp gives, and what each entry is off."""
         p, b, n = self.p, self.branch, self.p.n
         if self.ties:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
@@ -639,7 +640,7 @@ class Gradient:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
         right = numpy.zeros(b.size)
         right[:n], right[n:n + len(b.pushing)] = bars[0], bars[1][b.pushing]
-        v, off = b.regular.transposed(right, bounded)
+        v, off = b.regular.transposed(right)
         (push, rest), (push_off, rest_off) = (v[:n], v[n:]), (off[:n], off[n:])
         z, z_off = b.high[:n], abs(b.low[:n]) + b.radius[:n]
         moved = z - p.z_u
@@ -856,5 +857,11 @@ def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, toleran
         raise ValueError(f"gradient should have the shape {true[wrt].shape}, and has {got.shape}")
     if not numpy.isfinite(got).all():
         return GradientJudgement([], math.inf, math.inf, 0.0, tolerance, "it has entries that are not finite")
-    size = float(numpy.linalg.norm(true[wrt]))
-    return GradientJudgement([], *apart(float(numpy.linalg.norm(got - true[wrt])), float(numpy.linalg.norm(bound[wrt])) * UP, size), size, tolerance)
+    p, norm = of.p, numpy.linalg.norm
+    free = p.solve_mass(numbers(z_bar, "z_bar"))
+    moved, force = of.branch.high[:p.n] - p.z_u, of.branch.force
+    along = abs(p.J @ free)
+    alone = {"z_u": norm(z_bar), "M": norm(free) * norm(moved), "J": norm(free) * norm(force), "c": norm(along / p.unit**2),
+             "mu": norm([force[c.row] * along[k] for c in p.contacts for k in c.tangents])}
+    size = float(max(norm(true[wrt]), alone[wrt]))
+    return GradientJudgement([], *apart(float(norm(got - true[wrt])), float(norm(bound[wrt])) * UP, size), size, tolerance)
