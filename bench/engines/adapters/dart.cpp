@@ -51,9 +51,13 @@ struct Dart : World {
     bodies[i]->setInertia(Inertia(b.mass, Vector3d::Zero(), as<Vector3d>(b.inertia).asDiagonal()));
     for (const zwang::engines::Shape& s : b.shapes) {
       const bool plane = s.kind == "plane";  // its own detector knows none: a box of 40 m
-      const ShapePtr box = std::make_shared<BoxShape>(plane ? Vector3d(40, 40, 2) : Vector3d(2 * as<Vector3d>(s.half)));
-      auto* node = bodies[i]->createShapeNodeWith<CollisionAspect, DynamicsAspect>(
-          s.kind == "sphere" ? std::make_shared<SphereShape>(s.radius) : box);
+      const Vector3d sides = plane ? Vector3d(40, 40, 2) : Vector3d(2 * as<Vector3d>(s.half));
+      ShapePtr shape;
+      if (s.kind == "sphere")
+        shape = std::make_shared<SphereShape>(s.radius);
+      else
+        shape = std::make_shared<BoxShape>(sides);
+      auto* node = bodies[i]->createShapeNodeWith<CollisionAspect, DynamicsAspect>(shape);
       node->setRelativeTranslation(plane ? Vector3d(0, 0, -1) : as<Vector3d>(s.at));
       node->getDynamicsAspect()->setFrictionCoeff(scene.mu),
           node->getDynamicsAspect()->setRestitutionCoeff(scene.restitution);

@@ -22,7 +22,7 @@ struct Simbody : zw::World {
   // It has spheres and half-spaces, which deform; a box has small spheres in its corners.
   Body made(const zw::Body& b) const {
     Body::Rigid body(MassProperties(b.mass, Vec3(0), Inertia(as<Vec3>(b.inertia))));
-    const ContactMaterial material(scene.tuned ? 1e9 : 1e7, scene.tuned ? 10 : 0.5, scene.mu, scene.mu, 0);
+    const ContactMaterial material(scene.tuned ? 1e8 : 1e7, scene.tuned ? 10 : 0.5, scene.mu, scene.mu, 0);
     const auto sphere = [&](const Vec3& at, double r) {
       body.addContactSurface(at, ContactSurface(ContactGeometry::Sphere(r), material));
     };
@@ -60,7 +60,7 @@ struct Simbody : zw::World {
   explicit Simbody(const zw::Scene& given) : zw::World(given) {
     if (scene.restitution > 0) throw zw::Absent("coefficient of restitution");
     Force::UniformGravity(forces, matter, as<Vec3>(scene.gravity));
-    contacts.setTransitionVelocity(scene.tuned ? 1e-5 : 1e-2);
+    contacts.setTransitionVelocity(scene.tuned ? 1e-3 : 1e-2);
     int boxes = 0;
     for (int i = 0; i < scene.size(); ++i) {
       if (scene.bodies[i].motion == "driven") throw zw::Absent("driven bodies");
@@ -73,7 +73,7 @@ struct Simbody : zw::World {
       if (b.free()) body.setQToFitTransform(start, as<Vec3>(b.at)), system.realize(start, Stage::Position);
       if (b.free()) body.setUToFitVelocity(start, SpatialVec(as<Vec3>(b.spin), as<Vec3>(b.velocity)));
     }
-    integrator.setAccuracy(scene.tuned ? 1e-8 : 1e-3);
+    integrator.setAccuracy(scene.tuned ? 1e-5 : 1e-3);
     stepper.initialize(start);
   }
 
