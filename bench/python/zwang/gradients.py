@@ -9,6 +9,7 @@ import math
 import numpy
 import scipy.sparse
 
+from .complementarity import Complementarity
 from .enclosure import EPSILON, UP, Regular, Rows, Unproven
 from .modes import HELD, OPEN, Branch, Parts, Settled, length
 from .semidefinite import exact_basis
@@ -414,17 +415,19 @@ class Gradient:
         if math.prod(len(c) for c in choices) > COMBINATIONS:
             out.note = f"kink: too many ties for a number ({len(self.ties)})"
             return out
-        found, open_questions = [], False
+        found, open_questions, small = [], False, Complementarity(self.ties, q, q_off, self.G, self.G_off, p.convex)
         for modes in itertools.product(*choices):
-            answer = self.combination(modes, q, q_off, self.G, self.G_off)
-            if answer == "no":
+            answer = small.combination(modes)
+            if answer == "no" or answer == "singular" and self.depend_on_each_other(modes):
                 continue
-            if answer == "unknown":
+            if answer in ("unknown", "singular"):
                 open_questions = True
                 continue
             found.append(answer)
         certain = [f for f in found if f[2]]
         monotone = p.law != "coulomb"
+        if p.convex and not certain and open_questions:
+            certain = small.slips_that_begin()
         if monotone and certain:
             found = certain[:1]
         elif open_questions:
@@ -472,56 +475,6 @@ class Gradient:
         act = found.lambda_[len(b.basis):] * self.p.unit[rows] > slack / self.p.unit[rows]
         return [[choice[int(a)]] for choice, a in zip(choices, act)]
 
-    def combination(self, modes, q, q_off, G, G_off):
-        """(w, what it is off, whether all signs are strict, what opens) of one choice of modes; "no" where it is refuted, "unknown" where nothing
-        is known of it."""
-        k = len(q)
-        B, B_off, right, right_off = numpy.zeros((k, k)), numpy.zeros((k, k)), numpy.zeros(k), numpy.zeros(k)
-        line = 0
-
-        def still(at):
-            nonlocal line
-            B[line, at] = 1
-            line += 1
-
-        def zero(at, more=None, factor=0.0):
-            """u[at] + factor u[more] = 0."""
-            nonlocal line
-            B[line], B_off[line], right[line], right_off[line] = G[at], G_off[at], -q[at], q_off[at]
-            if more is not None:
-                B[line] += factor * G[more]
-                B_off[line] += abs(factor) * G_off[more] + 4 * EPSILON * (abs(G[at]) + abs(factor * G[more]))
-                right[line] -= factor * q[more]
-                right_off[line] += abs(factor) * q_off[more] + 4 * EPSILON * (abs(q[at]) + abs(factor * q[more]))
-            line += 1
-        for tie, (word, at, *sign) in zip(self.ties, modes):
-            size = len(tie.contact.rows) if tie.word == "apex" else 1
-            if word == "unknown":
-                return "unknown"
-            if word in ("rest", "open"):
-                for a in range(size):
-                    still(at + a)
-            elif word in ("act", "stick"):
-                for a in range(size):
-                    zero(at + a)
-            else:
-                B[line, at], B[line, at + 1] = tie.contact.mu * sign[0], 1
-                line += 1
-                zero(at, at + 1, -tie.contact.mu * sign[0]) if self.p.convex else zero(at)
-        try:
-            w, low, w_off = Regular(B, B_off).solve(right, numpy.zeros(k), right_off)
-        except Unproven:
-            return "no" if self.depend_on_each_other(modes) else "unknown"
-        w_off = (w_off + abs(low)) * UP
-        u = q + G @ w
-        u_off = (q_off + G_off @ (abs(w) + w_off) + abs(G) @ w_off + (k + 4) * EPSILON * (abs(q) + abs(G) @ abs(w))) * UP
-        strict = True
-        for value, off in self.signs(modes, w, w_off, u, u_off):
-            if value < -off:
-                return "no"
-            strict = strict and value > off
-        return w, w_off, strict, u > u_off
-
     def depend_on_each_other(self, modes):
         """Whether rows that this choice lets push are proven to depend on each other: then another one gives the same motion."""
         if self.p.law == "coulomb" or any(c.tangents for c in self.p.contacts):
@@ -529,28 +482,6 @@ class Gradient:
         rows = [t.contact.row for t, (word, *_) in zip(self.ties, modes) if word == "act"]
         together = scipy.sparse.vstack([self.p.J[self.branch.basis], self.p.J[rows]], format="csr")
         return len(exact_basis(together, numpy.zeros(together.shape[0]))[0]) < together.shape[0]
-
-    def signs(self, modes, w, w_off, u, u_off):
-        """Numbers that may not be negative, and what they are off."""
-        for tie, (word, at, *sign) in zip(self.ties, modes):
-            mu, size = tie.contact.mu, len(tie.contact.rows)
-            part = slice(at + 1, at + size)
-            if word == "rest":
-                yield u[at], u_off[at]
-            elif word == "act":
-                yield w[at], w_off[at]
-            elif word == "open":
-                if self.p.convex:
-                    slip = length(u[part])
-                    yield u[at] - mu * slip, (u_off[at] + mu * (u_off[part].sum() + 8 * EPSILON * slip) + EPSILON * abs(u[at])) * UP
-                else:
-                    yield u[at], u_off[at]
-            elif word == "stick":
-                along = length(w[part])
-                yield mu * w[at] - along, (mu * w_off[at] + w_off[part].sum() + 8 * EPSILON * (along + mu * abs(w[at]))) * UP
-            else:
-                yield w[at], w_off[at]
-                yield sign[0] * u[at + 1], u_off[at + 1]
 
     def shared_anew(self, change):
         """Where redundant rows no longer hold together: the load goes to those rows that gain most by it."""

@@ -378,7 +378,7 @@ def full_support(p, rows, push, contacts, goal):
                     bounds=[(None, None)] * m + [(0, cap)] * k, method="highs")
     if found.status != 0:
         return None
-    forces = numpy.zeros(p.m)
+    forces = push.copy()
     forces[rows] = found.x[:m] * size / p.unit[rows]
     return forces, found.x[m:] > 1e-3 * cap
 

@@ -7,26 +7,11 @@ import math
 
 import numpy
 
+from .complementarity import project
+
 NEWTON = 60  # steps on a soft problem
 CONVERGED = 1e-26  # of the objective, relative, that a step still gains
 MOVES = 1e-3  # of the change of the free motion: a dz that is less is none to compare by
-
-
-def project(x, mu):
-    """P_K(x) of the cone |x_t| <= mu x_n, and its derivative."""
-    n, t = x[0], x[1:]
-    if not len(t):
-        return numpy.maximum(x, 0), numpy.array([[float(n > 0)]])
-    size = numpy.linalg.norm(t)
-    if size <= mu * n:
-        return x.copy(), numpy.eye(len(x))
-    if mu * size <= -n:
-        return 0 * x, numpy.zeros((len(x), len(x)))
-    d, a = t / size, (n + mu * size) / (1 + mu * mu)
-    along = numpy.r_[1, mu * d] / (1 + mu * mu)
-    bend = numpy.zeros((len(x), len(x)))
-    bend[1:, 1:] = mu * a / size * (numpy.eye(len(t)) - numpy.outer(d, d))
-    return numpy.r_[a, mu * a * d], numpy.outer(numpy.r_[1, mu * d], along) + bend
 
 
 class Soft:

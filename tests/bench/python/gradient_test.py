@@ -419,6 +419,31 @@ class ManyTies(unittest.TestCase):
             numpy.testing.assert_allclose(along.dz, dz, atol=1e-14)
 
 
+class SlipsThatBegin(unittest.TestCase):
+    """A point of mass 1 on the ground, without weight: dz is what the law makes of the push."""
+
+    def make(self, law):
+        rows = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+        p = zwang.Problem(numpy.eye(3), numpy.zeros(3), rows, numpy.zeros(3), tangent=[False, True, True], mu=[0.5, 0, 0], law=law)
+        return zwang.gradient_of(p, zwang.solve(p, "cone"))
+
+    def test_under_the_convex_law_the_push_is_projected(self):
+        g = self.make("convex")
+        for push, dz in [([3, 4, -2], [1.92, 2.56, 1.6]), ([1, 1, 3], [1, 1, 3]), ([0.25, 0, -1], [0, 0, 0])]:
+            along = g.jvp(dz_u=push)
+            self.assertEqual((along.kink, along.one_sided), ([0], True))
+            numpy.testing.assert_allclose(along.dz, dz, atol=1e-14)
+            self.assertLess(along.enclosure.max(), 1e-12)
+            for got, off, exact in zip(along.dz, along.enclosure, dz):
+                self.assertLessEqual(abs(Fraction(float(got)) - Fraction(str(exact))), Fraction(float(off)) or 0)
+
+    def test_under_coulombs_law_it_is_not_known_which_way_it_slides(self):
+        along = self.make("coulomb").jvp(dz_u=[3, 4, -2])
+        self.assertIsNone(along.dz)
+        self.assertIn("kink", along.note)
+        self.assertEqual(along.kink, [0])
+
+
 class AtAWall(unittest.TestCase):
     """A box on the ground, flush with a wall that it does not press: four corners each, mu = 1/2 at the wall."""
 
