@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
@@ -40,78 +41,12 @@ struct Counted {
   friend bool operator==(const Counted& a, const Counted& b) { return a.at == b.at; }
 };
 
-// Builds the value and notes the line of each part.
-class Builder : public nlohmann::json_sax<Json> {
- public:
-  Builder(Json& root, std::map<std::string, int>& lines, const int& line) : root_(root), lines_(lines), line_(line) {}
-
-  bool null() override { return put(nullptr); }
-  bool boolean(bool v) override { return put(v); }
-  bool number_integer(number_integer_t v) override { return put(v); }
-  bool number_unsigned(number_unsigned_t v) override { return put(v); }
-  bool number_float(number_float_t v, const string_t&) override { return put(v); }
-  bool string(string_t& v) override { return put(std::move(v)); }
-  bool binary(binary_t&) override { return false; }
-  bool start_object(std::size_t) override { return open(Json::object()); }
-  bool start_array(std::size_t) override { return open(Json::array()); }
-  bool end_object() override { return close(); }
-  bool end_array() override { return close(); }
-  bool key(string_t& name) override {
-    if (path_.back().first->contains(name)) {
-      error = "member '" + name + "' stands there twice";
-      return false;
-    }
-    key_ = name;
-    return true;
-  }
-  bool parse_error(std::size_t, const std::string&, const Json::exception& bad) override {
-    error = bad.what();
-    if (const auto bracket = error.find("] "); error.starts_with("[json.exception.") && bracket != std::string::npos)
-      error.erase(0, bracket + 2);
-    return false;
-  }
-
-  std::string error = {};
-
- private:
-  // Where the next value belongs.
-  std::pair<Json*, Json::json_pointer> place() {
-    if (path_.empty()) return {&root_, Json::json_pointer()};
-    auto& [parent, at] = path_.back();
-    if (parent->is_array()) {
-      parent->push_back(nullptr);
-      return {&parent->back(), at / (parent->size() - 1)};
-    }
-    return {&(*parent)[key_], at / key_};
-  }
-  template <class T>
-  bool put(T&& v) {
-    const auto [where, at] = place();
-    *where = std::forward<T>(v);
-    lines_[at.to_string()] = line_;
-    return true;
-  }
-  bool open(Json empty) {
-    if (path_.size() > 100) {
-      error = "nested deeper than 100 levels";
-      return false;
-    }
-    auto [where, at] = place();
-    *where = std::move(empty);
-    lines_[at.to_string()] = line_;
-    path_.emplace_back(where, at);
-    return true;
-  }
-  bool close() {
-    path_.pop_back();
-    return true;
-  }
-
-  Json& root_;
-  std::map<std::string, int>& lines_;
-  const int& line_;
-  std::vector<std::pair<Json*, Json::json_pointer>> path_;
-  std::string key_;
+// The JSON pointer of where parsing is.
+struct Place {
+  std::string at;
+  bool is_list;
+  std::size_t items = 0;
+  std::set<std::string> members = {};
 };
 
 template <class Name>
@@ -128,10 +63,37 @@ JsonDocument::JsonDocument(const std::filesystem::path& file) : file_(file), roo
   if (!in) throw BadFile(file.string() + ": cannot be read");
   const std::string all = std::move(text).str();
   int line = 1;
-  Builder builder(*root_, line_, line);
-  const Counted begin{all.data(), &line}, end{all.data() + all.size(), &line};
-  if (!Json::sax_parse(begin, end, &builder))
-    throw BadFile(file.string() + ", line " + std::to_string(line) + ": " + builder.error);
+  const auto refuse = [&](const std::string& why) {
+    throw BadFile(file.string() + ", line " + std::to_string(line) + ": " + why);
+  };
+  std::vector<Place> open;  // lists and objects
+  std::string member;
+  const auto note = [&](int, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::key) {
+      member = parsed.get<std::string>();
+      if (!open.back().members.insert(member).second) refuse("member '" + member + "' stands there twice");
+      return true;
+    }
+    if (event == Json::parse_event_t::object_end || event == Json::parse_event_t::array_end) {
+      open.pop_back();
+      return true;
+    }
+    std::string at;
+    if (!open.empty())
+      at = open.back().is_list ? below(open.back().at, open.back().items++) : below(open.back().at, member);
+    line_[at] = line;
+    if (event == Json::parse_event_t::value) return true;
+    if (open.size() > 100) refuse("nested deeper than 100 levels");
+    open.push_back({at, event == Json::parse_event_t::array_start});
+    return true;
+  };
+  try {
+    const Counted begin{all.data(), &line}, end{all.data() + all.size(), &line};
+    *root_ = Json::parse(begin, end, note);
+  } catch (const Json::exception& bad) {
+    const std::string why = bad.what();
+    refuse(why.substr(why.starts_with("[json.exception.") ? why.find("] ") + 2 : 0));
+  }
 }
 
 void JsonDocument::fail(const std::string& at, const std::string& expected) const {
