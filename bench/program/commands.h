@@ -25,6 +25,10 @@ int guard_command(std::vector<std::string> words);
 int league_command(std::vector<std::string> words);
 int mesh_command(std::vector<std::string> words);
 
+// `solve FILE --solutions`: looks for all solutions of Coulomb's law and prints what was proven, for people or as one
+// JSON object. Throws std::invalid_argument where the question makes no sense of this problem.
+void print_solutions(const Instance& instance, bool json);
+
 // Goes on as another program. Throws BadFile where it cannot be run.
 int continue_as(const std::string& file, const std::vector<std::string>& words);
 // Goes on as zwang-all, the program with every command. Throws std::invalid_argument where it is not there.

@@ -5,7 +5,6 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/league.h>
 #include <zwang/bench/report/report.h>
 #include <zwang/bench/suite/plan.h>
 #include <zwang/core/files/stored_file.h>

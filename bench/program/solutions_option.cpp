@@ -1,4 +1,4 @@
-#include <zwang/bench/program/solutions_option.h>
+#include <zwang/bench/program/commands.h>
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/program/solutions_option.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/suite/flow.h>

@@ -1,4 +1,4 @@
-#include <zwang/bench/report/compare.h>
+// Two runs as one.
 
 #include <algorithm>
 #include <cmath>

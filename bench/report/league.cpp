@@ -1,4 +1,4 @@
-#include <zwang/bench/report/league.h>
+#include <zwang/bench/report/report.h>
 
 #include <algorithm>
 #include <cmath>

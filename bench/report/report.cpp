@@ -5,10 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include <zwang/bench/report/compare.h>
 #include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/report/page/page.h>
-#include <zwang/bench/report/page/single_runs.h>
 #include <zwang/bench/report/tables/tables.h>
 #include <zwang/core/files/stored_file.h>
 #include <zwang/core/problem/did_you_mean.h>

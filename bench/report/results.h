@@ -57,6 +57,9 @@ RunFolder read_run(const std::filesystem::path& dir, std::size_t large = RunFold
 // classes of which it reads a problem.
 std::vector<RunFolder> by_class(RunFolder run);
 
+// One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents one name.
+RunFolder merged(const RunFolder& a, const RunFolder& b);
+
 // Everything the charts group by, in the order of appearance.
 std::vector<std::string> families_of(const std::vector<Result>& results);
 std::vector<std::string> solvers_of(const std::vector<Result>& results);

@@ -1,4 +1,4 @@
-#include <zwang/bench/report/page/charts.h>
+#include <zwang/bench/report/page/page.h>
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <zwang/bench/report/page/charts.h>
 #include <zwang/bench/report/tables/accuracy.h>
 #include <zwang/bench/report/tables/cells.h>
 #include <zwang/bench/report/tables/sweeps.h>

@@ -27,6 +27,18 @@ std::vector<std::string> headline(const RunFolder& run);
 std::string page_data(const PageText& text, const std::vector<RunFolder>& classes, const std::string& single = "",
                       std::size_t most_rows = 2000);
 
+// Rows of all charts as one JSON object {chart: {fields: [..], rows: [[..], ..]}}, aggregated so that a page draws at
+// most 2,000 marks a chart; every single run stays in results.jsonl.
+std::string chart_rows(const RunFolder& run);
+
+// The runs of a large run one by one, for scripts beside the page: a page opened from disk may load a script, but not
+// fetch data.
+struct SingleRuns {
+  std::vector<std::string> scripts = {};  // runs/0.js, ...: zwang_runs(0, {"problem": [row, ...], ...})
+  std::string index = {};                 // JSON: {"family": [["problem", script], ...], ...}
+};
+SingleRuns single_run_scripts(const RunFolder& run);
+
 // The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
 std::string page(const std::string& data);
 std::string page_with_scripts(const std::string& data);  // that may load scripts beside it

@@ -1,4 +1,4 @@
-#include <zwang/bench/report/page/single_runs.h>
+#include <zwang/bench/report/page/page.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -68,6 +68,8 @@ Table conformance_table(const RunFolder& run);  // which solver shows which phen
 Table phenomenon_table(const RunFolder& run);   // what they are
 Table sequence_table(const RunFolder& run);     // cold and warm over frames
 Table recorded_table(const RunFolder& run);     // answers that came with the problems
+// Per solver of both runs, on the problems both hold: what is reached at 1e-6, the time ratio, lies.
+Table comparison_table(const RunFolder& a, const RunFolder& b);
 // The page's tables, some only where there is something to say: those of all problems, and those of one class.
 std::vector<Table> common_tables(const RunFolder& run);
 std::vector<Table> class_tables(const RunFolder& of_class);

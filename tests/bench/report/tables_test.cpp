@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/bench/report/compare.h>
-#include <zwang/bench/report/page/charts.h>
 #include <zwang/bench/report/page/page.h>
 #include <zwang/bench/report/tables/sweeps.h>
 #include <zwang/bench/report/tables/work_precision.h>
