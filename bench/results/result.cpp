@@ -80,8 +80,8 @@ void Tally::count(const Result& result) {
   lies += result.lies();
 }
 
-ResultFile::ResultFile(const std::filesystem::path& file)
-    : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+ResultFile::ResultFile(const std::filesystem::path& file, bool anew)
+    : file_(open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | (anew ? O_TRUNC : 0), 0666)) {
   if (file_ < 0) throw std::system_error(errno, std::generic_category(), file.string());
 }
 

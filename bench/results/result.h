@@ -151,10 +151,10 @@ struct Tally {
   void count(const Result& result);
 };
 
-// An append-only file of lines, on the disk when append() returns.
+// An append-only file of lines, on the disk when append() returns. `anew`: what it held before goes.
 class ResultFile {
  public:
-  explicit ResultFile(const std::filesystem::path& file);
+  explicit ResultFile(const std::filesystem::path& file, bool anew = false);
   ~ResultFile();
   ResultFile(const ResultFile&) = delete;
   ResultFile& operator=(const ResultFile&) = delete;

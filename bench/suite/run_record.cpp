@@ -5,6 +5,7 @@
 
 #include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
+#include <zwang/bench/results/records.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/law.h>
@@ -16,23 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The options of a run, by the names they have on the command line.
-template <class Options, class Visit>
-void visit_options(Options& o, Visit visit) {
-  visit("suite", o.suite);
-  visit("scenes", o.scenes);
-  visit("families", o.families);
-  visit("problems", o.problems);
-  visit("law", o.laws);
-  visit("solvers", o.solvers);
-  visit("tolerances", o.tolerances);
-  visit("repetitions", o.repetitions);
-  visit("time_limit", o.time_limit);
-  visit("seed", o.seed);
-  visit("trace", o.trace);
-  visit("sequence", o.sequence);
-  visit("given", o.given);
-  visit("accuracy", o.accuracy);
+// The options of a run, by the names they have on the command line: each(name, member, column).
+template <class Options, class Each>
+void visit_options(Options& o, Each each) {
+  const Columns<Each> visit{each};
+  visit("suite", o.suite, "scenes", o.scenes, "families", o.families, "problems", o.problems, "law", o.laws);
+  visit("solvers", o.solvers, "tolerances", o.tolerances, "repetitions", o.repetitions, "time_limit", o.time_limit);
+  visit("seed", o.seed, "trace", o.trace, "sequence", o.sequence, "given", o.given, "accuracy", o.accuracy);
   visit("shard", o.shard);
 }
 
@@ -44,7 +35,7 @@ std::string joined(const std::vector<Law>& laws) {
 
 Json to_json(const SuiteOptions& options) {
   Json j;
-  visit_options(options, [&j](const char* name, const auto& value) {
+  visit_options(options, [&j](const std::string& name, const auto& value, const Column&) {
     if constexpr (std::is_same_v<decltype(value), const std::vector<Law>&>)
       j[name] = value.empty() ? Json() : Json(joined(value));
     else
@@ -55,7 +46,7 @@ Json to_json(const SuiteOptions& options) {
 
 SuiteOptions options_from(const Json& j) {
   SuiteOptions options;
-  visit_options(options, [&j](const char* name, auto& value) {
+  visit_options(options, [&j](const std::string& name, auto& value, const Column&) {
     if constexpr (!std::is_same_v<decltype(value), std::vector<Law>&>)
       j.at(name).get_to(value);
     else if (j.at(name).is_string())

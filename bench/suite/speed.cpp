@@ -111,9 +111,7 @@ bool write_sequence(Sequence& sequence, const std::filesystem::path& cache, std:
 
 bool write_speed(const std::filesystem::path& directory, const std::filesystem::path& cache, std::span<const Run> runs,
                  double budget, Dispatcher& desk, const std::atomic<bool>& interrupted) {
-  const auto file = directory / "speed.jsonl";
-  std::filesystem::remove(file);
-  ResultFile out(file);
+  ResultFile out(directory / "speed.jsonl", true);
   out.append(time_assembly());
   out.append(profile_stages());
 
@@ -132,9 +130,7 @@ bool write_speed(const std::filesystem::path& directory, const std::filesystem::
 
 void write_sequences(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
                      Dispatcher& desk, const std::atomic<bool>& interrupted) {
-  const auto file = directory / "speed.jsonl";
-  std::filesystem::remove(file);
-  ResultFile out(file);
+  ResultFile out(directory / "speed.jsonl", true);
   std::vector<Run> tightest;
   for (const Run& run : plan.runs)
     if (run.tolerance == plan.options.tolerances.back()) tightest.push_back(run);

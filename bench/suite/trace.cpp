@@ -55,8 +55,6 @@ std::vector<TracePoint> trace(const Instance& instance, const Run& run, Dispatch
 void write_traces(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
                   Dispatcher& desk, double budget, const std::atomic<bool>& interrupted,
                   std::vector<std::string>& notes) {
-  const auto file = directory / "traces.jsonl";
-  std::filesystem::remove(file);
   std::map<std::pair<std::string, Law>, std::vector<const Instance*>> families;
   for (const Instance& i : plan.instances) families[{i.family, i.problem.law}].push_back(&i);
   for (auto& [family, problems] : families) std::ranges::stable_sort(problems, {}, &Instance::knob_value);
@@ -69,7 +67,7 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
   const double tightest = plan.options.tolerances.back();
   const double start = wall_seconds();
   std::size_t left = chosen.size(), cut = 0;
-  ResultFile out(file);
+  ResultFile out(directory / "traces.jsonl", true);
   for (const Instance* problem : chosen) {
     Instance instance = *problem;
     instance.reference = reference_for(instance, cache, {plan.second_witness}).reference;

@@ -1,7 +1,6 @@
 #include <zwang/bench/references/friction/solution_count.h>
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -69,29 +68,16 @@ SolutionCount count_solutions(const Problem& problem, double seconds) {
 }
 
 std::string in_words(const SolutionCount& count) {
-  const std::string enumerated = "every choice of modes was solved in rationals";
-  std::ostringstream text;
-  switch (count.kind) {
-    case SolutionCount::Kind::all:
-      if (count.proven == 0)
-        text << "none: " << enumerated;
-      else
-        text << count.proven << " and no more: " << enumerated;
-      break;
-    case SolutionCount::Kind::continuum:
-      text << "a continuum: "
-           << (count.by_enumeration ? enumerated : "interval Newton proved that forces are free to change, and move z");
-      break;
-    case SolutionCount::Kind::at_least:
-      if (count.proven == 0)
-        text << "none proven of these rows; those below are exact for rows that are off by delta";
-      else
-        text << "at least " << count.proven << ": those found; all are known only of six planar contacts or fewer";
-      break;
-    case SolutionCount::Kind::none_found:
-      text << "none found: " << count.why_not;
-  }
-  return text.str();
+  using Kind = SolutionCount::Kind;
+  const std::string enumerated = "every choice of modes was solved in rationals", proven = std::to_string(count.proven);
+  if (count.kind == Kind::none_found) return "none found: " + count.why_not;
+  if (count.kind == Kind::all) return (count.proven == 0 ? "none: " : proven + " and no more: ") + enumerated;
+  if (count.kind == Kind::at_least)
+    return count.proven == 0
+               ? "none proven of these rows; those below are exact for rows that are off by delta"
+               : "at least " + proven + ": those found; all are known only of six planar contacts or fewer";
+  return "a continuum: " +
+         (count.by_enumeration ? enumerated : "interval Newton proved that forces are free to change, and move z");
 }
 
 }  // namespace zwang
