@@ -7,6 +7,7 @@
 #include <IpTNLP.hpp>
 #include <IpTNLPAdapter.hpp>
 #include <algorithm>
+#include <map>
 
 #include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/law/second_order_cone.h>
@@ -36,6 +37,16 @@ class Asked : public ip::TNLP {
     return !question.deadline.passed();
   }
 
+  bool eval_f(ip::Index, const double* x, bool, double& value) final {
+    value = 0.5 * Eigen::Map<const Vector>(x, unknowns_).squaredNorm();
+    return true;
+  }
+
+  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) final {
+    std::fill(std::copy_n(x, unknowns_, gradient), gradient + n, 0);
+    return true;
+  }
+
   void finalize_solution(ip::SolverReturn, ip::Index, const double* x, const double*, const double*, ip::Index,
                          const double*, const double* multipliers, double, const ip::IpoptData*,
                          ip::IpoptCalculatedQuantities*) final {
@@ -43,13 +54,28 @@ class Asked : public ip::TNLP {
   }
 
  protected:
+  // Of a sparse matrix, where its entries are, or what they are.
+  struct Entries {
+    ip::Index *row, *column;
+    double* value;
+    void add(ip::Index i, ip::Index j, double number) {
+      if (value)
+        *value++ = number;
+      else
+        *row++ = i, *column++ = j;
+    }
+  };
+
   // From Ipopt's variables and multipliers to `answer`.
   virtual void take(const double* x, const double* multipliers) = 0;
   virtual double residual() = 0;  // of `answer`
-  void has_size(ip::Index variables, ip::Index constraints) {
+  void has_size(ip::Index variables, ip::Index constraints, ip::Index unknowns) {
     x_.resize(variables);
     multipliers_.resize(constraints);
+    unknowns_ = unknowns;
   }
+
+  ip::Index unknowns_ = 0;  // the first variables: of these the square is minimized
 
  private:
   bool read_iterate(const ip::IpoptData& data, ip::IpoptCalculatedQuantities& quantities) {
@@ -76,7 +102,7 @@ class WhitenedQp final : public Asked {
     nonzeros_G = 0;
     for (const Index i : question.rows) nonzeros_G += row_size(i);
     style = C_STYLE;
-    has_size(n, m);
+    has_size(n, m, n);
     return true;
   }
 
@@ -95,16 +121,6 @@ class WhitenedQp final : public Asked {
     return true;
   }
 
-  bool eval_f(ip::Index n, const double* x, bool, double& value) override {
-    value = 0.5 * Eigen::Map<const Vector>(x, n).squaredNorm();
-    return true;
-  }
-
-  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) override {
-    std::copy_n(x, n, gradient);
-    return true;
-  }
-
   bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
     for (const Index i : question.rows) {
       double value = -question.program->h()[i];
@@ -116,16 +132,11 @@ class WhitenedQp final : public Asked {
 
   bool eval_jac_g(ip::Index, const double*, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
                   double* value) override {
+    Entries entries{row, column, value};
     int r = 0;
     for (const Index i : question.rows) {
-      for (UnitProgram::Rows::InnerIterator it(question.program->G(), i); it; ++it) {
-        if (value) {
-          *value++ = it.value();
-        } else {
-          *row++ = r;
-          *column++ = static_cast<int>(it.col());
-        }
-      }
+      for (UnitProgram::Rows::InnerIterator it(question.program->G(), i); it; ++it)
+        entries.add(r, static_cast<int>(it.col()), it.value());
       ++r;
     }
     return true;
@@ -133,12 +144,8 @@ class WhitenedQp final : public Asked {
 
   bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double*, bool, ip::Index,
               ip::Index* row, ip::Index* column, double* value) override {
-    for (int i = 0; i < n; ++i) {
-      if (value)
-        value[i] = weight;
-      else
-        row[i] = column[i] = i;
-    }
+    Entries entries{row, column, value};
+    for (int i = 0; i < n; ++i) entries.add(i, i, weight);
     return true;
   }
 
@@ -163,16 +170,16 @@ class ConeNlp final : public Asked {
   bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
                     IndexStyleEnum& style) override {
     ConeProgram& p = *question.cones;
-    unknowns_ = static_cast<int>(p.face().unknowns());
+    const auto unknowns = static_cast<int>(p.face().unknowns());
     cones_ = static_cast<int>(p.cones());
     rays_ = static_cast<int>(p.rays());
-    n = unknowns_ + 3 * cones_;
+    n = unknowns + 3 * cones_;
     m = 3 * cones_ + rays_ + cones_;
-    nonzeros_G = (3 * cones_ + rays_) * unknowns_ + 3 * cones_ + 3 * cones_;
+    nonzeros_G = (3 * cones_ + rays_) * unknowns + 3 * cones_ + 3 * cones_;
     nonzeros_hessian = n;
     style = C_STYLE;
-    has_size(n, m);
-    v_.resize(unknowns_);
+    has_size(n, m, unknowns);
+    v_.resize(unknowns);
     slack_.resize(p.rows());
     return true;
   }
@@ -199,16 +206,6 @@ class ConeNlp final : public Asked {
     return true;
   }
 
-  bool eval_f(ip::Index, const double* x, bool, double& value) override {
-    value = 0.5 * Eigen::Map<const Vector>(x, unknowns_).squaredNorm();
-    return true;
-  }
-
-  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) override {
-    std::fill(std::copy_n(x, unknowns_, gradient), gradient + n, 0);
-    return true;
-  }
-
   bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
     slack_at(x);
     const double* s = x + unknowns_;
@@ -220,38 +217,26 @@ class ConeNlp final : public Asked {
 
   bool eval_jac_g(ip::Index, const double* x, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
                   double* value) override {
-    const auto entry = [&](int i, int j, double number) {
-      if (value) {
-        *value++ = number;
-      } else {
-        *row++ = i;
-        *column++ = j;
-      }
-    };
+    Entries entries{row, column, value};
     DenseFace& face = question.cones->dense_face();
     for (int r = 0; r < 3 * cones_ + rays_; ++r) {
-      for (int j = 0; j < unknowns_; ++j) entry(r, j, value ? face.row(r)[j] : 0);
-      if (r < 3 * cones_) entry(r, unknowns_ + r, -1);
+      for (int j = 0; j < unknowns_; ++j) entries.add(r, j, value ? face.row(r)[j] : 0);
+      if (r < 3 * cones_) entries.add(r, unknowns_ + r, -1);
     }
     for (int k = 0; k < cones_; ++k)
       for (int q = 0; q < 3; ++q) {
         const int j = unknowns_ + 3 * k + q;
-        entry(3 * cones_ + rays_ + k, j, value ? (q == 0 ? 2 : -2) * x[j] : 0);
+        entries.add(3 * cones_ + rays_ + k, j, value ? (q == 0 ? 2 : -2) * x[j] : 0);
       }
     return true;
   }
 
   bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double* multipliers, bool, ip::Index,
               ip::Index* row, ip::Index* column, double* value) override {
+    Entries entries{row, column, value};
     for (int i = 0; i < n; ++i) {
-      if (!value) {
-        row[i] = column[i] = i;
-      } else if (i < unknowns_) {
-        value[i] = weight;
-      } else {
-        const int k = (i - unknowns_) / 3, q = (i - unknowns_) % 3;
-        value[i] = (q == 0 ? 2 : -2) * multipliers[3 * cones_ + rays_ + k];
-      }
+      const int k = (i - unknowns_) / 3, q = (i - unknowns_) % 3;
+      entries.add(i, i, !value || i < unknowns_ ? weight : (q == 0 ? 2 : -2) * multipliers[3 * cones_ + rays_ + k]);
     }
     return true;
   }
@@ -271,29 +256,21 @@ class ConeNlp final : public Asked {
                     question.cones->imbalance(answer.y, answer.lambda) * question.cones->scale(answer.y));
   }
 
-  int unknowns_ = 0, cones_ = 0, rays_ = 0;
+  int cones_ = 0, rays_ = 0;
   Vector v_, slack_;
 };
 
 std::string in_words(ip::ApplicationReturnStatus code) {
-  switch (code) {
-    case ip::Solve_Succeeded:
-      return "Ipopt: solve succeeded";
-    case ip::Solved_To_Acceptable_Level:
-      return "Ipopt: solved to acceptable level";
-    case ip::Infeasible_Problem_Detected:
-      return "Ipopt: infeasible problem detected";
-    case ip::Search_Direction_Becomes_Too_Small:
-      return "Ipopt: search direction becomes too small";
-    case ip::Diverging_Iterates:
-      return "Ipopt: diverging iterates";
-    case ip::Restoration_Failed:
-      return "Ipopt: restoration failed";
-    case ip::Error_In_Step_Computation:
-      return "Ipopt: error in step computation";
-    default:
-      return "Ipopt: return code " + std::to_string(static_cast<int>(code));
-  }
+  static const std::map<ip::ApplicationReturnStatus, const char*> words{
+      {ip::Solve_Succeeded, "solve succeeded"},
+      {ip::Solved_To_Acceptable_Level, "solved to acceptable level"},
+      {ip::Infeasible_Problem_Detected, "infeasible problem detected"},
+      {ip::Search_Direction_Becomes_Too_Small, "search direction becomes too small"},
+      {ip::Diverging_Iterates, "diverging iterates"},
+      {ip::Restoration_Failed, "restoration failed"},
+      {ip::Error_In_Step_Computation, "error in step computation"}};
+  const auto found = words.find(code);
+  return "Ipopt: " + (found != words.end() ? found->second : "return code " + std::to_string(static_cast<int>(code)));
 }
 
 // What the return code means.
