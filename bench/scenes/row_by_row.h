@@ -34,9 +34,7 @@ inline Vec3 box_corner(Index corner) { return {corner % 2 ? .5 : -.5, corner / 2
 class RowByRow {
  public:
   RowByRow(const Vector& mass, const Vector& z_u, double mu = 0) : mu_(mu) {
-    const Index n = mass.size();
-    instance_.problem.M.resize(n, n);
-    for (Index j = 0; j < n; ++j) instance_.problem.M.insert(j, j) = mass[j];
+    instance_.problem.M = mass.asDiagonal();
     instance_.problem.z_u = z_u;
   }
 
@@ -76,7 +74,6 @@ class RowByRow {
   Instance finish() {
     Problem& p = instance_.problem;
     rows_.write(p);
-    p.M.makeCompressed();
     return slips_.empty() ? std::move(instance_) : with_friction(instance_, mu_, slips_);
   }
   Instance finish(Reference reference) {

@@ -33,9 +33,7 @@ class ContactByContact {
     Instance out{.family = std::move(family), .origin = origin_};
     Problem& p = out.problem;
     p.name = out.family;
-    p.M.resize(mass_.size(), mass_.size());
-    for (Index j = 0; j < mass_.size(); ++j) p.M.insert(j, j) = mass_[j];
-    p.M.makeCompressed();
+    p.M = mass_.asDiagonal();
     p.z_u = z_u;
     rows_.write(p);
     p.law = stored_law;
@@ -74,12 +72,6 @@ class ContactByContact {
   std::vector<RowOrigin> origin_;
 };
 
-Vector of(std::initializer_list<double> values) {
-  Vector v(static_cast<Index>(values.size()));
-  std::ranges::copy(values, v.begin());
-  return v;
-}
-
 std::string counted(int solutions) {
   return solutions < 0 ? "a continuum of solutions"
                        : std::to_string(solutions) + (solutions == 1 ? " solution" : " solutions");
@@ -95,10 +87,10 @@ FrictionPoint known(Instance instance, int solutions, std::optional<Vector> z = 
 
 // Two walls that meet at the origin, tan of half the angle 3/4.
 Instance wedge(const char* family, double mu, double wall_slip, double up) {
-  ContactByContact p(of({1, 1}));
-  p.contact({of({-4, 3}), of({3, 4})}, {0, wall_slip}, mu, "right wall");
-  p.contact({of({4, 3}), of({-3, 4})}, {0, wall_slip}, mu, "left wall");
-  return p.instance(family, of({0, up}));
+  ContactByContact p(Vector{{1, 1}});
+  p.contact({Vector{{-4, 3}}, Vector{{3, 4}}}, {0, wall_slip}, mu, "right wall");
+  p.contact({Vector{{4, 3}}, Vector{{-3, 4}}}, {0, wall_slip}, mu, "left wall");
+  return p.instance(family, Vector{{0, up}});
 }
 
 // Rows of the difference of two bodies' velocities (of one, where other < 0) along each axis of a frame.
@@ -161,30 +153,30 @@ PlantedFriction planted_options(const Knobs& k) {
 }  // namespace
 
 FrictionPoint rod_point(double mu) {
-  ContactByContact p(of({1, 1, 1}));
-  p.contact({of({0, 1, 1}), of({1, 0, 2})}, {0, 0}, mu, "tip");
-  return known(p.instance("ROD", of({2, .25, 0})), mu > 14. / 11 ? 3 : 1, of({2, .25, 0}));
+  ContactByContact p(Vector{{1, 1, 1}});
+  p.contact({Vector{{0, 1, 1}}, Vector{{1, 0, 2}}}, {0, 0}, mu, "tip");
+  return known(p.instance("ROD", Vector{{2, .25, 0}}), mu > 14. / 11 ? 3 : 1, Vector{{2, .25, 0}});
 }
 
 FrictionPoint jam_point(double mu, double wall_slip) {
   const bool jams = wall_slip < 0 && mu >= .75;
   return jams ? known(wedge("JAM", mu, wall_slip, -1), 0)
               : known(wedge("JAM", mu, wall_slip, -1), 1,
-                      wall_slip < 0 ? std::optional<Vector>(of({0, 0})) : std::nullopt);
+                      wall_slip < 0 ? std::optional<Vector>(Vector{{0, 0}}) : std::nullopt);
 }
 
-FrictionPoint held_point(double mu) { return known(wedge("HELD", mu, 0, 1), mu < .75 ? 1 : 2, of({0, 1})); }
+FrictionPoint held_point(double mu) { return known(wedge("HELD", mu, 0, 1), mu < .75 ? 1 : 2, Vector{{0, 1}}); }
 
 FrictionPoint pinch_point() {
-  ContactByContact p(of({1, 1}));
-  p.contact({of({1, 0}), of({0, 1})}, {0, 1}, 1, "left plate");
-  p.contact({of({-1, 0}), of({0, 1})}, {0, -1}, 1, "right plate");
-  return known(p.instance("PINCH", of({0, 3})), -1, of({0, 2}));
+  ContactByContact p(Vector{{1, 1}});
+  p.contact({Vector{{1, 0}}, Vector{{0, 1}}}, {0, 1}, 1, "left plate");
+  p.contact({Vector{{-1, 0}}, Vector{{0, 1}}}, {0, -1}, 1, "right plate");
+  return known(p.instance("PINCH", Vector{{0, 3}}), -1, Vector{{0, 2}});
 }
 
 FrictionPoint puck_point() {
   // [v_x, v_y, v_z, w_x, w_y, w_z], flat: contacts at height 0 of the centre of mass.
-  ContactByContact p(of({1, 1, 1, 4096, 4096, 4096}));
+  ContactByContact p(Vector{{1, 1, 1, 4096, 4096, 4096}});
   const double mu = .5, load = 85. / 64;
   Vector lambda(12), slack = Vector::Zero(12);
   const std::array<std::pair<double, double>, 4> place{{{9, 8}, {9, -8}, {-9, -8}, {-9, 8}}};
@@ -201,7 +193,7 @@ FrictionPoint puck_point() {
       lambda[i + 1 + static_cast<Index>(t)] = -mu * (85 / slip[k][2]) * slip[k][t] / 64;
     }
   }
-  Instance exact = p.planted("PUCK", of({4, 10.5, 0, 0, 0, .5}), lambda, slack);
+  Instance exact = p.planted("PUCK", Vector{{4, 10.5, 0, 0, 0, .5}}, lambda, slack);
   if (exact.reference) exact.reference->method += ", " + counted(-1);
   return {std::move(exact), -1};
 }
