@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/report/page/draw.h>
-#include <zwang/bench/report/wording.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/stored_file.h>
 
@@ -28,10 +27,18 @@ std::vector<std::vector<std::string>> with_head(const Findings& findings) {
   return rows;
 }
 
+// Quoted where a comma or a quote would end it.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char ch : text) out += ch == '"' ? "\"\"" : std::string(1, ch);
+  return out + "\"";
+}
+
 std::string to_csv(const Findings& findings) {
   std::string text;
   for (const auto& row : with_head(findings))
-    for (std::size_t k = 0; k < row.size(); ++k) text += report::csv_field(row[k]) + (k + 1 < row.size() ? "," : "\n");
+    for (std::size_t k = 0; k < row.size(); ++k) text += csv_field(row[k]) + (k + 1 < row.size() ? "," : "\n");
   return text;
 }
 
