@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 WRONG_USE, BAD_FILE = 2, 3
+SUFFIXES = (".h5", ".hdf5", ".dat")
 
 
 def fail(line, code=WRONG_USE):
@@ -67,9 +68,21 @@ def run(words):
     return done.stdout
 
 
+def expanded(what):
+    """Each folder as its problem files, HDF5 and .dat beside each other; names of scenes as they are."""
+    out = []
+    for word in what:
+        path = pathlib.Path(word)
+        inside = sorted(p for p in path.rglob("*") if p.suffix in SUFFIXES) if path.is_dir() else []
+        if path.is_dir() and not inside:
+            fail(f"{word}: no problem files ({', '.join(SUFFIXES)}) in this folder", BAD_FILE)
+        out += [str(p.resolve()) for p in inside] or [str(path.resolve()) if path.exists() else word]
+    return out
+
+
 def packed(program, what, out):
     """Writes the problems into OUT/problems, unless they are there, and returns their files."""
-    index, what = out / "pack.json", [str(pathlib.Path(w).resolve()) if pathlib.Path(w).exists() else w for w in what]
+    index, what = out / "pack.json", expanded(what)
     if not index.exists():
         run([program, "pack", *what, "--out", out])
     elif shlex.split(json.loads(index.read_text())["made_by"])[2:-2] != what:

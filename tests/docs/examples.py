@@ -47,7 +47,7 @@ shorter = [
      lambda m: f"{m[1]} SOURCE/{m[2]} --frames 20 --out $(mktemp -u)" + (f"{m[3]}SOURCE/{m[4]}" if m[4] else "")),
     (r"./zwang simulate simple --god hand.xml@x-z .*", None),
     (r"(./zwang simulate gear.stl@mm .*)", r"\1 --frames 5 --out gear"),
-    (r"./zwang experiment (all|feasibility) .*", None),  # feasibility: a script, with a test of its own
+    (r"./zwang experiment (all|acary|feasibility) .*", None),  # acary, feasibility: scripts, with tests of their own
     (r"./zwang experiment fig8", "./zwang experiment fig8 --seconds 0.05 --out questions"),
     (r"./zwang experiment laws.*", "./zwang experiment --help"),
     (r"(./zwang bench --scenes .* --law pyramid,convex,coulomb)", r"\1 --solvers cone,newton --tolerances 1e-6 --out laws"),
@@ -68,7 +68,8 @@ shorter = [
                                             r"--tolerances 1e-6 --out own"),
     (r"(./zwang bench --problems) FILE...", r"\1 first.h5 --solvers nnls --out problems"),
     (r"(./zwang bench --problems) FOLDER (.*)", r"\1 first.h5 \2 --out folder"),
-    (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
+    (r"(./zwang bench --problems) FILE (.*) --solvers nsgs (.*)", r"\1 first.h5 \2 --solvers nnls \3 --out cell"),
+    (r"(./zwang solve) FILE --solver nsgs (.*)", r"\1 first.h5 --solver nnls \2"), (r"(./zwang solve) FILE (.*)", r"\1 first.h5 \2"),
     ("./zwang judge PACK ANSWERS --proofs DIR", "./zwang judge --help"),
     (r"./zwang pack (guard|DIR) .*", None), ("./zwang guard pack b1.*", None),
     (r"(./zwang fuzz --count) \d+ (.*)", r"\1 20 \2"),

@@ -1,0 +1,458 @@
+#!/usr/bin/python3
+"""./zwang experiment acary DIR...: what Acary, Bremond and Huber's comparison (RR-9118, 2017) says, checked on the files of DIR.
+
+Runs solvers of Coulomb's law and of the convex law on every file, has each answer judged, and prints each claim as
+confirmed, refuted or undecided, with counts and bands (docs/acary.md).
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+
+import feasibility
+import files
+
+# The report's families, and the solvers here that belong to them. Those of the last line are of none.
+FAMILIES = {
+    "NSN": ("nonsmooth Newton", ("alart_curnier", "siconos_nsn_ac", "siconos_nsn_fb")),
+    "NSGS": ("Gauss-Seidel over contacts", ("nsgs", "siconos_nsgs", "siconos_global_nsgs")),
+    "OPT": ("convex problems in an outer fixed point", ("fixed_point",)),
+    "new": ("since the report: interior point with Newton, alternating directions", ("cone", "admm", "siconos_admm", "siconos_global_admm")),
+}
+RIGHT = ("solved", "rows off", "consistent")
+LOOSE, TIGHT = 1e-4, 1e-8  # the two accuracies of the report
+MOST = 0.8                 # share of problems that "robust" asks for
+FEW = 10                   # problems, below which nobody is called the best of all
+SLOW = 2                   # factor in time that "slow" asks for
+ROUNDING = 1e-12           # of W, relative to its largest entry: symmetric
+NORMAL = 1.96              # bands are of 95 %
+EDGE = 1e-6                # of a force against its cone: sliding; against the largest force: none
+RANK_LIMIT = 3e6           # entries of J
+
+
+def wilson(k, n):
+    """Band of 95 % of a share, k of n."""
+    if not n:
+        return 0.0, 1.0
+    z2, p = NORMAL**2, k / n
+    middle, half = (p + z2 / (2 * n)) / (1 + z2 / n), NORMAL / (1 + z2 / n) * math.sqrt(p * (1 - p) / n + z2 / (4 * n * n))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def newcombe(k1, n1, k2, n2):
+    """Band of 95 % of the difference of two shares."""
+    if not n1 or not n2:
+        return -1.0, 1.0
+    (l1, u1), (l2, u2), d = wilson(k1, n1), wilson(k2, n2), k1 / n1 - k2 / n2
+    return d - math.hypot(k1 / n1 - l1, u2 - k2 / n2), d + math.hypot(u1 - k1 / n1, k2 / n2 - l2)
+
+
+def word(low, high, mark):
+    return "confirmed" if low > mark else "refuted" if high < mark else "undecided"
+
+
+class File:
+    """What is known of one problem without any solver."""
+
+    def __init__(self, path, name):
+        self.problem, self.name = files.read(path), name
+        p = self.problem
+        self.n, self.rows, self.contacts = p.J.shape[1], len(p.J), len(p.contacts)
+        self.asymmetry = files.asymmetry(p.notes)
+        self.local = any(note.startswith("Delassus form") for note in p.notes)
+        self.largest = float((p.J**2).sum(1).max(initial=0)) if self.local else math.nan
+        self.rank = None
+        if p.J.size <= RANK_LIMIT:
+            lengths = np.linalg.norm(p.J, axis=1, keepdims=True)
+            self.rank = int(np.linalg.matrix_rank(p.J / np.where(lengths > 0, lengths, 1)))
+        self.full = self.rank == self.rows
+        self.shares = self.of_reference(path)
+
+    def of_reference(self, path):
+        """Shares of contacts that stick, slide and are open in the stored solution, or None."""
+        with h5py.File(path) as file:
+            stored = file["zwang"].get("reference")
+            if stored is None or "lambda" not in stored or len(stored["lambda"]) != self.rows or not self.contacts:
+                return None
+            force = stored["lambda"][:]
+        most, count = np.abs(force).max(initial=0), [0, 0, 0]
+        for contact, mu in zip(self.problem.contacts, self.problem.mu):
+            normal, slip = force[contact[0]], np.linalg.norm(force[contact[1:]])
+            count[2 if normal <= EDGE * most else 1 if slip >= (1 - EDGE) * mu * normal else 0] += 1
+        return [c / self.contacts for c in count]
+
+    def take_modes(self, modes):
+        """Shares by the modes of a proven solution, where the stored one says none."""
+        if self.shares is None and len(modes) == self.contacts > 0:
+            self.shares = [modes.count(mode) / self.contacts for mode in ("stick", "slide", "open")]
+
+
+class Study:
+    def __init__(self, run):
+        self.rows, self.files, self.references = {}, {}, {}
+        for line in (run / "results.jsonl").read_text().splitlines():
+            row = json.loads(line)
+            if row["solver"].startswith("recorded:"):
+                continue
+            name = row["problem"].removesuffix(" (convex)").removesuffix(" (coulomb)")
+            self.rows[row["law"], name, row["solver"], row["tolerance"]] = row
+            if row["law"] == "coulomb" and name not in self.files:
+                self.files[name] = File(run / row["problem_file"], name)
+                bound = row["reference_bound"]
+                self.references[name] = bound if row["reference"] and bound is not None else None
+        self.solvers = list(dict.fromkeys(key[2] for key in self.rows))
+
+    def row(self, solver, tolerance, name, law="coulomb"):
+        return self.rows.get((law, name, solver, tolerance))
+
+    @staticmethod
+    def right(row):
+        return row is not None and row["claimed"] == "solved" and row["verified"] in RIGHT
+
+    def family(self, family):
+        return [s for s in self.solvers if s.partition(":")[0] in FAMILIES[family][1]]
+
+    def tried(self, family, name):
+        return any((row := self.row(s, TIGHT, name)) is not None and row["claimed"] != "unsupported" for s in self.family(family))
+
+    def seconds(self, solvers, tolerance, name):
+        """Of the fastest that is right; infinite where none is."""
+        return min((row["solve_s"] for s in solvers if self.right(row := self.row(s, tolerance, name))), default=math.inf)
+
+    def names(self, which=lambda file: True):
+        return [name for name, file in self.files.items() if which(file)]
+
+    def solved(self, family, tolerance, names):
+        """(problems solved, tried)"""
+        names = [name for name in names if self.tried(family, name)]
+        return sum(self.seconds(self.family(family), tolerance, name) < math.inf for name in names), len(names)
+
+    def faster(self, one, other, tolerance, names, factor=1.0):
+        """(problems on which family one is faster than the other by the factor, and on which it is not); a failure is slowest."""
+        first = second = 0
+        for name in names:
+            a, b = (self.seconds(self.family(f), tolerance, name) for f in (one, other))
+            if min(a, b) < math.inf and self.tried(one, name) and self.tried(other, name):
+                first, second = first + (a * factor < b), second + (a * factor >= b)
+        return first, second
+
+
+def full(file):
+    return file.rank is not None and file.full
+
+
+def deficient(file):
+    return file.rank is not None and not file.full
+
+
+class Checks:
+    """The claims, in the report's order. Each check returns (word, what was counted)."""
+
+    def __init__(self, study):
+        self.study, self.done = study, []
+
+    def add(self, where, claim, result):
+        self.done.append({"where": where, "claim": claim, "verdict": result[0], "found": result[1]})
+
+    # Kinds of checks.
+    @staticmethod
+    def share(k, n, mark, what):
+        """Is it so on more than the share `mark`?"""
+        low, high = wilson(k, n)
+        return (word(low, high, mark) if n else "undecided", f"{k} of {n} {what} ({low:.2f} to {high:.2f}; mark {mark:g})" if n else f"no such problem: {what}")
+
+    @staticmethod
+    def less(k1, n1, k2, n2, what):
+        """Is the first share below the second?"""
+        low, high = newcombe(k2, n2, k1, n1)
+        return (word(low, high, 0) if n1 and n2 else "undecided", f"{what}: {k1} of {n1} against {k2} of {n2}" + (f" (apart by {low:+.2f} to {high:+.2f})" if n1 and n2 else ""))
+
+    def paired(self, first, second, what):
+        return self.share(first, first + second, 0.5, what)
+
+    @staticmethod
+    def all_hold(k, n, what):
+        """A claim about all: one that is otherwise refutes it."""
+        return ("undecided" if not n else "confirmed" if k == n else "refuted", f"{k} of {n} {what}")
+
+    @staticmethod
+    def untested(why):
+        return "undecided", why
+
+    def run(self):
+        s, names = self.study, self.study.names()
+        some, none = s.names(full), s.names(deficient)
+        many = [name for name in names if s.files[name].contacts > 1]
+
+        # 10.3, the table of test sets
+        over = [f for f in s.files.values() if not f.local and f.rank is not None and f.rows > f.n]
+        self.add("table of sets", "where contact unknowns exceed the freedoms, the rank of W is near the number of freedoms",
+                 self.share(sum(f.rank >= 0.9 * f.n for f in over), len(over), 0.5, "global files with more rows than freedoms have a rank of at least 0.9 of these"))
+        under = [f for f in s.files.values() if not f.local and f.rank is not None and f.rows <= f.n]
+        self.add("table of sets", "where the freedoms exceed the contact unknowns (flexible bodies), W has full rank",
+                 self.all_hold(sum(f.full for f in under), len(under), "global files with no more rows than freedoms have full rank"))
+        stored = [f for f in s.files.values() if f.asymmetry is not None]
+        for label, marks, expected in (("Capsules, Chain, LowWall, Chute, Cubes: W is not symmetric", ("capsules", "chain", "lowwall", "chute", "cube"), True),
+                                       ("BoxesStack, PerioBox, Bridge, Aqueduct: W is symmetric to rounding", ("boxesstack", "periobox", "bridge", "aqueduc"), False)):
+            named = [f for f in stored if any(m in f.name.lower() for m in marks)]
+            worst = max((f.asymmetry for f in named), default=0)
+            self.add("table of sets", label, self.all_hold(sum((f.asymmetry > ROUNDING * f.largest) == expected for f in named), len(named),
+                                                           f"files that store W and are named so; at most {worst:.1e} off"))
+
+        # Unsolved problems
+        for tolerance in (LOOSE, TIGHT):
+            solved = [name for name in names if s.seconds(s.solvers, tolerance, name) < math.inf]
+            self.add("campaign; comparison 1", f"every problem is solved by at least one solver, at {tolerance:g}",
+                     self.all_hold(len(solved), len(names), f"problems, judged; not {', '.join(n for n in names if n not in solved) or 'any'}"[:300]))
+        best = [min(s.solvers, key=lambda v: s.seconds([v], TIGHT, name)) for name in names if s.seconds(s.solvers, TIGHT, name) < math.inf]
+        most = max(((best.count(v), v) for v in set(best)), default=(0, ""))
+        self.add("comparison 1", "no solver outperforms all others on all problems",
+                 ("undecided" if len(best) < FEW else "refuted" if most[0] == len(best) else "confirmed", f"the most often fastest, {most[1]}, is so on {most[0]} of {len(best)}"))
+
+        # Variational inequalities
+        for claim in ("fixed-point and extragradient solvers with a fixed step diverge often",
+                      "with steps that adapt themselves they are robust", "and slow on large problems or at tight tolerances",
+                      "extragradient is not slower than the fixed point", "the two rules for the steps do not differ"):
+            self.add("variational inequalities", claim, self.untested("no solver of that family is built in"))
+
+        # Gauss-Seidel
+        self.add("Gauss-Seidel, local solver 1", "NSGS is robust at 1e-4", self.share(*s.solved("NSGS", LOOSE, names), MOST, "problems solved"))
+        self.add("Gauss-Seidel, local solver 2", "NSGS has difficulties at 1e-8",
+                 self.less(*s.solved("NSGS", TIGHT, names), *s.solved("NSGS", LOOSE, names), "solved at 1e-8 and at 1e-4"))
+        ended = [row for solver in s.family("NSGS") for name in names if (row := s.row(solver, TIGHT, name)) and row["claimed"] not in ("solved", "unsupported")]
+        self.add("Gauss-Seidel, local solver 2", "where NSGS does not get there, it is for slow convergence, not divergence",
+                 self.share(sum(r["claimed"] in ("time limit", "iteration limit") for r in ended), len(ended), 0.5, "failures at 1e-8 are limits of time or sweeps"))
+        for claim in ("the local tolerance changes the time of NSGS", "rho = 1 in the local solver harms rigid sets", "the shuffled order harms rigid sets",
+                      "over-relaxation helps for some omega, and harms for others"):
+            self.add("Gauss-Seidel, parameters", claim, self.untested("NSGS here solves each contact exactly, in order: it has no such parameter"))
+
+        # Newton
+        self.add("Newton 1; conclusion", "nonsmooth Newton is robust where W has full rank, at 1e-8", self.share(*s.solved("NSN", TIGHT, some), MOST, "full-rank problems solved"))
+        self.add("Newton 2; conclusion", "and is not where W is deficient",
+                 self.less(*s.solved("NSN", TIGHT, none), *s.solved("NSN", TIGHT, some), "solved at 1e-8, deficient and full rank"))
+        k, n = s.solved("NSN", TIGHT, none)
+        self.add("Newton 2", "where W is deficient nonsmooth Newton fails on most", self.share(n - k, n, 0.5, "deficient problems not solved at 1e-8"))
+        if "siconos_nsn_fb" in s.solvers:
+            sets = [name for name in names if any(m in name.lower() for m in ("kaplas", "capsules"))]
+            k = sum(s.seconds(["siconos_nsn_fb"], TIGHT, name) < math.inf for name in sets)
+            self.add("Newton 4", "on KaplasTower and Capsules Fischer-Burmeister's Newton solves more than 80 %", self.share(k, len(sets), MOST, "solved by siconos_nsn_fb"))
+        else:
+            self.add("Newton 4", "on KaplasTower and Capsules Fischer-Burmeister's Newton solves more than 80 %", self.untested("siconos_nsn_fb is not built in"))
+        self.add("Newton 1", "a line search slows Newton down on flexible sets", self.untested("whole steps alone are built in"))
+
+        # Proximal points
+        for claim in ("the proximal point helps Newton on rigid sets", "and has no use where W has full rank", "no rule for its parameter serves all sets",
+                      "rigid sets at 1e-8: proximal points are the most efficient"):
+            self.add("proximal points", claim, self.untested("no solver of that family is built in"))
+
+        # Optimization
+        self.add("optimization 2", "convex problems in an outer fixed point are robust", self.share(*s.solved("OPT", LOOSE, names), MOST, "problems solved at 1e-4"))
+        self.add("optimization 2", f"but slow: the best other family of the report is faster by more than {SLOW}",
+                 self.paired(*self.against_best("OPT", LOOSE, names), "problems on which another is"))
+        convex = [(s.row(v, TIGHT, name, "convex"), s.row(v, TIGHT, name)) for v in s.solvers for name in names]
+        convex = [(a, b) for a, b in convex if a and b and "unsupported" not in (a["claimed"], b["claimed"])]
+        good = [(s.right(a), s.right(b)) for a, b in convex]
+        self.add("optimization 1", "the convex relaxation is easier: the same solver, the same file",
+                 self.paired(sum(a and not b for a, b in good), sum(b and not a for a, b in good), "runs that only one law lets solve are the convex law's"))
+        self.add("optimization 1", "the lack of convexity is not the only difficulty: the relaxation is not always solved, either",
+                 ("undecided" if not good else "confirmed" if any(not a for a, _ in good) else "refuted", f"{sum(not a for a, _ in good)} of {len(good)} runs of the convex law fail"))
+        high, low = ([name for name in many if s.files[name].shares and (s.files[name].shares[1] > 0.5) == slides] for slides in (True, False))
+        self.add("optimization 3", "where few contacts slide the outer fixed point does better",
+                 self.less(*s.solved("OPT", TIGHT, high), *s.solved("OPT", TIGHT, low), "solved at 1e-8, more and less than half sliding"))
+
+        # Between the families
+        self.add("comparison 2", "full rank: nonsmooth Newton is faster than Gauss-Seidel, at 1e-8",
+                 self.paired(*s.faster("NSN", "NSGS", TIGHT, some), "full-rank problems"))
+        grows = [(s.seconds(s.family("NSGS"), TIGHT, n) / s.seconds(s.family("NSN"), TIGHT, n), s.seconds(s.family("NSGS"), LOOSE, n) / s.seconds(s.family("NSN"), LOOSE, n))
+                 for n in some if all(s.seconds(s.family(f), t, n) < math.inf for f in ("NSN", "NSGS") for t in (LOOSE, TIGHT))]
+        self.add("comparison 2", "its lead grows from 1e-4 to 1e-8", self.paired(sum(a > b for a, b in grows), sum(a <= b for a, b in grows), "full-rank problems solved by both"))
+        self.add("comparison 3", "deficient rank at 1e-4: Gauss-Seidel is faster than Newton", self.paired(*s.faster("NSGS", "NSN", LOOSE, none), "deficient problems"))
+        self.add("comparison 3", "deficient rank at 1e-4: and than convex problems in an outer fixed point",
+                 self.paired(*s.faster("NSGS", "OPT", LOOSE, none), "deficient problems"))
+        self.add("comparison 5", "where W is far from symmetric, convexification is the most robust", self.untested("W is made symmetric on reading: what is solved is (W + W')/2"))
+        self.add("conclusion", "deficient rank is the main cause of slow convergence and failure",
+                 self.less(*self.runs_right(none), *self.runs_right(some), "runs of the report's families that are right at 1e-8, deficient and full rank"))
+        self.add("conclusion", "... more than contact status", self.cause(many))
+        self.add("measure of error", "a small residual of the natural map is a solved problem", self.trust())
+        return self.done
+
+    def against_best(self, family, tolerance, names):
+        others = [v for f in ("NSN", "NSGS") for v in self.study.family(f)]
+        slower = faster = 0
+        for name in names:
+            mine, best = self.study.seconds(self.study.family(family), tolerance, name), self.study.seconds(others, tolerance, name)
+            if best < math.inf:
+                slower, faster = slower + (mine > SLOW * best), faster + (mine <= SLOW * best)
+        return slower, faster
+
+    def runs_right(self, names):
+        rows = [row for f in ("NSN", "NSGS", "OPT") for v in self.study.family(f) for name in names
+                if (row := self.study.row(v, TIGHT, name)) and row["claimed"] != "unsupported"]
+        return sum(map(self.study.right, rows)), len(rows)
+
+    def cause(self, names):
+        """Is the gap by rank wider than that by the share of sliding contacts?"""
+        s = self.study
+        gaps = {}
+        known = [n for n in names if s.files[n].shares and s.files[n].rank is not None]
+        for what, split in (("rank", lambda f: f.full), ("sliding", lambda f: f.shares[1] <= 0.5)):
+            (a, b), (c, d) = (self.runs_right([n for n in known if split(s.files[n]) == side]) for side in (True, False))
+            if not b or not d:
+                return self.untested("not both kinds are among the files")
+            gaps[what] = (a / b - c / d, newcombe(a, b, c, d))
+        (_, (low, high)), (_, (l2, h2)) = gaps["rank"], gaps["sliding"]
+        text = "; ".join(f"right more often by {g:+.2f} ({l:+.2f} to {h:+.2f}) {w}" for (g, (l, h)), w in
+                         zip(gaps.values(), ("at full rank", "where at most half slide")))
+        return ("confirmed" if low > max(h2, 0) else "refuted" if high < l2 else "undecided"), text
+
+    def trust(self):
+        claims = [row for (law, *_), row in self.study.rows.items() if law == "coulomb" and row["claimed"] == "solved"]
+        false = [row for row in claims if row["verified"] == "wrong"]
+        far = [row for row in claims if row["verified"] not in (*RIGHT, "wrong")]
+        return ("undecided" if not claims else "refuted" if false else "confirmed",
+                f"of {len(claims)} answers called solved {len(false)} are wrong, {len(far)} neither right nor refuted")
+
+
+def tables(study, counted):
+    """(rows of files, rows of solvers) as dictionaries."""
+    by_file = []
+    for name, f in study.files.items():
+        rows = [row for (law, problem, *_), row in study.rows.items() if law == "coulomb" and problem == name]
+        best = [row["z_error"] if row["z_error"] is not None else row["z_bound"] for row in rows if study.right(row) and row["tolerance"] == TIGHT]
+        by_file.append({
+            "problem": name, "contacts": f.contacts, "rows": f.rows, "n": f.n, "rank": f.rank, "rank ratio": f.rows / f.rank if f.rank else None,
+            "asymmetry of W": f.asymmetry, "rolling left out": f.problem.rolling, "reference bound": study.references[name],
+            "stick": f.shares and round(f.shares[0], 3), "slide": f.shares and round(f.shares[1], 3), "open": f.shares and round(f.shares[2], 3),
+            "isolated": next((row["isolated"] for row in rows if row.get("isolated") is not None), None), "strictly": counted.get(name, {}).get("feasible"),
+            "solutions": counted.get(name, {}).get("solutions"), "proven distance at 1e-8": min((b for b in best if b is not None), default=None),
+            "solved by": sum(study.right(row) for row in rows if row["tolerance"] == TIGHT), "of": sum(row["tolerance"] == TIGHT for row in rows),
+            "false": sum(row["claimed"] == "solved" and row["verified"] == "wrong" for row in rows)})
+    by_solver = []
+    for solver in study.solvers:
+        for tolerance in sorted({key[3] for key in study.rows}, reverse=True):
+            rows = [(name, row) for name in study.files if (row := study.row(solver, tolerance, name)) and row["claimed"] != "unsupported"]
+            if not rows:
+                continue
+            ended = [row["z_error"] for _, row in rows if row["claimed"] in ("time limit", "iteration limit") and row["z_error"] is not None]
+            ratio = [row["solve_s"] / study.files[name].contacts * 1e6 for name, row in rows if study.right(row) and study.files[name].contacts]
+            by_solver.append({
+                "solver": solver, "tolerance": tolerance, "tried": len(rows), "right": sum(study.right(row) for _, row in rows),
+                "called solved, wrong": sum(row["claimed"] == "solved" and row["verified"] == "wrong" for _, row in rows),
+                "limits": sum(row["claimed"] in ("time limit", "iteration limit") for _, row in rows),
+                "error at a limit, median": statistics.median(ended) if ended else None, "error at a limit, largest": max(ended, default=None),
+                "crashed or no answer": sum(row["claimed"] in ("crashed", "numerical failure", "bad input") for _, row in rows),
+                "us a contact, median": statistics.median(ratio) if ratio else None,
+                **{f"right, {label}": f"{sum(study.right(row) for name, row in rows if which(study.files[name]))} of {sum(which(study.files[name]) for name, _ in rows)}"
+                   for label, which in (("full rank", full), ("deficient", deficient),
+                                        ("most stick", lambda f: f.shares is not None and f.shares[0] > 0.5), ("most slide", lambda f: f.shares is not None and f.shares[1] > 0.5),
+                                        ("most open", lambda f: f.shares is not None and f.shares[2] > 0.5))}})
+    return by_file, by_solver
+
+
+def short(value):
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.3g}" if isinstance(value, float) else str(value).replace("|", "\\|")
+
+
+def as_markdown(rows):
+    head = list(rows[0]) if rows else []
+    return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(short(r[k]) for k in head) + " |" for r in rows)]) + "\n"
+
+
+def compare(asked, out):
+    """Runs the solvers in as many processes as asked for, and goes on with what is there. Returns the run's folder."""
+    known = {line.split()[0] for line in files.run([asked.program, "solvers"]).splitlines() if line.startswith("  ") and "not built in" not in line}
+    solvers = asked.solvers or ",".join(v for _, family in FAMILIES.values() for v in family if v in known)
+    words = ["--problems", *files.expanded(asked.problems), "--law", "coulomb,convex", "--solvers", solvers, "--tolerances", f"{LOOSE:g},{TIGHT:g}", "--time-limit", f"{asked.time_limit:g}",
+             "--accuracy"]
+    parts, running = [out / f"part{k}" for k in range(asked.jobs)], []
+    for k, part in enumerate(parts):
+        how = ["--resume", part] if part.exists() else [*words, "--shard", f"{k}/{asked.jobs}", "--out", part]
+        running.append(subprocess.Popen([str(w) for w in (asked.program, "bench", *how)], stdout=subprocess.DEVNULL, stderr=None if k == 0 else subprocess.DEVNULL))
+    ended = [process.wait() for process in running]
+    if any(code not in (0, 1) for code in ended):
+        if ended[0] in (0, 1):  # otherwise it has said why
+            print(f"bench ended with exit code {max(ended)}; {out} keeps what was done", file=sys.stderr)
+        sys.exit(max(ended))
+    run = out / "run"
+    if run.exists():
+        shutil.rmtree(run)
+    files.run([asked.program, "merge", *parts, "--out", run])
+    return run
+
+
+def look(study, run, asked):
+    """Strictly feasible or not, and Coulomb's solutions, of the smallest problems first, until the time is over."""
+    started, counted = time.monotonic(), {}
+    paths = {row["problem"].removesuffix(" (coulomb)"): run / row["problem_file"] for (law, *_), row in study.rows.items() if law == "coulomb"}
+    for name in sorted(study.files, key=lambda n: study.files[n].rows):
+        f = study.files[name]
+        if time.monotonic() - started > asked.search:
+            break
+        counted[name] = {"feasible": feasibility.decide(f.problem)["feasible"]}
+        left = asked.search - (time.monotonic() - started)
+        try:
+            said = subprocess.run([asked.program, "solve", str(paths[name]), "--law", "coulomb", "--solutions", "--json"], capture_output=True, text=True, timeout=max(left, 1))
+            found = json.loads(said.stdout) if said.returncode == 0 else {"in_words": "not searched", "solutions": []}
+            counted[name]["solutions"] = found["in_words"].partition(":")[0].partition(";")[0]
+            if found["solutions"]:
+                f.take_modes(found["solutions"][0]["modes"])
+        except subprocess.TimeoutExpired:
+            counted[name]["solutions"] = "not searched"
+    return counted
+
+
+def main():
+    options = argparse.ArgumentParser(prog="./zwang experiment acary", description=__doc__.split("\n")[0])
+    options.add_argument("program", help=argparse.SUPPRESS)
+    options.add_argument("problems", nargs="*", metavar="FILE|DIR", help="FCLIB's or Siconos' files, or folders of them")
+    options.add_argument("--run", metavar="DIR", help="results of ./zwang bench or campaign, made before, in place of files")
+    options.add_argument("--out", default="results/acary", metavar="DIR", help="where tables go, and a run is gone on with; default: results/acary")
+    options.add_argument("--solvers", metavar="A,B:KEY=VALUE", help="default: those of the report's families that are built in")
+    options.add_argument("--time-limit", type=float, default=10, metavar="S", help="CPU time of a solve; default: 10")
+    options.add_argument("--search", type=float, default=600, metavar="S", help="for strict motions and numbers of solutions, in all; default: 600")
+    options.add_argument("--jobs", type=int, default=2, metavar="N", help="processes; default: 2")
+    asked = options.parse_args()
+    if bool(asked.problems) == bool(asked.run) or asked.jobs < 1 or not asked.time_limit > 0 or not asked.search >= 0:
+        files.fail("expected files or folders, or --run DIR; --jobs from 1 on; times of at least 0 s")
+    out = pathlib.Path(asked.out)
+    out.mkdir(parents=True, exist_ok=True)
+    run = pathlib.Path(asked.run) if asked.run else compare(asked, out)
+    if not (run / "results.jsonl").exists():
+        files.fail(f"{run}: no results.jsonl there", files.BAD_FILE)
+    study = Study(run)
+    if not study.files:
+        files.fail(f"{run}: no problem under Coulomb's law", files.BAD_FILE)
+    counted = look(study, run, asked)
+    checks = Checks(study).run()
+    by_file, by_solver = tables(study, counted)
+    proven = sum(bound is not None for bound in study.references.values())
+    for check in checks:
+        print(f"{check['verdict']:10} {check['claim']}\n{'':10} {check['found']}   [{check['where']}]")
+    words = {w: sum(c["verdict"] == w for c in checks) for w in ("confirmed", "refuted", "undecided")}
+    head = (f"{len(study.files)} problems, {len(study.solvers)} solvers, {proven} references proven; of {len(checks)} claims {words['confirmed']} confirmed, "
+            f"{words['refuted']} refuted, {words['undecided']} undecided")
+    print(f"\n{head}   -> {out}/acary.md")
+    (out / "acary.json").write_text(json.dumps({"checks": checks, "problems": by_file, "solvers": by_solver}, indent=1) + "\n")
+    for name, rows in (("checks", checks), ("problems", by_file), ("solvers", by_solver)):
+        with open(out / f"{name}.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows(rows)
+    (out / "acary.md").write_text(f"# RR-9118 on {', '.join(asked.problems) or asked.run}\n\n{head}.\n\n{as_markdown(checks)}\n## Solvers\n\n{as_markdown(by_solver)}\n## Problems\n\n{as_markdown(by_file)}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
