@@ -754,9 +754,9 @@ class GradientJudgement:
         return f"<{text}{'; ' + self.note if self.note else ''}>"
 
 
-def apart(distance, off, scale):
-    """Proven bounds of a distance that is off by so much, over the scale."""
-    low, high = max(distance * (1 - UP_TO) - off, 0.0), distance * (1 + UP_TO) + off
+def apart(low, high, off, scale):
+    """Proven bounds of a distance between low and high that is off by so much, over the scale."""
+    low, high = max(low * (1 - UP_TO) - off, 0.0), high * (1 + UP_TO) + off
     return (low / scale, high / scale) if scale > 0 else (math.inf if low > 0 else 0.0, math.inf if high > 0 else 0.0)
 
 
@@ -773,9 +773,10 @@ def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, toleran
             return GradientJudgement(true.kink, math.inf, math.inf, 0.0, tolerance, "it has entries that are not finite")
         # |v|_M <= |v'| over the diagonal times the root of the size holds for any positive definite M.
         width = math.sqrt(of.p.n) * math.sqrt(of.p.M.diagonal() @ true.enclosure**2) * UP
-        size = of.norm(true.dz)
-        low, high = apart(of.norm(got - true.dz), width, max(size, of.norm(true.free)))
-        return GradientJudgement(true.kink, low, high, max(size, of.norm(true.free)), tolerance, true.note if true.kink else "")
+        d, scale = got - true.dz, max(of.norm(true.dz), of.norm(true.free))
+        square, off = d @ (of.p.M @ d), (of.p.n + 8) * EPSILON * (abs(d) @ (abs(of.p.M) @ abs(d)))
+        low, high = apart(math.sqrt(max(square - off, 0.0)), math.sqrt(max(square + off, 0.0)), width, scale)
+        return GradientJudgement(true.kink, low, high, scale, tolerance, true.note if true.kink else "")
     if direction is not None or wrt not in NAMES:
         raise ValueError(f"with z_bar, wrt should be one of {', '.join(NAMES)}, and direction is left out")
     if of.ties:
@@ -795,4 +796,5 @@ def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, toleran
     alone = {"z_u": norm(z_bar), "M": norm(free) * norm(moved), "J": norm(free) * norm(force), "c": norm(along / p.unit**2),
              "mu": norm([force[c.row] * along[k] for c in p.contacts for k in c.tangents])}
     size = float(max(norm(true[wrt]), alone[wrt]))
-    return GradientJudgement([], *apart(float(norm(got - true[wrt])), float(norm(bound[wrt])) * UP, size), size, tolerance)
+    far = float(norm(got - true[wrt]))
+    return GradientJudgement([], *apart(far, far, float(norm(bound[wrt])) * UP, size), size, tolerance)

@@ -341,7 +341,7 @@ class Branch:
                     new[k] = SLIDES
                 elif inside <= off:
                     ties.append(k)
-            elif mode == SLIDES and self.high[self.slip[contact.row]] <= self.radius[self.slip[contact.row]]:
+            elif mode == SLIDES and self.high[self.slip[contact.row]] <= 2 * (self.radius + abs(self.low))[self.slip[contact.row]]:
                 new[k] = HELD
         return new, ties
 

@@ -545,6 +545,27 @@ class NotUnique(unittest.TestCase):
             of.jvp(dc=[1, 0])
 
 
+class Several(unittest.TestCase):
+    """Painleve's rod: it falls free, sticks or slides, and each is a solution of Coulomb's law."""
+
+    def test_each_solution_has_a_derivative_of_its_own_and_what_is_none_is_refused(self):
+        rod = zwang.scene("ROD")
+        J, mu = rod.J.toarray(), rod.mu[0]  # M is the identity
+        stuck = numpy.linalg.solve(J @ J.T, rod.c - J @ rod.z_u)
+        normal = (rod.c[0] - J[0] @ rod.z_u) / (J[0] @ (J[0] - mu * J[1]))
+        answers = {force: rod.z_u + J.T @ force for force in [(0.0, 0.0), tuple(stuck), (normal, -mu * normal)]}
+        slopes = []
+        for force, z in answers.items():
+            g = zwang.gradient_of(rod, (z, force))
+            self.assertEqual((g.kink, g.distance < 1e-15), ([], True))
+            along = g.jvp(dc=[1, 0])
+            slopes.append(tuple(along.dz.round(12)))
+        self.assertEqual(len(set(slopes)), 3)
+        wrong = (rod.c[0] - J[0] @ rod.z_u) / (J[0] @ (J[0] + mu * J[1]))
+        with self.assertRaisesRegex(ValueError, "no solution"):
+            zwang.gradient_of(rod, (rod.z_u + J.T @ [wrong, mu * wrong], [wrong, mu * wrong]))
+
+
 class Refused(unittest.TestCase):
     def test_what_has_no_derivative_costs_one_line(self):
         p = zwang.Problem(numpy.eye(2), [1, -1], [[0, 1]], [0])
