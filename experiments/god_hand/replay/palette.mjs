@@ -1,9 +1,9 @@
 // Colours that WebGL and canvas draw; those of panels are in replay.css.
 export const stage_colors = {physics: '#8a6fd1', resolution: '#d0679d', assembly: '#c79a1e', solve: '#3d83d0', collision: '#2aa08f', other: '#8f98a3'};
 export const mark_colors = {wrong: '#e0142f', stuck: '#e0142f', held: '#ef7d1a', behind: '#8a6fd1', returned: '#8a6fd1', untracked: '#8f98a3'};
-// By Frame::origin: free, constrained, damped, bounded, relaxed, held.
-export const origins = ['free', 'constrained', 'damped', 'bounded', 'relaxed', 'held'];
-export const origin_colors = ['#8f98a355', '#3d83d0', '#2aa08f', '#c79a1e', '#d0679d', '#ef7d1a'];
+// By Frame::origin: free, constrained, damped, bounded, relaxed, held, limited.
+export const origins = ['free', 'constrained', 'damped', 'bounded', 'relaxed', 'held', 'limited'];
+export const origin_colors = ['#8f98a355', '#3d83d0', '#2aa08f', '#c79a1e', '#d0679d', '#ef7d1a', '#a03fb8'];
 export const contact_colors = {near: 0x7fae9c, push: 0x0d9a58, inside: 0xe0142f};
 
 export const themes = {

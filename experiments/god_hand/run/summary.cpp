@@ -10,8 +10,6 @@
 namespace zwang::god {
 namespace {
 
-constexpr double closed = 1e-9;  // m and rad: what joints and limits are kept to
-
 std::string length(double metres) {
   if (metres == 0) return "0";
   if (std::abs(metres) >= 1e-5) return printed("%.3g mm", 1e3 * metres);
@@ -39,8 +37,8 @@ bool finite(const Frame& frame) {
 std::string fault(const Frame& frame) {
   if (!finite(frame)) return "NaN";
   if (frame.gap < 0) return "penetration";
-  if (frame.separation > closed) return "open joint";
-  if (frame.limit > closed) return "limit crossed";
+  if (frame.separation > closed_within) return "open joint";
+  if (frame.limit > closed_within) return "limit crossed";
   if (frame.verified == Verdict::wrong) return "wrong answer";
   return "";
 }
@@ -80,7 +78,7 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
                 grouped(std::lround(1 / dt_)) + " Hz: deepest penetration " +
                 length(std::max(0.0, -columns_.least("gap"))) + ", joints " + length(most("joint")) + ", " +
-                (most("limit") <= closed ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
+                (most("limit") <= closed_within ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
                 ", held " + std::to_string(count("held")));
   out.push_back(cost_.line() + (raw_.empty() ? ""
                                              : ", contacts " + printed("%.0f", median(raw_)) + " -> " +

@@ -6,7 +6,6 @@
 #include <zwang/core/problem/law.h>
 #include <zwang/experiments/god_hand/step/following.h>
 #include <zwang/experiments/god_hand/step/lap.h>
-#include <zwang/experiments/god_hand/step/solver_choice.h>
 
 namespace zwang::god {
 namespace {
@@ -26,8 +25,7 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
       objects_(std::move(objects)),
       skeleton_(objects_.scene),
       contacts_(objects_, surroundings),
-      solver_(solver_of(options)),
-      plain_solver_(plain_solver_of(options)) {
+      solver_(options) {
   for (const Body& body : objects_.scene.bodies) pose_.push_back(body.pose);
   for (const Object& object : surroundings.objects) {
     objects_.scene.add(Body{.pose = object.pose, .motion = zwang::Motion::fixed});
@@ -65,9 +63,7 @@ void Cluster::restore(const Memory& memory) {
   next_ = memory.next;
   step_scale_ = memory.step_scale;
   met_at_ = memory.met_at;
-  warm_ = {};
-  solver_ = solver_of(options_);
-  plain_solver_ = plain_solver_of(options_);
+  solver_.forget();
 }
 
 void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
@@ -104,6 +100,7 @@ void Cluster::aim(std::span<const Pose<double>> targets) {
   largest_step_ = std::max({1.5 * minimum_step_, 0.4 * options_.activation,
                             std::min(options_.catch_up * options_.dt, 2 * options_.activation)});
   done_ = held_ = counted_ = false;
+  solver_.begin();
   sub_step_ = 0;
 }
 
@@ -143,21 +140,19 @@ bool Cluster::solve(Frame& frame) {
     }
     {
       const Lap lap(frame.times.solve);
-      AnySolver& solver = problem_.has_tangents() ? solver_ : plain_solver_;
-      solver.solve(problem_, asked_of(problem_, options_, warm_), solution_);
+      solved_ = solver_.solve(problem_, left_of(options_, frame.times.solve), solution_);
     }
     if (frame.verified)
       frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
-    solved_ = has_answer(problem_, solution_);
     if (solved_) break;
   }
-  frame.claimed = worse(frame.claimed, solution_.status);
-  if (!solved_) return false;
-  complete_multipliers(problem_, solution_);
-  warm_.key = problem_.key;
-  warm_.lambda = solution_.lambda;
-  take_solution();
-  return true;
+  frame.claimed = worse(frame.claimed, solver_.claimed());
+  if (solver_.limited()) {
+    frame.came_from(Origin::limited);
+    first_rows(problem_, rows().size(), row_at_);
+  }
+  if (solved_) take_solution();
+  return solved_;
 }
 
 void Cluster::take_solution() {
@@ -166,11 +161,9 @@ void Cluster::take_solution() {
   share_ = 1;
 }
 
-// Rows that an unfinished solve violates are not missing.
 bool Cluster::solve_lazily(Frame& frame) {
   bool solved = solve(frame);
-  const auto finished = [&] { return !problem_.has_tangents() || solution_.status != Status::iteration_limit; };
-  while (solved && finished()) {
+  while (solved) {
     int added = 0;
     {
       const Lap lap(frame.times.completion);

@@ -5,12 +5,12 @@
 
 #include <zwang/constraints/contact.h>
 #include <zwang/core/model/assemble.h>
-#include <zwang/core/problem/solver.h>
 #include <zwang/experiments/god_hand/hand/god_objects.h>
 #include <zwang/experiments/god_hand/hand/skeleton.h>
 #include <zwang/experiments/god_hand/scenes/surroundings.h>
 #include <zwang/experiments/god_hand/step/contacts.h>
 #include <zwang/experiments/god_hand/step/frame.h>
+#include <zwang/experiments/god_hand/step/frame_solver.h>
 #include <zwang/experiments/god_hand/step/options.h>
 
 namespace zwang::god {
@@ -112,10 +112,9 @@ class Cluster {
   Contacts contacts_;
   const ConstraintListOf<Contact>* written_ = nullptr;
   Assembler assembler_;
-  AnySolver solver_, plain_solver_;  // plain: of what has no friction rows, a least-distance problem
+  FrameSolver solver_;
   Problem problem_;
   Solution solution_;
-  WarmStart warm_;
   Vector z_u_;
   std::vector<Pose<double>> along_;  // of the god objects, had they moved with an object as one body
   std::vector<Pose<double>> pose_, target_, end_,

@@ -78,8 +78,7 @@ void Coupling::push(std::span<const Cluster> clusters, const Physics* physics, F
   for (Vec<double, 6>& w : memory_.wrench) w.setZero();
   collect(clusters, physics, frame);
   if (physics && !grasps_.empty()) {
-    const Lap lap(frame.times.solve);
-    hold(clusters, *physics);
+    hold(clusters, *physics, frame);
   } else if (physics && !pushes_.empty()) {
     cap();
     bound(*physics);
@@ -128,14 +127,20 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
 }
 
 // What grasp.h says, where it has an answer; else what the step of the god objects itself says.
-void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics) {
+void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics, Frame& frame) {
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     grasps_[c].let_go();
     if (std::none_of(pushes_.begin(), pushes_.end(), [&](const Push& p) { return p.cluster == c; })) continue;
     others_ = other_;
     for (std::size_t k = 0; k < clusters.size(); ++k)
       for (std::size_t o = 0; o < others_.size() && k != c; ++o) others_[o] += memory_.part[k][o];
-    const bool solved = grasps_[c].solve(clusters[c], memory_.target_velocity[c], physics, others_);
+    bool solved = false;
+    {
+      const Lap lap(frame.times.solve);
+      solved = grasps_[c].solve(clusters[c], memory_.target_velocity[c], physics, others_,
+                                left_of(options_, frame.times.solve));
+    }
+    if (grasps_[c].limited()) frame.came_from(Origin::limited);
     for (Push& p : pushes_) {
       if (p.cluster != c || !solved) continue;
       grasps_[c].read(p.row, p.given, p.received);

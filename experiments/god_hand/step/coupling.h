@@ -76,7 +76,7 @@ class Coupling {
   };
   void collect(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);
   void cap();
-  void hold(std::span<const Cluster> clusters, const Physics& physics);
+  void hold(std::span<const Cluster> clusters, const Physics& physics, Frame& frame);
   void bound(const Physics& physics);
   void add(std::span<const Cluster> clusters, Frame& frame);
 

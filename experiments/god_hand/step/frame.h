@@ -19,8 +19,9 @@ namespace zwang::god {
 //   bounded      shortened to what contacts were looked for in, or after a reversal
 //   relaxed      rows that push out contradicted each other; they kept what gap there was
 //   held         no part of the way was clear, or there was no answer: the last pose
-enum class Origin { free, constrained, damped, bounded, relaxed, held };
-inline constexpr std::array origin_names = {"free", "constrained", "damped", "bounded", "relaxed", "held"};
+//   limited      a solve met its limit under the law of friction; the step is that of a simpler law (FrameSolver)
+enum class Origin { free, constrained, damped, bounded, relaxed, held, limited };
+inline constexpr std::array origin_names = {"free", "constrained", "damped", "bounded", "relaxed", "held", "limited"};
 constexpr const char* to_string(Origin origin) { return origin_names[static_cast<std::size_t>(origin)]; }
 
 // A contact that was a row of the frame's last solve.

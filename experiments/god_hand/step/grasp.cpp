@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <zwang/core/problem/law.h>
-#include <zwang/experiments/god_hand/step/solver_choice.h>
 
 namespace zwang::god {
 
@@ -12,7 +11,7 @@ Grasp::Grasp(const Scene& scene, const Surroundings& surroundings, const Options
       options_(options),
       share_(options.force_stiffness * options.dt * (options.dt + coupling_time)),
       scene_(scene),
-      solver_(solver_of(options)) {}
+      solver_(options) {}
 
 // Those that a contact is about. Their inertia is measured in that of the god objects, whose rows then stay as they
 // are.
@@ -38,7 +37,7 @@ void Grasp::free_objects(const Cluster& cluster, const Physics& physics, std::sp
 }
 
 bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target_velocity, const Physics& physics,
-                  std::span<const Vec<double, 6>> others) {
+                  std::span<const Vec<double, 6>> others, double seconds) {
   const double dt = options_.dt, damper = coupling_time / dt;
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) scene_.bodies[b].pose = cluster.objects().scene.bodies[b].pose;
   auto& contacts = scene_.list_of<Contact>();
@@ -57,11 +56,8 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
 
   assembler_.assemble(scene_, z_u_, {.dt = dt}, problem_);
   if (options_.law == Options::Friction::convex) problem_.law = without_lift(problem_.law);
-  solver_.solve(problem_, asked_of(problem_, options_, warm_), solution_);
-  if (!has_answer(problem_, solution_)) return false;
-  complete_multipliers(problem_, solution_);
-  warm_.key = problem_.key;
-  warm_.lambda = solution_.lambda;
+  solver_.begin();
+  if (!solver_.solve(problem_, seconds, solution_)) return false;
   first_rows(problem_, cluster.rows().size(), row_at_);
   for (std::size_t b = 0; b < cluster.size(); ++b)
     motion_.push_back(solution_.z.segment<6>(6 * static_cast<Index>(b)) * dt * dt);
@@ -88,11 +84,6 @@ void Grasp::take(const Hold& hold) {
   motion_ = hold.motion;
   for (std::size_t o = 0; o < hold.objects.size(); ++o)
     if (hold.objects[o] != 0) held_.push_back(o);
-}
-
-void Grasp::forget() {
-  warm_ = {};
-  solver_ = solver_of(options_);
 }
 
 void Grasp::read(std::size_t row, Vec<double, 6>& on_object, Vec<double, 6>& on_god) const {

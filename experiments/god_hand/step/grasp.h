@@ -3,9 +3,9 @@
 #include <span>
 
 #include <zwang/core/model/assemble.h>
-#include <zwang/core/problem/solver.h>
 #include <zwang/experiments/god_hand/scenes/surroundings.h>
 #include <zwang/experiments/god_hand/step/cluster.h>
+#include <zwang/experiments/god_hand/step/frame_solver.h>
 #include <zwang/experiments/god_hand/step/physics.h>
 
 namespace zwang::god {
@@ -35,7 +35,8 @@ class Grasp {
   // From where the god objects are now. target_velocity: by god object, [m/s; rad/s]. others: by object, [N; N m].
   // False where there is no answer.
   bool solve(const Cluster& cluster, std::span<const Vec<double, 6>> target_velocity, const Physics& physics,
-             std::span<const Vec<double, 6>> others);
+             std::span<const Vec<double, 6>> others, double seconds);
+  bool limited() const { return solver_.limited(); }
   // What the last solve says of the next step: the motion of the god objects [m, rad], and the objects they press on.
   // Empty where there was no answer.
   std::span<const Vec<double, 6>> motion() const { return motion_; }
@@ -48,7 +49,7 @@ class Grasp {
   };
   Hold hold() const;
   void take(const Hold& hold);
-  void forget();  // warm starts
+  void forget() { solver_.forget(); }  // warm starts
   // The force of a contact row of the cluster on the object and on the god object, about their centres of mass [N; N
   // m].
   void read(std::size_t row, Vec<double, 6>& on_object, Vec<double, 6>& on_god) const;
@@ -62,10 +63,9 @@ class Grasp {
   Index gods_ = 0;  // unknowns of the god objects: the first ones
   Scene scene_;
   Assembler assembler_;
-  AnySolver solver_;
+  FrameSolver solver_;
   Problem problem_;
   Solution solution_;
-  WarmStart warm_;
   Vector z_u_;
   std::vector<Vec<double, 6>> wanted_;  // m/s^2, rad/s^2, by free body
   std::vector<Index> row_at_;

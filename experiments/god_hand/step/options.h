@@ -7,6 +7,8 @@
 
 namespace zwang::god {
 
+inline constexpr double closed_within = 1e-9;  // m and rad: what joints and limits are kept to
+
 // The choices of a run; the defaults are the project's, the others are the paper's or an experiment's.
 struct Options {
   double dt = 1e-3;                                                 // s, a simulated step
@@ -33,6 +35,8 @@ struct Options {
   double jump = 0.016;                   // m: targets that go farther in a frame have jumped, too
   double catch_up = 0.8;                 // m/s: a pressing hand may go so fast though its target does not
   int sub_steps = 3;
+  int iterations = 100;  // that `cone` may take of a solve
+  double budget = 0;     // ms of CPU time that the solves of a frame may take; 0: none
   bool measured = true;  // false: of a frame nothing but what a stream shows: poses, contacts, forces, held
   int verify = 20;       // the referee looks at the solves of every so-many-th frame (not in the times); 0: of none
 };
@@ -125,6 +129,16 @@ void each_option(SomeOptions& o, const Visit& visit) {
                    from(0, "m/s")},
         o.catch_up);
   visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", from_to(1, 100)}, o.sub_steps);
+  visit(OptionText{"iterations", "iterations",
+                   "of cone, in a solve; what is not answered by then is of a simpler law, and the frame is limited; "
+                   "default: 100",
+                   from_to(1, 1e6)},
+        o.iterations);
+  visit(OptionText{"budget", "budget",
+                   "CPU time that the solves of a frame may take, likewise; what no law has answered by then is not "
+                   "done; 0: no limit; default: 0",
+                   from(0, "ms")},
+        o.budget);
   visit(
       OptionText{
           "verify", "verify",
