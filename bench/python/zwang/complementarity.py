@@ -79,14 +79,19 @@ class Complementarity:
         except Unproven:
             return "singular"
         w_off = (w_off + abs(low)) * UP
-        u = q + G @ w
-        u_off = (q_off + G_off @ (abs(w) + w_off) + abs(G) @ w_off + (k + 4) * EPSILON * (abs(q) + abs(G) @ abs(w))) * UP
+        u, u_off = self.rises(w, w_off)
         strict = True
         for value, off in self.signs(modes, w, w_off, u, u_off):
             if value < -off:
                 return "no"
             strict = strict and value > off
         return w, w_off, strict, u > u_off
+
+    def rises(self, w, w_off):
+        """u, and what it is off."""
+        rounded = (len(w) + 8) * EPSILON * (abs(self.q) + abs(self.G) @ abs(w))
+        off = self.q_off + self.G_off @ (abs(w) + w_off) + abs(self.G) @ w_off + rounded
+        return self.q + self.G @ w, off * UP
 
     def signs(self, modes, w, w_off, u, u_off, ties=None):
         """Numbers that may not be negative, and what they are off."""
@@ -113,7 +118,7 @@ class Complementarity:
     def slips_that_begin(self):
         """Under the convex law: [(w, what it is off, True, what opens)] where contacts in space begin to slide, whose directions are
         unknowns, too: w is guessed by projected gradients, and proven by Newton's method. [] where it is not."""
-        q, q_off, G, k = self.q, self.q_off, self.G, len(self.q)
+        q, G, k = self.q, self.G, len(self.q)
         mu = [t.contact.mu for t in self.ties]
         starts = numpy.cumsum([0] + [len(t.contact.rows) if t.word == "apex" else 1 for t in self.ties])
         parts = [slice(a, b) for a, b in zip(starts, starts[1:])]
@@ -130,18 +135,18 @@ class Complementarity:
             pushes = w[part.start] > step * abs(u[part.start])
             if tie.word != "apex":
                 modes.append(("act" if pushes else "rest", part.start))
-            elif part.stop - part.start == 2 and pushes and abs(u[part.start + 1]) * step > abs(m * w[part.start] - abs(w[part.start + 1])):
+            elif part.stop - part.start == 2 and pushes and (
+                    abs(u[part.start + 1]) * step > abs(m * w[part.start] - abs(w[part.start + 1]))):
                 modes.append(("slide", part.start, math.copysign(1.0, u[part.start + 1])))
             else:
                 modes.append(("slide" if (part, m) in slides else "stick" if pushes else "open", part.start))
         size = k + len(slides)
-        many = (k + 8) * EPSILON
 
         def system(x):
             """The equations, what they are off, their matrix, what it is off, and what their second order adds for steps `across`."""
-            w, u = x[:k], q + G @ x[:k]
-            u_off = q_off + self.G_off @ abs(w) + many * (abs(q) + abs(G) @ abs(w))
-            F, F_off, K, K_off, lines = numpy.zeros(size), numpy.zeros(size), numpy.zeros((size, size)), numpy.zeros((size, size)), []
+            w = x[:k]
+            u, u_off = self.rises(w, 0 * w)
+            (F, F_off), (K, K_off), lines = numpy.zeros((2, size)), numpy.zeros((2, size, size)), []
             line = 0
             for tie, part, m, (word, at, *sign) in zip(self.ties, parts, mu, modes):
                 for a in range(part.start, part.stop):
@@ -153,10 +158,12 @@ class Complementarity:
                         F[line], K[line, at], K[line, at + 1] = w[at + 1] + m * sign[0] * w[at], m * sign[0], 1
                         F_off[line] = 4 * EPSILON * (abs(w[at + 1]) + m * abs(w[at]))
                     elif sign or a == at:  # u_n = mu |u_t|
-                        slip, row = (sign[0] * u[at + 1], sign[0] * G[at + 1]) if sign else (x[k + slides.index((part, m))], 0 * G[at])
+                        slip, row = ((sign[0] * u[at + 1], sign[0] * G[at + 1]) if sign else
+                                     (x[k + slides.index((part, m))], 0 * G[at]))
                         F[line], K[line, :k] = u[at] - m * slip, G[at] - m * row
                         F_off[line] = u_off[at] + m * u_off[at + 1] * bool(sign) + 4 * EPSILON * (abs(u[at]) + m * abs(slip))
-                        K_off[line, :k] = self.G_off[at] + m * self.G_off[at + 1] * bool(sign) + 4 * EPSILON * (abs(G[at]) + m * abs(row))
+                        K_off[line, :k] = (self.G_off[at] + m * self.G_off[at + 1] * bool(sign)
+                                           + 4 * EPSILON * (abs(G[at]) + m * abs(row)))
                         if not sign:
                             K[line, k + slides.index((part, m))] = -m
                     else:  # |u_t| w_t + mu w_n u_t = 0
@@ -173,10 +180,10 @@ class Complementarity:
                         lines.append((line, r, at, a, m))
                     line += 1
             for (part, m), r in zip(slides, range(k, size)):
-                v, v_off = u[part][1:], u_off[part][1:]
-                F[line], F_off[line] = x[r] ** 2 - v @ v, 2 * abs(v) @ v_off + v_off @ v_off + 8 * EPSILON * (x[r] ** 2 + v @ v)
-                K[line, :k], K[line, r] = -2 * v @ G[part][1:], 2 * x[r]
-                K_off[line, :k] = 2 * (v_off @ abs(G[part][1:]) + (abs(v) + v_off) @ self.G_off[part][1:]) + 16 * EPSILON * (abs(v) @ abs(G[part][1:]))
+                v, v_off, H, H_off = u[part][1:], u_off[part][1:], G[part][1:], self.G_off[part][1:]
+                F[line], F_off[line] = x[r] ** 2 - v @ v, (2 * abs(v) + v_off) @ v_off + 8 * EPSILON * (x[r] ** 2 + v @ v)
+                K[line, :k], K[line, r] = -2 * v @ H, 2 * x[r]
+                K_off[line, :k] = 2 * (v_off @ abs(H) + (abs(v) + v_off) @ H_off) + 16 * EPSILON * (abs(v) @ abs(H))
                 lines.append((line, r, part, None, m))
                 line += 1
             return F, F_off, K, K_off, lines
@@ -200,8 +207,7 @@ class Complementarity:
         except Unproven:
             return []
         w, w_off, r, r_off = x[:k], off[:k], x[k:], off[k:]
-        u = q + G @ w
-        u_off = (q_off + self.G_off @ (abs(w) + w_off) + abs(G) @ w_off + many * (abs(q) + abs(G) @ abs(w))) * UP
+        u, u_off = self.rises(w, w_off)
         spare = [(w[part.start], w_off[part.start]) for part, _ in slides] + list(zip(r, r_off))
         rest = [(tie, mode) for tie, mode, part, m in zip(self.ties, modes, parts, mu) if (part, m) not in slides]
         spare += self.signs([mode for _, mode in rest], w, w_off, u, u_off, [tie for tie, _ in rest])

@@ -71,7 +71,8 @@ class Rows:
 
 
 class Regular:
-    """A square matrix K, each entry off by at most off, proven to be regular; else Unproven. units: of the unknowns, where they are known."""
+    """A square matrix K, each entry off by at most off, proven to be regular; else Unproven. units: of the unknowns, where
+    they are known."""
 
     def __init__(self, K, off=None, units=None):
         n = len(K)

@@ -44,7 +44,7 @@ class Derivative:
         return self.p.solve_mass(self.pushed)
 
     def __repr__(self):
-        text = "no number" if self.dz is None else f"one-sided, {len(self.dz)} entries" if self.one_sided else f"{len(self.dz)} entries"
+        text = "no number" if self.dz is None else f"{'one-sided, ' if self.one_sided else ''}{len(self.dz)} entries"
         if self.kink:
             text += f"; kink: {', '.join(self.kink_names)}"
         return f"<zwang.Derivative: {text}{'; ' + self.note if self.note else ''}>"
@@ -234,9 +234,10 @@ class Gradient:
             return True  # they depend on each other in the same way, however far
         # To first order is enough where a motion opens them all: then the problem goes on having solutions.
         none = scipy.sparse.csr_matrix((len(b.basis), p.n))
-        rows = scipy.sparse.vstack([scipy.sparse.hstack([p.J[b.basis], none]), scipy.sparse.hstack([change.dJ[held], p.J[held]])], format="csr")
-        return (not any(c.tangents for c in p.contacts) and self.depend(rows, numpy.r_[p.c[b.basis], change.dc[held]], 2 * len(b.basis))
-                and self.have_room())
+        rows = scipy.sparse.vstack([scipy.sparse.hstack([p.J[b.basis], none]),
+                                    scipy.sparse.hstack([change.dJ[held], p.J[held]])], format="csr")
+        right = numpy.r_[p.c[b.basis], change.dc[held]]
+        return not any(c.tangents for c in p.contacts) and self.depend(rows, right, 2 * len(b.basis)) and self.have_room()
 
     def depend(self, rows, right, rank=None):
         """Whether equations have the rank of the rows that hold, and do not contradict each other."""
@@ -408,7 +409,8 @@ class Gradient:
                 at += 1
             else:
                 size = len(tie.contact.rows)
-                choices.append([("open", at), ("stick", at)] + ([("slide", at, 1.0), ("slide", at, -1.0)] if size == 2 else [("unknown", at)]))
+                slides = [("slide", at, 1.0), ("slide", at, -1.0)] if size == 2 else [("unknown", at)]
+                choices.append([("open", at), ("stick", at), *slides])
                 at += size
         if math.prod(len(c) for c in choices) > COMBINATIONS and not any(c.tangents for c in p.contacts):
             choices = self.pushing(out.free, t, choices)
@@ -578,13 +580,13 @@ class Gradient:
         moved_off = z_off + EPSILON * abs(moved)
         M, M_off = outer(push, push_off, moved, moved_off)
         out = {"M": -0.5 * (M + M.T), "z_u": p.M @ push, "J": None, "c": None, "mu": -(rest @ self.V)}
+        rounded = (len(rest) + 4) * EPSILON * abs(rest)
         bound = {"M": 0.5 * (M_off + M_off.T) + EPSILON * (abs(M) + abs(M.T)),
                  "z_u": abs(p.M) @ (push_off + (n + 4) * EPSILON * abs(push)),
-                 "mu": rest_off @ abs(self.V) + (abs(rest) + rest_off) @ self.V_off + (len(rest) + 4) * EPSILON * (abs(rest) @ abs(self.V))}
+                 "mu": (rest_off + rounded) @ abs(self.V) + (abs(rest) + rest_off) @ self.V_off}
         if self.unique_forces or self.within_contacts():
             along = rest @ self.W
-            along_off = (rest_off @ abs(self.W) + (abs(rest) + rest_off) @ self.W_off
-                         + (len(rest) + 4) * EPSILON * (abs(rest) @ abs(self.W)))
+            along_off = (rest_off + rounded) @ abs(self.W) + (abs(rest) + rest_off) @ self.W_off
             (one, one_off), (two, two_off) = outer(b.force, b.force_off, push, push_off), outer(along, along_off, z, z_off)
             out["J"], out["c"] = one - two, along
             bound["J"], bound["c"] = one_off + two_off + 2 * EPSILON * (abs(one) + abs(two)), along_off
@@ -651,10 +653,9 @@ class Laid:
         self.T = scipy.sparse.csr_matrix(([v for row in at for v in row.values()],
                                           ([k for k, row in enumerate(at) for _ in row], [j for row in at for j in row])),
                                          shape=(len(at), given.rows))
-        self.turn = scipy.sparse.csr_matrix(([s for *_, s in self.edges], ([r for r, *_ in self.edges], [t for _, _, t, _ in self.edges])),
-                                            shape=self.T.shape)
-        self.owner = scipy.sparse.csr_matrix((numpy.ones(len(self.edges)), ([r for r, *_ in self.edges], [i for _, i, _, _ in self.edges])),
-                                             shape=self.T.shape)
+        rows, owners, tangents, signs = ([edge[k] for edge in self.edges] for k in range(4))
+        self.turn = scipy.sparse.csr_matrix((signs, (rows, tangents)), shape=self.T.shape)
+        self.owner = scipy.sparse.csr_matrix((numpy.ones(len(rows)), (rows, owners)), shape=self.T.shape)
 
     def forward(self, change):
         """The Change of the law's rows. Its entries are rounded where mu or dmu are not powers of two."""

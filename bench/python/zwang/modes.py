@@ -1,7 +1,8 @@
 """The modes of a problem's contacts at a solution, proven (docs/python.md#gradients).
 
 The conditions of one choice of modes are a square system F(x) = 0 of the motion z, the forces of independent rows and the slips |s_t|,
-linear but for contacts that slide in space, and at most quadratic. Its solution is enclosed; the signs of what it leaves are proven there.
+linear but for contacts that slide in space, and at most quadratic. Its solution is enclosed; the signs of what it leaves are
+proven there.
 """
 import math
 from fractions import Fraction
@@ -149,8 +150,8 @@ class Branch:
             else:
                 self.bent.append((contact, len(right)))
                 parts = [slice(p.J.indptr[k], p.J.indptr[k + 1]) for k in t]
-                self.exact[i] = [([(int(j), Fraction(a)) for j, a in zip(p.J.indices[part], p.J.data[part].tolist())], Fraction(float(p.c[k])))
-                                 for k, part in zip(t, parts)]
+                entries_of = [zip(p.J.indices[part].tolist(), p.J.data[part].tolist()) for part in parts]
+                self.exact[i] = [([(j, Fraction(a)) for j, a in row], Fraction(float(p.c[k]))) for k, row in zip(t, entries_of)]
                 self.tangents[i] = p.J[t].toarray()
                 right += [0.0] * 3
         M, push, held, rest = p.M.tocoo(), p.J[self.pushing].tocoo(), p.J[self.basis].tocoo(), p.J[self.frozen].tocoo()
@@ -269,7 +270,8 @@ class Branch:
             size = abs(step / regular.across).max(initial=0)
             if not math.isfinite(size) or not size < 1e3 * last:
                 raise Unproven("no solution is near the answer with these modes")
-            if size <= abs(high / regular.across).max(initial=0) * 2.0**-90 or (size >= last and size <= 2.0**-70 * abs(high / regular.across).max(initial=0)):
+            whole = abs(high / regular.across).max(initial=0)
+            if size <= whole * 2.0**-90 or last <= size <= whole * 2.0**-70:
                 break
             if self.bent and size > 1e-3 * last:
                 regular = None

@@ -1,7 +1,7 @@
 """Gradients as they are usually made, against proven ones (docs/tutorials/gradients.md).
 
-Rows made soft, as in MuJoCo: minimize 1/2 |z - z_u|_M^2 + sum |lambda_i|^2 R_i / 2, lambda_i = P_K(-s_i) / R_i, R_i = smoothing J_i M^-1 J_i'.
-Their gradient is exact, of a softer problem.
+Rows made soft, as in MuJoCo: minimize 1/2 |z - z_u|_M^2 + sum |lambda_i|^2 R_i / 2, lambda_i = P_K(-s_i) / R_i,
+R_i = smoothing J_i M^-1 J_i'. Their gradient is exact, of a softer problem.
 """
 import math
 

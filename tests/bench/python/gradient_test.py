@@ -290,7 +290,8 @@ class Pyramid(unittest.TestCase):
 
 class Ties(unittest.TestCase):
     def test_planted_ties_are_named_and_the_one_sided_derivative_is_right(self):
-        kinds = [("frictionless", "touch"), ("frictionless", "several"), *((law, tie) for law in ("convex", "coulomb") for tie in ("touch", "edge", "apex", "several"))]
+        kinds = [("frictionless", "touch"), ("frictionless", "several"),
+                 *itertools.product(("convex", "coulomb"), ("touch", "edge", "apex", "several"))]
         done = numbers = 0
         for seed in itertools.count():
             if done >= TIED:
@@ -458,7 +459,8 @@ class AtAWall(unittest.TestCase):
                 rows += [numpy.r_[d, numpy.cross(r, d)] for d in (n, t, u)]
         m = len(rows)
         box = zwang.Problem(numpy.diag([2.0, 2, 2, 1, 1, 1]), [0, 0, -8, 0, 0, 0], rows, numpy.zeros(m), tangent=numpy.arange(m) % 3 > 0,
-                            mu=numpy.where(numpy.arange(m) % 3, 0, numpy.where(numpy.arange(m) < 12, ground, 0.5)), law="convex" if law == "convex" else "coulomb")
+                            mu=numpy.where(numpy.arange(m) % 3, 0, numpy.where(numpy.arange(m) < 12, ground, 0.5)),
+                            law="convex" if law == "convex" else "coulomb")
         return (box, [12, 15, 18, 21]) if law != "frictionless" else (box.under(law), [4, 5, 6, 7])
 
     def test_its_corners_are_named_though_they_depend_on_each_other(self):
@@ -571,14 +573,16 @@ class Refused(unittest.TestCase):
         p = zwang.Problem(numpy.eye(2), [1, -1], [[0, 1]], [0])
         shut = zwang.Problem(numpy.eye(1), [0], [[1], [-1]], [1, 1])
         huge = zwang.Problem([[1e300]], [1e300], [[1e300]], [1e300])
-        for word, call in [("infeasible", lambda: zwang.gradient_of(shut, [0.0])), ("infeasible", lambda: zwang.gradient_of(shut, zwang.solve(shut))),
-                           ("finite", lambda: zwang.gradient_of(p, [numpy.nan, 1])), ("entries", lambda: zwang.gradient_of(p, [1.0])),
-                           ("solution", lambda: zwang.gradient_of(p, "x")), ("no solution: it is", lambda: zwang.gradient_of(p, [5.0, 1.0])),
-                           ("too large", lambda: zwang.gradient_of(huge, [1.0])), ("one of", lambda: zwang.gradient(p, [1, 0], "q", [1])),
-                           ("entries", lambda: zwang.gradient(p, [1, 0], "c", [1, 2])), ("finite", lambda: zwang.gradient(p, [1, 0], "c", [numpy.inf])),
-                           ("symmetric", lambda: zwang.gradient(p, [1, 0], "M", [[0, 1], [0, 0]])), ("missing", lambda: zwang.gradient(p, [1, 0], "c")),
-                           ("shape", lambda: zwang.gradient(p, [1, 0], "J", [1, 2, 3])), ("reads", lambda: zwang.gradient(p, [1, 0], "mu", [1])),
-                           ("one name", lambda: zwang.gradient(p, [1, 0], {"c": [1]}, [1])), ("numbers", lambda: zwang.gradient(p, [1, 0], "c", ["a"]))]:
+        of, by = zwang.gradient_of, zwang.gradient
+        for word, call in [
+                ("infeasible", lambda: of(shut, [0.0])), ("infeasible", lambda: of(shut, zwang.solve(shut))),
+                ("finite", lambda: of(p, [numpy.nan, 1])), ("entries", lambda: of(p, [1.0])), ("solution", lambda: of(p, "x")),
+                ("no solution: it is", lambda: of(p, [5.0, 1.0])), ("too large", lambda: of(huge, [1.0])),
+                ("one of", lambda: by(p, [1, 0], "q", [1])), ("entries", lambda: by(p, [1, 0], "c", [1, 2])),
+                ("finite", lambda: by(p, [1, 0], "c", [numpy.inf])), ("symmetric", lambda: by(p, [1, 0], "M", [[0, 1], [0, 0]])),
+                ("missing", lambda: by(p, [1, 0], "c")), ("shape", lambda: by(p, [1, 0], "J", [1, 2, 3])),
+                ("reads", lambda: by(p, [1, 0], "mu", [1])), ("one name", lambda: by(p, [1, 0], {"c": [1]}, [1])),
+                ("numbers", lambda: by(p, [1, 0], "c", ["a"]))]:
             with self.subTest(word):
                 with self.assertRaisesRegex(ValueError, word) as caught:
                     call()
