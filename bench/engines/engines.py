@@ -20,6 +20,7 @@ import page
 import phenomena
 from child import Child, Failure
 from exact import Clock, travel
+from mjcf import mjcf
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -79,7 +80,10 @@ def checked(answer, bodies):
 
 def run(child, scene, setting, dt, samples, steps):
     """The states at the start and after each of `samples` times `steps` steps."""
-    states = [checked(child.ask({"scene": plain(scene, dt), "setting": setting}), len(scene["bodies"]))]
+    text = plain(scene, dt)
+    if child.hello.get("mjcf"):
+        text["mjcf"] = mjcf(text, setting)
+    states = [checked(child.ask({"scene": text, "setting": setting}), len(scene["bodies"]))]
     for _ in range(samples):
         states.append(checked(child.ask({"step": steps}), len(scene["bodies"])))
     return states
@@ -150,7 +154,7 @@ def whole_run(engines, chosen, deadline, say):
     for name in cells:  # the same order whoever came first
         for setting in SETTINGS:
             cells[name][setting] = {p.name: cells[name][setting][p.name] for p in chosen}
-    return cells, about, {p.name: dict(sorted(motions[p.name].items())) for p in chosen}
+    return cells, {name: about.get(name) for name in cells}, {p.name: dict(sorted(motions[p.name].items())) for p in chosen}
 
 
 def show(count, all_of_them, what):

@@ -17,7 +17,7 @@ table.map { border-collapse: separate; border-spacing: 1px; }
 .map td > span { display: none; padding: 2px 5px; }
 .at0 .s0, .at1 .s1, .at2 .s2, .at3 .s3 { display: block !important; }
 .none { color: var(--muted); background: repeating-linear-gradient(-45deg, transparent 0 4px, var(--line) 4px 5px); }
-.shades span { padding: 0 7px; border: 1px solid var(--line); border-radius: 4px; }
+.shades span { display: inline-block; padding: 0 7px; border: 1px solid var(--line); border-radius: 4px; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)); gap: 10px; margin: 6px 0; }
 .pictures svg { width: 100%; height: auto; max-height: 260px; }
 svg .start { fill: none; stroke: var(--muted); } svg .best { fill: none; stroke: #2f7ed8; } svg .worst { fill: none; stroke: var(--wrong); }
@@ -167,7 +167,15 @@ def curves(p, motions, names):
             f'<path class="axis" d="M8 {height - 18}H{width - 60}"/>{"".join(lines)}<circle class="due" cx="{x}" cy="{y}" r="3"/>'
             f'<text x="{float(x) + 5}" y="{float(y) + 4}">{due:.4g} {p.unit}</text><text x="8" y="{height - 4}">0 s</text>'
             f'<text x="{width - 62}" y="{height - 4}" text-anchor="end">{float(p.seconds):g} s</text></svg>'
-            '<p class="how">What is measured, over time, in steps of 1/60 s; dashed: tuned; the dot is exact.</p></div>')
+            f'<p class="how">What is measured, over time, in steps of 1/60 s; dashed: tuned; the dot is exact. <span class="key">{key(names)}</span></p></div>')
+
+
+def swatch(k, n):
+    return f'<svg width="22" height="8"><path d="M0 4H22" stroke="{colour(k, n)}" stroke-width="3"/></svg>'
+
+
+def key(names):
+    return "".join(f"<span>{swatch(k, len(names))}{escape(name)}</span>" for k, name in enumerate(names))
 
 
 def colour(k, n):
@@ -203,7 +211,7 @@ def makers(numbers, here):
             + "".join(f", {n} steps of its own in one ({s})" for s, n in about["substeps"].items() if n != 1))
         reply = here / f"replies/{engine}.txt"
         text = reply.read_text().strip() if reply.exists() else ""
-        parts.append(f'<h3><svg width="22" height="8"><path d="M0 4H22" stroke="{colour(k, len(numbers["engines"]))}" stroke-width="3"/></svg> {escape(engine)}</h3>'
+        parts.append(f'<h3>{swatch(k, len(numbers["engines"]))} {escape(engine)}</h3>'
                      f'<p class="how">{escape(said)}</p><pre>{escape(text) or "No reply yet."}</pre>')
     absent = "".join(f"<li>{escape(name)}: <code>{escape(how)}</code></li>" for name, how in numbers["absent"].items())
     return "".join(parts) + (f"<h3>Not here</h3><ul>{absent}</ul>" if absent else "")
@@ -214,7 +222,7 @@ def html(numbers, motions, chosen, here, root):
     silent = sum("off" not in c for c in all_cells)
     twice = "" if numbers["differ"] is None else (
         "Run twice: the same numbers to the bit." if not numbers["differ"] else "Not the same numbers twice: " + ", ".join(numbers["differ"]) + ".")
-    key = " ".join(f'<span class="{name}">{text}</span>' for name, text, _ in SHADES)
+    shades = " ".join(f'<span class="{name}">{text}</span>' for name, text, _ in SHADES)
     steps = "".join(f'<option value="{k}"{" selected" if k == 2 else ""}>{step} s</option>' for k, step in enumerate(numbers["steps"]))
     body = f"""<header><div class="bar"><h1>zwang engines</h1><nav><a href="#map">Map</a><a href="#phenomena">Phenomena</a><a href="#makers">Makers</a></nav><button id="theme">dark</button></div></header>
 <main>
@@ -225,7 +233,7 @@ def html(numbers, motions, chosen, here, root):
 nothing for the integrator that it states. The mark of a phenomenon is what nobody would call right; it colours cells and is not a verdict.</p>
 <p class="controls"><label>Step <select id="step">{steps}</select></label>
 <label>Setting <select id="setting"><option value="both">both</option><option>default</option><option>tuned</option></select></label>
-<span class="shades">{key} <span class="none">no answer</span></span></p>
+<span class="shades">{shades} <span class="none">no answer</span></span></p>
 {map_of(numbers, chosen)}</section>
 <div id="phenomena"></div>
 {"".join(section(p, numbers, motions[p.name]) for p in chosen)}

@@ -7,10 +7,12 @@ using namespace zwang::engines;
 
 namespace {
 
+const auto vector = as<btVector3>;
+
 btCollisionShape* made(const Shape& s) {
   if (s.kind == "plane") return new btStaticPlaneShape({0, 0, 1}, 0);
   if (s.kind == "sphere") return new btSphereShape(s.radius);
-  return new btBoxShape(as<btVector3>(s.half));
+  return new btBoxShape(vector(s.half));
 }
 
 struct Bullet : World {
@@ -20,17 +22,17 @@ struct Bullet : World {
   std::vector<btRigidBody*> bodies;
 
   explicit Bullet(const Scene& given) : World(given) {
-    world.setGravity(as<btVector3>(scene.gravity));
+    world.setGravity(vector(scene.gravity));
     if (scene.tuned) world.getSolverInfo().m_numIterations = 1000;
     if (scene.tuned) world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     for (const Body& b : scene.bodies) {
       auto* all = new btCompoundShape;
-      for (const Shape& s : b.shapes) all->addChildShape(btTransform({0, 0, 0, 1}, as<btVector3>(s.at)), made(s));
+      for (const Shape& s : b.shapes) all->addChildShape(btTransform({0, 0, 0, 1}, vector(s.at)), made(s));
       btCollisionShape* shape = b.shapes.size() == 1 ? made(b.shapes[0]) : all;
       const Triple inertia = b.free() ? b.inertia : Triple{};
-      auto* body = bodies.emplace_back(new btRigidBody(b.free() ? b.mass : 0, nullptr, shape, as<btVector3>(inertia)));
-      body->setWorldTransform(btTransform({b.turn[1], b.turn[2], b.turn[3], b.turn[0]}, as<btVector3>(b.at)));
-      body->setLinearVelocity(as<btVector3>(b.velocity)), body->setAngularVelocity(as<btVector3>(b.spin));
+      auto* body = bodies.emplace_back(new btRigidBody(b.free() ? b.mass : 0, nullptr, shape, vector(inertia)));
+      body->setWorldTransform(btTransform({b.turn[1], b.turn[2], b.turn[3], b.turn[0]}, vector(b.at)));
+      body->setLinearVelocity(vector(b.velocity)), body->setAngularVelocity(vector(b.spin));
       body->setFriction(std::sqrt(scene.mu)), body->setRestitution(std::sqrt(scene.restitution));  // a pair multiplies
       if (b.motion == "driven") body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
       body->setActivationState(DISABLE_DEACTIVATION);
@@ -38,7 +40,7 @@ struct Bullet : World {
     }
     for (const Joint& j : scene.joints) {
       btRigidBody &a = *bodies[j.a], &b = j.b < 0 ? btTypedConstraint::getFixedBody() : *bodies[j.b];
-      const auto from = [&](btRigidBody& body) { return body.getWorldTransform().inverse() * as<btVector3>(j.at); };
+      const auto from = [&](btRigidBody& body) { return body.getWorldTransform().inverse() * vector(j.at); };
       world.addConstraint(new btPoint2PointConstraint(a, b, from(a), from(b)));
     }
   }
@@ -46,8 +48,8 @@ struct Bullet : World {
   void step() override {
     for (int i = 0; i < scene.size(); ++i) {
       const Body& b = scene.bodies[i];
-      bodies[i]->applyCentralForce(as<btVector3>(b.force)), bodies[i]->applyTorque(as<btVector3>(b.torque));
-      if (b.motion == "driven") bodies[i]->getWorldTransform().getOrigin() += as<btVector3>(b.velocity) * scene.dt;
+      bodies[i]->applyCentralForce(vector(b.force)), bodies[i]->applyTorque(vector(b.torque));
+      if (b.motion == "driven") bodies[i]->getWorldTransform().getOrigin() += vector(b.velocity) * scene.dt;
     }
     world.stepSimulation(scene.dt, 0);
   }

@@ -13,36 +13,36 @@ struct Ode : World {
   dJointGroupID contacts = dJointGroupCreate(0);
   std::vector<dBodyID> bodies;
 
+  static dGeomID made(dSpaceID space, const Shape& s, const dReal* normal, const Triple& at) {
+    if (s.kind == "sphere") return dCreateSphere(space, s.radius);
+    if (s.kind == "box") return dCreateBox(space, 2 * s.half[0], 2 * s.half[1], 2 * s.half[2]);
+    return dCreatePlane(space, normal[0], normal[1], normal[2], dCalcVectorDot3(normal, at.data()));
+  }
+
   explicit Ode(const Scene& given) : World(given) {
-    dWorldSetGravity(world, scene.gravity[0], scene.gravity[1], scene.gravity[2]);
+    spread(dWorldSetGravity, world, scene.gravity);
     for (const Body& b : scene.bodies) {
       dBodyID body = bodies.emplace_back(dBodyCreate(world));
       dMass mass;
       dMassSetParameters(&mass, b.mass, 0, 0, 0, b.inertia[0], b.inertia[1], b.inertia[2], 0, 0, 0);
-      dBodySetMass(body, &mass);
-      dBodySetPosition(body, b.at[0], b.at[1], b.at[2]), dBodySetQuaternion(body, b.turn.data());
-      dBodySetLinearVel(body, b.velocity[0], b.velocity[1], b.velocity[2]),
-          dBodySetAngularVel(body, b.spin[0], b.spin[1], b.spin[2]);
+      dBodySetMass(body, &mass), dBodySetQuaternion(body, b.turn.data()), spread(dBodySetPosition, body, b.at);
+      spread(dBodySetLinearVel, body, b.velocity), spread(dBodySetAngularVel, body, b.spin);
       if (!b.free()) dBodySetKinematic(body);
       for (const Shape& s : b.shapes) {
-        dVector3 n;
-        dBodyVectorToWorld(body, 0, 0, 1, n);
-        dGeomID geom = s.kind == "sphere" ? dCreateSphere(space, s.radius)
-                       : s.kind == "box"
-                           ? dCreateBox(space, 2 * s.half[0], 2 * s.half[1], 2 * s.half[2])
-                           : dCreatePlane(space, n[0], n[1], n[2], n[0] * b.at[0] + n[1] * b.at[1] + n[2] * b.at[2]);
-        if (s.kind != "plane") dGeomSetBody(geom, body), dGeomSetOffsetPosition(geom, s.at[0], s.at[1], s.at[2]);
+        dVector3 up;
+        dBodyVectorToWorld(body, 0, 0, 1, up);
+        const dGeomID geom = made(space, s, up, b.at);
+        if (s.kind != "plane") dGeomSetBody(geom, body), spread(dGeomSetOffsetPosition, geom, s.at);
       }
     }
     for (const Joint& j : scene.joints) {
-      dJointID joint = dJointCreateBall(world, nullptr);
-      dJointAttach(joint, bodies[j.a], j.b < 0 ? nullptr : bodies[j.b]),
-          dJointSetBallAnchor(joint, j.at[0], j.at[1], j.at[2]);
+      const dJointID joint = dJointCreateBall(world, nullptr);
+      dJointAttach(joint, bodies[j.a], j.b < 0 ? nullptr : bodies[j.b]), spread(dJointSetBallAnchor, joint, j.at);
     }
   }
 
   static void touch(void* self, dGeomID a, dGeomID b) {
-    auto& ode = *static_cast<Ode*>(self);
+    const auto& ode = *static_cast<Ode*>(self);
     dContact points[16] = {};
     for (dContact& point : std::span(points, dCollide(a, b, 16, &points[0].geom, sizeof(dContact)))) {
       point.surface.mode = dContactApprox1 | dContactBounce;  // mu is a ratio of forces: of a pyramid
@@ -53,20 +53,17 @@ struct Ode : World {
 
   void step() override {
     dSpaceCollide(space, this, touch);
-    for (int i = 0; i < scene.size(); ++i) {
-      const Triple &f = scene.bodies[i].force, &t = scene.bodies[i].torque;
-      dBodyAddForce(bodies[i], f[0], f[1], f[2]), dBodyAddTorque(bodies[i], t[0], t[1], t[2]);
-    }
-    scene.tuned ? dWorldStep(world, scene.dt) : dWorldQuickStep(world, scene.dt);
+    for (int i = 0; i < scene.size(); ++i)
+      spread(dBodyAddForce, bodies[i], scene.bodies[i].force),
+          spread(dBodyAddTorque, bodies[i], scene.bodies[i].torque);
+    (scene.tuned ? dWorldStep : dWorldQuickStep)(world, scene.dt);
     dJointGroupEmpty(contacts);
   }
 
   State state(int i) const override {
-    const dReal* q = dBodyGetQuaternion(bodies[i]);
-    return {triple(dBodyGetPosition(bodies[i])),
-            {q[0], q[1], q[2], q[3]},
-            triple(dBodyGetLinearVel(bodies[i])),
-            triple(dBodyGetAngularVel(bodies[i]))};
+    const dBodyID b = bodies[i];
+    return {triple(dBodyGetPosition(b)), turn(dBodyGetQuaternion(b)), triple(dBodyGetLinearVel(b)),
+            triple(dBodyGetAngularVel(b))};
   }
 };
 

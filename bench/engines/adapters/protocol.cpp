@@ -13,7 +13,7 @@ using nlohmann::json;
 Scene scene_of(const json& text, bool tuned) {
   Scene scene;
   scene.dt = text["dt"], scene.mu = text["mu"], scene.restitution = text["restitution"];
-  scene.gravity = text["gravity"], scene.tuned = tuned;
+  scene.gravity = text["gravity"], scene.mjcf = text.value("mjcf", ""), scene.tuned = tuned;
   for (const json& b : text["bodies"]) {
     Body& body = scene.bodies.emplace_back();
     body.motion = b["motion"], body.mass = b["mass"], body.inertia = b["inertia"];
@@ -54,6 +54,7 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
        {"licence", hello.licence},
        {"bits", hello.bits},
        {"order", hello.order},
+       {"mjcf", hello.mjcf},
        {"substeps", {{"default", hello.substeps[0]}, {"tuned", hello.substeps[1]}}}});
   std::unique_ptr<World> world;
   for (std::string line; std::getline(std::cin, line);) {

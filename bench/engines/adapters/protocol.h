@@ -24,6 +24,15 @@ template <class Vector>
 Triple triple(const Vector& v) {
   return {v[0], v[1], v[2]};
 }
+template <class Quaternion>
+Turn turn(const Quaternion& q) {
+  return {q[0], q[1], q[2], q[3]};
+}
+// Calls set(object, x, y, z).
+template <class Set, class Object>
+void spread(Set set, Object object, const Triple& t) {
+  set(object, t[0], t[1], t[2]);
+}
 inline Triple minus(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 struct Shape {
@@ -53,10 +62,11 @@ struct Scene {
   Triple gravity{};
   std::vector<Body> bodies;
   std::vector<Joint> joints;
+  std::string mjcf;    // the whole scene as MuJoCo reads it, where the hello asked for it
   bool tuned = false;  // the engine's best setting for the question, not its default
 
   int size() const { return static_cast<int>(bodies.size()); }
-  // The joint by which a body hangs on another one or on the world; null where it is free.
+  // The joint by which a body hangs on an earlier one or on the world; null where it is free.
   const Joint* holds(int body) const {
     for (const Joint& joint : joints)
       if (joint.a == body) return &joint;
@@ -92,6 +102,7 @@ struct Hello {
   std::string engine, version, licence;
   int bits = 64, order = 1;
   std::array<int, 2> substeps{1, 1};
+  bool mjcf = false;  // scenes shall hold it
 };
 
 // Answers lines of stdin on stdout until they end.
