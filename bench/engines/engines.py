@@ -190,6 +190,8 @@ def options(words):
     parser.add_argument("--twice", action="store_true", help="run all of it twice, and name the engines whose numbers differ")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("engines"), help="folder of the page and its numbers; default: engines")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
+    if {"-h", "--help"} & set(words):  # whatever else stands there
+        words = ["--help"]
     return parser.parse_args(words)
 
 

@@ -79,6 +79,101 @@ class Exact(unittest.TestCase):
                 self.assertEqual((p.seconds / dt).denominator, 1, p.name)
             self.assertGreater(p.mark, 0)
 
+    def test_answers_are_those_of_the_steps(self):
+        for p in phenomena.ALL.values():
+            for h in engines.STEPS:
+                answer = p.exact(exact.Clock(h))
+                self.assertEqual(answer, last(p.name)(h) if answer else 0, p.name)
+
+
+def last(name):
+    """What stepping comes to, of answers that are neither rest nor a way of exact.py; F in, F out, in steps of h."""
+    g, mu = phenomena.G, F(1, 2)
+
+    def rolling(v, spin, pull, t, h):
+        for _ in range(int(t / h)):
+            v += pull * h
+            slip = v - spin  # of a solid ball's lowest point; spin is times its radius
+            push = min(max(slip * F(2, 7), -mu * g * h), mu * g * h)
+            v, spin = v - push, spin + push * F(5, 2)
+        return v
+
+    def way(speed_after, t, h):
+        speeds = [speed_after(k * h) for k in range(1, int(t / h) + 1)]
+        return h * sum(speeds)
+
+    def struck(mass, restitution):  # by a ball of 1 kg at 1 m/s: (its speed, that of the other)
+        impulse = (1 + restitution) / (1 + F(1, mass))
+        return 1 - impulse, impulse / mass
+
+    def fallen(h):  # a ball from rest on a slope
+        v = x = F(0)
+        for _ in range(int(1 / h)):
+            v += mu * g / 2 * h
+            v -= mu * g / 2 * h * F(2, 7)  # sticking takes 2/7 of what pulls
+            x += h * v
+        return x
+    return {
+        "torque": lambda h: sum((F(1, 10) / F(1, 5) * h for _ in range(int(1 / h))), F(0)),
+        "wall": lambda h: -F(1), "equal_balls": lambda h: struck(1, F(1))[1], "unequal_balls": lambda h: struck(1000, F(1))[0],
+        "sticky_balls": lambda h: struck(1, F(0))[1],
+        "frictionless": lambda h: F(1), "bounce": lambda h: F(1), "topples": lambda h: F(1), "spins_on": lambda h: F(10), "ladder_slips": lambda h: F(1, 50),
+        "slowing": lambda h: F(2) - sum((mu * g * h for _ in range(int(F(1, 5) / h))), F(0)),
+        "rolling": lambda h: rolling(F(2), F(0), F(0), F(1), h), "rolls_on": lambda h: rolling(F(1), F(1), F(0), F(5), h),
+        "roll_down": fallen,
+        "turning": lambda h: 10 - sum((F(1, 4) * g * F(2, 5) / F(1, 10) * h for _ in range(int(F(1, 2) / h))), F(0)),
+        "free_fall": lambda h: way(lambda t: -g * t, F(1), h), "projectile": lambda h: way(lambda t: 4 - g * t, F(1), h),
+        "slide": lambda h: way(lambda t: max(2 - mu * g * t, 0), F(1), h),
+        "slip": lambda h: way(lambda t: (F(11, 10) * mu - mu) * g * t, F(1), h), "diagonal": lambda h: way(lambda t: (F(6, 5) * mu - mu) * g * t, F(1), h),
+        "belt": lambda h: way(lambda t: min(mu * g * t, 1), F(1), h),
+        "wall_slips": lambda h: way(lambda t: (mu * F(19, 20) * 2 * g - g) * t, F(1), h),
+        "table_slides": lambda h: way(lambda t: (F(3, 2) - 1) * mu * g * t, F(1), h),
+    }.get(name)
+
+
+class Rest(unittest.TestCase):
+    """Scenes that rest have forces in their cones that balance them, and those next to them have none."""
+
+    def test_ladder(self):
+        r = F(1, 50)  # of its ends
+
+        def stays(mu):
+            # The wall's friction helps most when it is all there; then the floor's has to be enough (moments about the middle, weight 1).
+            push = F(3, 10) / (F(8, 10) + r + mu * (F(6, 10) + r))
+            return push <= mu * (1 - mu * push)
+        self.assertTrue(stays(F(3, 8)))
+        self.assertFalse(stays(F(3, 10)))
+
+    def test_box_on_a_slope(self):
+        for ratio, stays in ((F(19, 20), True), (F(21, 20), False)):
+            half = phenomena.leaning(ratio)["bodies"][1]["shapes"][0]["half"]
+            pull, _, weight = phenomena.leaning(ratio)["gravity"]
+            self.assertEqual(pull * half[2] <= -weight * half[0], stays)
+            self.assertLess(pull, -weight)  # and does not slide, mu = 1
+
+    def test_held_by_friction(self):
+        for ratio, stays in ((F(21, 20), True), (F(19, 20), False)):
+            scene = phenomena.against_wall(ratio)
+            self.assertEqual(scene["mu"] * scene["bodies"][1]["force"][0] >= phenomena.G, stays)
+        pads = phenomena.pinch(F(6, 5))
+        self.assertGreater(2 * pads["mu"] * pads["bodies"][0]["force"][0], phenomena.G)
+        self.assertEqual(sum(b["force"][2] for b in pads["bodies"]), 3 * phenomena.G)
+        self.assertEqual(sum(b["force"][0] for b in pads["bodies"]), 0)
+        for ratio in (F(1, 2), F(99, 100)):
+            scene = phenomena.incline(ratio)
+            self.assertLess(scene["gravity"][0], scene["mu"] * -scene["gravity"][2])
+        for ratio, stays in ((F(9, 10), True), (F(3, 2), False)):
+            x, y, _ = phenomena.table(ratio)["bodies"][1]["force"]
+            self.assertEqual(x * x + y * y < (F(1, 2) * 4 * phenomena.G) ** 2, stays)
+            # None of its feet lifts: the push is 32 cm above the floor.
+            self.assertLess(F(32, 100) * (x / F(4, 5) + y / F(3, 5)), 4 * phenomena.G / 2)
+
+    def test_gyroscope(self):
+        b = phenomena.gyroscope()["bodies"][0]
+        arm, spin, rate = b["at"][0], b["spin"][0], b["spin"][2]
+        self.assertEqual(b["inertia"][0] * spin * rate, b["mass"] * phenomena.G * arm)  # its momentum turns as the weight asks
+        self.assertEqual(b["velocity"][1], rate * arm)
+
 
 class Kit(unittest.TestCase):
     def run_fake(self, mode, *more, code=0):
@@ -111,6 +206,11 @@ class Kit(unittest.TestCase):
     def test_who_falls_wrongly_is_not_believed(self):
         for cell in self.run_fake("wrong")[0]["cells"]["fake"]["tuned"]["free_fall"].values():
             self.assertIn("not believed", cell["why"])
+
+    def test_help(self):
+        done = subprocess.run([sys.executable, source / "bench/engines/engines.py", "--engines", "--help"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("--phenomena", done.stdout)
 
     def test_wrong_use_is_one_line(self):
         for words in (["--engines", "nobody"], ["--engines", "all", "--phenomena", "nothing"], ["--engines", "all", "--adapter", "x"],
