@@ -18,6 +18,7 @@ OPEN, HELD, SLIDES = "open", "held", "slides"
 ROUNDS = 60  # changes of modes before nothing is proven
 NEAR_TIE = 1e-7  # relative: below it a guess takes the mode with fewer unknowns
 STEPS = 40  # of Newton's method
+NAMED = 4  # rows in one line
 
 
 class Contact:
@@ -54,7 +55,8 @@ class Parts:
         return self.problem.row_names[row]
 
     def named(self, rows):
-        return ", ".join(self.name(i) for i in rows)
+        more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
+        return ", ".join(self.name(i) for i in rows[:NAMED]) + more
 
     def solve_mass(self, v):
         return scipy.sparse.linalg.spsolve(scipy.sparse.csc_matrix(self.M), v) if self.n else v
