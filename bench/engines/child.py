@@ -4,6 +4,7 @@ import os
 import selectors
 import signal
 import subprocess
+import tempfile
 import time
 
 
@@ -16,9 +17,12 @@ class Failure(Exception):
 
 
 class Child:
-    def __init__(self, command, environment, deadline):
+    """`apart`: in a folder of its own, where it may leave what it likes."""
+
+    def __init__(self, command, environment, deadline, apart=False):
+        self.folder = tempfile.TemporaryDirectory() if apart else None
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                        env={**os.environ, **environment}, start_new_session=True)
+                                        env={**os.environ, **environment}, cwd=self.folder.name if apart else None, start_new_session=True)
         os.set_blocking(self.process.stdout.fileno(), False)
         self.rest = b""
         self.allow(deadline)
@@ -76,3 +80,5 @@ class Child:
                 pipe.close()
             except OSError:  # what it was still to be told
                 pass
+        if self.folder:
+            self.folder.cleanup()

@@ -37,7 +37,7 @@ PACKAGES = {"cannon-es": "cannon-es@0.20.0", "jolt": "jolt-physics@1.1.0", "mujo
 class Engine:
     name: str
     command: tuple  # nothing where it is absent
-    how: str        # to add it
+    how: str        # to add it; nothing where it is the caller's own
 
 
 def known(programs):
@@ -62,7 +62,7 @@ def plain(scene, dt):
 
 
 def start(engine, deadline):
-    return Child(engine.command, {"ZWANG_ENGINES": str(NPM)}, deadline)
+    return Child(engine.command, {"ZWANG_ENGINES": str(NPM)}, deadline, apart=engine.how != "")
 
 
 def clock_of(hello, setting, dt):

@@ -24,7 +24,7 @@ struct Bullet : World {
   explicit Bullet(const Scene& given) : World(given) {
     world.setGravity(vector(scene.gravity));
     if (scene.tuned) world.getSolverInfo().m_numIterations = 1000;
-    if (scene.tuned) world.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+    if (scene.tuned) configuration.setPlaneConvexMultipointIterations(4, 4);  // all corners at once
     for (const Body& b : scene.bodies) {
       auto* all = new btCompoundShape;
       for (const Shape& s : b.shapes) all->addChildShape(btTransform({0, 0, 0, 1}, vector(s.at)), made(s));

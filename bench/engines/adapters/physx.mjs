@@ -22,7 +22,7 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
   settings.gravity = xyz(scene.gravity);
   settings.cpuDispatcher = PhysX.DefaultCpuDispatcherCreate(0);
   settings.filterShader = PhysX.DefaultFilterShader();
-  if (tuned) settings.bounceThresholdVelocity = 1e-3;
+  if (tuned) Object.assign(settings, {bounceThresholdVelocity: 1e-3, solverType: PhysX.PxSolverTypeEnum.eTGS});
   const world = physics.createScene(settings), material = physics.createMaterial(scene.mu, scene.mu, scene.restitution);
   const bodies = scene.bodies.map(b => {
     const body = b.motion === 'fixed' ? physics.createRigidStatic(pose(b.at, b.turn)) : physics.createRigidDynamic(pose(b.at, b.turn));
