@@ -2,8 +2,8 @@
 // after the number type it describes
 #include <boost/multiprecision/eigen.hpp>
 
-#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -138,47 +138,37 @@ class ProofSearch {
     return found.rows;
   }
 
-  Sparse picked(const Rows& rows) const {
+  // Forces that bring the slack of the first `held` rows to 0; those of the others stay. Where contacts slide, by
+  // Newton's method from these forces: its last step starts from doubles, which the slides keep.
+  Numbers balance(const Rows& rows, std::size_t held, const Numbers& free_slack, Numbers force,
+                  std::vector<Slide>& slides, Spread& spread) const {
+    if (rows.empty()) return force;
     Sparse pick(std::ssize(rows), p_.rows());
     for (std::size_t k = 0; k < rows.size(); ++k) pick.insert(static_cast<Index>(k), rows[k]) = 1;
-    return pick;
-  }
-
-  // Forces on independent rows that bring their slack to 0.
-  Numbers balance(const Rows& rows, const Numbers& slack) const {
-    if (rows.empty()) return Numbers::Zero(p_.rows());
-    const Sparse pick = picked(rows);
-    const Eigen::SimplicialLLT<Sparse> own(Sparse(pick * W_ * pick.transpose()));
-    if (own.info() != Eigen::Success) throw NoProof("the rows that hold are too close to dependent");
-    return -(pick.transpose() * Numbers(own.solve(Numbers(pick * slack))));
-  }
-
-  // The same where contacts slide, by Newton's method from these forces; those of rows after the `held` ones stay. The
-  // last step starts from doubles, which the slides keep.
-  Numbers balance(const Rows& rows, Index held, Numbers force, std::vector<Slide>& slides, Spread& spread) const {
-    const Sparse pick = picked(rows);
     const Dense W = pick * W_ * pick.transpose();
-    const Numbers free = pick * free_slack_;
+    const Numbers free = pick * free_slack;
     const Index size = std::ssize(rows), terms = 3 * std::ssize(slides);
     const auto at = [&](Index row) { return std::ranges::find(rows, row) - rows.begin(); };
     const Hundred lift = slip_lifts(p_.law) ? 0 : 1;
     Dense bends;
-    std::vector<Slide> before;
+    std::vector<Slide> before(1);
     for (int step = 0; step < newton_steps; ++step) {
-      const Numbers slack = free_slack_ + W_ * force;
+      const Numbers slack = free_slack + W_ * force;
       for (Slide& it : slides) it.start(p_.mu[it.row], slack, force);
       if (slides == before) break;
       before = slides;
       Dense A = W, units = Dense::Zero(size, terms);
       Numbers right = -free;
-      for (Index k = held; k < size; ++k)
-        A.row(k) = Numbers::Unit(size, k), right[k] = force[rows[static_cast<std::size_t>(k)]];
+      for (std::size_t k = held; k < rows.size(); ++k) {
+        const auto i = static_cast<Index>(k);
+        A.row(i) = Numbers::Unit(size, i), right[i] = force[rows[k]];
+      }
       Index term = 0;
       for (const Slide& it : slides) {
         const Index n = at(it.row), a = at(it.row + 1), b = a + it.tangents - 1;
         const Hundred mu = p_.mu[it.row], d0 = it.d[0], d1 = it.d[1], k = it.k;
         const Hundred bent = mu * it.l * (1 - d0 * d0 - d1 * d1) / 2;
-        if (lift > 0 && n < held) {
+        if (lift > 0 && n < static_cast<Index>(held)) {
           A.row(n) = W.row(n) - mu * (d0 * W.row(a) + d1 * W.row(b));
           right[n] = mu * (d0 * free[a] + d1 * free[b] + k * bent) - free[n];
         }
@@ -191,13 +181,16 @@ class ProofSearch {
         if (it.curved()) units(a, term) = 1, units(b, term + 1) = k, units(n, term + 2) = lift * k * mu;
         term += 3;
       }
-      const Eigen::PartialPivLU<Dense> own(A);
+      const Eigen::SparseLU<Sparse> own(A.sparseView());
+      if (own.info() != Eigen::Success) throw NoProof("the rows that hold are too close to dependent");
       force = pick.transpose() * Numbers(own.solve(right));
-      bends = pick.transpose() * Dense(own.solve(units));
+      if (terms > 0) bends = pick.transpose() * Dense(own.solve(units));
     }
+    if (terms == 0) return force;
     const Dense turned = W_ * bends;
-    const Numbers slack = free_slack_ + W_ * force;
+    const Numbers slack = free_slack + W_ * force;
     Numbers most = Numbers::Zero(terms);
+    const NoProof too_little("contacts slide too little for a proof");
     bool inside = false;
     for (int round = 0; round < second_order_rounds && !inside; ++round) {
       inside = true;
@@ -216,15 +209,16 @@ class ProofSearch {
           sum += off(slack, spread.slack, it.row + 1 + t, k * along) / k;
         }
         if (!it.curved() || sum * sum <= friction * it.most) continue;
+        if (!(sum < friction)) throw too_little;
         it.most = static_cast<double>(2 * sum * sum / friction);
         most.segment(3 * c, 3).setConstant(it.most);
         inside = false;
       }
     }
-    if (!inside || !spread.force.allFinite())
-      throw NoProof("contacts that slide leave their forces open, or slide too little");
+    if (!inside) throw too_little;
     for (Index k = 0; k < terms; ++k)
-      if (most[k] > 0) spread.motion += most[k] * Hundred(rounded_up(sqrt(Hundred(bends.col(k).dot(turned.col(k))))));
+      if (const Hundred square = bends.col(k).dot(turned.col(k)); square > 0)
+        spread.motion += most[k] * Hundred(rounded_up(sqrt(square)));
     return force;
   }
 
@@ -281,12 +275,7 @@ class ProofSearch {
       rows.push_back(i);
     }
     Spread spread{Numbers::Zero(p_.rows()), Numbers::Zero(p_.rows())};
-    if (slides.empty()) {
-      for (const Index i : basis) force[i] = 0;
-      force += balance(basis, free_slack_ + W_ * force);
-    } else {
-      force = balance(rows, std::ssize(basis), force, slides, spread);
-    }
+    force = balance(rows, basis.size(), free_slack_, force, slides, spread);
     const Numbers point = z_u_ + moved(force);
     require_law(free_slack_ + W_ * force, force, sqrt(squared(point)) + sqrt(squared(z_u_)), spread, slides);
     proof["basis"] = basis;
@@ -386,7 +375,9 @@ class ProofSearch {
     std::erase_if(rows, [&](Index i) { return i == more || size(i) <= least; });
     if (exact_basis(p_.J, p_.c, rows).rows.size() != rows.size())
       throw NoProof("its conflicting rows depend on each other");
-    Numbers u = balance(rows, W_.col(more));
+    std::vector<Slide> none;
+    Spread spread;
+    Numbers u = balance(rows, rows.size(), Numbers(W_.col(more)), Numbers::Zero(p_.rows()), none, spread);
     u[more] = 1;
     Hundred gain = -u.dot(free_slack_), motion = sqrt(squared(z_u_)),
             distance = sqrt(std::max(Hundred(0), Hundred(u.dot(W_ * u))));
