@@ -102,6 +102,7 @@ class Gradient:
         self.branch = b = self.settled.branch
         self.unique_forces = len(b.frozen) == 0
         off = given - b.high[:p.n]
+        off = numpy.where(abs(off) > 2 * (b.radius + abs(b.low))[:p.n], off, 0)
         size = max(self.norm(p.z_u), self.norm(b.high[:p.n]))
         self.distance = self.norm(off) / size if size else self.norm(off)
         if not self.distance <= FAR:

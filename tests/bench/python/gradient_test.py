@@ -403,6 +403,14 @@ class Reach(unittest.TestCase):
         numpy.testing.assert_allclose(back.dz, [0, 0, 0], atol=1e-14)
 
 
+class Nothing(unittest.TestCase):
+    def test_where_nothing_moves_an_answer_of_zeros_is_right(self):
+        p = zwang.Problem(numpy.eye(2), [0, 0], [[-1, 2], [-1, -2], [0, -1], [-1, -1]], numpy.zeros(4), tangent=[False, True, False, True],
+                          mu=[0.5, 0, 1, 0])
+        g = zwang.gradient_of(p, zwang.solve(p, "cone"))
+        self.assertEqual(g.distance, 0)
+
+
 class ManyTies(unittest.TestCase):
     def test_forty_ties_at_once(self):
         n = 40
