@@ -1,11 +1,16 @@
 // A table of a report as a file for a paper: comma-separated values, or LaTeX for an article of one column or of two.
 
 const field = text => /[,"\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-// As C's %.9g.
-const plain = value => {
-  const [digits, exponent] = value.toExponential(8).split('e').map(Number);
-  return exponent < -4 || exponent > 8 ? `${digits}e${exponent < 0 ? '-' : '+'}${String(Math.abs(exponent)).padStart(2, '0')}` : String(Number(value.toPrecision(9)));
-};
+// As C's %.9g, which rounds a tie to the even digit.
+function plain(value) {
+  if (value === 0) return '0';
+  const [exact, exponent] = Math.abs(value).toExponential(100).replace('.', '').split('e'), kept = exact.slice(0, 9), rest = exact.slice(9);
+  const half = '5'.padEnd(rest.length, '0'), up = rest > half || (rest === half && kept % 2);
+  const rounded = String(Number(kept) + (up ? 1 : 0)), power = Number(exponent) + rounded.length - 9, digits = rounded.replace(/0+$/, '');
+  const sign = value < 0 ? '-' : '', point = at => at < digits.length ? `${digits.slice(0, at)}.${digits.slice(at)}` : digits.padEnd(at, '0');
+  if (power < -4 || power > 8) return `${sign}${point(1)}e${power < 0 ? '-' : '+'}${String(Math.abs(power)).padStart(2, '0')}`;
+  return sign + (power < 0 ? `0.${'0'.repeat(-power - 1)}${digits}` : point(power + 1));
+}
 export function to_csv(table) {
   const lines = [table.columns.map(column => field(column.name)), ...table.rows.map(row => row.cells.map((cell, c) =>
     table.columns[c].numeric && Number.isFinite(cell.value) ? plain(cell.value) : field(cell.text)))];
@@ -16,7 +21,7 @@ export function to_csv(table) {
 const column_of_two = 229, whole_text = 345, type = 8, gap = 6;
 const page_lines = 45;  // lines of our type, below a caption
 const before_a_knob = /(,|:|\w\()(?=[a-z])/g;  // where a name may be broken
-const sum = list => list.reduce((all, x) => all + x, 0);
+const sum = list => list.reduce((all, x) => all + x, 0), most_of = list => list.reduce((most, x) => Math.max(most, x), 0);  // of lists of any length
 
 // Our texts are ASCII; what TeX reads as commands is escaped, the backslash first.
 const tex_text = text => text.replace(/\\/g, '\\textbackslash ').replace(/[_%&#${}]/g, '\\$&').replace(/\^(-?[0-9]+)/g, '$$^{$1}$$')
@@ -31,7 +36,7 @@ function side_by_side(columns, widest) {
   const whole = widths => sum(widths) + gap * widths.length;
   let widths = columns.map(c => widest[c].text);
   const breaks = whole(widths) > whole_text;
-  for (let most = Math.max(0, ...widths); whole(widths) > whole_text && most > 0; --most)
+  for (let most = most_of(widths); whole(widths) > whole_text && most > 0; --most)
     widths = columns.map(c => Math.max(widest[c].word, Math.min(widest[c].text, most)));
   return {columns, widths, breaks, whole: whole(widths)};
 }
@@ -56,12 +61,12 @@ function blocks_of(columns, widest) {
 export function to_tex(table) {
   const widest = table.columns.map((column, c) => {
     const texts = [column.name, ...table.rows.map(row => row.cells[c].text)];
-    return {text: Math.max(...texts.map(width)), word: Math.max(...texts.flatMap(text => text.replace(before_a_knob, '$& ').split(' ')).map(width))};
+    return {text: most_of(texts.map(width)), word: most_of(texts.flatMap(text => text.replace(before_a_knob, '$& ').split(' ')).map(width))};
   });
   const blocks = blocks_of(table.columns, widest);
   const lines = sum(blocks.flatMap(block => table.rows.map(row =>
     Math.max(1, ...block.columns.map((c, i) => Math.ceil(width(row.cells[c].text) / (block.widths[i] + 1)))))));
-  const is_long = lines > page_lines, wide = Math.max(...blocks.map(block => block.whole)) > column_of_two;
+  const is_long = lines > page_lines, wide = most_of(blocks.map(block => block.whole)) > column_of_two;
   const environment = is_long ? 'longtable' : wide ? 'table*' : 'table';
   const caption = `\\caption{${tex_text(table.note)}}\n\\label{tab:zwang-${table.id}}`;
   const small = `\\fontsize{${type}}{${1.2 * type}}\\selectfont\n\\setlength{\\tabcolsep}{${gap / 2}pt}\n`;

@@ -127,5 +127,6 @@ assert.deepEqual(listed.match(/\w+/g), families);
 const table = {id: 't', note: 'A note.', columns: [{name: 'a_b', numeric: false}, {name: 'x, y', numeric: true}], rows: [{cells: [{text: '50 %'}, {text: '2.0 us', value: 2e-6}]}]};
 assert.equal(to_csv(table), 'a_b,"x, y"\n50 %,2e-06\n');
 for (const part of ['a\\_b & x, y \\\\\n', '50 \\% & 2.0 $\\mu$s \\\\\n', '\n\\begin{table}\n']) assert.ok(to_tex(table).includes(part), part);
-for (const [value, text] of [[0, '0'], [120, '120'], [1234567890, '1.23456789e+09'], [0.1 + 0.2, '0.3'], [1.5e-300, '1.5e-300'], [-2.5, '-2.5'], [1e9, '1e+09'], [123456789, '123456789'], [1e-5, '1e-05'], [0.0001, '0.0001']])
+for (const [value, text] of [[0, '0'], [120, '120'], [1234567890, '1.23456789e+09'], [0.1 + 0.2, '0.3'], [1.5e-300, '1.5e-300'], [-2.5, '-2.5'], [1e9, '1e+09'], [123456789, '123456789'], [1e-5, '1e-05'], [0.0001, '0.0001'], [2 ** -13, '0.000122070312'], [3 * 2 ** -13, '0.000366210938'], [99999999.95, '100000000'], [5e-324, '4.94065646e-324']])
   assert.equal(to_csv({columns: [{name: 'x', numeric: true}], rows: [{cells: [{text: '', value}]}]}), `x\n${text}\n`);
+assert.match(to_tex({...table, rows: Array(130000).fill(table.rows[0])}), /\\begin\{longtable\}/, 'of any length');
