@@ -4,6 +4,7 @@ Balls fly freely and meet the ground, a wall or each other at the exact time of 
 v+ differs least from v-, n'v+ >= -e n'v-. Everything but the impact is chained by hand. Run by ctest.
 """
 import math
+import sys
 import unittest
 
 import numpy
@@ -185,4 +186,4 @@ class Tasks(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(argv=sys.argv[:1])
