@@ -5,6 +5,7 @@ Strictly feasible: there is z with J_E z = c_E and, for each contact, s = J z - 
 lambda, not 0 on the contacts, with J' lambda = 0, c' lambda >= 0 and |lambda_t| <= mu lambda_n, which proves that there is none.
 """
 import argparse
+import itertools
 import json
 import pathlib
 import sys
@@ -12,15 +13,17 @@ from fractions import Fraction as F
 
 import numpy as np
 
+import edge
 import files
 
-GAP = 1e-12       # of the barrier's last step, against rows of length 1
-SUPPORT = 1e-7    # share of the largest force below which a contact has no part in a proof
-FACE = 1e-4       # relative distance to a cone's edge below which a force is taken to lie on it
+GAP = 1e-23       # of t where the search ends: a relative margin near 1e-11, for t is its square
+SUPPORTS = (1e-7, 1e-3, 1e-11)  # shares of the largest force below which a contact has no part in a proof; tried in turn
+FACES = (1e-4, 1e-13)  # relative distances to a cone's edge below which a force is taken to lie on it; tried in turn
 SNAP = 1e-5       # by which a direction of slip may miss a rational one of length 1
 EXACT_ROWS = 120  # of a proof by elimination in rationals
 DENSE = 3e7       # entries of J
-NEWTON = 40       # steps for one weight of the barrier
+NEWTON = 60       # steps for one weight of the barrier
+NEAR = 1e-2       # of Newton's decrement: near enough to go on to the next weight
 
 
 def dyadic(values):
@@ -63,7 +66,7 @@ def certifies(problem, force):
 
 
 class Cones:
-    """min t so that A y + t e lies in the dual cones and |y| <= 1: y = (z, 1) whitened and without its equality rows.
+    """min t + |y|^2 / 2 so that A y + t e lies in the dual cones: y = (z, 1) whitened and without its equality rows.
 
     t < 0: y is strictly inside. At t = 0 the barrier's forces prove that nothing is.
     """
@@ -95,23 +98,22 @@ class Cones:
 
     def solve(self, found):
         """Until found(y), or the gap is closed. Returns (witness or None, forces n, forces t): of contacts, then of the last row."""
-        y, t, weight = np.zeros(self.basis.shape[1]), 1.0, 1.0
         parts = len(self.normal) + 1
+        y, t, weight = np.zeros(self.basis.shape[1]), 1.0, 2.0 * parts
         while True:
             for _ in range(NEWTON):
                 n = self.normal @ y + t
                 s = [T @ y for T in self.tangent]
                 det = n**2 - sum(v**2 for v in s)
-                room = 1 - y @ y
                 gn, gs = -2 * n / det, [2 * v / det for v in s]
-                g = np.append(self.normal.T @ gn + sum((T.T @ v for T, v in zip(self.tangent, gs)), 0) + 2 * y / room, weight + gn.sum())
+                g = np.append(self.normal.T @ gn + sum((T.T @ v for T, v in zip(self.tangent, gs)), 0) + weight * y, weight + gn.sum())
                 rows = np.column_stack([self.normal, np.ones(len(n))])
                 flat = [np.column_stack([T, np.zeros(len(n))]) for T in self.tangent]
                 turned = rows * gn[:, None] + sum((T * v[:, None] for T, v in zip(flat, gs)), 0)
                 H = turned.T @ turned - rows.T @ (rows * (2 / det)[:, None]) + sum((T.T @ (T * (2 / det)[:, None]) for T in flat), 0)
-                H[:-1, :-1] += 2 / room * np.eye(len(y)) + 4 / room**2 * np.outer(y, y)
-                H[np.diag_indices_from(H)] *= 1 + np.finfo(float).eps
-                step = -np.linalg.lstsq(H, g, rcond=None)[0]
+                H[range(len(y)), range(len(y))] += weight
+                size = 1 / np.sqrt(np.diag(H))
+                step = -size * np.linalg.lstsq(H * np.outer(size, size), size * g, rcond=None)[0]
                 decrease = -g @ step
                 length = 1.0
                 while length > np.finfo(float).eps and not self.stays(y + length * step[:-1], t + length * step[-1], weight, y, t, length * decrease):
@@ -121,7 +123,7 @@ class Cones:
                 y, t = y + length * step[:-1], t + length * step[-1]
                 if t < 0 and found(y):
                     return y, None, None
-                if decrease < 1e-3:
+                if decrease < NEAR:
                     break
             n = self.normal @ y + t
             s = [T @ y for T in self.tangent]
@@ -133,10 +135,9 @@ class Cones:
     def value(self, y, t, weight):
         n = self.normal @ y + t
         det = n**2 - sum(((T @ y)**2 for T in self.tangent), np.zeros(len(n)))
-        room = 1 - y @ y
-        if (n <= 0).any() or (det <= 0).any() or room <= 0:
+        if (n <= 0).any() or (det <= 0).any():
             return np.inf
-        return weight * t - np.log(det).sum() - np.log(room)
+        return weight * (t + y @ y / 2) - np.log(det).sum()
 
     def stays(self, y, t, weight, y0, t0, decrease):
         after = self.value(y, t, weight)
@@ -192,23 +193,23 @@ def rational_unit(x):
     return None
 
 
-def exact_certificate(problem, normal, tangents, level):
+def exact_certificate(problem, normal, tangents, level, support, face):
     """{row: Fraction} that proves that nothing is strictly inside, from forces nearly so; or None."""
     columns, guesses = [], []  # a column: {row: share}
     for i, (contact, mu) in enumerate(zip(problem.contacts, problem.mu)):
-        if normal[i] < SUPPORT * max(normal.max(), level):
+        if normal[i] < support * max(normal.max(), level):
             continue
         rows, force = list(contact), [normal[i]] + [mu * T[i] for T in tangents][:len(contact) - 1]
         if len(rows) == 2:  # in the plane the cone is spanned by its two edges
             slip = force[1] / mu if mu else 0
             for sign in (1, -1):
                 weight = (normal[i] + sign * slip) / 2
-                if weight > SUPPORT * normal.max():
+                if weight > support * normal.max():
                     columns.append({rows[0]: F(1), rows[1]: sign * F(mu)})
                     guesses.append(weight)
             continue
         length = np.linalg.norm(force[1:])
-        unit = rational_unit(np.array(force[1:]) / length) if length > (1 - FACE) * mu * normal[i] and length else None
+        unit = rational_unit(np.array(force[1:]) / length) if length > (1 - face) * mu * normal[i] and length else None
         if unit:
             columns.append({rows[0]: F(1), **{row: F(mu) * u for row, u in zip(rows[1:], unit)}})
             guesses.append(normal[i])
@@ -279,7 +280,8 @@ def decide(problem):
     length = np.array([cones.lengths[c[0]] for c in problem.contacts])
     tangents = [T[:-1] / length for T in tangents]
     balance = np.linalg.norm(cones.normal.T @ normal + sum((T.T @ v for T, v in zip(cones.tangent, [np.append(t * length, 0) for t in tangents])), 0))
-    force = exact_certificate(problem, normal[:-1] / length, tangents, normal[-1] * cones.scale)
+    forces = (exact_certificate(problem, normal[:-1] / length, tangents, normal[-1] * cones.scale, *marks) for marks in itertools.product(SUPPORTS, FACES))
+    force = next((f for f in forces if f), None)
     if force is None:
         return {"feasible": "undecided", "why": "no strict motion found; what speaks against one holds for rows that are off by delta", "delta": float(balance)}
     level = sum(v * F(problem.c[row]) for row, v in force.items())
@@ -287,29 +289,82 @@ def decide(problem):
             "anything": "nothing" if level > 0 else "at most the boundary"}
 
 
+WORDS = {"strictly": "strictly feasible", "not strictly": "no strict motion", "undecided": "undecided"}
+
+
+def kind(answer):
+    return f"{answer['anything']} feasible" if answer["feasible"] == "not strictly" else WORDS[answer["feasible"]]
+
+
+def outcome(row):
+    """What became of a run, in one word of the table."""
+    if row["claimed"] in ("crashed", "bad input") or row["verified"] == "crashed":
+        return "crashed"
+    if row["claimed"] in ("solved", "infeasible"):
+        return {"wrong": "false claim", "solved": "right", "infeasible, proven": "right"}.get(row["verified"], "claim open")
+    return "no answer" if row["verified"] == "no answer" else "gave up"
+
+
+OUTCOMES = ("right", "claim open", "false claim", "gave up", "no answer", "crashed")
+
+
+def charted(program, out, found, solvers, seconds):
+    """A row for each solver and kind of problem: how many runs became what."""
+    known = {answer["problem"]: kind(answer) for answer in found}
+    run = out / "run"
+    how = ["--resume", run] if run.exists() else ["--problems", out / "problems", "--law", "coulomb", "--solvers", solvers, "--tolerances", "1e-8",
+                                                  "--time-limit", f"{seconds:g}", "--accuracy", "--out", run]
+    files.run([program, "bench", *how])
+    table = {}
+    for line in (run / "results.jsonl").read_text().splitlines():
+        row = json.loads(line)
+        if row["problem"] in known and row["claimed"] not in ("unsupported", "unsolved"):
+            cell = table.setdefault((row["solver"], known[row["problem"]]), dict.fromkeys(OUTCOMES, 0))
+            cell[outcome(row)] += 1
+    return [{"solver": solver, "problems": what, **cell} for (solver, what), cell in table.items()]
+
+
+def line_of(answer):
+    proven = {"strictly": f"strictly feasible, margin {answer.get('margin', 0):.1e}",
+              "not strictly": f"no strict motion, proven: {answer.get('anything')} is feasible",
+              "undecided": f"undecided: {answer.get('why')}" + (f" {answer['delta']:.1e}" if "delta" in answer else "")}[answer["feasible"]]
+    return (f"{answer['problem']:36.36} {answer['contacts']:4} contacts   {proven}" + (f"   solutions: {answer['solutions']}" if "solutions" in answer else "") +
+            ("   rolling left out" if answer["rolling"] else ""))
+
+
 def main():
     options = argparse.ArgumentParser(prog="./zwang experiment feasibility", description=__doc__.split("\n")[0])
     options.add_argument("program", help=argparse.SUPPRESS)
-    options.add_argument("what", nargs="+", metavar="FILE|DIR|SCENE", help="problem files of any kind that ./zwang reads, folders of them, or scenes")
+    options.add_argument("what", nargs="*", metavar="FILE|DIR|SCENE", help="problem files of any kind that ./zwang reads, folders of them, or scenes")
+    options.add_argument("--edge", action="store_true", help="also problems made at the edge of strict feasibility and beyond: wedge, corner of a chute, plates")
     options.add_argument("--out", default="results/feasibility", metavar="DIR", help="where feasibility.json goes; default: results/feasibility")
     options.add_argument("--solutions", action="store_true", help="also count Coulomb's solutions of each (up to a minute each)")
+    options.add_argument("--solvers", metavar="A,B", help="also run these, and say what becomes of them; all: those that read Coulomb's law")
+    options.add_argument("--time-limit", type=float, default=2, metavar="S", help="CPU time of a solve; default: 2")
     asked = options.parse_args()
+    if not (asked.what or asked.edge) or not asked.time_limit > 0:
+        files.fail("expected files, folders, scenes or --edge; --time-limit above 0 s")
     out = pathlib.Path(asked.out)
+    what = asked.what + ([str(path) for path in edge.write(out / "edge")] if asked.edge else [])
     found = []
-    for path in files.packed(asked.program, asked.what, out):
+    for path in files.packed(asked.program, what, out):
         problem = files.read(path)
-        answer = decide(problem)
         answer = {"problem": problem.name, "file": str(path.relative_to(out)), "n": problem.J.shape[1], "contacts": len(problem.contacts),
-                  "rolling": problem.rolling, **answer}
+                  "rolling": problem.rolling, **decide(problem)}
         if asked.solutions:
             answer["solutions"] = files.solutions(asked.program, path)["in_words"]
         found.append(answer)
-        word = {"strictly": f"strictly feasible, margin {answer.get('margin', 0):.1e}", "not strictly": f"no strict motion, proven: {answer.get('anything')} is feasible",
-                "undecided": f"undecided: {answer.get('why')}" + (f" {answer['delta']:.1e}" if "delta" in answer else "")}[answer["feasible"]]
-        print(f"{problem.name:36.36} {len(problem.contacts):4} contacts   {word}" + (f"   solutions: {answer['solutions']}" if asked.solutions else "") +
-              ("   rolling left out" if problem.rolling else ""), flush=True)
-    (out / "feasibility.json").write_text(json.dumps(found, indent=1) + "\n")
-    count = {word: sum(a["feasible"] == word for a in found) for word in ("strictly", "not strictly", "undecided")}
+        print(line_of(answer), flush=True)
+    written = {"problems": found}
+    if asked.solvers:
+        names = ",".join(files.readers(asked.program, "coulomb")) if asked.solvers == "all" else asked.solvers
+        written["solvers"] = charted(asked.program, out, found, names, asked.time_limit)
+        print(f"\n{'solver':20} {'problems':32}" + "".join(f"{word:>12}" for word in OUTCOMES))
+        for row in written["solvers"]:
+            print(f"{row['solver']:20} {row['problems']:32}" + "".join(f"{row[word] or '.':>12}" for word in OUTCOMES))
+        print()
+    (out / "feasibility.json").write_text(json.dumps(written, indent=1) + "\n")
+    count = {word: sum(a["feasible"] == word for a in found) for word in WORDS}
     print(f"{len(found)} problems: {count['strictly']} strictly feasible, {count['not strictly']} proven not to be, {count['undecided']} undecided   -> {out}/feasibility.json")
 
 

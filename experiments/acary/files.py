@@ -60,6 +60,19 @@ def read(path):
                        (text("name") or [pathlib.Path(path).stem])[0], text("notes"))
 
 
+def write(path, name, family, z_u, J, c, mu):
+    """A problem of contacts alone with M = I, in the project's own layout; J [3 k, n] with the normal of each contact first."""
+    k = len(mu)
+    full = np.zeros(3 * k)
+    full[::3] = mu
+    with h5py.File(path, "w") as file:
+        g = file.create_group("zwang")
+        for key, value in (("M", np.eye(len(z_u))), ("z_u", z_u), ("J", J), ("c", c), ("kind", np.array([1, 2, 2] * k, "u1")), ("mu", full)):
+            g[key] = value
+        for key, value in (("name", name), ("family", family), ("law", "coulomb")):
+            g[key] = [value]
+
+
 def run(words):
     """Standard output of a command of the program; its error, where it has one, ends this one the same way."""
     done = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, text=True)
@@ -88,6 +101,12 @@ def packed(program, what, out):
     elif shlex.split(json.loads(index.read_text())["made_by"])[2:-2] != what:
         fail(f"{out} holds other problems: --out DIR names another folder")
     return [out / p["file"] for p in json.loads(index.read_text())["problems"]]
+
+
+def readers(program, law):
+    """Names of the solvers that are built in and read the law."""
+    lines = run([program, "solvers"]).splitlines()
+    return [line.split()[0] for line in lines if line.startswith("  ") and "not built in" not in line and law in line[:60]]
 
 
 def solutions(program, path):
