@@ -26,12 +26,13 @@ FAMILIES = {
     "NSN": ("nonsmooth Newton", ("alart_curnier", "siconos_nsn_ac", "siconos_nsn_fb")),
     "NSGS": ("Gauss-Seidel over contacts", ("nsgs", "siconos_nsgs", "siconos_global_nsgs")),
     "OPT": ("convex problems in an outer fixed point", ("fixed_point",)),
-    "new": ("since the report: interior point with Newton, alternating directions", ("cone", "admm", "siconos_admm", "siconos_global_admm")),
+    "new": ("since the report: interior point with Newton, alternating directions", ("cone", "admm", "siconos_admm", "siconos_global_admm", "siconos_soclcp")),
 }
 RIGHT = ("solved", "rows off", "consistent")
 LOOSE, TIGHT = 1e-4, 1e-8  # the two accuracies of the report
 MOST = 0.8                 # share of problems that "robust" asks for
 FEW = 10                   # problems, below which nobody is called the best of all
+DENSE_CONTACTS = 1.5       # rows a rank: a high contact density
 SLOW = 2                   # factor in time that "slow" asks for
 ROUNDING = 1e-12           # of W, relative to its largest entry: symmetric
 NORMAL = 1.96              # bands are of 95 %
@@ -231,7 +232,7 @@ class Checks:
         ended = [row for solver in s.family("NSGS") for name in names if (row := s.row(solver, TIGHT, name)) and row["claimed"] not in ("solved", "unsupported")]
         self.add("Gauss-Seidel, local solver 2", "where NSGS does not get there, it is for slow convergence, not divergence",
                  self.share(sum(r["claimed"] in ("time limit", "iteration limit") for r in ended), len(ended), 0.5, "failures at 1e-8 are limits of time or sweeps"))
-        for claim in ("the local tolerance changes the time of NSGS", "rho = 1 in the local solver harms rigid sets", "the shuffled order harms rigid sets",
+        for claim in ("the local tolerance changes the time of NSGS", "rho = 1 in the local solver harms rigid sets", "the shuffled order harms rigid sets", "and helps flexible ones", "no local solver outperforms the others",
                       "over-relaxation helps for some omega, and harms for others"):
             self.add("Gauss-Seidel, parameters", claim, self.untested("NSGS here solves each contact exactly, in order: it has no such parameter"))
 
@@ -247,10 +248,22 @@ class Checks:
             self.add("Newton 4", "on KaplasTower and Capsules Fischer-Burmeister's Newton solves more than 80 %", self.share(k, len(sets), MOST, "solved by siconos_nsn_fb"))
         else:
             self.add("Newton 4", "on KaplasTower and Capsules Fischer-Burmeister's Newton solves more than 80 %", self.untested("siconos_nsn_fb is not built in"))
-        self.add("Newton 1", "a line search slows Newton down on flexible sets", self.untested("whole steps alone are built in"))
+        high, low = ([n for n in none if (s.files[n].rows > DENSE_CONTACTS * s.files[n].rank) == dense] for dense in (True, False))
+        self.add("Newton, general conclusion", f"deficient rank: the more contacts the worse, above and below {DENSE_CONTACTS} rows a rank",
+                 self.less(*s.solved("NSN", TIGHT, high), *s.solved("NSN", TIGHT, low), "solved at 1e-8"))
+        pair = ("siconos_nsn_ac", "siconos_nsn_fb")
+        if set(pair) <= set(s.solvers):
+            times = [(s.seconds([pair[0]], TIGHT, n), s.seconds([pair[1]], TIGHT, n)) for n in some]
+            self.add("Newton 1", "full rank: Alart-Curnier's function is faster than Fischer-Burmeister's",
+                     self.paired(sum(a < b for a, b in times), sum(a > b for a, b in times), "full-rank problems, at 1e-8"))
+        else:
+            self.add("Newton 1", "full rank: Alart-Curnier's function is faster than Fischer-Burmeister's", self.untested("siconos_nsn_ac and siconos_nsn_fb are not built in"))
+        for claim in ("a line search slows Newton down on flexible sets", "and makes it more robust on rigid ones", "a start by a fixed point makes it more robust"):
+            self.add("Newton 1, 3", claim, self.untested("whole steps from zero alone are built in"))
 
         # Proximal points
         for claim in ("the proximal point helps Newton on rigid sets", "and has no use where W has full rank", "no rule for its parameter serves all sets",
+                      "Gauss-Seidel gains little by it",
                       "rigid sets at 1e-8: proximal points are the most efficient"):
             self.add("proximal points", claim, self.untested("no solver of that family is built in"))
 
@@ -269,6 +282,11 @@ class Checks:
         self.add("optimization 3", "where few contacts slide the outer fixed point does better",
                  self.less(*s.solved("OPT", TIGHT, high), *s.solved("OPT", TIGHT, low), "solved at 1e-8, more and less than half sliding"))
 
+        self.add("optimization 3", "which of the three outer iterations is best depends on the set", self.untested("one is built in"))
+        local = s.names(lambda f: f.contacts == 1 and f.asymmetry is not None)
+        self.add("comparison 5", "local problems of one contact: the outer fixed point solves what Newton does not",
+                 self.paired(*self.only(("OPT", "NSN"), TIGHT, local), "problems of one contact that only one family solves are its"))
+
         # Between the families
         self.add("comparison 2", "full rank: nonsmooth Newton is faster than Gauss-Seidel, at 1e-8",
                  self.paired(*s.faster("NSN", "NSGS", TIGHT, some), "full-rank problems"))
@@ -284,6 +302,11 @@ class Checks:
         self.add("conclusion", "... more than contact status", self.cause(many))
         self.add("measure of error", "a small residual of the natural map is a solved problem", self.trust())
         return self.done
+
+    def only(self, pair, tolerance, names):
+        """(problems that family one alone solves, that the other alone does)"""
+        got = [[self.study.seconds(self.study.family(f), tolerance, name) < math.inf for f in pair] for name in names]
+        return sum(a and not b for a, b in got), sum(b and not a for a, b in got)
 
     def against_best(self, family, tolerance, names):
         others = [v for f in ("NSN", "NSGS") for v in self.study.family(f)]
