@@ -1,7 +1,8 @@
-"""h5py reads the frames of a run, with their units, also when the run was killed.
+"""h5py reads the frames of a run, with their units, also when the run was killed or met its limits.
 
 Usage: frames_in_h5py.py WRITE_REPLAY PROGRAM
 """
+import json
 import os
 import signal
 import subprocess
@@ -34,6 +35,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert np.flatnonzero(file["held"][:]).tolist() == [60] and np.flatnonzero(file["stuck"][:]).tolist() == [90]
         assert file["contacts"][:].sum() == len(file["contact_point"]) == len(file["contact_push"]) > 0
         assert "0 unsolved, 1 solved" in file["claimed"].attrs["meaning"] and set(file["claimed"][:]) == {1}
+        assert file["origin"].attrs["meaning"].endswith("5 held, 6 limited")
 
     # kill -9 in mid-run: the checkpoint's frames are there, and the resumed run has the numbers of one in one piece.
     options = ["box", "--motion", "slide", "--frames", "2300", "--verify", "0"]
@@ -59,4 +61,17 @@ with tempfile.TemporaryDirectory() as folder:
         assert set(one) == set(other)
         for name in one:
             assert name == "times" or np.array_equal(one[name][:], other[name][:], equal_nan=True), name
+
+    # Solves of one iteration: frames that press are limited, and counted so.
+    limited = simulate(*options, "--iterations", "1", "--out", "limited")
+    out, error = limited.communicate(timeout=300)
+    with h5py.File("limited/frames.h5") as file, open("limited/summary.json") as summary:
+        count = int((file["origin"][:] == 6).sum())
+        assert limited.returncode == 0 and count > 0, error
+        assert file["gap"][:].min() >= 0 and file["joint"][:].max() <= 1e-9
+        assert f"{count:,} limited" in out and json.load(summary)["origins"]["limited"] == count
+    for word in ["-1", "abc"]:
+        wrong = simulate("box", "--budget", word)
+        out, error = wrong.communicate(timeout=60)
+        assert wrong.returncode == 2 and out == "" and error.count("\n") == 1 and "--budget" in error, (out, error)
     os.chdir("/")

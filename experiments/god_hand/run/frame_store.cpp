@@ -70,7 +70,7 @@ Dataset dataset_of(const char* name, const char* unit, const T& value, Stored re
   else if constexpr (std::is_integral_v<T> || std::is_same_v<T, std::vector<FrameContact>>)
     d.type = Stored::integer;
   else if constexpr (std::is_same_v<T, Origin>)
-    d.type = Stored::integer, d.meaning = names_of(Origin::held);
+    d.type = Stored::integer, d.meaning = names_of(Origin::limited);
   else if constexpr (std::is_same_v<T, Status>)
     d.type = Stored::integer, d.meaning = names_of(Status::crashed);
   else if constexpr (std::is_same_v<T, std::optional<Verdict>>)
