@@ -20,9 +20,11 @@ import numpy as np
 
 import feasibility
 import files
+import variational
 
 # The report's families, and the solvers here that belong to them. Those of the last line are of none.
 FAMILIES = {
+    "VI": ("fixed points of a variational inequality", tuple(variational.RULES)),
     "NSN": ("nonsmooth Newton", ("alart_curnier", "siconos_nsn_ac", "siconos_nsn_fb")),
     "NSGS": ("Gauss-Seidel over contacts", ("nsgs", "siconos_nsgs", "siconos_global_nsgs")),
     "OPT": ("convex problems in an outer fixed point", ("fixed_point",)),
@@ -31,6 +33,8 @@ FAMILIES = {
 RIGHT = ("solved", "rows off", "consistent")
 LOOSE, TIGHT = 1e-4, 1e-8  # the two accuracies of the report
 MOST = 0.8                 # share of problems that "robust" asks for
+SMALLEST = 30              # problems that the solvers in NumPy are tried on
+SHARE = 0.2                # of the time limit that they get
 FEW = 10                   # problems, below which nobody is called the best of all
 DENSE_CONTACTS = 1.5       # rows a rank: a high contact density
 SLOW = 2                   # factor in time that "slow" asks for
@@ -65,7 +69,7 @@ class File:
     """What is known of one problem without any solver."""
 
     def __init__(self, path, name):
-        self.problem, self.name = files.read(path), name
+        self.problem, self.name, self.path = files.read(path), name, path
         p = self.problem
         self.n, self.rows, self.contacts = p.J.shape[1], len(p.J), len(p.contacts)
         self.asymmetry = files.asymmetry(p.notes)
@@ -97,13 +101,17 @@ class File:
             self.shares = [modes.count(mode) / self.contacts for mode in ("stick", "slide", "open")]
 
 
+def records(folder):
+    return [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
+
+
 class Study:
-    def __init__(self, run):
+    def __init__(self, run, judged):
         self.rows, self.files, self.references = {}, {}, {}
-        for line in (run / "results.jsonl").read_text().splitlines():
-            row = json.loads(line)
-            if row["solver"].startswith("recorded:"):
+        for row in records(run) + (records(judged) if judged else []):
+            if row["solver"].startswith("recorded:") or row["claimed"] == "unsolved":
                 continue
+            row["solver"] = row["solver"].partition("@")[0]  # judge tells files of one solver apart by their names
             name = row["problem"].removesuffix(" (convex)").removesuffix(" (coulomb)")
             self.rows[row["law"], name, row["solver"], row["tolerance"]] = row
             if row["law"] == "coulomb" and name not in self.files:
@@ -220,10 +228,19 @@ class Checks:
                  ("undecided" if len(best) < FEW else "refuted" if most[0] == len(best) else "confirmed", f"the most often fastest, {most[1]}, is so on {most[0]} of {len(best)}"))
 
         # Variational inequalities
-        for claim in ("fixed-point and extragradient solvers with a fixed step diverge often",
-                      "with steps that adapt themselves they are robust", "and slow on large problems or at tight tolerances",
-                      "extragradient is not slower than the fixed point", "the two rules for the steps do not differ"):
-            self.add("variational inequalities", claim, self.untested("no solver of that family is built in"))
+        where = "variational inequalities"
+        fixed, adapting = (self.of_rules(rules, LOOSE) for rules in (["vi_fixed_step"], ["vi_fixed_point", "vi_extragradient"]))
+        self.add(where + " 1", "a step that is fixed diverges often, one that adapts itself does not", self.less(*fixed, *adapting, "runs that are right at 1e-4, fixed and adapting"))
+        self.add(where + " 2", "with steps that adapt themselves these solvers are robust", self.share(*s.solved("VI", LOOSE, names), MOST, "problems solved at 1e-4"))
+        self.add(where + " 2", "and slow: tight tolerances are not reached in time",
+                 self.less(*s.solved("VI", TIGHT, names), *s.solved("VI", LOOSE, names), "solved at 1e-8 and at 1e-4"))
+        work = {rule: {n: row["iterations"] for n in names if s.right(row := s.row(rule, LOOSE, n))} for rule in variational.RULES}
+        both = [(work["vi_extragradient"][n], work["vi_fixed_point"][n]) for n in work["vi_fixed_point"] if n in work["vi_extragradient"]]
+        self.add(where + " 3", "the extragradient is faster than the fixed point",
+                 self.paired(sum(a < b for a, b in both), sum(a > b for a, b in both), "problems take fewer products with W"))
+        both = [(work["vi_fixed_point"][n], work["vi_fixed_point_2"][n]) for n in work["vi_fixed_point"] if n in work["vi_fixed_point_2"]]
+        self.add(where + " 4", "the two rules for the steps hardly differ",
+                 self.share(sum(max(p) <= SLOW * min(p) for p in both), len(both), 0.5, f"problems take products with W within a factor of {SLOW}"))
 
         # Gauss-Seidel
         self.add("Gauss-Seidel, local solver 1", "NSGS is robust at 1e-4", self.share(*s.solved("NSGS", LOOSE, names), MOST, "problems solved"))
@@ -300,8 +317,12 @@ class Checks:
         self.add("conclusion", "deficient rank is the main cause of slow convergence and failure",
                  self.less(*self.runs_right(none), *self.runs_right(some), "runs of the report's families that are right at 1e-8, deficient and full rank"))
         self.add("conclusion", "... more than contact status", self.cause(many))
-        self.add("measure of error", "a small residual of the natural map is a solved problem", self.trust())
+        self.add("measure of error", "a residual of the natural map below tolerance times |q| is a solved problem", self.trust())
         return self.done
+
+    def of_rules(self, rules, tolerance):
+        rows = [row for rule in rules for name in self.study.files if (row := self.study.row(rule, tolerance, name))]
+        return sum(map(self.study.right, rows)), len(rows)
 
     def only(self, pair, tolerance, names):
         """(problems that family one alone solves, that the other alone does)"""
@@ -338,11 +359,17 @@ class Checks:
         return ("confirmed" if low > max(h2, 0) else "refuted" if high < l2 else "undecided"), text
 
     def trust(self):
-        claims = [row for (law, *_), row in self.study.rows.items() if law == "coulomb" and row["claimed"] == "solved"]
-        false = [row for row in claims if row["verified"] == "wrong"]
-        far = [row for row in claims if row["verified"] not in (*RIGHT, "wrong")]
-        return ("undecided" if not claims else "refuted" if false else "confirmed",
-                f"of {len(claims)} answers called solved {len(false)} are wrong, {len(far)} neither right nor refuted")
+        """Of the solvers that stop by the report's measure; what the others call solved beside it."""
+        text, verdict = [], "undecided"
+        for theirs in (True, False):
+            claims = [row for (law, _, solver, _), row in self.study.rows.items()
+                      if law == "coulomb" and row["claimed"] == "solved" and (solver in variational.RULES) == theirs]
+            false = [row for row in claims if row["verified"] == "wrong"]
+            off = max((row["z_error"] for row in false if row["z_error"] is not None), default=0)
+            text.append(f"of {len(claims)} answers that {'it' if theirs else 'other solvers'} called solved {len(false)} are wrong, by up to {off:.1e} of the motion")
+            if theirs and claims:
+                verdict = "refuted" if false else "confirmed"
+        return verdict, "; ".join(text)
 
 
 def tables(study, counted):
@@ -416,10 +443,23 @@ def compare(asked, out):
     return run
 
 
-def look(study, run, asked):
+def by_rules(program, run, out, seconds):
+    """The variational inequality's solvers on the smallest problems, judged. Returns the judgement's folder, or None."""
+    judged = out / "judged"
+    if not (judged / "results.jsonl").exists():
+        rows = sorted((row for row in records(run) if row["law"] == "coulomb"), key=lambda row: row["m"])
+        names = list(dict.fromkeys(row["problem"] for row in rows))[:SMALLEST]
+        pack, answers = variational.answers(run, out / "variational", [row for row in rows if row["problem"] in names], (LOOSE, TIGHT), seconds)
+        shutil.rmtree(judged, ignore_errors=True)
+        if not json.loads((pack / "pack.json").read_text())["problems"]:
+            return None
+        subprocess.run([program, "judge", pack, *answers, "--out", judged], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return judged if (judged / "results.jsonl").exists() else None
+
+
+def look(study, asked):
     """Strictly feasible or not, and Coulomb's solutions, of the smallest problems first, until the time is over."""
     started, counted = time.monotonic(), {}
-    paths = {row["problem"].removesuffix(" (coulomb)"): run / row["problem_file"] for (law, *_), row in study.rows.items() if law == "coulomb"}
     for name in sorted(study.files, key=lambda n: study.files[n].rows):
         f = study.files[name]
         if time.monotonic() - started > asked.search:
@@ -427,7 +467,7 @@ def look(study, run, asked):
         counted[name] = {"feasible": feasibility.decide(f.problem)["feasible"]}
         left = asked.search - (time.monotonic() - started)
         try:
-            said = subprocess.run([asked.program, "solve", str(paths[name]), "--law", "coulomb", "--solutions", "--json"], capture_output=True, text=True, timeout=max(left, 1))
+            said = subprocess.run([asked.program, "solve", str(f.path), "--law", "coulomb", "--solutions", "--json"], capture_output=True, text=True, timeout=max(left, 1))
             found = json.loads(said.stdout) if said.returncode == 0 else {"in_words": "not searched", "solutions": []}
             counted[name]["solutions"] = found["in_words"].partition(":")[0].partition(";")[0]
             if found["solutions"]:
@@ -455,10 +495,10 @@ def main():
     run = pathlib.Path(asked.run) if asked.run else compare(asked, out)
     if not (run / "results.jsonl").exists():
         files.fail(f"{run}: no results.jsonl there", files.BAD_FILE)
-    study = Study(run)
+    study = Study(run, by_rules(asked.program, run, out, asked.time_limit * SHARE))
     if not study.files:
         files.fail(f"{run}: no problem under Coulomb's law", files.BAD_FILE)
-    counted = look(study, run, asked)
+    counted = look(study, asked)
     checks = Checks(study).run()
     by_file, by_solver = tables(study, counted)
     proven = sum(bound is not None for bound in study.references.values())

@@ -19,16 +19,16 @@ def fail(line, code=WRONG_USE):
 
 
 class Problem:
-    """M [n, n], J [m, n], c [m]; equalities: rows; contacts: a list of rows each, normal first; mu of each contact."""
+    """M [n, n], J [m, n], c [m]; equalities: rows; contacts: a list of rows each, normal first; mu of each contact; z_u [n]."""
 
-    def __init__(self, M, J, c, kind, mu, name="", notes=()):
+    def __init__(self, M, J, c, kind, mu, name="", notes=(), z_u=None):
         keep = np.flatnonzero(np.isfinite(c))  # c = -inf: the contact cannot be met
         for row in np.flatnonzero(~np.isfinite(c)):
             while row + 1 < len(kind) and kind[row + 1] == 2:
                 row += 1
                 keep = keep[keep != row]
         self.M, self.J, self.c, kind, mu = M, J[keep], c[keep], kind[keep], mu[keep]
-        self.name, self.notes = name, list(notes)
+        self.name, self.notes, self.z_u = name, list(notes), z_u
         self.equalities = [int(row) for row in np.flatnonzero(kind == 0)]
         self.contacts, self.mu = [], []
         for row, what in enumerate(kind):
@@ -57,7 +57,7 @@ def read(path):
         text = lambda key: [t.decode() if isinstance(t, bytes) else str(t) for t in g[key][:]] if key in g else []
         mu = g["mu"][:] if "mu" in g else np.zeros(m)
         return Problem(dense(g["M"], (n, n), True), dense(g["J"], (m, n), False), g["c"][:], g["kind"][:], mu,
-                       (text("name") or [pathlib.Path(path).stem])[0], text("notes"))
+                       (text("name") or [pathlib.Path(path).stem])[0], text("notes"), g["z_u"][:])
 
 
 def write(path, name, family, z_u, J, c, mu):
