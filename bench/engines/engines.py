@@ -160,6 +160,8 @@ def whole_run(engines, chosen, deadline, say):
 def show(count, all_of_them, what):
     if sys.stderr.isatty():
         print(f"\r{count} of {all_of_them}: {what}\033[K", end="\n" if count == all_of_them else "", file=sys.stderr)
+    elif count < all_of_them and count * 10 // all_of_them > (count - 1) * 10 // all_of_them:
+        print(f"{count} of {all_of_them}: {what}", file=sys.stderr, flush=True)
 
 
 def wrong_use(line):
