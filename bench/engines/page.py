@@ -26,6 +26,8 @@ svg .curve { fill: none; stroke-width: 1.3; } svg .tuned { stroke-dasharray: 4 3
 pre { white-space: pre-wrap; margin: 2px 0 8px; }
 .cells td { white-space: nowrap; }
 .scroll table { max-width: none; }
+.key span { white-space: nowrap; }
+@media (max-width: 700px) { .map tbody th { white-space: normal; min-width: 116px; max-width: 116px; } }
 """
 
 SCRIPT = """
