@@ -21,8 +21,11 @@ class Child:
 
     def __init__(self, command, environment, deadline, apart=False):
         self.folder = tempfile.TemporaryDirectory() if apart else None
-        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                        env={**os.environ, **environment}, cwd=self.folder.name if apart else None, start_new_session=True)
+        try:
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                            env={**os.environ, **environment}, cwd=self.folder.name if apart else None, start_new_session=True)
+        except OSError as error:
+            raise Failure(f"cannot be started: {error.strerror}")
         os.set_blocking(self.process.stdout.fileno(), False)
         self.rest = b""
         self.allow(deadline)

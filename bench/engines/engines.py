@@ -43,7 +43,7 @@ class Engine:
 def known(programs):
     """The engines that have adapters here, in the order of the map."""
     for name, package in DEBIAN.items():
-        program = programs / f"zwang_engine_{name}"
+        program = programs.resolve() / f"zwang_engine_{name}"
         yield Engine(name, (str(program),) if program.exists() else (), f"apt-get install {package}")
     for name, package in PACKAGES.items():
         there = (NPM / "node_modules" / package.rpartition("@")[0] / "package.json").exists() and shutil.which("node")

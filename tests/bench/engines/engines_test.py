@@ -207,6 +207,13 @@ class Kit(unittest.TestCase):
         for cell in self.run_fake("wrong")[0]["cells"]["fake"]["tuned"]["free_fall"].values():
             self.assertIn("not believed", cell["why"])
 
+    def test_a_program_that_is_not_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, source / "bench/engines/engines.py", "--engines", "none", "--adapter", f"none={folder}/none", "--phenomena", "free_fall",
+                                   "--out", folder], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("cannot be started: No such file or directory", (pathlib.Path(folder) / "results.json").read_text())
+
     def test_help(self):
         done = subprocess.run([sys.executable, source / "bench/engines/engines.py", "--engines", "--help"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
