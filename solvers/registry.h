@@ -28,4 +28,7 @@ const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntr
 // or with how to add one that is absent.
 AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among = solvers());
 
+// Does it run in a child process? As its entry says, or that of the solver that it is to use (inner=NAME).
+bool runs_apart(std::string_view text, std::span<const SolverEntry> among = solvers());
+
 }  // namespace zwang

@@ -7,7 +7,7 @@
 
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/solvers/runs_apart.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {

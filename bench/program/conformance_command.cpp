@@ -12,7 +12,6 @@
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
-#include <zwang/solvers/runs_apart.h>
 
 namespace zwang {
 namespace {

@@ -12,7 +12,7 @@
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
-#include <zwang/solvers/runs_apart.h>
+#include <zwang/solvers/registry.h>
 #include <zwang/solvers/usual_solver.h>
 
 namespace zwang {

@@ -19,7 +19,6 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/registry.h>
-#include <zwang/solvers/runs_apart.h>
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -346,7 +345,8 @@ PYBIND11_MODULE(_zwang, m) {
   });
   const auto free = py::call_guard<py::gil_scoped_release>();
   m.def("make_scenes", &make_scenes, "text"_a, "seed"_a, "mu"_a = py::none(), free);
-  m.def("load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
+  m.def(
+      "load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
   m.def(
       "save",
       [](const std::filesystem::path& file, const std::vector<Instance>& problems) {

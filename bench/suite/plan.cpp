@@ -13,7 +13,7 @@
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/problem/wording.h>
-#include <zwang/solvers/runs_apart.h>
+#include <zwang/solvers/registry.h>
 
 ZWANG_EMBEDDED(suites_json, ZWANG_SUITES)
 

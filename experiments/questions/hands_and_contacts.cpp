@@ -11,7 +11,7 @@
 #include <zwang/experiments/god_hand/tools/play.h>
 #include <zwang/experiments/questions/list.h>
 #include <zwang/experiments/questions/play.h>
-#include <zwang/solvers/runs_apart.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang::questions {
 namespace {

@@ -163,12 +163,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
-    plain_.of(q.size(), q.rows()).solve(q, *this, o, t);
-  };
-  plain_.begin();
-  if (reduce) return reduced_.solve(plain, p, options, polish, s);
-  plain(p, options, s);
+  method_.solve(*this, p, options, s);
 }
 
 void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const SolveOptions& options, Solution& s) {

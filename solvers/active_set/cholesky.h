@@ -3,12 +3,10 @@
 #include <span>
 #include <vector>
 
-#include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/active_set/null_space_adapter.h>
 #include <zwang/solvers/factor/cholesky_rows.h>
 #include <zwang/solvers/factor/dual_climb.h>
 #include <zwang/solvers/finish/polish.h>
-#include <zwang/solvers/first_order/stop.h>
 #include <zwang/solvers/form/warm_rows.h>
 #include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/dense_storage.h>
@@ -89,8 +87,7 @@ struct Cholesky {
     std::vector<char> set_aside_;   // active, or an equality row that depends on the active ones
   };
 
-  NullSpaceAdapter reduced_;
-  ShapeCache<Method> plain_;
+  Reducible<Method> method_;
 };
 
 }  // namespace zwang

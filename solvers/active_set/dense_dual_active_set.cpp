@@ -39,10 +39,10 @@ void DenseDualActiveSet::reset(Index freedom, Index room) {
   by_rows_.reset(freedom, room);
   factor_.reset(padded_, most);
   state_.clear();
-  state_.reserve(static_cast<std::size_t>(room));
+  state_.reserve(at(room));
   for (std::vector<Index>* list : {&active_, &retired_}) {
     list->clear();
-    list->reserve(static_cast<std::size_t>(list == &active_ ? most : room));
+    list->reserve(at(list == &active_ ? most : room));
   }
   v_.setZero();
   u_.setZero();
@@ -59,7 +59,7 @@ double* DenseDualActiveSet::admit(double b, double magnitude) {
 }
 
 void DenseDualActiveSet::set(Index j, State state) {
-  state_[static_cast<std::size_t>(j)] = state;
+  state_[at(j)] = state;
   out_[j] = state == State::resting ? 0 : infinity;
 }
 
@@ -83,8 +83,6 @@ void DenseDualActiveSet::scan() {
   by_rows_.accumulate(1, v_.data(), slack_.data());
 }
 
-// Tried: one pass that keeps the worst row so far. Its branches go one way or the other from hand to hand, which costs
-// more than the products: 64 hands took 1 us each more than one hand solved over and over.
 Index DenseDualActiveSet::most_violated() {
   const double length = std::sqrt(fixed_length * fixed_length + lanes::dot(v_.data(), v_.data(), padded_));
   double* const key = key_.data();
@@ -137,7 +135,7 @@ void DenseDualActiveSet::enter(Index p, double multiplier, double length) {
 }
 
 void DenseDualActiveSet::drop(Index j) {
-  set(active_[static_cast<std::size_t>(j)], State::resting);
+  set(active_[at(j)], State::resting);
   const Index last = size() - 1;
   factor_.drop(j);
   std::copy(active_.begin() + j + 1, active_.end(), active_.begin() + j);
@@ -152,7 +150,7 @@ void DenseDualActiveSet::solve(const Vector& s, const Vector& sigma, Vector& dv,
 
 // (v, u) afresh from the factor.
 void DenseDualActiveSet::refresh() {
-  for (Index j = 0; j < size(); ++j) sigma_[j] = b_[active_[static_cast<std::size_t>(j)]];
+  for (Index j = 0; j < size(); ++j) sigma_[j] = b_[active_[at(j)]];
   rest_.setZero();
   solve(rest_, sigma_, v_, u_);
 }
@@ -202,7 +200,7 @@ bool DenseDualActiveSet::is_dependent(double length) {
 
 bool DenseDualActiveSet::is_satisfied(Index p, double violation) const {
   double terms = magnitude_[p];
-  for (Index j = 0; j < size(); ++j) terms += std::abs(r()[j]) * magnitude_[active_[static_cast<std::size_t>(j)]];
+  for (Index j = 0; j < size(); ++j) terms += std::abs(r()[j]) * magnitude_[active_[at(j)]];
   return violation <= violation_tolerance * terms;
 }
 

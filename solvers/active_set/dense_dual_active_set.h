@@ -53,8 +53,8 @@ class DenseDualActiveSet {
   auto row(Index j) const { return A_.col(j); }  // padded
   double b(Index j) const { return b_[j]; }
   const std::vector<Index>& active() const { return active_; }
-  bool is_active(Index j) const { return state_[static_cast<std::size_t>(j)] == State::active; }
-  bool is_retired(Index j) const { return state_[static_cast<std::size_t>(j)] == State::retired; }
+  bool is_active(Index j) const { return state_[at(j)] == State::active; }
+  bool is_retired(Index j) const { return state_[at(j)] == State::retired; }
   const Vector& v() const { return v_; }  // padded
   const Vector& u() const { return u_; }  // first active().size()
   // The dv and dmu with dv - A'dmu = s and A dv = sigma over the active rows; all of padded().

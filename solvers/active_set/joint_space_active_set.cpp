@@ -19,10 +19,10 @@ bool JointSpaceActiveSet::clearly_independent() const {
 
 // Inequality row j enters the climb.
 void JointSpaceActiveSet::take(Index j) {
-  Index& place = place_[static_cast<std::size_t>(j)];
+  Index& place = place_[at(j)];
   if (place >= 0) return;
   place = climb_.rows();
-  const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+  const Index i = form_.inequalities()[at(j)];
   taken_.push_back(i);
   const BodyRows& rows = form_.rows();
   form_.reduce_row(i, climb_.admit(rows.h[i] - rows.dot(i, form_.y_E()), rows.magnitude[i]));
@@ -36,8 +36,8 @@ bool JointSpaceActiveSet::take_violated() {
   const double length = y_.norm();
   violated_.clear();
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
-    if (place_[static_cast<std::size_t>(j)] >= 0) continue;
-    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    if (place_[at(j)] >= 0) continue;
+    const Index i = form_.inequalities()[at(j)];
     const double slack = rows.dot(i, y_) - rows.h[i];
     if (-slack > DenseDualActiveSet::violation_tolerance * (rows.magnitude[i] + length))
       violated_.emplace_back(slack, j);
@@ -56,10 +56,10 @@ bool JointSpaceActiveSet::take_violated() {
 void JointSpaceActiveSet::order_by_body() {
   const BodyRows& rows = form_.rows();
   const auto last_body = [&](Index j) {
-    const auto [first, second] = rows.body[static_cast<std::size_t>(form_.inequalities()[static_cast<std::size_t>(j)])];
-    return static_cast<std::size_t>(std::max(first, second));
+    const auto [first, second] = rows.body[at(form_.inequalities()[at(j)])];
+    return at(std::max(first, second));
   };
-  place_of_body_.assign(static_cast<std::size_t>(rows.bodies()) + 1, 0);
+  place_of_body_.assign(at(rows.bodies()) + 1, 0);
   for (const auto& [slack, j] : violated_) ++place_of_body_[last_body(j) + 1];
   std::partial_sum(place_of_body_.begin(), place_of_body_.end(), place_of_body_.begin());
   ordered_.resize(violated_.size());
@@ -96,15 +96,15 @@ void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
     reduced.z_u.setZero(f);
   }
   reduced.c.resize(m);
-  reduced.kind.assign(static_cast<std::size_t>(m), RowKind::inequality);
-  reduced.key.resize(static_cast<std::size_t>(m));
+  reduced.kind.assign(at(m), RowKind::inequality);
+  reduced.key.resize(at(m));
   auto& J = reduced.J;
   if (J.rows() != m || J.cols() != f) J.resize(m, f);
   J.resizeNonZeros(m * f);
   int entries = 0;
   for (Index j = 0; j < m; ++j) {
     const auto a = climb_.row(j).head(f);
-    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    const Index i = form_.inequalities()[at(j)];
     J.outerIndexPtr()[j] = entries;
     for (Index k = 0; k < f; ++k) {
       if (a[k] == 0) continue;
@@ -112,8 +112,7 @@ void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
       J.valuePtr()[entries++] = a[k];
     }
     reduced.c[j] = a.norm() > tolerances::reduced_to_nothing ? climb_.b(j) : -std::numeric_limits<double>::infinity();
-    reduced.key[static_cast<std::size_t>(j)] =
-        p.key[static_cast<std::size_t>(form_.rows().row[static_cast<std::size_t>(i)])];
+    reduced.key[at(j)] = p.key[at(form_.rows().row[at(i)])];
   }
   J.outerIndexPtr()[m] = entries;
   J.resizeNonZeros(entries);
@@ -126,11 +125,10 @@ bool JointSpaceActiveSet::solve(const Problem& p, const SolveOptions& options, S
 
   start_.clear();
   if (options.warm_start) {
-    column_.assign(static_cast<std::size_t>(form_.rows().rows()), -1);
+    column_.assign(at(form_.rows().rows()), -1);
     for (std::size_t j = 0; j < form_.inequalities().size(); ++j)
-      column_[static_cast<std::size_t>(form_.inequalities()[j])] = static_cast<Index>(j);
-    for (const Index i : warm_.find(p, form_.rows(), options.warm_start))
-      start_.push_back(column_[static_cast<std::size_t>(i)]);
+      column_[at(form_.inequalities()[j])] = static_cast<Index>(j);
+    for (const Index i : warm_.find(p, form_.rows(), options.warm_start)) start_.push_back(column_[at(i)]);
   }
   solution.iterations = 0;
   return finish(options, deadline, start_, solution);
@@ -143,7 +141,7 @@ bool JointSpaceActiveSet::climb(const SolveOptions& options, const Deadline& dea
   start_.clear();
   for (const Index j : active) {
     take(j);
-    start_.push_back(place_[static_cast<std::size_t>(j)]);
+    start_.push_back(place_[at(j)]);
   }
   climb_.start_from(start_);
   return settle(options, deadline, iterations);
@@ -177,12 +175,11 @@ bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& de
     if (!(own_y_.norm() <= limit * std::max(y_.norm(), form_.rows().free_norm))) return refuse("an inaccurate answer");
   }
   for (const Index i : form_.inequalities()) {
-    double& own = solution.lambda[form_.rows().row[static_cast<std::size_t>(i)]];
+    double& own = solution.lambda[form_.rows().row[at(i)]];
     own = std::max(0.0, own);
   }
   for (Index k = 0; k < climb_.rows(); ++k)
-    if (climb_.is_retired(k))
-      solution.redundant.push_back(form_.rows().row[static_cast<std::size_t>(taken_[static_cast<std::size_t>(k)])]);
+    if (climb_.is_retired(k)) solution.redundant.push_back(form_.rows().row[at(taken_[at(k)])]);
   solution.margins = {.rank = static_cast<Index>(form_.equalities().size() + climb_.active().size()),
                       .smallest_accepted = std::min(form_.smallest_pivot(), climb_.smallest_accepted),
                       .largest_rejected = climb_.largest_rejected};
@@ -284,7 +281,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
   const double length = y_.norm(), far = std::max(length, rows.free_norm);
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
-    const Index i = form_.inequalities()[static_cast<std::size_t>(j)];
+    const Index i = form_.inequalities()[at(j)];
     const double size = rows.magnitude[i] + length;
     if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * size) continue;
     const double violation = point_.violation(rows, i);
@@ -292,7 +289,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     const double most = violation + fine * size;
     if (!(most > 0)) continue;
     take(j);
-    const double share = climb_.share(place_[static_cast<std::size_t>(j)]), allowed = limit * far;
+    const double share = climb_.share(place_[at(j)]), allowed = limit * far;
     if (most <= allowed * share || share * climb_.longest_step() <= allowed) continue;
     if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }

@@ -54,12 +54,10 @@ class JointSpaceActiveSet {
   double correct();
   bool rest_holds(double limit);
   bool is_active(Index j) const {
-    const Index place = place_[static_cast<std::size_t>(j)];
+    const Index place = place_[at(j)];
     return place >= 0 && climb_.is_active(place);
   }
-  Index active_row(Index k) const {
-    return taken_[static_cast<std::size_t>(climb_.active()[static_cast<std::size_t>(k)])];
-  }
+  Index active_row(Index k) const { return taken_[at(climb_.active()[at(k)])]; }
 
   NullSpaceForm form_;
   DenseDualActiveSet climb_;

@@ -6,14 +6,7 @@
 
 namespace zwang {
 
-void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) {
-  const auto plain = [this](const Problem& q, const SolveOptions& o, Solution& t) {
-    plain_.of(q.size(), q.rows()).solve(q, *this, o, t);
-  };
-  plain_.begin();
-  if (reduce) return reduced_.solve(plain, p, options, polish, s);
-  plain(p, options, s);
-}
+void Nnls::solve(const Problem& p, const SolveOptions& options, Solution& s) { method_.solve(*this, p, options, s); }
 
 void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/active_set/least_distance.h>
 #include <zwang/solvers/active_set/null_space_adapter.h>
 #include <zwang/solvers/finish/polish.h>
@@ -47,8 +46,7 @@ struct Nnls {
     Vector y_, unit_;
   };
 
-  NullSpaceAdapter reduced_;
-  ShapeCache<Method> plain_;
+  Reducible<Method> method_;
 };
 
 }  // namespace zwang

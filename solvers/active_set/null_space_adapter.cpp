@@ -2,7 +2,7 @@
 
 namespace zwang {
 
-bool NullSpaceAdapter::Reduction::prepare(const Problem& problem, const SolveOptions& options) {
+bool NullSpaceAdapter::prepare(const Problem& problem, const SolveOptions& options) {
   reason_ = {};
   if (options.observe)
     reason_ = "an observer";
@@ -16,8 +16,8 @@ bool NullSpaceAdapter::Reduction::prepare(const Problem& problem, const SolveOpt
 }
 
 // Iterations are the method's. Where the climb has to go on from its active rows, the answer is the dual method's.
-bool NullSpaceAdapter::Reduction::recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
-                                          Solution& solution) {
+bool NullSpaceAdapter::recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                               Solution& solution) {
   if (part_.status != Status::solved) {
     reason_ = "the reduced problem is not solved";
     return false;
@@ -36,7 +36,7 @@ bool NullSpaceAdapter::Reduction::recover(const Problem& problem, const SolveOpt
   return true;
 }
 
-void NullSpaceAdapter::Reduction::explain(Solution& solution) const {
+void NullSpaceAdapter::explain(Solution& solution) const {
   if (!solution.message.empty()) solution.message.append("; ");
   solution.message.append("not reduced: ").append(reason_);
   solution.fallback = true;

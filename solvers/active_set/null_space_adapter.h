@@ -18,56 +18,56 @@ namespace zwang {
 // that it was so.
 class NullSpaceAdapter {
  public:
-  // plain(problem, options, solution) is the method. Islands are reduced and solved apart. `polish`: refine the answer.
+  // One island; plain(problem, options, solution) is the method. `polish`: refine the answer.
   template <class Plain>
-  void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish, Solution& solution);
+  void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish, Solution& solution) {
+    const Deadline deadline(options.time_limit);
+    answer_.polish = polish;
+    if (prepare(problem, options)) {
+      if (reduced_.size() > 0 && reduced_.rows() > 0) plain(reduced_, options, part_);
+      if (recover(problem, options, deadline, solution)) return;
+    }
+    SolveOptions rest = options;
+    rest.time_limit = deadline.left();
+    plain(problem, rest, solution);
+    explain(solution);
+  }
 
  private:
-  class Reduction {
-   public:
-    template <class Plain>
-    void solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish, Solution& solution);
+  bool prepare(const Problem& problem, const SolveOptions& options);
+  bool recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
+  void explain(Solution& solution) const;
 
-   private:
-    bool prepare(const Problem& problem, const SolveOptions& options);
-    bool recover(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
-    void explain(Solution& solution) const;
-
-    JointSpaceActiveSet answer_;
-    Problem reduced_;
-    Solution part_;
-    std::vector<Index> pushing_;  // rows of reduced_
-    std::string_view reason_;
-  };
-
-  Islands islands_;
-  ShapeCache<Reduction> reductions_;
+  JointSpaceActiveSet answer_;
+  Problem reduced_;
+  Solution part_;
+  std::vector<Index> pushing_;  // rows of reduced_
+  std::string_view reason_;
 };
 
-template <class Plain>
-void NullSpaceAdapter::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish,
-                             Solution& solution) {
-  constexpr Index body = 6;
-  reductions_.begin();
-  const auto apart = [&](const Problem& p, const SolveOptions& o, Solution& s) {
-    reductions_.of(p.size(), JointGraph::kind(p) ^ p.rows()).solve(plain, p, o, polish, s);
-  };
-  islands_.solve_apart(apart, body, problem, options, solution);
-}
-
-template <class Plain>
-void NullSpaceAdapter::Reduction::solve(Plain&& plain, const Problem& problem, const SolveOptions& options, bool polish,
-                                        Solution& solution) {
-  const Deadline deadline(options.time_limit);
-  answer_.polish = polish;
-  if (prepare(problem, options)) {
-    if (reduced_.size() > 0 && reduced_.rows() > 0) plain(reduced_, options, part_);
-    if (recover(problem, options, deadline, solution)) return;
+// A method as the solver's settings {reduce, polish} ask for it: on the problem as it is, or on its islands, reduced.
+template <class Method>
+class Reducible {
+ public:
+  template <class Settings>
+  void solve(const Settings& settings, const Problem& problem, const SolveOptions& options, Solution& solution) {
+    constexpr Index body = 6;
+    plain_.begin();
+    reduced_.begin();
+    const auto plain = [&](const Problem& p, const SolveOptions& o, Solution& s) {
+      plain_.of(p.size(), p.rows()).solve(p, settings, o, s);
+    };
+    const auto apart = [&](const Problem& p, const SolveOptions& o, Solution& s) {
+      reduced_.of(p.size(), JointGraph::kind(p) ^ p.rows()).solve(plain, p, o, settings.polish, s);
+    };
+    if (!settings.reduce) return plain(problem, options, solution);
+    islands_.solve_apart(apart, body, problem, options, solution);
   }
-  SolveOptions rest = options;
-  rest.time_limit = deadline.left();
-  plain(problem, rest, solution);
-  explain(solution);
-}
+
+ private:
+  Islands islands_;
+  ShapeCache<NullSpaceAdapter> reduced_;
+  ShapeCache<Method> plain_;
+};
 
 }  // namespace zwang

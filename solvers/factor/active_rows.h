@@ -19,7 +19,7 @@ class ActiveRows {
 
   const std::vector<Index>& rows() const { return rows_; }  // of the whitened problem, in the factorization's order
   Index size() const { return static_cast<Index>(rows_.size()); }
-  Index operator[](Index i) const { return rows_[static_cast<std::size_t>(i)]; }
+  Index operator[](Index i) const { return rows_[at(i)]; }
   bool accepts(double share) const { return share > threshold_; }
   // A rejected row may be independent all the same: this factorization cannot tell.
   bool undecided(double share) const { return !accepts(share) && share > certain_; }
@@ -75,7 +75,7 @@ class QrRows : public ActiveRows {
     threshold_ = certain_ = rounding;
     qr_.reset(w.size(), w.rows());
     rows_.clear();
-    rows_.reserve(static_cast<std::size_t>(w.rows()));
+    rows_.reserve(at(w.rows()));
     part_.resize(std::min(w.size(), w.rows()));
     column_.resize(w.size());
   }
@@ -99,7 +99,7 @@ class QrRows : public ActiveRows {
   Index coarsen(double limit) override {
     Index weakest = -1;
     for (Index j = 0; j < qr_.size(); ++j)
-      if (!w_->equality[static_cast<std::size_t>((*this)[first() + j])] && qr_.pivot(j) < limit) {
+      if (!w_->equality[at((*this)[first() + j])] && qr_.pivot(j) < limit) {
         limit = qr_.pivot(j);
         weakest = first() + j;
       }

@@ -7,7 +7,7 @@ namespace zwang {
 void CholeskyRows::reset(const Whitened& w, const Deadline& deadline) {
   w_ = &w;
   deadline_ = &deadline;
-  const auto k = static_cast<std::size_t>(w.rows());
+  const auto k = at(w.rows());
   rows_.clear();
   rows_.reserve(k);
   index_.reserve(k);
@@ -29,13 +29,13 @@ bool CholeskyRows::refactor() {
 // Column `row` of S over the rows that are in.
 bool CholeskyRows::factor_row(Index row) {
   deadline_->keep();
-  inside_[static_cast<std::size_t>(row)] = 1;
+  inside_[at(row)] = 1;
   index_.clear();
   value_.clear();
   rest_.setZero();
   add(row, 1, rest_);
   for (Index i = 0; i < w_->rows(); ++i) {
-    if (!inside_[static_cast<std::size_t>(i)]) continue;
+    if (!inside_[at(i)]) continue;
     const double s = dot(i, rest_);
     if (s == 0 && i != row) continue;
     index_.push_back(static_cast<int>(i));
@@ -66,7 +66,7 @@ double CholeskyRows::append(Index row) {
 void CholeskyRows::drop(Index position) {
   const Index row = (*this)[position];
   forget(position);
-  inside_[static_cast<std::size_t>(row)] = 0;
+  inside_[at(row)] = 0;
   if (!factor_.remove(row) || (size() > 0 && factor_.rcond() < tolerances::gram_rcond)) refactor();
 }
 

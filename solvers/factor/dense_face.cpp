@@ -46,7 +46,7 @@ void DenseFace::reset(Index size, Index cones, Index rays) {
     H_.setZero(padded_, padded_);
     across_.setZero(padded_, panel);
     reciprocal_.setZero(padded_);
-    exchange_.resize(static_cast<std::size_t>(padded_));
+    exchange_.resize(at(padded_));
   }
 }
 
@@ -135,7 +135,7 @@ bool DenseFace::lu() {
       for (Index i = j + 1; i < size_; ++i)
         if (std::abs(own[i]) > std::abs(own[pivot])) pivot = i;
       if (!(std::abs(own[pivot]) > 0) || !std::isfinite(own[pivot])) return false;
-      exchange_[static_cast<std::size_t>(j)] = pivot;
+      exchange_[at(j)] = pivot;
       if (pivot != j)
         for (Index k = 0; k < size_; ++k) std::swap(H_(j, k), H_(pivot, k));
       reciprocal_[j] = 1 / own[j];
@@ -169,7 +169,7 @@ void DenseFace::solve(Vector& x) {
       x[j] = (x[j] - H_.col(j).segment(j + 1, size_ - j - 1).dot(x.segment(j + 1, size_ - j - 1))) * reciprocal_[j];
   } else {
     for (Index j = 0; j < size_; ++j) {
-      if (const Index pivot = exchange_[static_cast<std::size_t>(j)]; pivot != j) std::swap(x[j], x[pivot]);
+      if (const Index pivot = exchange_[at(j)]; pivot != j) std::swap(x[j], x[pivot]);
     }
     for (Index j = 0; j < size_; ++j) {
       const double* own = H_.col(j).data();

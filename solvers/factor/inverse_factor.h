@@ -8,12 +8,7 @@ namespace zwang {
 // needs products only (r = T Q'a, and T's new column is -r / length), no back substitution whose steps wait for each
 // other. An inverse loses digits as the condition squared at worst: this is for clear problems
 // (dense_dual_active_set.h). A step costs as many columns as there are active rows.
-//
-// Tried: the inverse of the active rows and of what they leave free as one, which costs n^2 a step whatever is active
-// and ends hands no sooner since rows enter only when they are violated; R with back substitution (0.25 us a step more
-// at 20 active rows); one reflection when a row leaves (T loses its triangle, and a row that came late no longer leaves
-// at the cost of a few columns: 12 % of a solve more with 64 contacts); a second orthogonalization always (it is needed
-// only where the first one shortens the column, Kahan's criterion).
+// (What was tried in its place: docs/notes/performance.md, factors.)
 class InverseFactor {
  public:
   // No rows, of `padded` entries each, and room for `most` of them (both multiples of eight); allocates only to grow.

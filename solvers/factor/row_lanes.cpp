@@ -9,16 +9,16 @@ void RowLanes::reset(Index size, Index room) {
   size_ = size;
   const Index most = lanes::round_up(room) / width * size;
   if (entries_.cols() < most) entries_.resize(width, most + 1);
-  column_.reserve(static_cast<std::size_t>(most));
-  start_.reserve(static_cast<std::size_t>(lanes::round_up(room) / width + 1));
+  column_.reserve(at(most));
+  start_.reserve(at(lanes::round_up(room) / width + 1));
   start_.assign(1, 0);
 }
 
 void RowLanes::take(const lanes::Columns& At, Index known, Index rows) {
   const Index first = known / width;
-  start_.resize(static_cast<std::size_t>(first) + 1);
+  start_.resize(at(first) + 1);
   Index used = start_.back();
-  column_.resize(static_cast<std::size_t>(entries_.cols()));
+  column_.resize(at(entries_.cols()));
   for (Index begin = first * width; begin < rows; begin += width) {
     const Index count = std::min(width, rows - begin);
     for (Index k = 0; k < size_; k += width) {
@@ -32,7 +32,7 @@ void RowLanes::take(const lanes::Columns& At, Index known, Index rows) {
       block.transposeInPlace();
       for (Index c = 0; c < std::min(width, size_ - k); ++c) {
         at(entries_.col(used).data(), 0) = block.col(c);
-        column_[static_cast<std::size_t>(used)] = static_cast<int>(k + c);
+        column_[at(used)] = static_cast<int>(k + c);
         used += (block.col(c).array() != 0).any();
       }
     }

@@ -52,7 +52,7 @@ struct Sum {
 // c_i - J_i z.
 [[gnu::always_inline]] inline double left_of(const BodyRows& rows, Index i, const BodyPoint::Motion& z,
                                              const BodyPoint::Motion& z_rest) {
-  const auto [first, second] = rows.body[static_cast<std::size_t>(i)];
+  const auto [first, second] = rows.body[at(i)];
   Sum sum;
   sum.add_product(rows.own_part(i, 0), z.col(first), z_rest.col(first));
   if (second >= 0) sum.add_product(rows.own_part(i, 1), z.col(second), z_rest.col(second));
@@ -81,7 +81,7 @@ void BodyPoint::begin(const BodyRows& rows, const Motion& y) {
 void BodyPoint::move(const BodyRows& rows, const Motion& step) {
   for (Index b = 0; b < rows.bodies(); ++b) {
     Sum own{z_.col(b), z_rest_.col(b)};
-    own.add(unit_ * BodyRows::times(rows.L_inverse_t[static_cast<std::size_t>(b)], step.col(b)));
+    own.add(unit_ * BodyRows::times(rows.L_inverse_t[at(b)], step.col(b)));
     z_.col(b) = own.high;
     z_rest_.col(b) = own.low;
   }
@@ -100,7 +100,7 @@ void BodyPoint::begin_force(const BodyRows& rows) {
   for (Index b = 0; b < rows.bodies(); ++b) {
     Sum d{rows.z_u.col(b), -z_rest_.col(b)}, sum;
     d.add(-z_.col(b));
-    const BodyRows::Block& M = rows.M[static_cast<std::size_t>(b)];
+    const BodyRows::Block& M = rows.M[at(b)];
     for (Index c = 0; c < 6; ++c) sum.add_product(M.col(c), Lanes::Constant(d.high[c]), Lanes::Constant(d.low[c]));
     force_.col(b) = sum.high;
     force_rest_.col(b) = sum.low;
@@ -112,7 +112,7 @@ void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, do
     *violations++ = left_of(rows, i, z_, z_rest_) / (unit_ * rows.row_norm[i]);
     const Lanes own = Lanes::Constant(lambda_[i]), own_rest = Lanes::Constant(lambda_rest_[i]);
     for (int side = 0; side < 2; ++side) {
-      const int b = rows.body[static_cast<std::size_t>(i)][static_cast<std::size_t>(side)];
+      const int b = rows.body[at(i)][at(side)];
       if (b < 0) continue;
       Sum sum{force_.col(b), force_rest_.col(b)};
       sum.add_product(rows.own_part(i, side), own, own_rest);
@@ -125,8 +125,7 @@ void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, do
 void BodyPoint::whiten_force(const BodyRows& rows, Motion& rho) const {
   const double unit = 1 / unit_;
   for (Index b = 0; b < rows.bodies(); ++b)
-    rho.col(b) =
-        BodyRows::times(rows.L_inverse[static_cast<std::size_t>(b)], unit * (force_.col(b) + force_rest_.col(b)));
+    rho.col(b) = BodyRows::times(rows.L_inverse[at(b)], unit * (force_.col(b) + force_rest_.col(b)));
 }
 
 double BodyPoint::violation(const BodyRows& rows, Index i) const {
@@ -134,7 +133,7 @@ double BodyPoint::violation(const BodyRows& rows, Index i) const {
 }
 
 double BodyPoint::terms(const BodyRows& rows, Index i) const {
-  const auto [first, second] = rows.body[static_cast<std::size_t>(i)];
+  const auto [first, second] = rows.body[at(i)];
   double sum = std::abs(rows.c[i]) + rows.own_part(i, 0).cwiseAbs().dot(z_.col(first).cwiseAbs());
   if (second >= 0) sum += rows.own_part(i, 1).cwiseAbs().dot(z_.col(second).cwiseAbs());
   return sum / (unit_ * rows.row_norm[i]);
@@ -142,7 +141,7 @@ double BodyPoint::terms(const BodyRows& rows, Index i) const {
 
 void BodyPoint::write(const BodyRows& rows, Vector& z, Vector& lambda) const {
   z = (z_ + z_rest_).topRows<6>().reshaped();
-  for (Index i = 0; i < rows.rows(); ++i) lambda[rows.row[static_cast<std::size_t>(i)]] = lambda_[i] + lambda_rest_[i];
+  for (Index i = 0; i < rows.rows(); ++i) lambda[rows.row[at(i)]] = lambda_[i] + lambda_rest_[i];
 }
 
 }  // namespace zwang

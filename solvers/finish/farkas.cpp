@@ -30,7 +30,7 @@ void Sharpening::run(const UnitProgram& program, Vector& u) {
 
   equations_.setZero(count, n);
   for (Index j = 0; j < count; ++j)
-    for (UnitProgram::Rows::InnerIterator it(program.G(), support_[static_cast<std::size_t>(j)]); it; ++it)
+    for (UnitProgram::Rows::InnerIterator it(program.G(), support_[at(j)]); it; ++it)
       equations_(j, it.col()) = it.value();
   qr_.reset(count, n);
   unknown_.clear();
@@ -41,10 +41,10 @@ void Sharpening::run(const UnitProgram& program, Vector& u) {
   auto part = part_.head(qr_.size());
   for (int pass = 0; pass < 2; ++pass) {
     program.motion(sharp_, motion_);
-    for (Index k = 0; k < part.size(); ++k) part[k] = motion_[unknown_[static_cast<std::size_t>(k)]];
+    for (Index k = 0; k < part.size(); ++k) part[k] = motion_[unknown_[at(k)]];
     qr_.solve_transposed(part);
     correction_.noalias() = qr_.Q() * part;
-    for (Index j = 0; j < count; ++j) sharp_[support_[static_cast<std::size_t>(j)]] -= correction_[j];
+    for (Index j = 0; j < count; ++j) sharp_[support_[at(j)]] -= correction_[j];
   }
   kept_ = sharp_;
   if (proves_infeasible(program, kept_, motion_) && kept_ == sharp_) u = sharp_;

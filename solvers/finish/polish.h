@@ -12,18 +12,14 @@ class Polish {
  public:
   using Outcome = PolishOutcome;
 
-  // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
-  // holds the last point and a message.
+  // As extended_polish.h has them.
   Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
 
-  // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
-  // holds it. Changes active.
   bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
                Solution& solution) {
     return extended_.certify(problem, rows, active, support, solution);
   }
 
-  // With polish=off: extended_polish.h.
   void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution) {
     extended_.judge(problem, rows, active, tolerance, solution);
   }

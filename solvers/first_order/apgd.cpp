@@ -26,7 +26,6 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
 }  // namespace
 
 void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [dual, ahead, y_ahead, next, y_next, gradient] = work;
   DualIteration iteration(dual, problem, options, solution);
   if (!iteration.begin()) return;
   UnitProgram& program = dual.program;

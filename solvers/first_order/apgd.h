@@ -29,13 +29,10 @@ struct Apgd {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    DualIteration::Workspace dual;
-    Vector ahead, y_ahead;  // the extrapolated point and G' of it
-    Vector next, y_next;    // the candidate
-    Vector gradient;
-  };
-  Workspace work = {};
+  DualIteration::Workspace dual = {};
+  Vector ahead = {}, y_ahead = {};  // the extrapolated point and G' of it
+  Vector next = {}, y_next = {};    // the candidate
+  Vector gradient = {};
 };
 
 static_assert(Solver<Apgd>);

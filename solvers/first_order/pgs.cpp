@@ -6,7 +6,6 @@
 namespace zwang {
 
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [dual, before] = work;
   DualIteration iteration(dual, problem, options, solution);
   if (!iteration.begin()) return;
   UnitProgram& program = dual.program;

@@ -26,11 +26,8 @@ struct Pgs {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    DualIteration::Workspace dual;
-    Vector before;
-  };
-  Workspace work = {};
+  DualIteration::Workspace dual = {};
+  Vector before = {};
 };
 
 static_assert(Solver<Pgs>);

@@ -36,14 +36,14 @@ bool BodyRows::factorize(const Problem& p) {
       for (Index j = 0; j < 6; ++j) {
         const Index column = 6 * (base + lane) + j;
         if (!ordinary_or_zero(p.z_u[column])) return false;
-        auto own = M[static_cast<std::size_t>(base + lane)].col(j);
+        auto own = M[at(base + lane)].col(j);
         own.setZero();
-        z[static_cast<std::size_t>(j)].data()[lane] = p.z_u[column];
+        z[at(j)].data()[lane] = p.z_u[column];
         for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, column); it; ++it) {
           const Index i = it.row() - (column - j);
           if (i >= 0 && i < 6) own[i] = it.value();
           if (i >= j && i < 6)
-            L[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].data()[lane] = it.value();
+            L[at(i)][at(j)].data()[lane] = it.value();
           else if ((i < 0 || i >= 6) && it.value() != 0)
             return false;
         }
@@ -71,8 +71,8 @@ bool BodyRows::factorize(const Problem& p) {
       }
     }
     for (Index lane = 0; lane < count; ++lane) {
-      Block& inverse = L_inverse[static_cast<std::size_t>(base + lane)];
-      Block& transposed = L_inverse_t[static_cast<std::size_t>(base + lane)];
+      Block& inverse = L_inverse[at(base + lane)];
+      Block& transposed = L_inverse_t[at(base + lane)];
       auto own = free.col(base + lane);
       own.setZero();
       for (std::size_t j = 0; j < 6; ++j) {
@@ -87,14 +87,13 @@ bool BodyRows::factorize(const Problem& p) {
   return true;
 }
 
-// J by bodies, G = J L^-T and h = c - J z_u of rows as they stand. Tried: G by whole products once J is there, without
-// its branches; the sums across lanes that h then ends in take more than the branches did.
+// J by bodies, G = J L^-T and h = c - J z_u of rows as they stand.
 bool BodyRows::load_rows(const Problem& p) {
   const Index m = p.rows();
-  row.resize(static_cast<std::size_t>(m));
-  equality.resize(static_cast<std::size_t>(m));
-  body.resize(static_cast<std::size_t>(m));
-  place.resize(static_cast<std::size_t>(m));
+  row.resize(at(m));
+  equality.resize(at(m));
+  body.resize(at(m));
+  place.resize(at(m));
   if (G.cols() < 2 * m) {
     G.resize(lanes, 2 * m);
     J.resize(lanes, 2 * m);
@@ -109,16 +108,16 @@ bool BodyRows::load_rows(const Problem& p) {
     if (!std::isfinite(p.c[i])) continue;
     int e = outer[i];
     const int end = counts ? e + counts[i] : outer[i + 1];
-    std::array<int, 2> at{-1, -1};
+    std::array<int, 2> met{-1, -1};
     double left = p.c[i];
     Lanes squares = Lanes::Zero();
     place[k] = part;
-    for (int& b : at) {
+    for (int& b : met) {
       while (e < end && entry[e] == 0) ++e;
       if (e == end) break;
       b = column[e] / 6;
       const int first = 6 * b;
-      const double* const inverse = L_inverse[static_cast<std::size_t>(b)].data();
+      const double* const inverse = L_inverse[at(b)].data();
       J.col(part).setZero();
       double* const own = J.col(part).data();
       Lanes g = Lanes::Zero();
@@ -139,7 +138,7 @@ bool BodyRows::load_rows(const Problem& p) {
     row_norm[static_cast<Index>(k)] = squares.sum();
     row[k] = i;
     equality[k] = p.is_equality(i);
-    body[k++] = at;
+    body[k++] = met;
   }
   row.resize(k);
   equality.resize(k);
@@ -166,7 +165,7 @@ bool BodyRows::make_unit_rows() {
   h.head(rows()).array() *= reciprocal;
   for (Index k = 0; k < rows(); ++k) {
     part(k, 0) *= reciprocal[k];
-    if (body[static_cast<std::size_t>(k)][1] >= 0) part(k, 1) *= reciprocal[k];
+    if (body[at(k)][1] >= 0) part(k, 1) *= reciprocal[k];
   }
   return true;
 }
@@ -176,14 +175,14 @@ bool BodyRows::build(const Problem& p) {
   const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
   // What stays zero in a triangle is written once.
-  const auto count = static_cast<std::size_t>(n / 6);
+  const auto count = at(n / 6);
   if (M.size() != count)
     for (std::vector<Block>* part : {&M, &L_inverse, &L_inverse_t}) part->assign(count, Block::Zero());
   if (!factorize(p) || !load_rows(p) || !make_unit_rows()) return false;
 
   // The unit of length: the worst violation of z_u.
   double worst = 0;
-  for (Index i = 0; i < rows(); ++i) reciprocal_[i] = equality[static_cast<std::size_t>(i)] ? std::abs(h[i]) : h[i];
+  for (Index i = 0; i < rows(); ++i) reciprocal_[i] = equality[at(i)] ? std::abs(h[i]) : h[i];
   if (rows() > 0) worst = std::max(worst, reciprocal_.head(rows()).maxCoeff());
   free_norm = free.norm();
   if (!ordinary_or_zero(worst) || !ordinary_or_zero(free_norm)) return false;

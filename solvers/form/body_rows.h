@@ -48,20 +48,20 @@ struct BodyRows {
   }
   Index bodies() const { return static_cast<Index>(L_inverse.size()); }
   Index rows() const { return static_cast<Index>(row.size()); }
-  auto part(Index i, int side) { return G.col(place[static_cast<std::size_t>(i)] + side); }
-  auto part(Index i, int side) const { return G.col(place[static_cast<std::size_t>(i)] + side); }
-  auto own_part(Index i, int side) const { return J.col(place[static_cast<std::size_t>(i)] + side); }
+  auto part(Index i, int side) { return G.col(place[at(i)] + side); }
+  auto part(Index i, int side) const { return G.col(place[at(i)] + side); }
+  auto own_part(Index i, int side) const { return J.col(place[at(i)] + side); }
   double dot(Index i, const Mat<double, lanes, Eigen::Dynamic>& y) const {
-    const auto at = body[static_cast<std::size_t>(i)];
-    double sum = part(i, 0).dot(y.col(at[0]));
-    if (at[1] >= 0) sum += part(i, 1).dot(y.col(at[1]));
+    const auto own = body[at(i)];
+    double sum = part(i, 0).dot(y.col(own[0]));
+    if (own[1] >= 0) sum += part(i, 1).dot(y.col(own[1]));
     return sum;
   }
   // y += scale g_i.
   void add(Index i, double scale, Mat<double, lanes, Eigen::Dynamic>& y) const {
-    const auto at = body[static_cast<std::size_t>(i)];
-    y.col(at[0]) += scale * part(i, 0);
-    if (at[1] >= 0) y.col(at[1]) += scale * part(i, 1);
+    const auto own = body[at(i)];
+    y.col(own[0]) += scale * part(i, 0);
+    if (own[1] >= 0) y.col(own[1]) += scale * part(i, 1);
   }
 
   // False where the problem is of another kind; nothing can be read then.

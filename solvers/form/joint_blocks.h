@@ -40,7 +40,7 @@ using Parts = std::array<const double*, 8>;
 inline void gather(const Parts& parts, Column<double>& row) { std::copy_n(parts[0], 6, row.begin()); }
 inline void gather(const Parts& parts, Column<Pack>& row) {
   Mat<double, 8, 8> entries;
-  for (Index l = 0; l < 8; ++l) entries.col(l) = Eigen::Map<const Vec<double, 8>>(parts[static_cast<std::size_t>(l)]);
+  for (Index l = 0; l < 8; ++l) entries.col(l) = Eigen::Map<const Vec<double, 8>>(parts[at(l)]);
   entries.transposeInPlace();
   for (std::size_t i = 0; i < 6; ++i)
     for (int v = 0; v < Pack::parts; ++v)

@@ -12,9 +12,7 @@ bool JointGraph::is_known(const BodyRows& rows) const {
   if (std::ranges::count(rows.equality, 1) != static_cast<Index>(known_rows_.size())) return false;
   for (std::size_t k = 0; k < known_rows_.size(); ++k) {
     const Index i = known_rows_[k];
-    if (i >= rows.rows() || !rows.equality[static_cast<std::size_t>(i)] ||
-        known_[k] != rows.body[static_cast<std::size_t>(i)])
-      return false;
+    if (i >= rows.rows() || !rows.equality[at(i)] || known_[k] != rows.body[at(i)]) return false;
   }
   return true;
 }
@@ -44,12 +42,12 @@ void JointGraph::find_edges(const BodyRows& rows) {
   const auto key = [&](const Edge& e) { return std::tuple(e.a, e.b == world ? -1 : e.b, e.first); };
   std::ranges::sort(edges_, {}, key);
   sorted_.clear();
-  edge_begin_.assign(static_cast<std::size_t>(world) + 2, 0);
+  edge_begin_.assign(at(world) + 2, 0);
   std::size_t count = 0;
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const Edge run = edges_[e];
     if (count == 0 || edges_[count - 1].a != run.a || edges_[count - 1].b != run.b) {
-      for (const int end : {run.a, run.b}) ++edge_begin_[static_cast<std::size_t>(end) + 1];
+      for (const int end : {run.a, run.b}) ++edge_begin_[at(end) + 1];
       edges_[count++] = {.a = run.a, .b = run.b, .first = static_cast<Index>(sorted_.size()), .count = 0};
     }
     edges_[count - 1].count += run.count;
@@ -61,8 +59,7 @@ void JointGraph::find_edges(const BodyRows& rows) {
   edges_of_.resize(2 * edges_.size());
   // Each beginning serves as the place of its next entry, and is put back.
   for (std::size_t e = 0; e < edges_.size(); ++e)
-    for (const int end : {edges_[e].a, edges_[e].b})
-      edges_of_[static_cast<std::size_t>(edge_begin_[static_cast<std::size_t>(end)]++)] = static_cast<int>(e);
+    for (const int end : {edges_[e].a, edges_[e].b}) edges_of_[at(edge_begin_[at(end)]++)] = static_cast<int>(e);
   std::shift_right(edge_begin_.begin(), edge_begin_.end(), 1);
   edge_begin_.front() = 0;
 }
@@ -70,25 +67,25 @@ void JointGraph::find_edges(const BodyRows& rows) {
 void JointGraph::span(int world) {
   joints_.clear();
   tree_rows_.clear();
-  reached_.assign(static_cast<std::size_t>(world) + 1, 0);
+  reached_.assign(at(world) + 1, 0);
   reached_.back() = 1;
   used_.assign(edges_.size(), 0);
   const auto spread = [&](int from, int position) {
     const auto first = static_cast<int>(joints_.size());
     for (const int e : edges_of(from)) {
-      const Edge& edge = edges_[static_cast<std::size_t>(e)];
+      const Edge& edge = edges_[at(e)];
       const int to = edge.a == from ? edge.b : edge.a;
-      if (used_[static_cast<std::size_t>(e)] || reached_[static_cast<std::size_t>(to)]) continue;
-      used_[static_cast<std::size_t>(e)] = reached_[static_cast<std::size_t>(to)] = 1;
+      if (used_[at(e)] || reached_[at(to)]) continue;
+      used_[at(e)] = reached_[at(to)] = 1;
       joints_.push_back({.body = to,
                          .parent = from == world ? -1 : from,
                          .first = static_cast<Index>(tree_rows_.size()),
                          .count = edge.count});
-      for (Index k = 0; k < edge.count; ++k) tree_rows_.push_back(sorted_[static_cast<std::size_t>(edge.first + k)]);
+      for (Index k = 0; k < edge.count; ++k) tree_rows_.push_back(sorted_[at(edge.first + k)]);
     }
     if (position < 0) return;
-    joints_[static_cast<std::size_t>(position)].first_child = first;
-    joints_[static_cast<std::size_t>(position)].children = static_cast<int>(joints_.size()) - first;
+    joints_[at(position)].first_child = first;
+    joints_[at(position)].children = static_cast<int>(joints_.size()) - first;
   };
   std::size_t done = 0;
   const auto exhaust = [&] {
@@ -100,14 +97,13 @@ void JointGraph::span(int world) {
   while (static_cast<int>(joints_.size()) < world) {
     int root = -1;
     for (int b = 0; b < world; ++b)
-      if (!reached_[static_cast<std::size_t>(b)] && (root < 0 || joints_of(b) > joints_of(root))) root = b;
-    reached_[static_cast<std::size_t>(root)] = 1;
+      if (!reached_[at(b)] && (root < 0 || joints_of(b) > joints_of(root))) root = b;
+    reached_[at(root)] = 1;
     joints_.push_back({.body = root});
     exhaust();
   }
   position_.resize(joints_.size());
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    position_[static_cast<std::size_t>(joints_[j].body)] = static_cast<int>(j);
+  for (std::size_t j = 0; j < joints_.size(); ++j) position_[at(joints_[j].body)] = static_cast<int>(j);
   freedom_ = 0;
   for (Joint& joint : joints_) {
     joint.freedom = std::max<Index>(0, 6 - joint.count);
@@ -116,22 +112,18 @@ void JointGraph::span(int world) {
   }
   cut_.clear();
   for (std::size_t e = 0; e < edges_.size(); ++e)
-    for (Index k = 0; !used_[e] && k < edges_[e].count; ++k)
-      cut_.push_back(sorted_[static_cast<std::size_t>(edges_[e].first + k)]);
+    for (Index k = 0; !used_[e] && k < edges_[e].count; ++k) cut_.push_back(sorted_[at(edges_[e].first + k)]);
 }
 
 void JointGraph::group_joints() {
   height_.assign(joints_.size(), 0);
   order_.clear();
   for (std::size_t j = joints_.size(); j-- > 0;) {
-    const auto first = static_cast<std::size_t>(joints_[j].first_child);
-    for (int c = 0; c < joints_[j].children; ++c)
-      height_[j] = std::max(height_[j], height_[first + static_cast<std::size_t>(c)] + 1);
+    const auto first = at(joints_[j].first_child);
+    for (int c = 0; c < joints_[j].children; ++c) height_[j] = std::max(height_[j], height_[first + at(c)] + 1);
     order_.push_back(static_cast<int>(j));
   }
-  const auto kind = [&](int j) {
-    return std::tuple(height_[static_cast<std::size_t>(j)], joints_[static_cast<std::size_t>(j)].count);
-  };
+  const auto kind = [&](int j) { return std::tuple(height_[at(j)], joints_[at(j)].count); };
   std::ranges::sort(order_, [&](int a, int b) { return std::tuple(kind(a), -a) < std::tuple(kind(b), -b); });
   group_end_.clear();
   std::size_t begin = 0;
@@ -160,13 +152,13 @@ Index JointGraph::kind(const Problem& p) {
 void JointGraph::build(const BodyRows& rows) {
   if (is_known(rows)) return;
   known_bodies_ = rows.bodies();
-  reserve(static_cast<std::size_t>(rows.bodies()), static_cast<std::size_t>(std::ranges::count(rows.equality, 1)));
+  reserve(at(rows.bodies()), at(std::ranges::count(rows.equality, 1)));
   known_rows_.clear();
   known_.clear();
   for (Index i = 0; i < rows.rows(); ++i) {
-    if (!rows.equality[static_cast<std::size_t>(i)]) continue;
+    if (!rows.equality[at(i)]) continue;
     known_rows_.push_back(i);
-    known_.push_back(rows.body[static_cast<std::size_t>(i)]);
+    known_.push_back(rows.body[at(i)]);
   }
   find_edges(rows);
   span(static_cast<int>(rows.bodies()));

@@ -27,10 +27,10 @@ class JointGraph {
   // A number that tells problems apart whose equality rows connect other bodies, or in another order.
   static Index kind(const Problem& problem);
 
-  const std::vector<Joint>& joints() const { return joints_; }                           // parents before children
-  const std::vector<Index>& tree_rows() const { return tree_rows_; }                     // of BodyRows
-  const std::vector<Index>& cut() const { return cut_; }                                 // of BodyRows
-  int position_of(int body) const { return position_[static_cast<std::size_t>(body)]; }  // in joints()
+  const std::vector<Joint>& joints() const { return joints_; }        // parents before children
+  const std::vector<Index>& tree_rows() const { return tree_rows_; }  // of BodyRows
+  const std::vector<Index>& cut() const { return cut_; }              // of BodyRows
+  int position_of(int body) const { return position_[at(body)]; }     // in joints()
   Index freedom() const { return freedom_; }
   // Joints of as many rows that stand equally far above the tips, up to `lanes` together, children before parents:
   // none of them waits for another.
@@ -50,9 +50,8 @@ class JointGraph {
   void reserve(std::size_t bodies, std::size_t rows);
   void find_edges(const BodyRows& rows);
   std::span<const int> edges_of(int body) const {
-    const auto b = static_cast<std::size_t>(body);
-    return std::span(edges_of_).subspan(static_cast<std::size_t>(edge_begin_[b]),
-                                        static_cast<std::size_t>(edge_begin_[b + 1] - edge_begin_[b]));
+    const auto b = at(body);
+    return std::span(edges_of_).subspan(at(edge_begin_[b]), at(edge_begin_[b + 1] - edge_begin_[b]));
   }
   void span(int world);
   void group_joints();

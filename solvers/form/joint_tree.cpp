@@ -31,8 +31,7 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
         parts.fill(nothing.data());
         for (std::size_t l = 0; l < group.size(); ++l) {
           const int child = joint(group[l]).first_child + c;
-          if (c < joint(group[l]).children && i >= joint(child).freedom)
-            parts[l] = blocks_[static_cast<std::size_t>(child)].S.col(i).data();
+          if (c < joint(group[l]).children && i >= joint(child).freedom) parts[l] = blocks_[at(child)].S.col(i).data();
         }
         gather(parts, below[count]);
       }
@@ -64,14 +63,13 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
   int child = joint(group.front()).first_child;
   const int end = child + joint(group.front()).children;
   if (child == end) return false;
-  for (Index j = 0; j < 6; ++j) own[static_cast<std::size_t>(j)] = Lanes::Unit(j);
+  for (Index j = 0; j < 6; ++j) own[at(j)] = Lanes::Unit(j);
   while (child < end) {
     std::size_t count = 0;
     for (; child < end && count + 6 <= room; ++child)
-      for (Index i = joint(child).freedom; i < 6; ++i)
-        below[count++] = blocks_[static_cast<std::size_t>(child)].S.col(i);
+      for (Index i = joint(child).freedom; i < 6; ++i) below[count++] = blocks_[at(child)].S.col(i);
     for (Index j = 0; j < 6; ++j) {
-      Lanes& top = own[static_cast<std::size_t>(j)];
+      Lanes& top = own[at(j)];
       Lanes even = Lanes::Zero(), odd = Lanes::Zero();
       for (std::size_t i = 0; i < count; i += 2) even = multiply_add(below[i][j], below[i], even);
       for (std::size_t i = 1; i < count; i += 2) odd = multiply_add(below[i][j], below[i], odd);
@@ -91,7 +89,7 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
 
 template <class Scalar>
 bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
-  const auto r = static_cast<std::size_t>(joint(group.front()).count);
+  const auto r = at(joint(group.front()).count);
   if (r > 6) return refuse("more than six rows between two bodies");
   const std::size_t d = 6 - r;
 
@@ -104,8 +102,8 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     parent.fill(nothing.data());
     for (std::size_t l = 0; l < group.size(); ++l) {
       const JointGraph::Joint& own = joint(group[l]);
-      const Index i = graph_.tree_rows()[static_cast<std::size_t>(own.first) + k];
-      const auto& bodies = rows.body[static_cast<std::size_t>(i)];
+      const Index i = graph_.tree_rows()[at(own.first) + k];
+      const auto& bodies = rows.body[at(i)];
       const int side = bodies[0] == own.body ? 0 : 1;
       child[l] = rows.part(i, side).data();
       if (bodies[1] >= 0) parent[l] = rows.part(i, 1 - side).data();
@@ -177,7 +175,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
   }
 
   for (std::size_t l = 0; l < group.size(); ++l) {
-    Blocks& own = blocks_[static_cast<std::size_t>(group[l])];
+    Blocks& own = blocks_[at(group[l])];
     const auto write = [l](const Column<Scalar>& from, double* to, std::size_t stride = 1) {
       for (std::size_t i = 0; i < 6; ++i) to[i * stride] = lane(from[i], l);
     };
@@ -229,7 +227,7 @@ void JointTree::add_reduced(int body, const Lanes& part, double* v) const {
   for (;;) {
     const int position = graph_.position_of(body);
     const JointGraph::Joint& joint = this->joint(position);
-    const Blocks& block = blocks_[static_cast<std::size_t>(position)];
+    const Blocks& block = blocks_[at(position)];
     for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] += block.P.col(k).dot(own);
     if (joint.parent < 0) return;
     own = BodyRows::times(block.F_rows, own);

@@ -77,7 +77,7 @@ class JointTree {
   bool eliminate(const BodyRows& rows, std::span<const int> group);
   template <class Scalar>
   bool accumulate(std::span<const int> group, std::array<std::array<Scalar, 6>, 6>& R);
-  const JointGraph::Joint& joint(int position) const { return graph_.joints()[static_cast<std::size_t>(position)]; }
+  const JointGraph::Joint& joint(int position) const { return graph_.joints()[at(position)]; }
   bool refuse(std::string_view why) {
     reason_ = why;
     return false;

@@ -24,7 +24,7 @@ bool NullSpaceForm::build(const Problem& problem) {
   std::size_t count = 0;
   for (Index i = 0; i < rows_.rows(); ++i) {
     inequalities_[count] = i;
-    count += !rows_.equality[static_cast<std::size_t>(i)];
+    count += !rows_.equality[at(i)];
   }
   inequalities_.resize(count);
   equalities_.assign(tree_.tree_rows().begin(), tree_.tree_rows().end());
@@ -64,7 +64,7 @@ bool NullSpaceForm::close_loops() {
   cut_mu_.resize(r);
   for (Index k = 0; k < r; ++k) {
     rest_.setZero();
-    rows_.add(tree_.cut()[static_cast<std::size_t>(k)], 1, rest_);
+    rows_.add(tree_.cut()[at(k)], 1, rest_);
     tree_.reduce(rest_, all_);
     cut_.col(k) = all_;
   }
@@ -103,17 +103,17 @@ void NullSpaceForm::form_basis() {
 }
 
 void NullSpaceForm::reduce_row(Index i, double* padded_column) const {
-  const auto at = rows_.body[static_cast<std::size_t>(i)];
+  const auto own = rows_.body[at(i)];
   if (!has_basis_) {
     Eigen::Map<Vector>(padded_column, padded_).setZero();
-    tree_.add_reduced(at[0], rows_.part(i, 0), padded_column);
-    if (at[1] >= 0) tree_.add_reduced(at[1], rows_.part(i, 1), padded_column);
+    tree_.add_reduced(own[0], rows_.part(i, 0), padded_column);
+    if (own[1] >= 0) tree_.add_reduced(own[1], rows_.part(i, 1), padded_column);
     return;
   }
   for (Index k = 0; k < padded_; k += packet) {
     Vec<double, packet> sum = Vec<double, packet>::Zero();
-    for (int side = 0; side < 2 && at[static_cast<std::size_t>(side)] >= 0; ++side) {
-      const Index first = 6 * at[static_cast<std::size_t>(side)];
+    for (int side = 0; side < 2 && own[at(side)] >= 0; ++side) {
+      const Index first = 6 * own[at(side)];
       for (Index c = 0; c < 6; ++c)
         sum = multiply_add(rows_.part(i, side)[c], Nt_.col(first + c).segment<packet>(k), sum);
     }
@@ -143,7 +143,7 @@ void NullSpaceForm::meet_cut(const Vector& sigma, Motion& y) const {
   const Index tree_rows = tree_mu_.size(), r = cut_.cols();
   if (tree_.cut().empty()) return;
   for (Index k = 0; k < r; ++k) {
-    double rest = sigma[tree_rows + k] - rows_.dot(equalities_[static_cast<std::size_t>(tree_rows + k)], y);
+    double rest = sigma[tree_rows + k] - rows_.dot(equalities_[at(tree_rows + k)], y);
     for (Index l = 0; l < k; ++l) rest -= cut_(l, k) * cut_mu_[l];
     cut_mu_[k] = rest / beta_[k];
   }
@@ -162,7 +162,7 @@ void NullSpaceForm::multipliers(const Motion& t, Vector& mu) const {
     double own = cut_mu_[k];
     for (Index l = k + 1; l < r; ++l) own -= cut_(k, l) * mu[tree_rows + l];
     mu[tree_rows + k] = own / beta_[k];
-    rows_.add(equalities_[static_cast<std::size_t>(tree_rows + k)], -mu[tree_rows + k], rest_);
+    rows_.add(equalities_[at(tree_rows + k)], -mu[tree_rows + k], rest_);
   }
   tree_.multipliers(rest_, tree_mu_);
   mu.head(tree_rows) = tree_mu_;

@@ -24,8 +24,8 @@ class UnitProgram {
   const Rows& G() const { return whitened_.G; }     // k x n
   const Vector& h() const { return h_; }            // k
   Rows some(const std::vector<Index>& rows) const;  // of G
-  bool is_equality(Index i) const { return whitened_.equality[static_cast<std::size_t>(i)] != 0; }
-  Index problem_row(Index i) const { return whitened_.row[static_cast<std::size_t>(i)]; }
+  bool is_equality(Index i) const { return whitened_.equality[at(i)] != 0; }
+  Index problem_row(Index i) const { return whitened_.row[at(i)]; }
 
   double dot(Index i, const Vector& y) const { return whitened_.dot(i, y); }          // g_i . y
   void add(Index i, double amount, Vector& y) const { whitened_.add(i, amount, y); }  // y += amount g_i

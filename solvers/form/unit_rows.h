@@ -24,13 +24,13 @@ struct UnitRows : Whitened {
     magnitude = magnitude.cwiseMin(tolerances::horizon);
     exact_h.resize(rows());
     const Real unit = std::ldexp(Real(1), -exponent);
-    const auto most = static_cast<std::size_t>(problem.J.nonZeros());
+    const auto most = at(problem.J.nonZeros());
     g.begin.assign(1, 0);
     g.column.resize(most);
     g.value.resize(most);
     std::size_t entries = 0;
     for (Index i = 0; i < rows(); ++i) {
-      const Index r = row[static_cast<std::size_t>(i)];
+      const Index r = row[at(i)];
       Real violation = problem.c[r];
       for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(problem.J, r); it; ++it) {
         if (it.value() == 0) continue;

@@ -22,13 +22,11 @@ class WarmRows {
     key_ = &problem.key;
     Index last = -1, begin = 0;
     // Half of the joints' multipliers are positive, which no branch foresees, but joints stand where they stood.
-    const auto is_known_joint = [&](Index k) {
-      return is(warm->key[static_cast<std::size_t>(k)], k) && problem.is_equality(k);
-    };
+    const auto is_known_joint = [&](Index k) { return is(warm->key[at(k)], k) && problem.is_equality(k); };
     while (begin < count(*warm) && is_known_joint(begin)) ++begin;
     const auto pushes = [](double lambda) { return lambda > 0; };
     match(rows.row, *warm, begin, pushes, [&](Index place, Index i, double lambda) {
-      if (rows.equality[static_cast<std::size_t>(i)]) return;
+      if (rows.equality[at(i)]) return;
       // Keys that occur twice.
       if (place <= last && std::ranges::find(pushing_, i, &Pushing::second) != pushing_.end()) return;
       last = std::max(last, place);
@@ -48,7 +46,7 @@ class WarmRows {
     const auto counts = [](double lambda) { return lambda != 0; };
     match(rows.row, *warm, 0, counts, [&](Index, Index i, double lambda) {
       const double own = rows.unit_multiplier(i, lambda);
-      unit[i] = rows.equality[static_cast<std::size_t>(i)] ? own : std::max(0.0, own);
+      unit[i] = rows.equality[at(i)] ? own : std::max(0.0, own);
     });
   }
 
@@ -67,7 +65,7 @@ class WarmRows {
     Index shift = 0;
     for (Index k = begin; k < count(warm); ++k) {
       if (!wanted(warm.lambda[k])) continue;
-      const Index place = find(warm.key[static_cast<std::size_t>(k)], k + shift);
+      const Index place = find(warm.key[at(k)], k + shift);
       if (place < 0) continue;
       shift = place - k;
       if (const Index i = row_of(place, row); i >= 0) visit(place, i, warm.lambda[k]);
@@ -76,15 +74,13 @@ class WarmRows {
 
   // Which of `row`, ascending, is the problem's row `place`, or -1.
   static Index row_of(Index place, const std::vector<Index>& row) {
-    const auto at = static_cast<std::size_t>(place);
-    if (at < row.size() && row[at] == place) return place;
+    const std::size_t same = at(place);
+    if (same < row.size() && row[same] == place) return place;
     const auto found = std::ranges::lower_bound(row, place);
     return found != row.end() && *found == place ? found - row.begin() : -1;
   }
 
-  bool is(const RowKey& key, Index i) const {
-    return i >= 0 && i < std::ssize(*key_) && (*key_)[static_cast<std::size_t>(i)] == key;
-  }
+  bool is(const RowKey& key, Index i) const { return i >= 0 && i < std::ssize(*key_) && (*key_)[at(i)] == key; }
 
   // Where the key is among the problem's, first near `guess`, or -1. A few are looked for row by row, more in order.
   Index find(const RowKey& key, Index guess) {
@@ -98,10 +94,10 @@ class WarmRows {
       const auto place = std::ranges::find(*key_, key);
       return place != key_->end() ? place - key_->begin() : -1;
     }
-    const auto key_of = [&](Index i) { return (*key_)[static_cast<std::size_t>(i)]; };
+    const auto key_of = [&](Index i) { return (*key_)[at(i)]; };
     if (searches_ == few + 1) {
       order_.resize(key_->size());
-      for (Index i = 0; i < std::ssize(*key_); ++i) order_[static_cast<std::size_t>(i)] = i;
+      for (Index i = 0; i < std::ssize(*key_); ++i) order_[at(i)] = i;
       std::ranges::sort(order_, {}, key_of);
     }
     const auto place = std::ranges::lower_bound(order_, key, {}, key_of);

@@ -133,7 +133,7 @@ struct BasicWhitened {
   // Row `row` of J, scaled, into place_ and value_. Returns its product with `free`, and whether L leaves each of its
   // entries alone (and they ascend), so that divide() does what solve() would.
   std::pair<Scalar, bool> load(const BasicProblem<Scalar>& p, Index row, const PowerOfTwo& scale) {
-    const auto count = static_cast<std::size_t>(p.J.innerVector(row).nonZeros());
+    const auto count = at(p.J.innerVector(row).nonZeros());
     place_.resize(count);
     value_.resize(count);
     Scalar moved(0);

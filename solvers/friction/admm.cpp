@@ -13,7 +13,6 @@ constexpr double apart = 5, change = 3;  // of the residuals, and of the penalty
 }  // namespace
 
 void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [inner, w, sum, ray_weight, D] = work;
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
   ConeProgram& program = inner.program;
@@ -26,7 +25,7 @@ void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& 
   bool stale = true;
   while (iteration.goes_on(max_steps)) {
     if (stale) {
-      D.assign(static_cast<std::size_t>(9 * nc), 0);
+      D.assign(at(9 * nc), 0);
       for (std::size_t k = 0; k < D.size(); k += 9) D[k] = D[k + 4] = D[k + 8] = p;
       ray_weight.setConstant(program.rays(), p);
       if (!face.factorize(D, ray_weight, true)) {

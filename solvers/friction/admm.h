@@ -27,12 +27,9 @@ struct Admm {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    ConeIteration::Workspace iteration;
-    Vector w, sum, ray_weight;
-    std::vector<double> D;
-  };
-  Workspace work = {};
+  ConeIteration::Workspace inner = {};
+  Vector w = {}, sum = {}, ray_weight = {};
+  std::vector<double> D = {};
 };
 static_assert(Solver<Admm>);
 

@@ -3,7 +3,6 @@
 namespace zwang {
 
 void AlartCurnier::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [inner, modes] = work;
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
   modes.v = inner.v;

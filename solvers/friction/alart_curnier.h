@@ -26,11 +26,8 @@ struct AlartCurnier {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    ConeIteration::Workspace iteration;
-    ModeNewton modes;
-  };
-  Workspace work = {};
+  ConeIteration::Workspace inner = {};
+  ModeNewton modes = {};
 };
 static_assert(Solver<AlartCurnier>);
 

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <array>
 #include <string_view>
 #include <vector>
 
 #include <zwang/core/problem/islands.h>
 #include <zwang/core/problem/shape_cache.h>
-#include <zwang/solvers/friction/mode_newton.h>
+#include <zwang/solvers/friction/cone_starts.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/setting.h>
 
@@ -54,61 +53,19 @@ struct Cone {
     void solve(Cone& cone, const Problem& problem, const SolveOptions& options, Solution& solution);
 
    private:
-    enum class End { accepted, failed, limit, written };  // written: the answer is in the solution
-    // The best iterate there is, by its natural residual.
-    struct Best {
-      Vector v = {}, y = {};
-      double natural = 0;
-      void keep(const Vector& other_v, const Vector& other_y, double residual);
-    };
-    struct Job {
-      const Problem& problem;
-      const SolveOptions& options;
-      const Deadline& deadline;
-      Solution& solution;
-      Best& best;
-      bool finish = true;
-    };
-    static constexpr double first_start = 1;
-    // What is tried where all before it failed.
-    struct Rung {
-      bool (Work::*when)(const Job&) const;  // null: always
-      End (Work::*run)(const Job&, double start);
-      double start = first_start;  // of an interior point
-    };
-    static const std::array<Rung, 7> ladder;
-
-    bool may_go_dense(const Job& job) const;
-    bool may_take_slips(const Job&) const { return program_.law().lifts() && program_.is_dense(); }
-    End from_rest(const Job& job, double);
-    End from_warm(const Job& job, double);
-    End from_start(const Job& job, double start);
-    End from_dense_rows(const Job& job, double start);
-    End from_convex_problems(const Job& job, double);
-
-    void climb(const Job& job);
     void solve_without_friction(const Problem& problem, const SolveOptions& options, Solution& solution);
-    End from_inside(const Job& job, double start);
-    void run_modes(const Job& job, double goal, double leaves, int most);
-    bool modes_stay(const SolveOptions& options);
-    bool is_near(const Best& best);
-    bool takes(const Job& job, const ConeProgram::Residual& residual, const Vector& v, const Vector& y,
-               bool settled = false);
-    bool contradicts_itself(Work& normals, const Job& job);
+    void climb(const ConeStarts::Job& job);
+    bool contradicts_itself(ConeStarts& normals, const ConeStarts::Job& job);
 
-    ConeProgram program_;
-    InteriorPoint inside_;
-    ModeNewton modes_;
-    Best best_, of_slips_;
-    Vector proof_, slips_, s_, move_, pull_;
-    int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
-    Solution of_normals_, of_convex_;
+    ConeStarts starts_;
+    Solution of_normals_;
     DualActiveSet active_set_;
     Newton newton_;
   };
 
   Islands islands_;
-  ShapeCache<Work> works_, normals_;  // the second for the inequality rows alone, which have a shape of their own
+  ShapeCache<Work> works_;
+  ShapeCache<ConeStarts> normals_;  // for the inequality rows alone, which have a shape of their own
 };
 static_assert(Solver<Cone>);
 

@@ -43,10 +43,10 @@ class ConeProgram {
   Index cones() const { return std::ssize(mu_); }
   Index rays() const { return std::ssize(equality_); }
   Index rows() const { return 3 * cones() + rays(); }
-  double mu(Index k) const { return mu_[static_cast<std::size_t>(k)]; }
+  double mu(Index k) const { return mu_[at(k)]; }
   // mu where it is so far from 1 that the rows N / mu and T of a cone are of different sizes; else 1.
   double tilt(Index k) const { return mu(k) < 1 / tolerances::cone_far || mu(k) > tolerances::cone_far ? mu(k) : 1; }
-  bool is_equality(Index ray) const { return equality_[static_cast<std::size_t>(ray)] != 0; }
+  bool is_equality(Index ray) const { return equality_[at(ray)] != 0; }
   const Vector& h() const { return h_; }
   ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
   bool is_dense() const { return dense_; }

@@ -70,7 +70,6 @@ std::string FixedPoint::supports(const Problem& problem) const {
 // The convex problem of the slips at hand; they grow where it has no answer.
 bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                                double tolerance, Solution& solution) {
-  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
   SolveOptions asked{.tolerance = tolerance, .memory_limit = options.memory_limit};
   asked.warm_start = solution.iterations > 0 ? &warm : options.warm_start;
   for (int widening = 0; widening <= widenings; ++widening) {
@@ -88,7 +87,6 @@ bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, co
 
 // Of the answer, relative to the motion.
 double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool& accepted) {
-  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
   program.read(p, answer.z, answer.lambda, v, y);
   program.slack(v, s);
   const ConeProgram::Residual own = program.residual(y, s);
@@ -101,7 +99,6 @@ double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool&
 
 void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  auto& [shifted, answer, warm, program, v, y, s, sigma] = work;
   if (!program.build(p, ConeProgram::Want::way_back, options, deadline, solution)) return;
   shifted = p;
   shifted.law = without_lift(p.law);

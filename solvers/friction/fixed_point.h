@@ -39,14 +39,11 @@ struct FixedPoint {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    Problem shifted;
-    Solution answer;
-    WarmStart warm;
-    ConeProgram program;
-    Vector v, y, s, sigma;  // sigma at the rows of the contacts
-  };
-  Workspace work = {};
+  Problem shifted = {};
+  Solution answer = {};
+  WarmStart warm = {};
+  ConeProgram program = {};
+  Vector v = {}, y = {}, s = {}, sigma = {};  // sigma at the rows of the contacts
 
  private:
   bool solve_shifted(const Problem& problem, const SolveOptions& options, const Deadline& deadline, double tolerance,

@@ -49,7 +49,6 @@ std::string Nsgs::supports(const Problem& problem) const {
 }
 
 void Nsgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [inner, block, diagonal] = work;
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
   ConeProgram& program = inner.program;

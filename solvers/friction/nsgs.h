@@ -23,12 +23,9 @@ struct Nsgs {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    ConeIteration::Workspace iteration;
-    std::vector<Mat3> block;  // of the Delassus matrix
-    Vector diagonal;          // of the single rows
-  };
-  Workspace work = {};
+  ConeIteration::Workspace inner = {};
+  std::vector<Mat3> block = {};  // of the Delassus matrix
+  Vector diagonal = {};          // of the single rows
 };
 static_assert(Solver<Nsgs>);
 

@@ -75,7 +75,7 @@ void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer
 
 // A question with the limits set.
 IpoptQuestion& IpoptMethod::ask(const SolveOptions& options, const Deadline& deadline) {
-  IpoptQuestion& question = work.session.open().question();
+  IpoptQuestion& question = session.open().question();
   question.program = nullptr;
   question.cones = nullptr;
   question.tolerance = options.tolerance;
@@ -87,31 +87,31 @@ IpoptQuestion& IpoptMethod::ask(const SolveOptions& options, const Deadline& dea
 }
 
 const IpoptAnswer& IpoptMethod::run(Solution& solution) {
-  const IpoptAnswer& answer = work.session.open().run();
+  const IpoptAnswer& answer = session.open().run();
   solution.iterations = answer.iterations;
   solution.message = answer.in_words;
   return answer;
 }
 
 bool IpoptMethod::holds(const Vector& v, const Vector& y, const SolveOptions& options) {
-  ConeProgram& program = work.cones;
+  ConeProgram& program = cones;
   if (v.size() != program.face().unknowns() || !v.allFinite() || !y.allFinite()) return false;
-  work.slack.resize(program.rows());
-  program.slack(v, work.slack);
+  slack.resize(program.rows());
+  program.slack(v, slack);
   const bool balanced = (v.isZero(0) && y.isZero(0)) || program.imbalance(v, y) <= options.tolerance;
-  return balanced && program.accepts(program.residual(y, work.slack), v, options);
+  return balanced && program.accepts(program.residual(y, slack), v, options);
 }
 
 void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
-  ConeProgram& program = work.cones;
+  ConeProgram& program = cones;
   if (!program.build(problem, ConeProgram::Want::dense, options, deadline, solution)) return;
   if (!program.is_dense()) throw Stopped{Status::unsupported, "more than 1000 unknowns with friction"};
   IpoptQuestion& question = ask(options, deadline);
   question.cones = &program;
-  work.v.setZero(program.face().unknowns());
-  if (Vector y; program.warm(problem, options.warm_start, y)) program.face().force(y, work.v);
-  question.start = work.v;
+  v.setZero(program.face().unknowns());
+  if (Vector y; program.warm(problem, options.warm_start, y)) program.face().force(y, v);
+  question.start = v;
   if (options.observe)
     question.observe = [&](int iteration, const Vector& v, const Vector& y) {
       program.write(problem, v, y, solution);
@@ -139,10 +139,9 @@ void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& option
 void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   if (problem.has_tangents()) return solve_cones(problem, options, solution);
   const Deadline deadline(options.time_limit);
-  auto& program = work.program;
   if (!program.build(problem, options, solution)) return;
   IpoptQuestion& question = ask(options, deadline);
-  if (!choose_rows(problem, program, work.equalities, question.rows, solution)) return;
+  if (!choose_rows(problem, program, equalities, question.rows, solution)) return;
   question.program = &program;
   Vector lambda;
   program.warm_multipliers(problem, options.warm_start, lambda);

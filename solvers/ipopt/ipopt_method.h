@@ -23,10 +23,8 @@ struct IpoptQuestion;
 // max(T, 1e-13); otherwise it is a numerical failure. One iteration is one interior-point iteration.
 // A complementarity below 1e-16 cannot always be reached: the step to the boundary is 1 - mu, which rounds to 1 there,
 // so slacks become 0 and Ipopt wanders off (LMGC_100_PR_PerioBox of FCLIB: KKT residual below 1e-13 on the way, 1e-6 at
-// its end). So where Ipopt ends stuck, the best of its iterates is taken if it passes the
-// same check; not at an iteration or time limit. Tried: mu_strategy=adaptive mends that file in 24 iterations, but is
-// wrong on more of 57 problems at 1e-8 (6 instead of 2, none of them noticed); ending as soon as the check holds leaves
-// tall stacks near.
+// its end). So where Ipopt ends stuck, the best of its iterates is taken if it passes the same check; not at an
+// iteration or time limit.
 //
 // Contacts with friction, under the convex law, are asked as smooth constraints: s_0^2 >= s_1^2 + s_2^2 and s_0 >= 0 of
 // each cone (ipopt_session.cpp), on dense rows in the freedoms that joints leave. The squares have no gradient where a
@@ -35,14 +33,11 @@ struct IpoptQuestion;
 struct IpoptMethod : IpoptSettings {
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    EqualityRows equalities;
-    ConeProgram cones;
-    Vector v, slack;
-    Session<IpoptSession> session;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  EqualityRows equalities = {};
+  ConeProgram cones = {};
+  Vector v = {}, slack = {};
+  Session<IpoptSession> session = {};
 
  private:
   IpoptQuestion& ask(const SolveOptions& options, const Deadline& deadline);

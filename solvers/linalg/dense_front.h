@@ -14,9 +14,7 @@ namespace zwang {
 // deadline.
 //
 // Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers, which is
-// what decides at the sizes met here (6 to 200). Tried: a right-looking update by panels, which reads and writes the
-// whole front once a panel; Eigen's LLT, triangular solve and rank update, which take longer in small fronts and
-// allocate in large ones.
+// what decides at the sizes met here (6 to 200).
 class DenseFront {
  public:
   // As the machine's vectors: wider ones are split in two, and the sums then no longer fit into registers.

@@ -118,7 +118,7 @@ class SparseCholesky {
 template <class Scalar>
 void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
   const int n = static_cast<int>(M.cols());
-  const auto size = static_cast<std::size_t>(n);
+  const auto size = at(n);
   Eigen::SparseMatrix<double> shape = M.unaryExpr([](const Scalar&) { return 1.0; });
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(shape, order);
@@ -137,7 +137,7 @@ void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
   };
   each_upper([&](int, int c, int) { ++upper_first_[c + 1]; });
   for (int j = 0; j < n; ++j) upper_first_[j + 1] += upper_first_[j];
-  upper_index_.resize(static_cast<std::size_t>(upper_first_[n]));
+  upper_index_.resize(at(upper_first_[n]));
   upper_from_.resize(upper_index_.size());
   fill_ = upper_first_;
   each_upper([&](int r, int c, int p) {
@@ -166,7 +166,7 @@ void SparseCholesky<Scalar>::analyze(const SparseMatrix& M) {
     for (int t = reach(k); t < n; ++t) ++first_[row_[t] + 1];
   }
   for (int j = 0; j < n; ++j) first_[j + 1] += first_[j];
-  index_.resize(static_cast<std::size_t>(first_[n]));
+  index_.resize(at(first_[n]));
   value_.resize(index_.size());
   scratch_.resize(n);
   places_.keep(M);

@@ -19,14 +19,7 @@ namespace zwang {
 // Where the speed of the polish (newton_polish.h) cannot be trusted (near-parallel rows, contradictions), a problem
 // small enough goes to the dual active-set method (Solution::handed_to, with its iterations); a larger one is reported
 // as what it is. With polish=off the method goes on alone until a step of l moves d by less than the tolerance.
-//
-// Tried, on walls of 1000 bricks: from d = 0 with s = 1e4, ten times that at each step of l: 24 factorizations; from
-// all near rows held with s = 1e6: 2 to 11. s beyond 1e7 before the polish stirs up rows with no force of their own (60
-// factorizations and more), since the slack then carries rounding into the choice of rows; so s grows only where l
-// converges slowly, and the polish takes over once a step of l moves d by 1e-5. Inner problems solved coarsely: more
-// steps, not fewer. A step cut short by the line search is no sign of being near, only the whole step's length is. What
-// fails: piles of spheres with small gaps (500: 62 steps from s = 100, 168 from 1e4), and arches of 100 wedges, whose
-// smallest eigenvalue no s reaches, go to the dense method.
+// What was tried, and what fails: docs/notes/performance.md, walls.
 struct Newton {
   static constexpr std::string_view name = "newton";
   double penalty = 100;  // s at the start

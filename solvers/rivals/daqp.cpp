@@ -9,19 +9,11 @@ namespace {
 
 static_assert(std::is_same_v<c_float, double>, "DAQP in single precision");
 
-Status meaning(int flag) {
-  switch (flag) {
-    case DAQP_EXIT_OPTIMAL:
-      return Status::solved;
-    case DAQP_EXIT_INFEASIBLE:
-      return Status::infeasible;
-    case DAQP_EXIT_ITERLIMIT:
-      return Status::iteration_limit;
-    case DAQP_EXIT_TIMELIMIT:
-      return Status::time_limit;
-    default:
-      return Status::numerical_failure;
-  }
+Status status_of(int flag) {
+  return meaning(flag, {{DAQP_EXIT_OPTIMAL, Status::solved},
+                        {DAQP_EXIT_INFEASIBLE, Status::infeasible},
+                        {DAQP_EXIT_ITERLIMIT, Status::iteration_limit},
+                        {DAQP_EXIT_TIMELIMIT, Status::time_limit}});
 }
 
 }  // namespace
@@ -33,7 +25,6 @@ std::string Daqp::supports(const Problem& problem) const {
 void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double least_tolerance = 1e-14;
   const Deadline deadline(options.time_limit);
-  auto& [program, Gt, lower, upper, y, lambda, sense] = work;
   if (!program.build(problem, options, solution)) return;
   Vector warm;
   {
@@ -85,10 +76,10 @@ void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   };
   const bool guessed = (warm.array() > 0).any();
   run(guessed);
-  if (guessed && result.exitflag < 0 && meaning(result.exitflag) == Status::numerical_failure) run(false);
+  if (guessed && result.exitflag < 0 && status_of(result.exitflag) == Status::numerical_failure) run(false);
 
   solution.iterations = result.iter;
-  solution.status = meaning(result.exitflag);
+  solution.status = status_of(result.exitflag);
   solution.message = "DAQP: exit flag " + std::to_string(result.exitflag);
   lambda = -lambda;  // DAQP's is negative at a lower bound
   if (solution.status != Status::solved) y.resize(0);

@@ -57,7 +57,7 @@ void EqualityRows::factorize(const UnitProgram& program) {
   const auto diagonal = qr_.matrixQR().diagonal();
   while (rank_ < diagonal.size() && std::abs(diagonal[rank_]) > dependent) ++rank_;
   for (Index j = 0; j < columns.cols(); ++j) {
-    const Index row = equality_[static_cast<std::size_t>(qr_.colsPermutation().indices()[j])];
+    const Index row = equality_[at(qr_.colsPermutation().indices()[j])];
     (j < rank_ ? kept_ : dropped_).push_back(row);
   }
   std::sort(kept_.begin(), kept_.end());
@@ -71,7 +71,7 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
   const Index count = static_cast<Index>(equality_.size());
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   const Matrix combination = R.solve(qr_.matrixQR().topRightCorner(rank_, count - rank_));
-  const auto row = [&](Index j) { return equality_[static_cast<std::size_t>(qr_.colsPermutation().indices()[j])]; };
+  const auto row = [&](Index j) { return equality_[at(qr_.colsPermutation().indices()[j])]; };
   Vector motion;
   for (Index d = 0; d < combination.cols(); ++d) {
     u.setZero(program.rows());
@@ -86,8 +86,7 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
 Vector EqualityRows::shortest(const UnitProgram& program) const {
   Vector y = Vector::Zero(program.size());
   if (rank_ == 0) return y;
-  for (Index j = 0; j < rank_; ++j)
-    y[j] = program.h()[equality_[static_cast<std::size_t>(qr_.colsPermutation().indices()[j])]];
+  for (Index j = 0; j < rank_; ++j) y[j] = program.h()[equality_[at(qr_.colsPermutation().indices()[j])]];
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   y.head(rank_) = Vector(R.transpose().solve(y.head(rank_)));
   y.applyOnTheLeft(qr_.householderQ());

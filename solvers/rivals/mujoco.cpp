@@ -148,7 +148,6 @@ std::string MujocoNewton::supports(const Problem& problem) const {
 void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double default_gain = 1e-8;  // of a last step: MuJoCo's own tolerance
   constexpr double claimed_part = 0.01;  // of T, in the residual
-  auto& [program, opened] = work;
   if (!program.build(problem, options, solution)) return;
   MujocoSession& session = opened.open();
   session.fit(program.size(), program.rows());

@@ -36,11 +36,8 @@ struct MujocoNewton {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    Session<MujocoSession> session;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  Session<MujocoSession> opened = {};
 };
 
 static_assert(Solver<MujocoNewton>);

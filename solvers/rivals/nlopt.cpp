@@ -8,6 +8,7 @@
 
 #include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/rivals/peer_rows.h>
 
 namespace zwang {
 namespace {
@@ -69,20 +70,13 @@ DenseRows dense_rows(const UnitProgram& program, bool equality, const DenseProgr
 constexpr std::array algorithms{NLOPT_LD_SLSQP, NLOPT_LD_MMA, NLOPT_LD_CCSAQ, NLOPT_LN_COBYLA};  // as NloptMethod
 
 Status claim(nlopt_result result) {
-  switch (result) {
-    case NLOPT_SUCCESS:
-    case NLOPT_STOPVAL_REACHED:
-    case NLOPT_FTOL_REACHED:
-    case NLOPT_XTOL_REACHED:
-      return Status::solved;
-    case NLOPT_MAXEVAL_REACHED:
-      return Status::iteration_limit;
-    case NLOPT_MAXTIME_REACHED:
-    case NLOPT_FORCED_STOP:
-      return Status::time_limit;
-    default:
-      return Status::numerical_failure;
-  }
+  return meaning(result, {{NLOPT_SUCCESS, Status::solved},
+                          {NLOPT_STOPVAL_REACHED, Status::solved},
+                          {NLOPT_FTOL_REACHED, Status::solved},
+                          {NLOPT_XTOL_REACHED, Status::solved},
+                          {NLOPT_MAXEVAL_REACHED, Status::iteration_limit},
+                          {NLOPT_MAXTIME_REACHED, Status::time_limit},
+                          {NLOPT_FORCED_STOP, Status::time_limit}});
 }
 
 // Start of MMA and CCSAQ. At v = 0 the objective's gradient vanishes, their first model is flat, and they claim success
@@ -140,7 +134,6 @@ std::string Nlopt<method>::supports(const Problem& problem) const {
 
 template <NloptMethod method>
 void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  auto& [program, equalities] = work;
   DenseProgram dense{
       .origin = {}, .basis = {}, .equalities = {}, .inequalities = {}, .deadline = Deadline(options.time_limit)};
   if (!program.build(problem, options, solution)) return;

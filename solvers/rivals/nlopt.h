@@ -44,11 +44,8 @@ struct Nlopt {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    EqualityRows equalities;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  EqualityRows equalities = {};
 };
 
 using NloptSlsqp = Nlopt<NloptMethod::slsqp>;

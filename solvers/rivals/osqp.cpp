@@ -24,24 +24,6 @@ struct Columns {
   OSQPCscMatrix view = {};
 };
 
-Status meaning(OSQPInt status) {
-  switch (status) {
-    case OSQP_SOLVED:
-      return Status::solved;
-    case OSQP_PRIMAL_INFEASIBLE:
-      return Status::infeasible;
-    case OSQP_MAX_ITER_REACHED:
-    case OSQP_SOLVED_INACCURATE:  // at its limit, within ten times the tolerance
-    case OSQP_PRIMAL_INFEASIBLE_INACCURATE:
-    case OSQP_DUAL_INFEASIBLE_INACCURATE:
-      return Status::iteration_limit;
-    case OSQP_TIME_LIMIT_REACHED:
-      return Status::time_limit;
-    default:
-      return Status::numerical_failure;
-  }
-}
-
 struct Cleanup {
   void operator()(OSQPSolver* solver) const { osqp_cleanup(solver); }
 };
@@ -50,10 +32,9 @@ struct Cleanup {
 
 void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   // Of a dual ray, relative: tight enough for none on feasible rows, loose enough to be met.
-  constexpr double ray = 1e-6;
+  constexpr double rough_ray = 1e-6;
   constexpr double unlimited = 1e10;  // seconds
   const Deadline deadline(options.time_limit);
-  UnitProgram& program = work.program;
   if (!program.build(problem, options, solution)) return;
   const Index n = program.size(), k = program.rows();
   Vector lambda, y, ray;
@@ -77,7 +58,7 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   settings.polishing = polish;
   settings.eps_abs = options.tolerance;
   settings.eps_rel = 0;
-  settings.eps_prim_inf = ray;
+  settings.eps_prim_inf = rough_ray;
   settings.max_iter = std::max(1, std::min(max_iterations, options.max_iterations));
   settings.time_limit = seconds_left(deadline, unlimited);
   const Vector q = Vector::Zero(n);
@@ -98,7 +79,14 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
 
   const OSQPInfo& info = *solver->info;
   solution.iterations = static_cast<int>(info.iter);
-  solution.status = meaning(info.status_val);
+  // What it calls inaccurate is at its limit, within ten times the tolerance.
+  solution.status = meaning<OSQPInt>(info.status_val, {{OSQP_SOLVED, Status::solved},
+                                                       {OSQP_PRIMAL_INFEASIBLE, Status::infeasible},
+                                                       {OSQP_MAX_ITER_REACHED, Status::iteration_limit},
+                                                       {OSQP_SOLVED_INACCURATE, Status::iteration_limit},
+                                                       {OSQP_PRIMAL_INFEASIBLE_INACCURATE, Status::iteration_limit},
+                                                       {OSQP_DUAL_INFEASIBLE_INACCURATE, Status::iteration_limit},
+                                                       {OSQP_TIME_LIMIT_REACHED, Status::time_limit}});
   solution.message = std::string("OSQP: ") + info.status;
   if (solution.status == Status::solved && polish && info.status_polish != OSQP_POLISH_SUCCESS)
     solution.message += ", not polished";

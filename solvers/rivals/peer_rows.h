@@ -1,6 +1,8 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <zwang/solvers/form/unit_program.h>
@@ -34,6 +36,14 @@ void write_infeasible(const Problem& problem, const UnitProgram& program, Vector
 // they are not finite; where it says infeasible, `ray` as above.
 void write_answer(const Problem& problem, const UnitProgram& program, const Vector& y, const Vector& lambda, Vector ray,
                   Solution& solution);
+
+// What a library's word means: numerical failure where it is none of the known ones.
+template <class Word>
+Status meaning(Word word, std::initializer_list<std::pair<Word, Status>> known) {
+  for (const auto& [one, status] : known)
+    if (one == word) return status;
+  return Status::numerical_failure;
+}
 
 // Why a library with dense matrices is not asked, or "".
 std::string too_large_for_dense(const Problem& problem, Index most_unknowns, Index most_rows);

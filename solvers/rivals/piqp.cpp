@@ -4,27 +4,10 @@
 #include <piqp/piqp.hpp>
 
 namespace zwang {
-namespace {
-
-Status meaning(piqp::Status status) {
-  switch (status) {
-    case piqp::PIQP_SOLVED:
-      return Status::solved;
-    case piqp::PIQP_PRIMAL_INFEASIBLE:
-      return Status::infeasible;
-    case piqp::PIQP_MAX_ITER_REACHED:
-      return Status::iteration_limit;
-    default:
-      return Status::numerical_failure;
-  }
-}
-
-}  // namespace
 
 void Piqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double least_gap = 1e-14;  // of an objective near 1, what rounding leaves
   const Deadline deadline(options.time_limit);
-  auto& [program, rows] = work;
   if (!program.build(problem, options, solution)) return;
   RowsApart::Columns identity(program.size(), program.size());
   const Vector no_cost = Vector::Zero(program.size());
@@ -48,7 +31,9 @@ void Piqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
 
   const auto& result = solver.result();
   solution.iterations = static_cast<int>(result.info.iter);
-  solution.status = meaning(status);
+  solution.status = meaning(status, {{piqp::PIQP_SOLVED, Status::solved},
+                                     {piqp::PIQP_PRIMAL_INFEASIBLE, Status::infeasible},
+                                     {piqp::PIQP_MAX_ITER_REACHED, Status::iteration_limit}});
   solution.message = std::string("PIQP: ") + piqp::status_to_string(status);
   Vector lambda;
   rows.join(-result.y, result.z_l, lambda);

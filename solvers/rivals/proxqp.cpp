@@ -8,38 +8,11 @@ namespace {
 
 namespace peer = proxsuite::proxqp;
 
-Status meaning(peer::QPSolverOutput status) {
-  switch (status) {
-    case peer::QPSolverOutput::PROXQP_SOLVED:
-      return Status::solved;
-    case peer::QPSolverOutput::PROXQP_PRIMAL_INFEASIBLE:
-      return Status::infeasible;
-    case peer::QPSolverOutput::PROXQP_MAX_ITER_REACHED:
-      return Status::iteration_limit;
-    default:
-      return Status::numerical_failure;
-  }
-}
-
-const char* in_words(Status status) {
-  switch (status) {
-    case Status::solved:
-      return "ProxQP: solved";
-    case Status::infeasible:
-      return "ProxQP: primal infeasible";
-    case Status::iteration_limit:
-      return "ProxQP: iteration limit";
-    default:
-      return "ProxQP: not solved";
-  }
-}
-
 }  // namespace
 
 void Proxqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double unbounded = 1e20;
   const Deadline deadline(options.time_limit);
-  auto& [program, rows] = work;
   if (!program.build(problem, options, solution)) return;
   const Index n = program.size();
   RowsApart::Columns identity(n, n);
@@ -72,8 +45,11 @@ void Proxqp::solve(const Problem& problem, const SolveOptions& options, Solution
     qp.solve();
 
   solution.iterations = static_cast<int>(qp.results.info.iter);
-  solution.status = meaning(qp.results.info.status);
-  solution.message = in_words(solution.status);
+  solution.status =
+      meaning(qp.results.info.status, {{peer::QPSolverOutput::PROXQP_SOLVED, Status::solved},
+                                       {peer::QPSolverOutput::PROXQP_PRIMAL_INFEASIBLE, Status::infeasible},
+                                       {peer::QPSolverOutput::PROXQP_MAX_ITER_REACHED, Status::iteration_limit}});
+  solution.message = std::string("ProxQP: ").append(to_string(solution.status));
   rows.join(-qp.results.y, -qp.results.z, lambda);
   write_answer(problem, program, qp.results.x, lambda, lambda, solution);
 }

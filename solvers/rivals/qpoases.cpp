@@ -9,19 +9,12 @@ namespace {
 namespace peer = qpOASES;
 static_assert(std::is_same_v<peer::real_t, double>, "qpOASES in single precision");
 
-Status meaning(peer::returnValue code, bool infeasible) {
+Status status_of(peer::returnValue code, bool infeasible) {
   if (infeasible) return Status::infeasible;
-  switch (code) {
-    case peer::SUCCESSFUL_RETURN:
-      return Status::solved;
-    case peer::RET_INIT_FAILED_INFEASIBILITY:
-    case peer::RET_QP_INFEASIBLE:
-      return Status::infeasible;
-    case peer::RET_MAX_NWSR_REACHED:
-      return Status::iteration_limit;
-    default:
-      return Status::numerical_failure;
-  }
+  return meaning(code, {{peer::SUCCESSFUL_RETURN, Status::solved},
+                        {peer::RET_INIT_FAILED_INFEASIBILITY, Status::infeasible},
+                        {peer::RET_QP_INFEASIBLE, Status::infeasible},
+                        {peer::RET_MAX_NWSR_REACHED, Status::iteration_limit}});
 }
 
 }  // namespace
@@ -33,7 +26,6 @@ std::string Qpoases::supports(const Problem& problem) const {
 void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double unlimited = 1e10;  // seconds
   const Deadline deadline(options.time_limit);
-  auto& [program, Gt] = work;
   if (!program.build(problem, options, solution)) return;
   const Index n = program.size(), k = program.rows();
   Vector lambda, y, upper = program.h();
@@ -64,7 +56,7 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
                             steps, &seconds, started ? y.data() : nullptr, started ? start.data() : nullptr);
 
   solution.iterations = static_cast<int>(steps);
-  solution.status = meaning(code, qp.isInfeasible());
+  solution.status = status_of(code, qp.isInfeasible());
   if (solution.status == Status::iteration_limit && steps < most_steps && seconds >= 0.9 * most_seconds)
     solution.status = Status::time_limit;
   solution.message = "qpOASES: return code " + std::to_string(static_cast<int>(code));

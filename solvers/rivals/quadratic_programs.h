@@ -26,13 +26,10 @@ struct Daqp {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    Matrix Gt;  // n x k
-    Vector lower, upper, y, lambda;
-    std::vector<int> sense;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  Matrix Gt = {};  // n x k
+  Vector lower = {}, upper = {}, y = {}, lambda = {};
+  std::vector<int> sense = {};
 };
 
 // OSQP (Stellato, Banjac, Goulart, Bemporad & Boyd 2020, "OSQP: an operator splitting solver for quadratic programs";
@@ -51,10 +48,7 @@ struct Osqp {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
 };
 
 // PIQP (Schwan, Jiang, Kuhn & Jones 2023, "PIQP: a proximal interior-point quadratic programming solver"; 0.6, headers
@@ -73,11 +67,8 @@ struct Piqp {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    RowsApart rows;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  RowsApart rows = {};
 };
 
 // ProxQP (Bambade, El-Kazdadi, Taylor & Carpentier 2022, "PROX-QP: yet another quadratic programming solver for
@@ -98,11 +89,8 @@ struct Proxqp {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    RowsApart rows;
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  RowsApart rows = {};
 };
 
 // qpOASES (Ferreau, Kirches, Potschka, Bock & Diehl 2014, "qpOASES: a parametric active-set algorithm for quadratic
@@ -123,11 +111,8 @@ struct Qpoases {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  struct Workspace {
-    UnitProgram program;
-    Matrix Gt;  // n x k
-  };
-  Workspace work = {};
+  UnitProgram program = {};
+  Matrix Gt = {};  // n x k
 };
 
 static_assert(Solver<Daqp> && Solver<Osqp> && Solver<Piqp> && Solver<Proxqp> && Solver<Qpoases>);

@@ -8,7 +8,6 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
-#include <zwang/solvers/runs_apart.h>
 #include "tests/solvers/friction/friction_problems.h"
 
 namespace zwang {

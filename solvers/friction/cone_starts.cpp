@@ -1,0 +1,193 @@
+#include <zwang/solvers/friction/cone_starts.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace zwang {
+namespace {
+
+constexpr int most_steps = 60;    // of an interior point from one start
+constexpr int most_coupled = 52;  // and, where the shift is differentiated, with Newton's steps between them
+constexpr int most_modes = 8;     // Newton steps from an iterate inside the cones
+// And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
+// they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
+// two frames of a hand in ten just before the answer.)
+constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
+// Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
+constexpr int most_rounds = 40, whole_rounds = 24;
+
+}  // namespace
+
+void ConeStarts::Best::keep(const Vector& other_v, const Vector& other_y, double residual) {
+  if (!(residual < natural) || !other_v.allFinite() || !other_y.allFinite()) return;
+  v = other_v;
+  y = other_y;
+  natural = residual;
+}
+
+// Keeps what is accepted whatever was kept before: of a motion without end the natural residual may be the smaller.
+bool ConeStarts::takes(const Job& job, const ConeProgram::Residual& r, const Vector& v, const Vector& y, bool settled) {
+  const bool accepted = program_.accepts(r, v, job.options, settled);
+  if (accepted) job.best.natural = infinity;
+  job.best.keep(v, y, r.natural);
+  return accepted;
+}
+
+ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
+  job.best.natural = infinity;
+  modes_.v.setZero(program_.face().unknowns());
+  modes_.y.setZero(program_.rows());
+  modes_.begin(program_);
+  job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
+  return modes_.residual.natural == 0 ? End::accepted : End::failed;
+}
+
+void ConeStarts::run_modes(const Job& job, double goal, double leaves, int most) {
+  modes_.run(program_, goal, leaves, std::min(most, job.options.max_iterations - job.solution.iterations), job.deadline,
+             job.solution.iterations);
+}
+
+ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
+  if (!program_.warm(job.problem, job.options.warm_start, modes_.y)) return End::failed;
+  modes_.v.setZero(program_.face().unknowns());
+  if (!program_.is_dense()) return End::failed;
+  program_.face().force(modes_.y, modes_.v);
+  modes_.begin(program_);
+  const double goal = tolerances::cone_exact * program_.scale(modes_.v);
+  const auto run = [&](int most) { run_modes(job, goal, job.options.tolerance * program_.scale(modes_.v), most); };
+  const bool lifts = program_.law().lifts();
+  run(lifts ? few_warm : most_warm);
+  const double left = modes_.residual.natural;
+  if (lifts && !modes_.settled && left > goal && left <= tolerances::cone_arrives * program_.scale(modes_.v))
+    run(more_warm);
+  return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) ? End::accepted : End::failed;
+}
+
+ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
+  if (start == first_start || !is_near(job.best)) begun_ = job.solution.iterations;
+  return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
+}
+
+ConeStarts::End ConeStarts::from_dense_rows(const Job& job, double start) {
+  if (!program_.law().lifts() || program_.is_dense() || !ConeProgram::can_be_dense(job.problem)) return End::failed;
+  const int before = job.solution.iterations;
+  if (!begin(job, ConeProgram::Want::dense)) return End::written;
+  job.solution.iterations = before;
+  job.solution.fallback = true;
+  const End end = from_rest(job, 0);
+  return end == End::failed ? from_start(job, start) : end;
+}
+
+ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
+  const auto& [p, options, deadline, solution, best, finish] = job;
+  inside_.begin(program_, start);
+  const double unit = program_.start();
+  const bool couples = program_.law().lifts() && program_.is_dense();
+  double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
+  double looked_at = tolerances::cone_runs_off * unit;
+  for (int step = 0;;) {
+    const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
+    bool stuck = (couples ? solution.iterations - begun_ >= most_coupled : step >= most_steps) ||
+                 target < tolerances::cone_deepest;
+    if (!in_regime && !stuck) {
+      if (deadline.passed() || solution.iterations >= options.max_iterations) {
+        best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+        return End::limit;
+      }
+      stuck = !inside_.step(program_);
+      if (!stuck) {
+        ++step;
+        ++solution.iterations;
+        if (options.observe) {
+          program_.write(p, inside_.v, inside_.y, solution);
+          options.observe(solution.iterations, solution.z, solution.lambda);
+        }
+        if (!program_.law().lifts() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
+          if (inside_.proves_infeasible(program_, tolerances::out_of_reach, proof_)) {
+            program_.write_certificate(p, proof_, solution);
+            return End::written;
+          }
+          looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
+        }
+        if (program_.is_dense()) continue;
+        const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
+        if (inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
+            takes(job, own, inside_.v, inside_.y))
+          return End::accepted;
+        continue;
+      }
+    }
+    best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
+    if (deadline.passed()) return End::limit;
+    if (finish) {
+      modes_.begin(program_, inside_);
+      const double goal = tolerances::cone_exact * program_.scale(modes_.v);
+      run_modes(job, goal, options.tolerance * program_.scale(modes_.v), most_modes);
+      if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
+    } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
+      return End::accepted;
+    }
+    if (stuck) return End::failed;
+    target *= tolerances::cone_deeper;
+  }
+}
+
+// An answer that nothing certifies yet?
+bool ConeStarts::is_near(const Best& best) {
+  const double left = best.natural / program_.scale(best.v);
+  return program_.law().lifts() && program_.is_dense() && left > tolerances::cone_exact &&
+         left <= tolerances::cone_near;
+}
+
+// Would another step leave the motion where it is? With very different masses a residual of rounding is far from z.
+bool ConeStarts::modes_stay(const SolveOptions& options) {
+  move_ = modes_.v;
+  if (!modes_.step(program_)) return false;
+  move_ -= modes_.v;
+  pull_.setZero(move_.size());
+  program_.face().mass(move_, pull_);
+  return std::sqrt(std::max(0.0, pull_.dot(move_))) <= accepted_error(options.tolerance) * program_.scale(modes_.v);
+}
+
+ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
+  if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  const auto& [p, options, deadline, solution, best, finish] = job;
+  SolveOptions rest = options;
+  rest.observe = nullptr;
+  const int most = is_near(best) ? std::min(begun_ + most_coupled, options.max_iterations) : options.max_iterations;
+  const ConeLaw law = program_.law();
+  slips_.setZero(program_.cones());
+  s_.setZero(program_.rows());
+  for (int round = 0; round < most_rounds; ++round) {
+    of_convex_.reset(p.size(), p.rows());
+    rest.max_iterations = most - solution.iterations;
+    program_.state({}, &slips_);
+    of_slips_ = best;
+    of_slips_.natural = infinity;
+    const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, start);
+    solution.iterations += of_convex_.iterations;
+    program_.state(law);
+    if (end == End::limit) break;
+    const bool none = end == End::written;
+    if (none) of_slips_.v.setZero();  // the slips of z_u lift the cones enough
+    program_.slack(of_slips_.v, s_);
+    if (!none) {
+      modes_.v = of_slips_.v;
+      modes_.y = of_slips_.y;
+      modes_.begin(program_);
+      run_modes(job, tolerances::cone_exact * program_.scale(modes_.v), 0, most_modes);
+      if (takes(job, modes_.residual, modes_.v, modes_.y) && modes_stay(options)) {
+        solution.fallback = true;
+        return End::accepted;
+      }
+    }
+    for (Index k = 0; k < program_.cones(); ++k) {
+      const double slip = law.lift * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
+      const double step = round < whole_rounds ? 1 : 0.5;
+      slips_[k] = none ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
+    }
+  }
+  return End::failed;
+}
+
+}  // namespace zwang

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <zwang/solvers/friction/mode_newton.h>
+
+namespace zwang {
+
+// The ways to an answer of a cone program, from one start each, and the best iterate of them all: an interior point
+// into the regime where the modes of the contacts show, then Newton's method on the modes.
+class ConeStarts {
+ public:
+  enum class End { accepted, failed, limit, written };  // written: the answer is in the solution
+  // The best iterate there is, by its natural residual.
+  struct Best {
+    Vector v = {}, y = {};
+    double natural = 0;
+    void keep(const Vector& other_v, const Vector& other_y, double residual);
+  };
+  struct Job {
+    const Problem& problem;
+    const SolveOptions& options;
+    const Deadline& deadline;
+    Solution& solution;
+    Best& best;
+    bool finish = true;  // Newton's method on the modes
+  };
+  static constexpr double first_start = 1;
+
+  // False where the answer is known, and then written.
+  bool begin(const Job& job, ConeProgram::Want want) {
+    return program_.build(job.problem, want, job.options, job.deadline, job.solution);
+  }
+  ConeProgram& program() { return program_; }
+  Best best;
+
+  // Each fails, too, where it does not apply. `start`: the size of an interior point's.
+  End from_rest(const Job& job, double);
+  End from_warm(const Job& job, double);
+  // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
+  // and all of them together get the iterations of one.
+  End from_start(const Job& job, double start);
+  End from_dense_rows(const Job& job, double start);
+  // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
+  // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
+  End from_convex_problems(const Job& job, double start);
+  End from_inside(const Job& job, double start);  // by the interior point
+
+ private:
+  void run_modes(const Job& job, double goal, double leaves, int most);
+  bool modes_stay(const SolveOptions& options);
+  bool is_near(const Best& best);
+  bool takes(const Job& job, const ConeProgram::Residual& residual, const Vector& v, const Vector& y,
+             bool settled = false);
+
+  ConeProgram program_;
+  InteriorPoint inside_;
+  ModeNewton modes_;
+  Best of_slips_;
+  Vector proof_, slips_, s_, move_, pull_;
+  int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
+  Solution of_convex_;
+};
+
+}  // namespace zwang
