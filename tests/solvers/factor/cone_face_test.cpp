@@ -1,0 +1,109 @@
+// The rows of a cone program and the factor of M + G'D G, dense and sparse, against dense matrices.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include <zwang/solvers/factor/dense_face.h>
+#include <zwang/solvers/factor/sparse_face.h>
+
+namespace zwang {
+namespace {
+
+constexpr Index cones = 5, rays = 3, bodies = 4, rows = 3 * cones + rays;
+constexpr double rounding = 1e-11;
+
+class Faces : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Index n = 6 * bodies;
+    for (Index k = 0; k < cones + rays; ++k) {  // each on two bodies
+      const Index first = 6 * (k % bodies), second = 6 * ((k + 1) % bodies), at = k < cones ? 3 * k : 2 * cones + k;
+      const Index count = k < cones ? 3 : 1;
+      G_.block(at, first, count, 6) = random(count, 6);
+      G_.block(at, second, count, 6) = random(count, 6);
+    }
+    const Matrix L = random(6, 6);
+    Mat<double, 6, 6> mass = L * L.transpose() + Matrix::Identity(6, 6);
+    M_.setIdentity(n, n);
+    for (Index b = 0; b < bodies; ++b) M_.block<6, 6>(6 * b, 6 * b) = (1.0 + static_cast<double>(b)) * mass;
+    for (Index k = 0; k < cones; ++k) {
+      Mat3 block = random(3, 3);
+      block = (block * block.transpose()).eval();
+      if (k == 1) block.setZero();  // an open contact
+      Eigen::Map<Mat3>(D_.data() + 9 * k) = block;
+    }
+    ray_weight_ << 2, 0, 100;
+  }
+  Matrix random(Index n, Index m) {
+    return Matrix::NullaryExpr(n, m, [&] { return std::uniform_real_distribution<double>(-1, 1)(generator_); });
+  }
+  // M + G'D G.
+  Matrix matrix(const Matrix& M, const Matrix& G) const {
+    Matrix H = M;
+    for (Index k = 0; k < cones; ++k)
+      H += G.middleRows(3 * k, 3).transpose() * Eigen::Map<const Mat3>(D_.data() + 9 * k) * G.middleRows(3 * k, 3);
+    for (Index r = 0; r < rays; ++r) H += ray_weight_[r] * G.row(3 * cones + r).transpose() * G.row(3 * cones + r);
+    return H;
+  }
+  // Against G and M with columns in the order of the face's unknowns.
+  void expect_rows_and_factor(ConeFace& face, const Matrix& M, const Matrix& G, bool symmetric) {
+    Vector v = Vector::Zero(face.unknowns()), f = v;
+    v.head(G.cols()) = random(G.cols(), 1);
+    const Vector l = random(rows, 1);
+    Vector s(rows);
+    face.slack(v, s);
+    EXPECT_LE((s - G * v.head(G.cols())).norm(), rounding);
+    face.force(l, f);
+    EXPECT_LE((f.head(G.cols()) - G.transpose() * l).norm(), rounding);
+    face.mass(v, f);
+    EXPECT_LE((f.head(G.cols()) - M * v.head(G.cols())).norm(), rounding);
+    ASSERT_TRUE(face.factorize(D_, ray_weight_, symmetric));
+    f = v;
+    face.solve(f);
+    EXPECT_LE((matrix(M, G) * f.head(G.cols()) - v.head(G.cols())).norm(), rounding);
+    EXPECT_GT(f.norm(), 0.001);
+  }
+
+  std::mt19937 generator_{3};
+  Matrix G_ = Matrix::Zero(rows, 6 * bodies), M_;
+  std::vector<double> D_ = std::vector<double>(9 * cones);
+  Vector ray_weight_ = Vector::Zero(rays);
+};
+
+TEST_F(Faces, DenseRowsAndBothFactors) {
+  DenseFace face;
+  for (const bool symmetric : {true, false, true}) {
+    if (!symmetric)
+      for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] += 0.25;
+    face.reset(G_.cols(), cones, rays);
+    for (Index r = 0; r < rows; ++r) std::copy_n(Vector(G_.row(r)).data(), G_.cols(), face.row(r));
+    if (symmetric)
+      for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] = D_[at(9 * k + 3)];
+    expect_rows_and_factor(face, Matrix::Identity(G_.cols(), G_.cols()), G_, symmetric);
+  }
+}
+
+TEST_F(Faces, SparseRowsInTheOrderOfElimination) {
+  Problem problem;
+  problem.M = M_.sparseView();
+  problem.z_u.setZero(G_.cols());
+  SparseRows sparse;
+  for (Index r = 0; r < rows; ++r) {
+    for (Index j = 0; j < G_.cols(); ++j) {
+      if (G_(r, j) == 0) continue;
+      sparse.column.push_back(static_cast<int>(j));
+      sparse.value.push_back(G_(r, j));
+    }
+    sparse.begin.push_back(static_cast<int>(sparse.column.size()));
+  }
+  SparseFace face;
+  face.reset(problem, sparse, cones, {}, Deadline());
+  ASSERT_EQ(face.unknowns(), G_.cols());
+  std::vector<Index> order;
+  for (Index u = 0; u < face.unknowns(); ++u) order.push_back(face.column(u));
+  expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), true);
+}
+
+}  // namespace
+}  // namespace zwang
