@@ -100,6 +100,7 @@ class Cones:
         """Until found(y), or the gap is closed. Returns (witness or None, forces n, forces t): of contacts, then of the last row."""
         parts = len(self.normal) + 1
         y, t, weight = np.zeros(self.basis.shape[1]), 1.0, 2.0 * parts
+        least, forces = np.inf, None  # of the weight whose forces balance best: at the last ones there may be no digit left
         while True:
             for _ in range(NEWTON):
                 n = self.normal @ y + t
@@ -128,8 +129,12 @@ class Cones:
             n = self.normal @ y + t
             s = [T @ y for T in self.tangent]
             det = n**2 - sum(v**2 for v in s)
+            now = 2 * n / det / weight, [-2 * v / det / weight for v in s]
+            off = np.linalg.norm(self.normal.T @ now[0] + sum((T.T @ v for T, v in zip(self.tangent, now[1])), 0))
+            if forces is None or off < least:
+                least, forces = off, now
             if 2 * parts / weight < GAP:
-                return None, 2 * n / det / weight, [-2 * v / det / weight for v in s]
+                return None, *forces
             weight *= 10
 
     def value(self, y, t, weight):
