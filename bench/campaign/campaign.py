@@ -16,6 +16,7 @@ import time
 
 ENGINES = ("slurm", "parallel", "local")
 WRONG_USE, BAD_FILE, STOPPED = 2, 3, 130
+KEYS = {"program": str, "suite": list, "engine": str, "tasks": int, "at_once": int, "timing": bool, "hours": (int, float), "started": list}
 MOST_IDLE_ROUNDS = 2  # in a row, without a new line
 
 
@@ -70,13 +71,15 @@ class Campaign:
         try:
             with open(os.path.join(folder, "campaign.json")) as file:
                 record = json.load(file)
-            (record[name] for name in ("program", "suite", "engine", "tasks", "at_once", "timing", "hours", "started"))
-            if not isinstance(record["started"], list) or record["engine"] not in ENGINES:
-                raise ValueError("expected a list of what was started, and an engine")
+            for name, kind in KEYS.items():
+                if not isinstance(record[name], kind):
+                    raise ValueError(f"{name} is {record[name]!r}")
+            if record["engine"] not in ENGINES:
+                raise ValueError(f"no engine {record['engine']!r}")
         except OSError:
             fail(f"{folder} holds no campaign: campaign.json is missing", BAD_FILE)
         except (ValueError, KeyError, TypeError) as wrong:
-            fail(f"{folder}/campaign.json: {wrong!r}", BAD_FILE)
+            fail(f"{folder}/campaign.json: {wrong!r}; expected what ./zwang campaign writes", BAD_FILE)
         return cls(folder, record)
 
     def at(self, *names):

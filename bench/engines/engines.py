@@ -62,7 +62,15 @@ def plain(scene, dt):
 
 
 def start(engine, deadline):
-    return Child(engine.command, {"ZWANG_ENGINES": str(NPM)}, deadline, apart=engine.how != "")
+    child = Child(engine.command, {"ZWANG_ENGINES": str(NPM)}, deadline, apart=engine.how != "")
+    said = child.hello
+    substeps = said.get("substeps")
+    if (not all(isinstance(said.get(key), str) for key in ("engine", "version", "licence")) or said.get("bits") not in (32, 64) or
+            said.get("order") not in (-1, 0, 1) or not isinstance(substeps, dict) or
+            not all(isinstance(substeps.get(s), int) and substeps[s] > 0 for s in SETTINGS)):
+        child.close()
+        raise Failure("a first line that is not the protocol's")
+    return child
 
 
 def clock_of(hello, setting, dt):
@@ -71,7 +79,7 @@ def clock_of(hello, setting, dt):
 
 def checked(answer, bodies):
     states = answer.get("states")
-    if not isinstance(states, list) or len(states) != bodies or any(len(state) != 13 for state in states):
+    if not isinstance(states, list) or len(states) != bodies or any(not isinstance(state, list) or len(state) != 13 for state in states):
         raise Failure("an answer that is not the protocol's", lost=False)
     if not all(isinstance(x, (int, float)) and math.isfinite(x) for state in states for x in state):
         raise Failure("an answer that is no number", lost=False)

@@ -29,7 +29,7 @@ int mesh_command(std::vector<std::string> words);
 // JSON object. Throws std::invalid_argument where the question makes no sense of this problem.
 void print_solutions(const Instance& instance, bool json);
 
-// Goes on as another program. Throws BadFile where it cannot be run.
+// Goes on as another program, found as a shell finds it. Throws BadFile where it cannot be run.
 int continue_as(const std::string& file, const std::vector<std::string>& words);
 // Goes on as zwang-all, the program with every command. Throws std::invalid_argument where it is not there.
 int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words);

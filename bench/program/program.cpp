@@ -120,7 +120,7 @@ int continue_as(const std::string& file, const std::vector<std::string>& words) 
   std::vector<const char*> arguments = {file.c_str()};
   for (const std::string& word : words) arguments.push_back(word.c_str());
   arguments.push_back(nullptr);
-  execv(file.c_str(), const_cast<char**>(arguments.data()));
+  execvp(file.c_str(), const_cast<char**>(arguments.data()));
   throw std::runtime_error(file + ": " + std::strerror(errno));
 }
 

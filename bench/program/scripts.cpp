@@ -16,7 +16,7 @@ int continue_as_script(std::string_view script, std::vector<std::string> before,
   before.insert(before.begin(), {"-c", std::string(script)});
   before.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
   before.insert(before.end(), words.begin(), words.end());
-  return continue_as("/usr/bin/python3", before);
+  return continue_as("python3", before);
 }
 
 }  // namespace

@@ -42,7 +42,6 @@ class BlockCholesky {
   int part_of_row(int row) const { return part_[at(front_of_row_[at(row)])]; }
   int part_of_position(int position) const { return part_[at(front_of_[at(position)])]; }
   long fill() const { return static_cast<long>(panel_.size()); }
-  int fronts() const { return static_cast<int>(front_.size()); }
 
   // Forgets the factor: values of M or of the rows have changed.
   void invalidate() { valid_ = false; }

@@ -9,6 +9,8 @@
 #include <zwang/solvers/linalg/library_memory.h>
 #include <zwang/solvers/registry.h>
 
+#include "tests/parameter_name.h"
+
 namespace zwang {
 namespace {
 
@@ -58,12 +60,8 @@ std::vector<std::string> native() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Native, SecondSolve, testing::ValuesIn(native()), [](const auto& info) {
-  std::string name = info.param;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Native, SecondSolve, testing::ValuesIn(native()),
+                         [](const auto& info) { return test::parameter_name(info.param); });
 
 }  // namespace
 }  // namespace zwang

@@ -19,7 +19,7 @@ FAKE = """
 import json, sys, time
 mode = sys.argv[1]
 def say(answer): print(json.dumps(answer), flush=True)
-say(dict(engine="fake", version="1", licence="none", bits=64, order=1, substeps=dict(default=1, tuned=1)))
+say(dict(engine="fake", version="1", licence="none", bits=64, order=1, substeps=dict(default=1, **{} if mode == "half" else dict(tuned=1))))
 for line in sys.stdin:
     ask = json.loads(line)
     if "scene" in ask:
@@ -38,6 +38,7 @@ for line in sys.stdin:
         if mode == "crashes": import os; os.abort()
         if mode == "ends": sys.exit(7)
         if mode == "talks": print("hello"); continue
+        if mode == "numbers": say(dict(states=[1.0] * len(states))); continue
         if mode == "nan": states[-1][0] = float("nan")
         if mode == "lacks": say(dict(absent="floors")); continue
     say(dict(states=states))
@@ -197,7 +198,7 @@ class Kit(unittest.TestCase):
 
     def test_a_failure_costs_its_cell_alone(self):
         for mode, why in dict(hangs="no answer in 2 s", crashes="ended by SIGABRT", ends="ended with exit code 7", talks="an answer that is not the protocol's",
-                              nan="an answer that is no number", lacks="has no floors").items():
+                              numbers="an answer that is not the protocol's", nan="an answer that is no number", lacks="has no floors").items():
             cells = self.run_fake(mode)[0]["cells"]["fake"]["default"]
             self.assertEqual(cells["slide"].pop("1/120"), {"why": why})
             for cell in [*cells["slide"].values(), *cells["free_fall"].values()]:
@@ -206,6 +207,10 @@ class Kit(unittest.TestCase):
     def test_who_falls_wrongly_is_not_believed(self):
         for cell in self.run_fake("wrong")[0]["cells"]["fake"]["tuned"]["free_fall"].values():
             self.assertIn("not believed", cell["why"])
+
+    def test_a_first_line_that_lacks_something_costs_all_cells(self):
+        for cell in self.run_fake("half")[0]["cells"]["fake"]["default"]["slide"].values():
+            self.assertEqual(cell, {"why": "a first line that is not the protocol's"})
 
     def test_a_program_that_is_not_there(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -70,9 +70,16 @@ with tempfile.TemporaryDirectory() as folder:
         run([program, "campaign", "--resume", "left"])
     assert_equal("whole", "left/result")
 
-    # Wrong use costs one line.
+    # Wrong use costs one line, and so does a damaged record.
+    with open("it/campaign.json") as file:
+        record = json.load(file)
+    for name, change in (("lacks", {"tasks": None}), ("other", {"engine": "slrm"}), ("text", {"started": "17"})):
+        os.makedirs(name)
+        with open(f"{name}/campaign.json", "w") as file:
+            json.dump({key: value for key, value in {**record, **change}.items() if value is not None}, file)
     for wrong in (["campaign", "quick", "--engine", "slrm", "--out", "x"], ["campaign", "quick"], ["campaign", "speed", "--out", "x"],
-                  ["campaign", "quick", "--out", "x", "--solver", "nnls"], ["campaign", "--resume", "whole"]):
+                  ["campaign", "quick", "--out", "x", "--solver", "nnls"], ["campaign", "--resume", "whole"],
+                  *(["campaign", "--resume", name] for name in ("lacks", "other", "text"))):
         done = subprocess.run([program, *wrong], capture_output=True, text=True, timeout=60)
         assert done.returncode in (2, 3) and done.stderr.count("\n") == 1, (wrong, done)
         assert not os.path.exists("x"), wrong

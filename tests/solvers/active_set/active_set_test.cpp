@@ -10,6 +10,7 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/registry.h>
+#include "tests/parameter_name.h"
 #include "tests/recorded_data.h"
 
 namespace zwang {
@@ -128,12 +129,7 @@ TEST_P(ActiveSet, AgreesWithTheStoredTruths) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, ActiveSet,
                          testing::Values("nnls", "nnls:reduce=on", "cholesky", "cholesky:reduce=on"),
-                         [](const auto& i) {
-                           std::string name = i.param;
-                           for (char& letter : name)
-                             if (!std::isalnum(static_cast<unsigned char>(letter))) letter = '_';
-                           return name;
-                         });
+                         [](const auto& i) { return test::parameter_name(i.param); });
 
 // c in the range of J: right. Outside: wrong, and the message says how far outside.
 TEST(NnlsPaper, IsRightWhereKExists) {

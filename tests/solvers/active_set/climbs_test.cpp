@@ -6,6 +6,7 @@
 #include <zwang/solvers/active_set/careful_climb.h>
 #include <zwang/solvers/active_set/least_distance.h>
 
+#include "tests/parameter_name.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -76,12 +77,7 @@ TEST_P(Climbs, LeastDistanceEndsAtTheOptimumFromAnyStart) {
 INSTANTIATE_TEST_SUITE_P(ActiveSet, Climbs,
                          testing::Values("random(n=40,m=50,equalities=.3,seed=3)", "hand(contacts=8,seed=2)",
                                          "tower(boxes=8)"),
-                         [](const auto& i) {
-                           std::string name = i.param;
-                           for (char& c : name)
-                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                           return name;
-                         });
+                         [](const auto& i) { return test::parameter_name(i.param); });
 
 // A row that asks for more than others allow: what either machine names is a Farkas vector.
 TEST(ClimbsOfContradictions, EndWithTheProof) {

@@ -7,6 +7,7 @@
 #include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/registry.h>
 
+#include "tests/parameter_name.h"
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -46,12 +47,7 @@ TEST_P(Finish, ThePolishTakesRowsThatPushDownToRoundingOfZ) {
 INSTANTIATE_TEST_SUITE_P(Finish, Finish,
                          testing::Values("random(n=60,m=80,equalities=.4,redundancy=.2,seed=3)", "chain(links=12)",
                                          "hand(contacts=16,seed=2)", "random(n=30,m=40,condition=40)"),
-                         [](const auto& i) {
-                           std::string name = i.param;
-                           for (char& c : name)
-                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                           return name;
-                         });
+                         [](const auto& i) { return test::parameter_name(i.param); });
 
 // u > 0 on rows that add up to 0 and ask for more than 0.
 Problem contradiction(unsigned seed) {

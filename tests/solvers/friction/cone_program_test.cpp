@@ -7,6 +7,8 @@
 
 #include <zwang/bench/scenes/catalog.h>
 
+#include "tests/parameter_name.h"
+
 namespace zwang {
 namespace {
 
@@ -70,12 +72,7 @@ TEST_P(ConePrograms, ForcesDoTheWorkOfSlacks) {
 INSTANTIATE_TEST_SUITE_P(Form, ConePrograms,
                          testing::Values("hand(contacts=4,mu=.5,seed=2)", "tower(boxes=3,mu=.5)",
                                          "wall(boxes=60,mu=.75)"),
-                         [](const auto& i) {
-                           std::string name = i.param;
-                           for (char& c : name)
-                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                           return name;
-                         });
+                         [](const auto& i) { return test::parameter_name(i.param); });
 
 }  // namespace
 }  // namespace zwang

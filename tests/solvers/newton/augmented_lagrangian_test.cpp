@@ -8,6 +8,8 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/solvers/newton/newton_polish.h>
 
+#include "tests/parameter_name.h"
+
 namespace zwang {
 namespace {
 
@@ -93,12 +95,7 @@ TEST_P(Lagrangians, ThePolishTakesTheResidualsDown) {
 
 INSTANTIATE_TEST_SUITE_P(Newton, Lagrangians,
                          testing::Values("wall(boxes=25)", "tower(boxes=6)", "random(n=30,m=25,seed=4)"),
-                         [](const auto& i) {
-                           std::string name = i.param;
-                           for (char& c : name)
-                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                           return name;
-                         });
+                         [](const auto& i) { return test::parameter_name(i.param); });
 
 }  // namespace
 }  // namespace zwang
