@@ -16,13 +16,17 @@ class Failure(Exception):
         self.lost = lost
 
 
+def one_line(text):
+    return "".join(c if c.isprintable() else " " for c in text)[:200].strip()
+
+
 class Child:
     """`apart`: in a folder of its own, where it may leave what it likes."""
 
     def __init__(self, command, environment, deadline, apart=False):
-        self.folder = tempfile.TemporaryDirectory() if apart else None
+        self.folder, self.talk = tempfile.TemporaryDirectory() if apart else None, tempfile.TemporaryFile()
         try:
-            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.talk,
                                             env={**os.environ, **environment}, cwd=self.folder.name if apart else None, start_new_session=True)
         except OSError as error:
             raise Failure(f"cannot be started: {error.strerror}")
@@ -36,6 +40,8 @@ class Child:
         self.seconds, self.end = seconds, time.monotonic() + seconds
 
     def ask(self, question):
+        self.talk.seek(0)  # for the process, too
+        self.talk.truncate()
         try:
             self.process.stdin.write(json.dumps(question).encode() + b"\n")
             self.process.stdin.flush()
@@ -63,6 +69,9 @@ class Child:
         if not isinstance(answer, dict):
             self.close()
             raise Failure("an answer that is not the protocol's")
+        if "error" in answer:
+            self.close()
+            raise Failure(f"fails: {one_line(str(answer['error']))}")
         if "absent" in answer:
             raise Failure(f"has no {answer['absent']}", lost=False)
         return answer
@@ -72,13 +81,15 @@ class Child:
             code = self.process.wait(max(0.1, self.end - time.monotonic()))
         except subprocess.TimeoutExpired:
             code = 0
+        self.talk.seek(max(0, self.talk.seek(0, os.SEEK_END) - 2000))
+        last = self.talk.read().decode(errors="replace").strip().rpartition("\n")[2]
         self.close()
-        return f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        return (f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}") + (f": {one_line(last)}" if last else "")
 
     def close(self):
         self.process.kill()
         self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
+        for pipe in (self.process.stdin, self.process.stdout, self.talk):
             try:
                 pipe.close()
             except OSError:  # what it was still to be told

@@ -70,7 +70,41 @@ def start(engine, deadline):
             not all(isinstance(substeps.get(s), int) and substeps[s] > 0 for s in SETTINGS)):
         child.close()
         raise Failure("a first line that is not the protocol's")
+    try:
+        child.doubts = {setting: disbelief(child, setting) for setting in SETTINGS}
+    except Failure:
+        child.close()
+        raise
     return child
+
+
+class Children:
+    """An engine's processes. One serves many scenes, for most engines of npm take longer to start than to answer."""
+
+    def __init__(self, engine, deadline):
+        self.engine, self.deadline, self.idle, self.hello, self.never = engine, deadline, [], None, None
+
+    def take(self):
+        if self.never:  # it has never started: all its cells say why
+            raise Failure(self.never)
+        try:
+            child = self.idle.pop() if self.idle else start(self.engine, self.deadline)
+        except Failure as failure:
+            self.never = None if self.hello else str(failure)
+            raise
+        self.hello = child.hello
+        child.allow(self.deadline)
+        return child
+
+    def give(self, child):
+        if child.hello.get("alone"):
+            child.close()
+        else:
+            self.idle.append(child)
+
+    def close(self):
+        while self.idle:
+            self.idle.pop().close()
 
 
 def clock_of(hello, setting, dt):
@@ -111,30 +145,27 @@ def disbelief(child, setting):
     return None
 
 
-def cells_of(engine, setting, phenomenon, deadline):
-    """What the engine makes of one phenomenon in each step: its cells, its hello, and its motion in the largest step."""
-    cells, child, hello, motion = {}, None, None, None
+def cells_of(children, setting, phenomenon):
+    """What the engine makes of one phenomenon in each step: its cells, and its motion in the largest step."""
+    cells, motion = {}, None
     for dt in STEPS:
+        child = None
         try:
-            if child is None:
-                child = start(engine, deadline)
-                hello = child.hello
-                if why := disbelief(child, setting):
-                    return {str(step): {"why": f"not believed: {why}"} for step in STEPS}, hello, None
-            child.allow(deadline)
+            child = children.take()
+            if child.doubts[setting]:
+                raise Failure(f"not believed: {child.doubts[setting]}", lost=False)
             steps = max(1, round(phenomenon.every / dt))
             states = run(child, phenomenon.scene, setting, dt, round(phenomenon.seconds / dt) // steps, steps)
-            measured, exact = phenomenon.measure(states, phenomenon.scene), float(phenomenon.exact(clock_of(hello, setting, dt)))
+            measured, exact = phenomenon.measure(states, phenomenon.scene), float(phenomenon.exact(clock_of(child.hello, setting, dt)))
             cells[str(dt)] = {"off": measured - exact, "measured": measured, "exact": exact}
             if dt == STEPS[0]:
                 motion = picture(phenomenon, states)
         except Failure as failure:
             cells[str(dt)] = {"why": str(failure)}
             if failure.lost:
-                child = None
-    if child:
-        child.close()
-    return cells, hello, motion
+                continue
+        children.give(child)
+    return cells, motion
 
 
 def picture(phenomenon, states):
@@ -145,24 +176,31 @@ def picture(phenomenon, states):
             "poses": [[[round(x, 4) for x in state[:7]] for state in sample] for sample in (few[0], few[-1])]}
 
 
-def whole_run(engines, chosen, deadline, say):
-    """{engine: {setting: {phenomenon: {step: cell}}}}, and of each engine what it said of itself, and its motions."""
-    jobs = [(e, s, p) for p in chosen for e in engines for s in SETTINGS]
-    jobs.sort(key=lambda job: -job[2].seconds)  # long ones first: no core waits at the end
+def whole_run(engines, chosen, deadline, say, backwards=False):
+    """{engine: {setting: {phenomenon: {step: cell}}}}, and of each engine what it said of itself, and its motions.
+
+    Backwards: each process sees other scenes before a cell, which an engine may remember.
+    """
+    longest = sorted(chosen, key=lambda p: p.seconds, reverse=not backwards)
+    all_of = {e.name: Children(e, deadline) for e in engines}
+    jobs = [(all_of[e.name], s, p) for e in engines for p in longest for s in SETTINGS]
     cells = {e.name: {s: {} for s in SETTINGS} for e in engines}
-    about, motions = {}, {}
+    motions, left = {}, dict.fromkeys(cells, 2 * len(chosen))
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        ahead = {pool.submit(cells_of, *job, deadline): job for job in jobs}
+        ahead = {pool.submit(cells_of, *job): job for job in jobs}
         for count, done in enumerate(concurrent.futures.as_completed(ahead), 1):
-            engine, setting, phenomenon = ahead[done]
-            cells[engine.name][setting][phenomenon.name], hello, motion = done.result()
-            about[engine.name] = about.get(engine.name) or hello
-            motions.setdefault(phenomenon.name, {})[f"{engine.name} {setting}"] = motion
-            say(count, len(jobs), f"{engine.name}   {phenomenon.name}")
+            children, setting, phenomenon = ahead[done]
+            name = children.engine.name
+            cells[name][setting][phenomenon.name], motion = done.result()
+            motions.setdefault(phenomenon.name, {})[f"{name} {setting}"] = motion
+            left[name] -= 1
+            if not left[name]:
+                children.close()
+            say(count, len(jobs), f"{name}   {phenomenon.name}")
     for name in cells:  # the same order whoever came first
         for setting in SETTINGS:
             cells[name][setting] = {p.name: cells[name][setting][p.name] for p in chosen}
-    return cells, {name: about.get(name) for name in cells}, {p.name: dict(sorted(motions[p.name].items())) for p in chosen}
+    return cells, {name: children.hello for name, children in all_of.items()}, {p.name: dict(sorted(motions[p.name].items())) for p in chosen}
 
 
 def show(count, all_of_them, what):
@@ -197,7 +235,7 @@ def options(words):
     parser.add_argument("--phenomena", default="all", metavar="all|NAME,...", help="default: all")
     parser.add_argument("--adapter", action="append", default=[], metavar="NAME=COMMAND", help="another engine: a program that speaks the protocol")
     parser.add_argument("--deadline", type=float, default=20, metavar="S", help="seconds for each cell; default: 20")
-    parser.add_argument("--twice", action="store_true", help="run all of it twice, and name the engines whose numbers differ")
+    parser.add_argument("--twice", action="store_true", help="run all of it twice, in another order the second time, and name the engines whose numbers differ")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("engines"), help="folder of the page and its numbers; default: engines")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
     if {"-h", "--help"} & set(words):  # whatever else stands there
@@ -212,7 +250,7 @@ def differing(first, second):
         for setting, of in settings.items():
             for name, cells in of.items():
                 for step, cell in cells.items():
-                    if cell != second[engine][setting][name][step]:
+                    if cell.get("measured") != second[engine][setting][name][step].get("measured"):  # why there is none may have addresses in it
                         found.setdefault(engine, f"{name}, {setting}, {step} s")
     return found
 
@@ -238,7 +276,7 @@ def main(words):
     cells, about, motions = whole_run(here, chosen, wanted.deadline, show)
     others = None
     if wanted.twice:
-        others = differing(cells, whole_run(here, chosen, wanted.deadline, show)[0])
+        others = differing(cells, whole_run(here, chosen, wanted.deadline, show, backwards=True)[0])
     wanted.out.mkdir(parents=True, exist_ok=True)
     numbers = {"steps": [str(dt) for dt in STEPS], "engines": about, "absent": {e.name: e.how for e in absent}, "differ": others, "cells": cells}
     (wanted.out / "results.json").write_text(json.dumps(numbers, indent=1) + "\n")

@@ -87,4 +87,6 @@ struct Dart : zw::World {
 
 }  // namespace
 
-int main() { return zw::serve<Dart>({.engine = "dart", .version = DART_VERSION, .licence = "BSD-2-Clause"}); }
+int main() {
+  return zw::serve<Dart>({.engine = "dart", .version = DART_VERSION, .licence = "BSD-2-Clause", .alone = true});
+}

@@ -20,7 +20,6 @@ function shape_of(body) {
     new Jolt.OffsetCenterOfMassShapeSettings(xyz(middle.map(x => -x)), settings).Create().Get();
 }
 
-let last;  // its memory is fixed, and few worlds fill it
 serve({engine: 'jolt', version: version('jolt-physics'), licence: 'MIT', bits: 32, order: 1}, (scene, tuned) => {
   const settings = new Jolt.JoltSettings(), pairs = new Jolt.ObjectLayerPairFilterTable(1), layers = new Jolt.BroadPhaseLayerInterfaceTable(1, 1);
   pairs.EnableCollision(0, 0);
@@ -28,8 +27,7 @@ serve({engine: 'jolt', version: version('jolt-physics'), licence: 'MIT', bits: 3
   settings.mObjectLayerPairFilter = pairs;
   settings.mBroadPhaseLayerInterface = layers;
   settings.mObjectVsBroadPhaseLayerFilter = new Jolt.ObjectVsBroadPhaseLayerFilterTable(layers, 1, pairs, 1);
-  if (last) Jolt.destroy(last);
-  const jolt = last = new Jolt.JoltInterface(settings), system = jolt.GetPhysicsSystem(), all = system.GetBodyInterface();
+  const jolt = new Jolt.JoltInterface(settings), system = jolt.GetPhysicsSystem(), all = system.GetBodyInterface();
   system.SetGravity(xyz(scene.gravity));
   const physics = system.GetPhysicsSettings();
   if (tuned) Object.assign(physics, {mNumVelocitySteps: 200, mNumPositionSteps: 20, mPenetrationSlop: 0, mMinVelocityForRestitution: 0});
@@ -49,12 +47,16 @@ serve({engine: 'jolt', version: version('jolt-physics'), licence: 'MIT', bits: 3
     joint.mPoint1 = joint.mPoint2 = rxyz(at);
     system.AddConstraint(joint.Create(b < 0 ? Jolt.JoltInterface.prototype.sGetFixedToWorldBody() : bodies[b], bodies[a]));
   }
+  const pushed = scene.bodies.map((b, i) => ({id: bodies[i].GetID(), force: xyz(b.force), torque: xyz(b.torque)})).filter((_, i) => scene.bodies[i].motion === 'free');
   return {
     step() {
-      scene.bodies.forEach((b, i) => b.motion === 'free' && all.AddForce(bodies[i].GetID(), xyz(b.force), Jolt.EActivation_Activate));
-      scene.bodies.forEach((b, i) => b.motion === 'free' && all.AddTorque(bodies[i].GetID(), xyz(b.torque), Jolt.EActivation_Activate));
+      for (const {id, force, torque} of pushed) {
+        all.AddForce(id, force, Jolt.EActivation_Activate);
+        all.AddTorque(id, torque, Jolt.EActivation_Activate);
+      }
       jolt.Step(scene.dt, 1);
     },
+    free: () => Jolt.destroy(jolt),  // its memory is fixed, and few worlds fill it
     states: () => bodies.map(body => {
       const q = body.GetRotation();
       return [...list(body.GetPosition()), q.GetW(), q.GetX(), q.GetY(), q.GetZ(), ...list(body.GetLinearVelocity()), ...list(body.GetAngularVelocity())];

@@ -14,6 +14,7 @@ serve({engine: 'mujoco-js', version: version(name), licence: 'Apache-2.0', bits:
   });
   return {
     step: () => mujoco.mj_step(model, data),
+    free: () => [data, model].forEach(x => x.delete()),
     states() {
       for (const part of ['fwdPosition', 'sensorPos', 'fwdVelocity', 'sensorVel']) mujoco[`mj_${part}`](model, data);
       return scene.bodies.map((_, i) => Array.from(data.sensordata.slice(13 * i, 13 * i + 13)));

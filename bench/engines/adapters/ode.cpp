@@ -20,6 +20,7 @@ struct Ode : World {
   }
 
   explicit Ode(const Scene& given) : World(given) {
+    dRandSetSeed(0);  // of the order in which QuickStep takes the rows
     spread(dWorldSetGravity, world, scene.gravity);
     for (const Body& b : scene.bodies) {
       dBodyID body = bodies.emplace_back(dBodyCreate(world));

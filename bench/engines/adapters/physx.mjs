@@ -50,12 +50,13 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
   for (const {a, b, at} of scene.joints)
     PhysX.SphericalJointCreate(physics, bodies[a], pose(minus(at, scene.bodies[a].at), straight), b < 0 ? null : bodies[b],
       pose(minus(at, b < 0 ? still : scene.bodies[b].at), straight));
+  const forces = scene.bodies.map(b => xyz(b.force)), torques = scene.bodies.map(b => xyz(b.torque));
   return {
     step() {
       scene.bodies.forEach((b, i) => {
         if (b.motion === 'free') {
-          bodies[i].addForce(xyz(b.force));
-          bodies[i].addTorque(xyz(b.torque));
+          bodies[i].addForce(forces[i]);
+          bodies[i].addTorque(torques[i]);
         } else if (b.motion === 'driven') {
           const at = list(bodies[i].getGlobalPose().p);
           bodies[i].setKinematicTarget(pose(at.map((x, k) => x + b.velocity[k] * scene.dt), b.turn));
@@ -64,6 +65,7 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
       world.simulate(scene.dt);
       world.fetchResults(true);
     },
+    free: () => world.release(),
     states: () => bodies.map((body, i) => {
       const {p, q} = body.getGlobalPose(), moves = scene.bodies[i].motion !== 'fixed';
       return [...list(p), q.w, q.x, q.y, q.z, ...(moves ? list(body.getLinearVelocity()) : still), ...(moves ? list(body.getAngularVelocity()) : still)];

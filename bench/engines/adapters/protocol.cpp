@@ -55,6 +55,7 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
        {"bits", hello.bits},
        {"order", hello.order},
        {"mjcf", hello.mjcf},
+       {"alone", hello.alone},
        {"substeps", {{"default", hello.substeps[0]}, {"tuned", hello.substeps[1]}}}});
   std::unique_ptr<World> world;
   for (std::string line; std::getline(std::cin, line);) {
@@ -69,6 +70,8 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
       say(states_of(*world));
     } catch (const Absent& absent) {
       say({{"absent", absent.what()}});
+    } catch (const std::exception& error) {
+      say({{"error", error.what()}});
     }
   }
   return 0;

@@ -102,7 +102,8 @@ struct Hello {
   std::string engine, version, licence;
   int bits = 64, order = 1;
   std::array<int, 2> substeps{1, 1};
-  bool mjcf = false;  // scenes shall hold it
+  bool mjcf = false;   // scenes shall hold it
+  bool alone = false;  // numbers depend on what the process did before: a process for each scene
 };
 
 // Answers lines of stdin on stdout until they end.

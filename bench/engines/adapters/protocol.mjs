@@ -19,7 +19,7 @@ export class Absent extends Error {}
 
 export const minus = (a, b) => a.map((x, i) => x - b[i]);
 
-// make(scene, tuned) gives {step(), states()}: a state is [x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz].
+// make(scene, tuned) gives {step(), states(), free()}: a state is [x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz].
 export async function serve(hello, make) {
   const say = answer => process.stdout.write(`${JSON.stringify(answer)}\n`);
   let world;
@@ -28,6 +28,8 @@ export async function serve(hello, make) {
     const ask = JSON.parse(line);
     try {
       if (ask.scene) {
+        world?.free?.();
+        world = null;
         world = make(ask.scene, ask.setting === 'tuned');
         say({states: world.states()});
       } else {
@@ -35,8 +37,7 @@ export async function serve(hello, make) {
         say({states: world.states()});
       }
     } catch (error) {
-      if (!(error instanceof Absent)) throw error;
-      say({absent: error.message});
+      say(error instanceof Absent ? {absent: error.message} : {error: `${error?.message ?? error}`});
     }
   }
 }

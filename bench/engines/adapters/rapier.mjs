@@ -39,6 +39,7 @@ serve({engine: 'rapier', version: version(name), licence: 'Apache-2.0', bits: 32
   }
   return {
     step: () => world.step(),
+    free: () => world.free(),
     states: () => bodies.map(body => {
       const q = body.rotation();
       return [...list(body.translation()), q.w, q.x, q.y, q.z, ...list(body.linvel()), ...list(body.angvel())];

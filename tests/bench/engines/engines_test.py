@@ -16,14 +16,16 @@ import phenomena
 
 # A ball that falls; mode: what it does where a scene has a floor.
 FAKE = """
-import json, sys, time
+import json, os, sys, time
 mode = sys.argv[1]
 def say(answer): print(json.dumps(answer), flush=True)
-say(dict(engine="fake", version="1", licence="none", bits=64, order=1, substeps=dict(default=1, **{} if mode == "half" else dict(tuned=1))))
+if mode == "never": sys.exit("no licence")
+scenes = 0
+say(dict(engine="fake", version="1", licence="none", bits=64, order=1, substeps=dict(default=1, **{} if mode == "half" else dict(tuned=1)), alone=mode == "alone"))
 for line in sys.stdin:
     ask = json.loads(line)
     if "scene" in ask:
-        scene = ask["scene"]
+        scene, scenes = ask["scene"], scenes + 1
         states = [b["at"] + b["turn"] + b["velocity"] + b["spin"] for b in scene["bodies"]]
     else:
         for _ in range(ask["step"]):
@@ -35,12 +37,15 @@ for line in sys.stdin:
     floor = any(s["kind"] == "plane" for b in scene["bodies"] for s in b["shapes"])
     if floor and scene["dt"] == 1 / 120:
         if mode == "hangs": time.sleep(60)
-        if mode == "crashes": import os; os.abort()
+        if mode == "crashes": os.abort()
         if mode == "ends": sys.exit(7)
+        if mode == "screams": sys.exit("buffer\\t full")
+        if mode == "throws": say(dict(error="no memory\\nat all")); continue
         if mode == "talks": print("hello"); continue
         if mode == "numbers": say(dict(states=[1.0] * len(states))); continue
         if mode == "nan": states[-1][0] = float("nan")
         if mode == "lacks": say(dict(absent="floors")); continue
+    if mode in ("remembers", "alone") and floor: states[-1][0] = float(scenes if mode == "alone" else os.getpid())
     say(dict(states=states))
 """
 
@@ -197,12 +202,22 @@ class Kit(unittest.TestCase):
             self.assertGreater(abs(numbers["cells"]["fake"][setting]["slide"]["1/60"]["off"]), 1)  # it knows no friction
 
     def test_a_failure_costs_its_cell_alone(self):
-        for mode, why in dict(hangs="no answer in 2 s", crashes="ended by SIGABRT", ends="ended with exit code 7", talks="an answer that is not the protocol's",
+        for mode, why in dict(hangs="no answer in 2 s", crashes="ended by SIGABRT", ends="ended with exit code 7", screams="ended with exit code 1: buffer  full",
+                              throws="fails: no memory at all", talks="an answer that is not the protocol's",
                               numbers="an answer that is not the protocol's", nan="an answer that is no number", lacks="has no floors").items():
             cells = self.run_fake(mode)[0]["cells"]["fake"]["default"]
             self.assertEqual(cells["slide"].pop("1/120"), {"why": why})
             for cell in [*cells["slide"].values(), *cells["free_fall"].values()]:
                 self.assertIn("off", cell, mode)
+
+    def test_who_differs_is_named_and_who_remembers_may_be_alone(self):
+        self.assertIn("Not the same twice: fake (slide", self.run_fake("remembers", "--twice")[1])
+        self.assertIn("The same numbers twice", self.run_fake("alone", "--twice")[1])
+
+    def test_who_never_starts_is_asked_once(self):
+        for of in self.run_fake("never")[0]["cells"]["fake"].values():
+            for cells in of.values():
+                self.assertEqual(list(cells.values()), [{"why": "ended with exit code 1: no licence"}] * 4)
 
     def test_who_falls_wrongly_is_not_believed(self):
         for cell in self.run_fake("wrong")[0]["cells"]["fake"]["tuned"]["free_fall"].values():
