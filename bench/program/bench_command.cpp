@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <zwang/bench/campaign/cell_list.h>
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
@@ -40,7 +39,7 @@ std::string earlier(const Outcome& o) {
 struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
-  std::vector<std::filesystem::path> missing = {};
+  std::vector<std::string> missing = {};
   bool plan = false;
 };
 
@@ -94,22 +93,6 @@ void report_so_far(const std::string& directory, double& next) {
   next = wall_seconds() + std::max(10.0, 20 * (wall_seconds() - start));
 }
 
-int print_missing(const std::vector<std::filesystem::path>& directories) {
-  const CellList cells(directories.front());
-  std::vector<CellList> parts(directories.begin(), directories.end());
-  const std::vector<bool> there = cells_there(cells, directories);
-  std::size_t missing = 0, wanted = 0;
-  for (std::size_t i = 0; i < there.size(); ++i) {
-    if (std::ranges::none_of(parts, [i](const CellList& part) { return part.holds(i); })) continue;
-    ++wanted;
-    if (there[i]) continue;
-    ++missing;
-    std::puts(cells.describe(i).c_str());
-  }
-  std::printf("%s of %s runs are missing\n", grouped(missing).c_str(), grouped(wanted).c_str());
-  return missing > 0 ? found : done;
-}
-
 }  // namespace
 
 int bench_command(std::vector<std::string> words, CollisionSuite collision) {
@@ -129,7 +112,10 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   const std::string command = command_line("bench", words);
   const std::vector<std::string> typed = words;
   if (!read(options, std::move(words))) return done;
-  if (!asked.missing.empty()) return print_missing(asked.missing);
+  if (!asked.missing.empty()) {
+    asked.missing.insert(asked.missing.begin(), "--missing");
+    return merge_command(asked.missing);
+  }
   if (asked.suite.suite == "collision") {
     if (!asked.suite.shard.empty()) throw std::invalid_argument("the collision suite takes minutes and has no parts");
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <zwang/bench/program/program.h>
@@ -31,6 +32,8 @@ void print_solutions(const Instance& instance, bool json);
 
 // Goes on as another program, found as a shell finds it. Throws BadFile where it cannot be run.
 int continue_as(const std::string& file, const std::vector<std::string>& words);
+// Goes on as a script for python3, whose arguments are `before`, this program, `words`. Throws likewise.
+int continue_as_script(std::string_view script, std::vector<std::string> before, const std::vector<std::string>& words);
 // Goes on as zwang-all, the program with every command. Throws std::invalid_argument where it is not there.
 int continue_as_whole_program(const std::string& word, const std::vector<std::string>& words);
 

@@ -1,15 +1,16 @@
 // Commands that start other commands and read what these wrote: scripts, which the program holds.
-#include <unistd.h>
+#include <iostream>
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/core/files/embedded.h>
+#include <zwang/core/files/problem_file.h>
 
 ZWANG_EMBEDDED(campaign_script, ZWANG_CAMPAIGN)
 ZWANG_EMBEDDED(job_template, ZWANG_JOB)
+ZWANG_EMBEDDED(merge_script, ZWANG_MERGE)
 ZWANG_EMBEDDED(guard_script, ZWANG_GUARD)
 
 namespace zwang {
-namespace {
 
 int continue_as_script(std::string_view script, std::vector<std::string> before,
                        const std::vector<std::string>& words) {
@@ -19,10 +20,23 @@ int continue_as_script(std::string_view script, std::vector<std::string> before,
   return continue_as("python3", before);
 }
 
-}  // namespace
-
 int campaign_command(std::vector<std::string> words) {
   return continue_as_script(campaign_script(), {std::string(job_template())}, words);
+}
+
+// `:sound`: of each pair of lines, a file and a hash, whether it is that problem.
+int merge_command(std::vector<std::string> words) {
+  if (words != std::vector<std::string>{":sound"}) return continue_as_script(merge_script(), {}, words);
+  for (std::string file, sha256; std::getline(std::cin, file) && std::getline(std::cin, sha256);) {
+    bool sound = false;
+    try {
+      const std::vector<Instance> read = read_problems(file);
+      sound = read.size() == 1 && problem_sha256(read.front().problem) == sha256;
+    } catch (const BadFile&) {
+    }
+    std::cout << (sound ? "sound" : "damaged") << std::endl;
+  }
+  return done;
 }
 
 int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }

@@ -14,10 +14,6 @@ struct CellKey {
   std::string name(const std::string& commit) const;
 };
 
-// A line of results.jsonl without what depends on the clock or the machine (result.h marks these columns). Of a
-// run that a time limit ended only its name and its claim are left.
-std::string without_clock(const std::string& line);
-
 // "problems/0007.h5": the file of a suite's problem.
 std::string problem_file(std::size_t position);
 

@@ -11,7 +11,6 @@ namespace zwang {
 // columns once, in the order of a line, in `columns`: visit(key, member, key, member, ...), with a Column before them
 // where it is not the usual one. docs/formats.md says what they mean. What is not known is NaN, null in a line.
 struct Column {
-  bool of_clock = false;  // depends on the clock or the machine
   bool written = true;
   bool null = false;  // the member's value says that there is none
 };
