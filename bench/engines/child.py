@@ -1,6 +1,7 @@
 """An engine in a process of its own: questions in, answers out, each with a deadline."""
 import json
 import os
+import pathlib
 import selectors
 import signal
 import subprocess
@@ -36,8 +37,17 @@ class Child:
         self.hello = self.read()
 
     def allow(self, seconds):
-        """From now on the process has so long."""
-        self.seconds, self.end = seconds, time.monotonic() + seconds
+        """From now on the process has so long, not counting the time for which it stands ready and others have the processor."""
+        self.seconds, self.end = seconds, time.monotonic() + seconds - self.stood()
+
+    def stood(self):
+        try:
+            return int(pathlib.Path(f"/proc/{self.process.pid}/schedstat").read_text().split()[1]) * 1e-9
+        except (OSError, IndexError):  # not every kernel counts it
+            return 0.0
+
+    def left(self):
+        return self.end + self.stood() - time.monotonic()
 
     def ask(self, question):
         self.talk.seek(0)  # for the process, too
@@ -54,7 +64,9 @@ class Child:
             selector.register(self.process.stdout, selectors.EVENT_READ)
             pieces = [self.rest]
             while b"\n" not in pieces[-1]:
-                if not selector.select(max(0, self.end - time.monotonic())):
+                if not selector.select(max(0, self.left())):
+                    if self.left() > 0:
+                        continue
                     self.close()
                     raise Failure(f"no answer in {self.seconds:g} s")
                 piece = self.process.stdout.read()
@@ -78,7 +90,7 @@ class Child:
 
     def why_ended(self):
         try:
-            code = self.process.wait(max(0.1, self.end - time.monotonic()))
+            code = self.process.wait(max(0.1, self.left()))
         except subprocess.TimeoutExpired:
             code = 0
         self.talk.seek(max(0, self.talk.seek(0, os.SEEK_END) - 2000))

@@ -31,6 +31,9 @@ SETTINGS = ["default", "tuned"]
 DEBIAN = {"bullet": "libbullet-dev", "dart": "libdart-dev", "mujoco": "libmujoco-dev", "ode": "libode-dev", "simbody": "libsimbody-dev"}
 PACKAGES = {"cannon-es": "cannon-es@0.20.0", "jolt": "jolt-physics@1.1.0", "mujoco-js": "@mujoco/mujoco@3.14.0", "physx": "physx-js-webidl@2.7.3",
             "rapier": "@dimforge/rapier3d-compat@0.21.0"}
+# What scenes may hold and an engine may not have.
+LACKING = {"coefficient of restitution": lambda scene: scene["restitution"] > 0, "driven bodies": lambda scene: any(b["motion"] == "driven" for b in scene["bodies"]),
+           "boxes that touch each other": lambda scene: sum(b["shapes"][0]["kind"] == "box" for b in scene["bodies"]) > 1}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,7 +70,7 @@ def start(engine, deadline):
     substeps = said.get("substeps")
     if (not all(isinstance(said.get(key), str) for key in ("engine", "version", "licence")) or said.get("bits") not in (32, 64) or
             said.get("order") not in (-1, 0, 1) or not isinstance(substeps, dict) or
-            not all(isinstance(substeps.get(s), int) and substeps[s] > 0 for s in SETTINGS)):
+            not all(isinstance(substeps.get(s), int) and substeps[s] > 0 for s in SETTINGS) or not set(said.get("lacks", ())) <= set(LACKING)):
         child.close()
         raise Failure("a first line that is not the protocol's")
     try:
@@ -122,6 +125,9 @@ def checked(answer, bodies):
 
 def run(child, scene, setting, dt, samples, steps):
     """The states at the start and after each of `samples` times `steps` steps."""
+    for what in child.hello.get("lacks", ()):
+        if LACKING[what](scene):
+            raise Failure(f"has no {what}", lost=False)
     text = plain(scene, dt)
     if child.hello.get("mjcf"):
         text["mjcf"] = mjcf(text, setting)

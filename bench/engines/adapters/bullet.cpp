@@ -45,22 +45,16 @@ struct Bullet : World {
     }
   }
 
-  void step() override {
-    for (int i = 0; i < scene.size(); ++i) {
-      const Body& b = scene.bodies[i];
-      bodies[i]->applyCentralForce(vector(b.force)), bodies[i]->applyTorque(vector(b.torque));
-      if (b.motion == "driven") bodies[i]->getWorldTransform().getOrigin() += vector(b.velocity) * scene.dt;
-    }
-    world.stepSimulation(scene.dt, 0);
+  void push(int i, const Body& b) override {
+    bodies[i]->applyCentralForce(vector(b.force)), bodies[i]->applyTorque(vector(b.torque));
+    if (b.motion == "driven") bodies[i]->getWorldTransform().getOrigin() += vector(b.velocity) * scene.dt;
   }
+  void advance() override { world.stepSimulation(scene.dt, 0); }
 
   State state(int i) const override {
     const btRigidBody& b = *bodies[i];
-    const btQuaternion q = b.getWorldTransform().getRotation();
-    return {triple(b.getWorldTransform().getOrigin()),
-            {q.w(), q.x(), q.y(), q.z()},
-            triple(b.getLinearVelocity()),
-            triple(b.getAngularVelocity())};
+    const btTransform& at = b.getWorldTransform();
+    return state_of(at.getOrigin(), at.getRotation(), b.getLinearVelocity(), b.getAngularVelocity());
   }
 };
 

@@ -50,10 +50,7 @@ serve({engine: 'jolt', version: version('jolt-physics'), licence: 'MIT', bits: 3
   const pushed = scene.bodies.map((b, i) => ({id: bodies[i].GetID(), force: xyz(b.force), torque: xyz(b.torque)})).filter((_, i) => scene.bodies[i].motion === 'free');
   return {
     step() {
-      for (const {id, force, torque} of pushed) {
-        all.AddForce(id, force, Jolt.EActivation_Activate);
-        all.AddTorque(id, torque, Jolt.EActivation_Activate);
-      }
+      for (const {id, force, torque} of pushed) all.AddForce(id, force, Jolt.EActivation_Activate), all.AddTorque(id, torque, Jolt.EActivation_Activate);
       jolt.Step(scene.dt, 1);
     },
     free: () => Jolt.destroy(jolt),  // its memory is fixed, and few worlds fill it

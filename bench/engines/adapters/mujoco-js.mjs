@@ -1,8 +1,7 @@
-import {Absent, library, serve, version} from './protocol.mjs';
+import {library, serve, version} from './protocol.mjs';
 const name = '@mujoco/mujoco', mujoco = await (await library(name, 'mujoco.js')).default();
 
-serve({engine: 'mujoco-js', version: version(name), licence: 'Apache-2.0', bits: 64, order: 1, mjcf: true}, scene => {
-  if (scene.restitution) throw new Absent('coefficient of restitution');
+serve({engine: 'mujoco-js', version: version(name), licence: 'Apache-2.0', bits: 64, order: 1, lacks: ['coefficient of restitution'], mjcf: true}, scene => {
   const model = mujoco.MjModel.from_xml_string(scene.mjcf), data = new mujoco.MjData(model);
   let at = 0;
   scene.bodies.forEach((b, i) => {

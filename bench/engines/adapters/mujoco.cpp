@@ -1,6 +1,7 @@
 #include <mujoco/mujoco.h>
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 
 #include <zwang/bench/engines/adapters/protocol.h>
 
@@ -13,7 +14,6 @@ struct MuJoCo : World {
   mjData* data = nullptr;
 
   explicit MuJoCo(const Scene& given) : World(given) {
-    if (scene.restitution > 0) throw Absent("coefficient of restitution");
     static mjVFS files;
     mj_defaultVFS(&files);
     mj_makeEmptyFileVFS(&files, "scene.xml", static_cast<int>(scene.mjcf.size()));
@@ -33,18 +33,22 @@ struct MuJoCo : World {
   }
   ~MuJoCo() override { mj_deleteData(data), mj_deleteModel(model); }
 
-  void step() override { mj_step(model, data); }
+  void advance() override { mj_step(model, data); }
 
   State state(int i) const override {
     mj_fwdPosition(model, data), mj_fwdVelocity(model, data);
     mjtNum v[6];
     mj_objectVelocity(model, data, mjOBJ_BODY, i + 1, v, 0);
-    return {triple(data->xpos + 3 * (i + 1)), turn(data->xquat + 4 * (i + 1)), triple(v + 3), triple(v)};
+    return state_of(data->xpos + 3 * (i + 1), data->xquat + 4 * (i + 1), v + 3, v);
   }
 };
 
 }  // namespace
 
 int main() {
-  return serve<MuJoCo>({.engine = "mujoco", .version = mj_versionString(), .licence = "Apache-2.0", .mjcf = true});
+  return serve<MuJoCo>({.engine = "mujoco",
+                        .version = mj_versionString(),
+                        .licence = "Apache-2.0",
+                        .lacks = {"coefficient of restitution"},
+                        .mjcf = true});
 }

@@ -52,25 +52,23 @@ struct Ode : World {
     }
   }
 
-  void step() override {
+  void push(int i, const Body& b) override {
+    spread(dBodyAddForce, bodies[i], b.force), spread(dBodyAddTorque, bodies[i], b.torque);
+  }
+  void advance() override {
     dSpaceCollide(space, this, touch);
-    for (int i = 0; i < scene.size(); ++i)
-      spread(dBodyAddForce, bodies[i], scene.bodies[i].force),
-          spread(dBodyAddTorque, bodies[i], scene.bodies[i].torque);
     (scene.tuned ? dWorldStep : dWorldQuickStep)(world, scene.dt);
     dJointGroupEmpty(contacts);
   }
 
   State state(int i) const override {
     const dBodyID b = bodies[i];
-    return {triple(dBodyGetPosition(b)), turn(dBodyGetQuaternion(b)), triple(dBodyGetLinearVel(b)),
-            triple(dBodyGetAngularVel(b))};
+    return state_of(dBodyGetPosition(b), dBodyGetQuaternion(b), dBodyGetLinearVel(b), dBodyGetAngularVel(b));
   }
 };
 
 }  // namespace
 
 int main() {
-  dInitODE2(0);
-  return serve<Ode>({.engine = "ode", .version = "0.16.2", .licence = "BSD-3-Clause or LGPL-2.1+"});
+  return dInitODE2(0), serve<Ode>({.engine = "ode", .version = "0.16.2", .licence = "BSD-3-Clause or LGPL-2.1+"});
 }

@@ -33,14 +33,9 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
       body.attachShape(shape);
     }
     if (b.motion === 'free') {
-      body.setMass(b.mass);
-      body.setMassSpaceInertiaTensor(xyz(b.inertia));
-      body.setLinearDamping(0);
-      body.setAngularDamping(0);
-      body.setSleepThreshold(0);
-      body.setStabilizationThreshold(0);
-      body.setLinearVelocity(xyz(b.velocity));
-      body.setAngularVelocity(xyz(b.spin));
+      const given = {Mass: b.mass, MassSpaceInertiaTensor: xyz(b.inertia), LinearVelocity: xyz(b.velocity), AngularVelocity: xyz(b.spin),
+        LinearDamping: 0, AngularDamping: 0, SleepThreshold: 0, StabilizationThreshold: 0};
+      for (const [what, value] of Object.entries(given)) body[`set${what}`](value);
       if (tuned) body.setSolverIterationCounts(100, 4);
     } else if (b.motion === 'driven') body.setRigidBodyFlag(PhysX.PxRigidBodyFlagEnum.eKINEMATIC, true);
     world.addActor(body);
@@ -54,13 +49,9 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
   return {
     step() {
       scene.bodies.forEach((b, i) => {
-        if (b.motion === 'free') {
-          bodies[i].addForce(forces[i]);
-          bodies[i].addTorque(torques[i]);
-        } else if (b.motion === 'driven') {
-          const at = list(bodies[i].getGlobalPose().p);
-          bodies[i].setKinematicTarget(pose(at.map((x, k) => x + b.velocity[k] * scene.dt), b.turn));
-        }
+        if (b.motion === 'free') bodies[i].addForce(forces[i]), bodies[i].addTorque(torques[i]);
+        if (b.motion === 'driven')
+          bodies[i].setKinematicTarget(pose(list(bodies[i].getGlobalPose().p).map((x, k) => x + b.velocity[k] * scene.dt), b.turn));
       });
       world.simulate(scene.dt);
       world.fetchResults(true);

@@ -28,14 +28,7 @@ Scene scene_of(const json& text, bool tuned) {
 
 json states_of(const World& world) {
   json states = json::array();
-  for (int i = 0; i < world.scene.size(); ++i) {
-    const State s = world.state(i);
-    json state = s.at;
-    for (const double x : s.turn) state.push_back(x);
-    for (const double x : s.velocity) state.push_back(x);
-    for (const double x : s.spin) state.push_back(x);
-    states.push_back(std::move(state));
-  }
+  for (int i = 0; i < world.scene.size(); ++i) states.push_back(world.state(i));
   return {{"states", states}};
 }
 
@@ -56,6 +49,7 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
        {"order", hello.order},
        {"mjcf", hello.mjcf},
        {"alone", hello.alone},
+       {"lacks", hello.lacks},
        {"substeps", {{"default", hello.substeps[0]}, {"tuned", hello.substeps[1]}}}});
   std::unique_ptr<World> world;
   for (std::string line; std::getline(std::cin, line);) {
@@ -68,8 +62,6 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
         for (int k = ask["step"]; k > 0; --k) world->step();
       }
       say(states_of(*world));
-    } catch (const Absent& absent) {
-      say({{"absent", absent.what()}});
     } catch (const std::exception& error) {
       say({{"error", error.what()}});
     }

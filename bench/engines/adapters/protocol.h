@@ -3,7 +3,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,17 +14,22 @@ namespace zwang::engines {
 using Triple = std::array<double, 3>;
 using Turn = std::array<double, 4>;
 
-// Another library's vector, and back.
+// Another library's vector.
 template <class Vector>
 Vector as(const Triple& t) {
   return Vector(t[0], t[1], t[2]);
 }
-template <class Vector>
-Triple triple(const Vector& v) {
-  return {v[0], v[1], v[2]};
+// A library's quaternion of (w, x, y, z); one whose numbers have names or places, back.
+template <class Quaternion>
+Quaternion turn_as(const Turn& t) {
+  return Quaternion(t[0], t[1], t[2], t[3]);
 }
 template <class Quaternion>
-Turn turn(const Quaternion& q) {
+auto turn(const Quaternion& q, int /*preferred*/) -> decltype(q.w(), Turn()) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+template <class Quaternion>
+Turn turn(const Quaternion& q, long /*otherwise*/) {
   return {q[0], q[1], q[2], q[3]};
 }
 // Calls set(object, x, y, z).
@@ -66,6 +70,8 @@ struct Scene {
   bool tuned = false;  // the engine's best setting for the question, not its default
 
   int size() const { return static_cast<int>(bodies.size()); }
+  // A point of the world as a body sees it that is not turned; as the world does for -1.
+  Triple seen_from(int body, const Triple& at) const { return body < 0 ? at : minus(at, bodies[body].at); }
   // The joint by which a body hangs on an earlier one or on the world; null where it is free.
   const Joint* holds(int body) const {
     for (const Joint& joint : joints)
@@ -74,26 +80,29 @@ struct Scene {
   }
 };
 
-struct State {
-  Triple at{};
-  Turn turn{};
-  Triple velocity{}, spin{};
-};
+using State = std::array<double, 13>;  // position, turn, velocity, spin
+
+template <class At, class Quaternion, class Velocity, class Spin>
+State state_of(const At& at, const Quaternion& q, const Velocity& velocity, const Spin& spin) {
+  const Turn t = turn(q, 0);
+  return {at[0],       at[1],       at[2],       t[0],    t[1],    t[2],   t[3],
+          velocity[0], velocity[1], velocity[2], spin[0], spin[1], spin[2]};
+}
 
 // An engine's world.
 class World {
  public:
   explicit World(Scene given) : scene(std::move(given)) {}
   virtual ~World() = default;
-  virtual void step() = 0;
+  void step() {
+    for (int i = 0; i < scene.size(); ++i) push(i, scene.bodies[i]);
+    advance();
+  }
+  virtual void push(int /*body*/, const Body&) {}  // what has to be said in every step
+  virtual void advance() = 0;
   virtual State state(int body) const = 0;
 
   const Scene scene;
-};
-
-// The engine has no such thing as the scene holds.
-struct Absent : std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 // What an adapter says first. order: 1 where positions move with the new velocity, -1 with the old one, 0 as in
@@ -102,8 +111,9 @@ struct Hello {
   std::string engine, version, licence;
   int bits = 64, order = 1;
   std::array<int, 2> substeps{1, 1};
-  bool mjcf = false;   // scenes shall hold it
-  bool alone = false;  // numbers depend on what the process did before: a process for each scene
+  std::vector<std::string> lacks = {};  // of LACKING in engines.py
+  bool mjcf = false;                    // scenes shall hold it
+  bool alone = false;                   // numbers depend on what the process did before: a process for each scene
 };
 
 // Answers lines of stdin on stdout until they end.

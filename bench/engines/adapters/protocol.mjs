@@ -14,9 +14,6 @@ export const library = (name, file = '') => import(pathToFileURL(createRequire(f
 export const read = (name, file) => readFileSync(join(folder, name, file));
 export const version = name => JSON.parse(read(name, 'package.json')).version;
 
-// Thrown by `make` where an engine has no such thing as the scene holds.
-export class Absent extends Error {}
-
 export const minus = (a, b) => a.map((x, i) => x - b[i]);
 
 // make(scene, tuned) gives {step(), states(), free()}: a state is [x, y, z, qw, qx, qy, qz, vx, vy, vz, wx, wy, wz].
@@ -37,7 +34,7 @@ export async function serve(hello, make) {
         say({states: world.states()});
       }
     } catch (error) {
-      say(error instanceof Absent ? {absent: error.message} : {error: `${error?.message ?? error}`});
+      say({error: `${error?.message ?? error}`});
     }
   }
 }
