@@ -60,13 +60,11 @@ std::vector<Json> lines_of(const fs::path& file) {
   return all;
 }
 
-// The columns of results.jsonl; those alone that depend on the clock or the machine.
-std::vector<std::string> columns(bool of_clock) {
+// The columns of results.jsonl.
+std::vector<std::string> columns() {
   std::vector<std::string> keys;
   const Result any;
-  Result::columns(any, Columns{[&](const std::string& key, const auto&, const Column& column) {
-                    if (!of_clock || column.of_clock) keys.push_back(key);
-                  }});
+  Result::columns(any, Columns{[&](const std::string& key, const auto&, const Column&) { keys.push_back(key); }});
   return keys;
 }
 const std::set<std::string> of_friction = {"penetration", "cone_violation", "dissipation", "eta",      "self_bound",
@@ -78,10 +76,10 @@ std::vector<std::string> sorted(std::vector<std::string> words) {
 }
 
 // `a`, `b` -> a | b.
-std::vector<std::string> quoted_in(const std::string& text) {
+std::vector<std::string> quoted_in(const std::string& text, char mark = '`') {
   std::vector<std::string> words;
-  for (std::size_t at = 0; (at = text.find('`', at)) != std::string::npos; ++at) {
-    const std::size_t end = text.find('`', at + 1);
+  for (std::size_t at = 0; (at = text.find(mark, at)) != std::string::npos; ++at) {
+    const std::size_t end = text.find(mark, at + 1);
     words.push_back(text.substr(at + 1, end - at - 1));
     at = end;
   }
@@ -97,13 +95,16 @@ TEST(Docs, NameEachColumnOfResults) {
   for (std::string row; std::getline(rows, row);)
     if (row.starts_with("| `"))
       for (const std::string& key : quoted_in(row.substr(0, row.find('|', 1)))) named.push_back(key);
-  std::vector<std::string> written = columns(false);
+  std::vector<std::string> written = columns();
   written.push_back("check");
   EXPECT_EQ(sorted(named), sorted(written));
 
   const std::size_t list = text.find("These columns depend on the clock");
-  std::vector<std::string> of_clock = columns(true);
-  of_clock.push_back("check");
+  std::ifstream script(source_dir() / "bench/campaign/merge.py");
+  std::string merge{std::istreambuf_iterator<char>(script), {}};
+  merge = merge.substr(merge.find("\nCLOCK = {"));
+  const std::vector<std::string> of_clock = quoted_in(merge.substr(0, merge.find('}')), '"');
+  for (const std::string& key : of_clock) EXPECT_EQ(std::ranges::count(written, key), 1) << key;
   EXPECT_EQ(sorted(quoted_in(text.substr(list, text.find("All others", list) - list))), sorted(of_clock));
 }
 
@@ -118,9 +119,9 @@ TEST(Suite, WritesEveryKeyOfTheContract) {
   const auto lines = lines_of(folder.path / "results.jsonl");
   ASSERT_EQ(lines.size(), 18u);
   for (const Json& line : lines) {
-    for (const std::string& key : columns(false)) EXPECT_EQ(line.contains(key), !of_friction.contains(key)) << key;
+    for (const std::string& key : columns()) EXPECT_EQ(line.contains(key), !of_friction.contains(key)) << key;
     EXPECT_EQ(line.items().begin().key(), "problem");
-    EXPECT_EQ(line.size(), columns(false).size() - of_friction.size() + 1);  // and the check
+    EXPECT_EQ(line.size(), columns().size() - of_friction.size() + 1);  // and the check
     EXPECT_TRUE(fs::exists(folder.path / line.at("problem_file").get<std::string>()));
     if (line["solver"] == "all_active") {
       EXPECT_LE(line["z_error"].get<double>(), 1e-14);
