@@ -25,7 +25,7 @@ class NewtonPolish {
  private:
   using Real = AugmentedLagrangian::Real;
 
-  bool exchange(AugmentedLagrangian& L);
+  bool exchange(AugmentedLagrangian& L, double worst);
   double step(AugmentedLagrangian& L);
 
   AugmentedLagrangian::RealVector d_, l_, force_, violation_;
