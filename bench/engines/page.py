@@ -11,10 +11,11 @@ STYLE = """
 table.map { border-collapse: separate; border-spacing: 1px; }
 .map th { cursor: default; border: 0; }
 .map thead th + th { writing-mode: vertical-rl; transform: rotate(180deg); padding: 4px 2px; font-weight: 400; white-space: nowrap; }
-.map tbody th { position: sticky; left: 0; background: var(--card); font-weight: 400; white-space: nowrap; padding: 1px 8px 1px 0; }
+.map tbody th { position: sticky; left: 0; background: var(--card); font-weight: 400; max-width: 190px; padding: 1px 4px 1px 0; }
 .map tbody th a { color: inherit; }
-.map td { padding: 0; border: 0; text-align: right; white-space: nowrap; font-size: 12px; min-width: 46px; }
-.map td > span { display: none; padding: 2px 5px; }
+.map td { padding: 0; border: 0; text-align: right; white-space: nowrap; font-size: 12px; min-width: 40px; }
+.map [data-setting=default] { border-left: 3px solid transparent; }
+.map td > span { display: none; padding: 2px 3px; }
 .at0 .s0, .at1 .s1, .at2 .s2, .at3 .s3 { display: block !important; }
 .none { color: var(--muted); background: repeating-linear-gradient(-45deg, transparent 0 4px, var(--line) 4px 5px); }
 .shades span { display: inline-block; padding: 0 7px; border: 1px solid var(--line); border-radius: 4px; }
@@ -46,7 +47,7 @@ SHADES = [("good", "less than 1/1000 of the mark", 1e-3), ("", "less than 1/10",
 
 
 def number(x):
-    return "0" if x == 0 else f"{x:+.2g}" if 1e-3 <= abs(x) < 1000 else f"{x:+.0e}"
+    return "0" if x == 0 else f"{x:.2g}" if 1e-3 <= abs(x) < 1000 else f"{x:.0e}".replace("e-0", "e-")
 
 
 def shade(cell, mark):
@@ -140,7 +141,7 @@ def sketch(p, motions, cells):
         if abs(normal[across]) + abs(normal[up]) > 0.5:
             drawn.append(f'<line class="ground" vector-effect="non-scaling-stroke" x1="{x - far * normal[up]:.4g}" y1="{y - far * normal[across]:.4g}" '
                          f'x2="{x + far * normal[up]:.4g}" y2="{y + far * normal[across]:.4g}"/>')
-    names = f"grey: the start; blue: the way and the end by {ends['best']}, the nearest; red: by {ends['worst']}, the farthest"
+    names = f"Grey: the start; blue: the way and the end by {ends['best']}, the nearest; red: by {ends['worst']}, the farthest"
     return (f'<div><svg viewBox="{left:.4g} {top:.4g} {width:.4g} {height:.4g}" role="img" aria-label="{escape(p.title)}">'
             f'<g stroke-width="1.4">{"".join(drawn)}</g></svg><p class="how">{escape(names)}</p></div>')
 
