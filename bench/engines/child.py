@@ -10,11 +10,11 @@ import time
 
 
 class Failure(Exception):
-    """Why there is no answer; `lost`: the process is gone."""
+    """Why there is no answer; `lost`: the process is gone; `late`: its time was over."""
 
-    def __init__(self, why, lost=True):
+    def __init__(self, why, lost=True, late=False):
         super().__init__(why)
-        self.lost = lost
+        self.lost, self.late = lost, late
 
 
 def one_line(text):
@@ -68,7 +68,7 @@ class Child:
                     if self.left() > 0:
                         continue
                     self.close()
-                    raise Failure(f"no answer in {self.seconds:g} s")
+                    raise Failure(f"no answer in {self.seconds:g} s", late=True)
                 piece = self.process.stdout.read()
                 if piece == b"":
                     raise Failure(self.why_ended())

@@ -153,10 +153,12 @@ def disbelief(child, setting):
 
 def cells_of(children, setting, phenomenon):
     """What the engine makes of one phenomenon in each step: its cells, and its motion in the largest step."""
-    cells, motion = {}, None
+    cells, motion, late = {}, None, None
     for dt in STEPS:
         child = None
         try:
+            if late:
+                raise Failure(f"{late} in larger steps, and its own steps are what takes it long")
             child = children.take()
             if child.doubts[setting]:
                 raise Failure(f"not believed: {child.doubts[setting]}", lost=False)
@@ -169,6 +171,7 @@ def cells_of(children, setting, phenomenon):
         except Failure as failure:
             cells[str(dt)] = {"why": str(failure)}
             if failure.lost:
+                late = late or (str(failure) if failure.late and child and child.hello["order"] == 0 else None)
                 continue
         children.give(child)
     return cells, motion

@@ -5,7 +5,9 @@ Runs solvers of Coulomb's law and of the convex law on every file, has each answ
 confirmed, refuted or undecided, with counts and bands (docs/acary.md).
 """
 import argparse
+import concurrent.futures
 import csv
+import hashlib
 import json
 import math
 import pathlib
@@ -13,11 +15,13 @@ import shutil
 import statistics
 import subprocess
 import sys
+import threading
 import time
 
 import h5py
 import numpy as np
 
+import chart
 import feasibility
 import files
 import variational
@@ -38,10 +42,11 @@ SHARE = 0.2                # of the time limit that they get
 FEW = 10                   # problems, below which nobody is called the best of all
 DENSE_CONTACTS = 1.5       # rows a rank: a high contact density
 SLOW = 2                   # factor in time that "slow" asks for
-ROUNDING = 1e-12           # of W, relative to its largest entry: symmetric
+ROUNDING = 1e-12           # of W, relative to its largest entry: symmetric; of rows, relative to the motion: as good as exact
 NORMAL = 1.96              # bands are of 95 %
 EDGE = 1e-6                # of a force against its cone: sliding; against the largest force: none
 RANK_LIMIT = 3e6           # entries of J
+NEWS = 20                  # s between lines of progress
 
 
 def wilson(k, n):
@@ -101,23 +106,43 @@ class File:
             self.shares = [modes.count(mode) / self.contacts for mode in ("stick", "slide", "open")]
 
 
-def records(folder):
-    return [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
+def records(folders):
+    """The rows of runs, whose problem files are named from here."""
+    rows = []
+    for folder in folders:
+        for line in (folder / "results.jsonl").read_text().splitlines():
+            row = json.loads(line)
+            rows.append({**row, "problem_file": folder / row["problem_file"]})
+    return rows
+
+
+def proof_of(row):
+    """(by how much the rows of the proven solution are off, how far it is from the numbers stored of it), relative to the motion; None.
+
+    It is the reference's, or that of a solution near the answer.
+    """
+    if row["reference"] and row["reference_bound"] is not None:
+        return 0.0, row["reference_bound"]
+    return None if row["delta"] is None or row["radius"] is None or row["delta"] > ROUNDING else (row["delta"], row["radius"])
+
+
+def nearer(one, other):
+    return min((proof for proof in (one, other) if proof), default=None)
 
 
 class Study:
-    def __init__(self, run, judged):
+    def __init__(self, runs, judged):
         self.rows, self.files, self.references = {}, {}, {}
-        for row in records(run) + (records(judged) if judged else []):
+        for row in records(runs) + records(judged):
             if row["solver"].startswith("recorded:") or row["claimed"] == "unsolved":
                 continue
             row["solver"] = row["solver"].partition("@")[0]  # judge tells files of one solver apart by their names
             name = row["problem"].removesuffix(" (convex)").removesuffix(" (coulomb)")
             self.rows[row["law"], name, row["solver"], row["tolerance"]] = row
             if row["law"] == "coulomb" and name not in self.files:
-                self.files[name] = File(run / row["problem_file"], name)
-                bound = row["reference_bound"]
-                self.references[name] = bound if row["reference"] and bound is not None else None
+                self.files[name] = File(row["problem_file"], name)
+            if row["law"] == "coulomb":
+                self.references[name] = nearer(self.references.get(name), proof_of(row))
         self.solvers = list(dict.fromkeys(key[2] for key in self.rows))
 
     def row(self, solver, tolerance, name, law="coulomb"):
@@ -380,7 +405,7 @@ def tables(study, counted):
         best = [row["z_error"] if row["z_error"] is not None else row["z_bound"] for row in rows if study.right(row) and row["tolerance"] == TIGHT]
         by_file.append({
             "problem": name, "contacts": f.contacts, "rows": f.rows, "n": f.n, "rank": f.rank, "rank ratio": f.rows / f.rank if f.rank else None,
-            "asymmetry of W": f.asymmetry, "rolling left out": f.problem.rolling, "reference bound": study.references[name],
+            "asymmetry of W": f.asymmetry, "rolling left out": f.problem.rolling, "proven of rows off by": study.references[name] and study.references[name][0],
             "stick": f.shares and round(f.shares[0], 3), "slide": f.shares and round(f.shares[1], 3), "open": f.shares and round(f.shares[2], 3),
             "isolated": next((row["isolated"] for row in rows if row.get("isolated") is not None), None), "strictly": counted.get(name, {}).get("feasible"),
             "solutions": counted.get(name, {}).get("solutions"), "proven distance at 1e-8": min((b for b in best if b is not None), default=None),
@@ -421,40 +446,83 @@ def as_markdown(rows):
     return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(short(r[k]) for k in head) + " |" for r in rows)]) + "\n"
 
 
+class Clock:
+    """Shares out the time that is left: each of `workers` gets for the next file what all that are left would get, were they alike."""
+
+    def __init__(self, seconds, files, workers):
+        self.end, self.files, self.workers, self.lock = time.monotonic() + seconds, files, workers, threading.Lock()
+
+    def share(self):
+        with self.lock:
+            self.files -= 1
+            left = self.end - time.monotonic()
+            return max(1.0, min(left, left * self.workers / (self.files + 1)))
+
+
 def compare(asked, out):
-    """Runs the solvers in as many processes as asked for, and goes on with what is there. Returns the run's folder."""
+    """Runs the solvers on each file, small ones first, in a process of its own that ends when its share of the time is over; whole runs are kept.
+
+    Returns (folders of runs, names of files that were cut short, whether any could not be read).
+    """
     known = {line.split()[0] for line in files.run([asked.program, "solvers"]).splitlines() if line.startswith("  ") and "not built in" not in line}
     solvers = asked.solvers or ",".join(v for _, family in FAMILIES.values() for v in family if v in known)
-    words = ["--problems", *files.expanded(asked.problems), "--law", "coulomb,convex", "--solvers", solvers, "--tolerances", f"{LOOSE:g},{TIGHT:g}", "--time-limit", f"{asked.time_limit:g}",
-             "--accuracy"]
-    parts, running = [out / f"part{k}" for k in range(asked.jobs)], []
-    for k, part in enumerate(parts):
-        how = ["--resume", part] if part.exists() else [*words, "--shard", f"{k}/{asked.jobs}", "--out", part]
-        running.append(subprocess.Popen([str(w) for w in (asked.program, "bench", *how)], stdout=subprocess.DEVNULL, stderr=None if k == 0 else subprocess.DEVNULL))
-    ended = [process.wait() for process in running]
-    if any(code not in (0, 1) for code in ended):
-        if ended[0] in (0, 1):  # otherwise it has said why
-            print(f"bench ended with exit code {max(ended)}; {out} keeps what was done", file=sys.stderr)
-        sys.exit(max(ended))
-    run = out / "run"
-    if run.exists():
-        shutil.rmtree(run)
-    files.run([asked.program, "merge", *parts, "--out", run])
-    return run
+    words = ["--law", "coulomb,convex", "--solvers", solvers, "--tolerances", f"{LOOSE:g},{TIGHT:g}", "--time-limit", f"{asked.time_limit:g}", "--accuracy"]
+    paths = [pathlib.Path(path) for path in files.expanded(asked.problems)]
+    paths.sort(key=lambda path: path.stat().st_size if path.exists() else 0)
+    folders = {path: out / "runs" / f"{path.stem}-{hashlib.sha256(str(path).encode()).hexdigest()[:8]}" for path in paths}
+    (out / "runs").mkdir(exist_ok=True)
+    clock = Clock(asked.within, len(paths), asked.jobs)
+
+    def one(path):
+        """The exit code, None where the time was over, and what was said."""
+        # A law a shard: rows of the first are kept where the second takes too long, and no convergence is traced.
+        ended, seconds = [], clock.share()
+        end = time.monotonic() + seconds
+        for k in range(2):
+            part = folders[path] / str(k)
+            if (part / "whole").exists():
+                continue
+            how = ["--resume", part] if part.exists() else ["--problems", path, *words, "--shard", f"{k}/2", "--out", part]
+            with subprocess.Popen([str(w) for w in (asked.program, "bench", *how)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                try:
+                    said = process.communicate(timeout=max(1.0, end - time.monotonic()))[1]
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    return None, ""
+            if process.returncode not in (0, 1):
+                shutil.rmtree(part, ignore_errors=True)
+                return process.returncode, said.strip().rpartition("\n")[2]
+            (part / "whole").touch()
+        return 0, ""
+    cut, bad, told = [], 0, time.monotonic()
+    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        for count, (path, (code, said)) in enumerate(zip(paths, pool.map(one, paths)), 1):
+            if code is None:
+                cut.append(path.name)
+            elif code:
+                bad = max(bad, code)
+                print(said or f"{path}: bench ended with exit code {code}", file=sys.stderr)
+            if count < len(paths) and time.monotonic() > told + NEWS:
+                told = time.monotonic()
+                print(f"{count} of {len(paths)} files, at most {math.ceil((clock.end - time.monotonic()) / 60)} min left of the solvers' time", file=sys.stderr)
+    runs = [folder / str(k) for folder in folders.values() for k in range(2) if (folder / str(k) / "results.jsonl").exists()]
+    if not runs:
+        sys.exit(bad or 1)
+    return runs, cut, bad
 
 
-def by_rules(program, run, out, seconds):
-    """The variational inequality's solvers on the smallest problems, judged. Returns the judgement's folder, or None."""
+def by_rules(program, runs, out, seconds):
+    """The variational inequality's solvers on the smallest problems, judged. Returns the judgement's folder in a list, or none."""
     judged = out / "judged"
     if not (judged / "results.jsonl").exists():
-        rows = sorted((row for row in records(run) if row["law"] == "coulomb"), key=lambda row: row["m"])
+        rows = sorted((row for row in records(runs) if row["law"] == "coulomb"), key=lambda row: row["m"])
         names = list(dict.fromkeys(row["problem"] for row in rows))[:SMALLEST]
-        pack, answers = variational.answers(run, out / "variational", [row for row in rows if row["problem"] in names], (LOOSE, TIGHT), seconds)
+        pack, answers = variational.answers(out / "variational", [row for row in rows if row["problem"] in names], (LOOSE, TIGHT), seconds)
         shutil.rmtree(judged, ignore_errors=True)
         if not json.loads((pack / "pack.json").read_text())["problems"]:
-            return None
+            return []
         subprocess.run([program, "judge", pack, *answers, "--out", judged], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return judged if (judged / "results.jsonl").exists() else None
+    return [judged] if (judged / "results.jsonl").exists() else []
 
 
 def look(study, asked):
@@ -486,27 +554,31 @@ def main():
     options.add_argument("--solvers", metavar="A,B:KEY=VALUE", help="default: those of the report's families that are built in")
     options.add_argument("--time-limit", type=float, default=10, metavar="S", help="CPU time of a solve; default: 10")
     options.add_argument("--search", type=float, default=600, metavar="S", help="for strict motions and numbers of solutions, in all; default: 600")
+    options.add_argument("--within", type=float, default=2400, metavar="S", help="for all solvers and files, in all: a file that takes more than its share is cut short; default: 2400")
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="processes; default: 2")
     asked = options.parse_args()
-    if bool(asked.problems) == bool(asked.run) or asked.jobs < 1 or not asked.time_limit > 0 or not asked.search >= 0:
+    if bool(asked.problems) == bool(asked.run) or asked.jobs < 1 or not asked.time_limit > 0 or not asked.within > 0 or not asked.search >= 0:
         files.fail("expected files or folders, or --run DIR; --jobs from 1 on; times of at least 0 s")
     out = pathlib.Path(asked.out)
     out.mkdir(parents=True, exist_ok=True)
-    run = pathlib.Path(asked.run) if asked.run else compare(asked, out)
-    if not (run / "results.jsonl").exists():
-        files.fail(f"{run}: no results.jsonl there", files.BAD_FILE)
-    study = Study(run, by_rules(asked.program, run, out, asked.time_limit * SHARE))
+    if asked.run and not (pathlib.Path(asked.run) / "results.jsonl").exists():
+        files.fail(f"{asked.run}: no results.jsonl there", files.BAD_FILE)
+    runs, cut, bad = ([pathlib.Path(asked.run)], [], 0) if asked.run else compare(asked, out)
+    study = Study(runs, by_rules(asked.program, runs, out, asked.time_limit * SHARE))
     if not study.files:
-        files.fail(f"{run}: no problem under Coulomb's law", files.BAD_FILE)
+        files.fail(f"{asked.run or ', '.join(asked.problems)}: no problem under Coulomb's law", files.BAD_FILE)
     counted = look(study, asked)
     checks = Checks(study).run()
     by_file, by_solver = tables(study, counted)
-    proven = sum(bound is not None for bound in study.references.values())
+    exact, near = (sum(proof is not None and (proof[0] == 0) == how for proof in study.references.values()) for how in (True, False))
     for check in checks:
         print(f"{check['verdict']:10} {check['claim']}\n{'':10} {check['found']}   [{check['where']}]")
     words = {w: sum(c["verdict"] == w for c in checks) for w in ("confirmed", "refuted", "undecided")}
-    head = (f"{len(study.files)} problems, {len(study.solvers)} solvers, {proven} references proven; of {len(checks)} claims {words['confirmed']} confirmed, "
+    head = (f"{len(study.files)} problems, {len(study.solvers)} solvers; a solution is proven of {exact} problems as they are stored and of {near} more but for rounding (rows off by at most "
+            f"{ROUNDING:g} of the motion); of {len(checks)} claims {words['confirmed']} confirmed, "
             f"{words['refuted']} refuted, {words['undecided']} undecided")
+    if cut:
+        head += f". Cut short, for their share of the time was over: {', '.join(cut)}"
     print(f"\n{head}   -> {out}/acary.md")
     (out / "acary.json").write_text(json.dumps({"checks": checks, "problems": by_file, "solvers": by_solver}, indent=1) + "\n")
     for name, rows in (("checks", checks), ("problems", by_file), ("solvers", by_solver)):
@@ -514,7 +586,10 @@ def main():
             writer = csv.DictWriter(file, list(rows[0]))
             writer.writeheader()
             writer.writerows(rows)
-    (out / "acary.md").write_text(f"# RR-9118 on {', '.join(asked.problems) or asked.run}\n\n{head}.\n\n{as_markdown(checks)}\n## Solvers\n\n{as_markdown(by_solver)}\n## Problems\n\n{as_markdown(by_file)}")
+    kinds = (("W has full rank", full), ("W is rank deficient", deficient), ("rank not known", lambda f: f.rank is None))
+    (out / "acary.svg").write_text(chart.svg(study, LOOSE, TIGHT, [(title, study.names(which)) for title, which in kinds]))
+    (out / "acary.md").write_text(f"# RR-9118 on {', '.join(asked.problems) or asked.run}\n\n{head}.\n\n![Runs by solver and rank](acary.svg)\n\n{as_markdown(checks)}\n## Solvers\n\n{as_markdown(by_solver)}\n## Problems\n\n{as_markdown(by_file)}")
+    return bad
 
 
 if __name__ == "__main__":

@@ -69,7 +69,7 @@ class Inequality:
         return "iteration limit", r
 
 
-def answers(run, folder, rows, tolerances, seconds):
+def answers(folder, rows, tolerances, seconds):
     """Writes folder/pack of the run's problems under Coulomb's law, and a file of answers a rule and tolerance. Returns these files."""
     pack = folder / "pack"
     pack.mkdir(parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ def answers(run, folder, rows, tolerances, seconds):
     for sha, row in unique.items():
         (pack / "problems").mkdir(exist_ok=True)
         path = pack / "problems" / f"{len(problems):04}.h5"
-        path.write_bytes((run / row["problem_file"]).read_bytes())
+        path.write_bytes(row["problem_file"].read_bytes())
         problems.append({"file": f"problems/{path.name}", "sha256": sha, "name": row["problem"], "family": row["family"], "law": "coulomb", "n": row["n"], "m": row["m"],
                          "equalities": 0, "known": "nothing", "method": ""})
     (pack / "pack.json").write_text(json.dumps({"zwang_pack": 1, "made_by": "", "problems": problems}))

@@ -8,6 +8,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+from xml.etree import ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments/acary"))
@@ -73,11 +74,22 @@ with tempfile.TemporaryDirectory() as folder:
           all(row["called solved, wrong"] == 0 for name, row in tried.items() if not name.startswith("vi_")), tried)
     check("the variational inequality's, and what their residual is worth", set(acary.variational.RULES) <= set(tried) and tried["vi_fixed_point"]["right"] > 0, tried)
     check("the page", all(f"## {part}" in (out / "acary.md").read_text() for part in ("Solvers", "Problems")))
+    drawn = ElementTree.parse(out / "acary.svg").getroot()
+    bars = [bar.text for bar in drawn.iter("{http://www.w3.org/2000/svg}title")]
+    check("the picture: cone is right on all of each column", [b for b in bars if b.startswith("cone:")] ==
+          [f"cone: {sum(1 for p in by_name.values() if (p['rank'] == p['rows']) == full)} right at 1e-8" for full in (True, False)], bars)
     check("it is gone on with", subprocess.run(command, capture_output=True).returncode == 0 and
           [c["claim"] for c in json.loads((out / "acary.json").read_text())["checks"]] == list(said))
-    whole = subprocess.run([sys.executable, SCRIPT, PROGRAM, "--run", out / "run", "--out", folder / "again", "--search", "0", "--time-limit", "1"], capture_output=True, text=True)
+    whole = subprocess.run([sys.executable, SCRIPT, PROGRAM, "--run", next(out.glob("runs/block-*/0")), "--out", folder / "again", "--search", "0", "--time-limit", "1"], capture_output=True, text=True)
     check("a run made before is read", whole.returncode == 0 and (folder / "again/acary.json").exists(), whole.stderr)
-    for words, code in ((["--run", folder], 3), ([], 2), ([problems, "--jobs", "0"], 2), ([folder / "again" / "none"], 3)):
+    (folder / "empty").mkdir()
+    (problems / "broken.dat").write_text("3\n1\n0\n3 3\n3 3\n1 0 0\n")
+    wrong = subprocess.run([*command, "--within", "60"], capture_output=True, text=True)
+    check("a broken file costs one line, and the others are compared", wrong.returncode == 3 and [line for line in wrong.stderr.splitlines() if " files, " not in line] == [line for line in wrong.stderr.splitlines() if "broken.dat" in line] and
+          len(json.loads((out / "acary.json").read_text())["problems"]) == len(by_name), (wrong.returncode, wrong.stderr))
+    slow = subprocess.run([sys.executable, SCRIPT, PROGRAM, problems / "rod.h5", "/nowhere/one.h5", "--out", folder / "cut", "--within", "0.001"], capture_output=True, text=True)
+    check("who gets no time is told", slow.returncode == 3 and "one.h5" in slow.stderr, (slow.returncode, slow.stderr))
+    for words, code in ((["--run", folder], 3), ([], 2), ([folder / "empty"], 3), ([problems, "--within", "0"], 2), ([problems, "--jobs", "0"], 2), ([folder / "again" / "none"], 3)):
         wrong = subprocess.run([sys.executable, SCRIPT, PROGRAM, *words, "--out", folder / "wrong"], capture_output=True, text=True)
         check(f"wrong use of {words}", wrong.returncode == code and wrong.stderr.count("\n") == 1, (wrong.returncode, wrong.stderr))
 sys.exit(failures > 0)

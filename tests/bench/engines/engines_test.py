@@ -21,7 +21,7 @@ mode = sys.argv[1]
 def say(answer): print(json.dumps(answer), flush=True)
 if mode == "never": sys.exit("no licence")
 scenes = 0
-say(dict(engine="fake", version="1", licence="none", bits=64, order=1, substeps=dict(default=1, **{} if mode == "half" else dict(tuned=1)), alone=mode == "alone"))
+say(dict(engine="fake", version="1", licence="none", bits=64, order=0 if mode == "slow" else 1, substeps=dict(default=1, **{} if mode == "half" else dict(tuned=1)), alone=mode == "alone"))
 for line in sys.stdin:
     ask = json.loads(line)
     if "scene" in ask:
@@ -32,11 +32,12 @@ for line in sys.stdin:
             for b, s in zip(scene["bodies"], states):
                 if b["motion"] != "free": continue
                 for k in range(3):
-                    s[7 + k] += scene["dt"] * scene["gravity"][k] * (1.01 if mode == "wrong" else 1)
-                    s[k] += scene["dt"] * s[7 + k]
+                    gained = scene["dt"] * scene["gravity"][k] * (1.01 if mode == "wrong" else 1)
+                    s[7 + k] += gained
+                    s[k] += scene["dt"] * (s[7 + k] - (gained / 2 if mode == "slow" else 0))
     floor = any(s["kind"] == "plane" for b in scene["bodies"] for s in b["shapes"])
     if floor and scene["dt"] == 1 / 120:
-        if mode == "hangs": time.sleep(60)
+        if mode in ("hangs", "slow"): time.sleep(60)
         if mode == "crashes": os.abort()
         if mode == "ends": sys.exit(7)
         if mode == "screams": sys.exit("buffer\\t full")
@@ -218,6 +219,13 @@ class Kit(unittest.TestCase):
         for of in self.run_fake("never")[0]["cells"]["fake"].values():
             for cells in of.values():
                 self.assertEqual(list(cells.values()), [{"why": "ended with exit code 1: no licence"}] * 4)
+
+    def test_who_chooses_his_own_steps_is_late_once(self):
+        cells = self.run_fake("slow")[0]["cells"]["fake"]["default"]["slide"]
+        self.assertIn("off", cells["1/60"])
+        self.assertEqual(cells["1/120"], {"why": "no answer in 2 s"})
+        self.assertIn("in larger steps", cells["1/240"]["why"])
+        self.assertIn("in larger steps", cells["1/1000"]["why"])
 
     def test_who_falls_wrongly_is_not_believed(self):
         for cell in self.run_fake("wrong")[0]["cells"]["fake"]["tuned"]["free_fall"].values():
