@@ -111,7 +111,10 @@ def records(folders):
     rows = []
     for folder in folders:
         for line in (folder / "results.jsonl").read_text().splitlines():
-            row = json.loads(line)
+            try:
+                row = json.loads(line)
+            except ValueError:  # the last one of a process that was ended
+                continue
             rows.append({**row, "problem_file": folder / row["problem_file"]})
     return rows
 
@@ -546,7 +549,7 @@ def look(study, asked):
 
 
 def main():
-    options = argparse.ArgumentParser(prog="./zwang experiment acary", description=__doc__.split("\n")[0])
+    options = files.Options(prog="./zwang experiment acary", description=__doc__.split("\n")[0])
     options.add_argument("program", help=argparse.SUPPRESS)
     options.add_argument("problems", nargs="*", metavar="FILE|DIR", help="FCLIB's or Siconos' files, or folders of them")
     options.add_argument("--run", metavar="DIR", help="results of ./zwang bench or campaign, made before, in place of files")
@@ -577,6 +580,8 @@ def main():
     head = (f"{len(study.files)} problems, {len(study.solvers)} solvers; a solution is proven of {exact} problems as they are stored and of {near} more but for rounding (rows off by at most "
             f"{ROUNDING:g} of the motion); of {len(checks)} claims {words['confirmed']} confirmed, "
             f"{words['refuted']} refuted, {words['undecided']} undecided")
+    if smooth := sorted({row["problem"] for row in records(runs) if row["law"] == "frictionless"}):
+        head += f". Without friction, and left out: {', '.join(smooth)}"
     if cut:
         head += f". Cut short, for their share of the time was over: {', '.join(cut)}"
     print(f"\n{head}   -> {out}/acary.md")

@@ -338,7 +338,7 @@ def line_of(answer):
 
 
 def main():
-    options = argparse.ArgumentParser(prog="./zwang experiment feasibility", description=__doc__.split("\n")[0])
+    options = files.Options(prog="./zwang experiment feasibility", description=__doc__.split("\n")[0])
     options.add_argument("program", help=argparse.SUPPRESS)
     options.add_argument("what", nargs="*", metavar="FILE|DIR|SCENE", help="problem files of any kind that ./zwang reads, folders of them, or scenes")
     options.add_argument("--edge", action="store_true", help="also problems made at the edge of strict feasibility and beyond: wedge, corner of a chute, plates")

@@ -1,4 +1,5 @@
 """Problem files of any kind as arrays, through the program's own reader."""
+import argparse
 import json
 import pathlib
 import re
@@ -16,6 +17,13 @@ SUFFIXES = (".h5", ".hdf5", ".dat")
 def fail(line, code=WRONG_USE):
     print(line, file=sys.stderr)
     sys.exit(code)
+
+
+class Options(argparse.ArgumentParser):
+    """Wrong use costs one line."""
+
+    def error(self, message):
+        fail(f"{message} ({self.prog} --help lists the options)")
 
 
 class Problem:

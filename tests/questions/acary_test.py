@@ -89,7 +89,7 @@ with tempfile.TemporaryDirectory() as folder:
           len(json.loads((out / "acary.json").read_text())["problems"]) == len(by_name), (wrong.returncode, wrong.stderr))
     slow = subprocess.run([sys.executable, SCRIPT, PROGRAM, problems / "rod.h5", "/nowhere/one.h5", "--out", folder / "cut", "--within", "0.001"], capture_output=True, text=True)
     check("who gets no time is told", slow.returncode == 3 and "one.h5" in slow.stderr, (slow.returncode, slow.stderr))
-    for words, code in ((["--run", folder], 3), ([], 2), ([folder / "empty"], 3), ([problems, "--within", "0"], 2), ([problems, "--jobs", "0"], 2), ([folder / "again" / "none"], 3)):
+    for words, code in ((["--run", folder], 3), ([], 2), ([folder / "empty"], 3), ([problems, "--within", "0"], 2), ([problems, "--jobs", "x"], 2), (["--nothing"], 2), ([problems, "--jobs", "0"], 2), ([folder / "again" / "none"], 3)):
         wrong = subprocess.run([sys.executable, SCRIPT, PROGRAM, *words, "--out", folder / "wrong"], capture_output=True, text=True)
         check(f"wrong use of {words}", wrong.returncode == code and wrong.stderr.count("\n") == 1, (wrong.returncode, wrong.stderr))
 sys.exit(failures > 0)
