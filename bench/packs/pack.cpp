@@ -9,9 +9,13 @@
 #include <zwang/bench/results/cell.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/suite/plan.h>
+#include <zwang/core/files/embedded.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
+
+ZWANG_EMBEDDED(packs_json, ZWANG_PACKS)
 
 namespace zwang {
 namespace {
@@ -109,31 +113,18 @@ void Pack::check() const {
 }
 
 std::span<const NamedPack> named_packs() {
-  static const std::string frictional =
-      "incline(mu=0.5),crate(push=0.75),ladder(slope=0.5),belt,peg,cards,hand(contacts=4,16,mu=0.5,seed=1..8),"
-      "stack(boxes=3,mu=0.5,seed=1..3),wall(boxes=10,mu=0.5),planted(k=1,seed=1..10),STKF(boxes=1,2),JAM(k=5,24),"
-      "ROD(k=3,24),HELD,PINCH,PUCK";
-  static const std::vector<NamedPack> all = {
-      {"guard",
-       "200 problems: hands, walls, linkages, redundant and infeasible ones, the exact points of friction",
-       {{"hand(contacts=0,4,16,64,seed=1..8),hand(contacts=16,64,feasible=0,seed=1..5),hands(hands=2,seed=1..4),"
-         "wall(boxes=10,25,60),stack(boxes=3,10,seed=1..5),tower(boxes=5,10,20),chain(links=4,8,16,seed=1..4),"
-         "four_bar(lean=-2,-1,0,1,2),leash(dogs=4,16),arch(stones=5,9,17),pile(spheres=14,30,seed=1..3),"
-         "MR(k=0,12,24,36),MRC(k=12,24,36),NPE(k=4,14,24),LOOP(k=4,14,24),GAP(k=4,14,24),GAP(k=4,14,24,feasible=1),"
-         "INC(k=4,14,24,34),CYCLE(n=5,6,7,8),PIVOT(n=4,8),HAND(seed=1..10),random(n=20,60,seed=1..13)",
-         {}},
-        {frictional, {}}}},
-      {"friction",
-       "contacts with friction under the convex law and Coulomb's",
-       {{frictional +
-             ",planted(k=1,seed=11..40),MU0(k=0,10,20),MUL(k=1,4,12),APEX(k=0,10,20),SLIP(k=0,10,20),RANK(k=1,4)",
-         Law::coulomb},
-        {frictional, Law::convex}}},
-      {"atlas", "every point of the stability atlas (docs/stability.md)", {{find_suite("atlas").scenes, {}}}},
-      {"warm",
-       "sequences: 32 successive frames of three stacks, in which contacts come and go",
-       {{"FLIP(k=9,seed=1..3,frame=0..31)", {}}}},
-  };
+  static const std::vector<NamedPack> all = [] {
+    std::vector<NamedPack> read;
+    for (const Json& j : Json::parse(packs_json())) {
+      NamedPack& pack = read.emplace_back(NamedPack{j.at("name"), j.at("line"), {}});
+      for (const Json& part : j.at("parts"))
+        pack.scenes.emplace_back(
+            part.contains("suite") ? find_suite(part["suite"]).scenes
+                                   : joined(part.at("scenes").get<std::vector<std::string>>(), ","),
+            part.contains("law") ? std::optional(parse_law(part["law"].get<std::string>())) : std::nullopt);
+    }
+    return read;
+  }();
   return all;
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,9 +43,9 @@ class Pack {
   std::vector<PackedProblem> problems_;
 };
 
-// A pack made from seeds.
+// A pack made from seeds, of packs.json.
 struct NamedPack {
-  std::string_view name, line;
+  std::string name, line;
   std::vector<std::pair<std::string, std::optional<Law>>> scenes;  // and the law; none: the problem's own
 };
 std::span<const NamedPack> named_packs();

@@ -19,49 +19,11 @@ namespace {
 using Make = std::function<Instance(const Knobs&)>;
 
 std::map<std::string, Make> makers() {
-  std::map<std::string, Make> all{{"tower", tower},
-                                  {"stack", stack},
-                                  {"wall", wall},
-                                  {"pile", pile},
-                                  {"arch", arch},
-                                  {"chain", chain},
-                                  {"four_bar", four_bar},
-                                  {"leash", leash},
-                                  {"hand", hands},
-                                  {"hands", hands},
-                                  {"incline", incline},
-                                  {"crate", crate},
-                                  {"pinch", pinch},
-                                  {"ladder", ladder},
-                                  {"ball", ball},
-                                  {"belt", belt},
-                                  {"peg", peg},
-                                  {"dome", dome},
-                                  {"cards", cards},
-                                  {"heap", heap},
-                                  {"MR", mass_ratio},
-                                  {"MR1", mass_ratio_one_contact},
-                                  {"MRC", mass_ratio_chain},
-                                  {"NPE", near_parallel_equalities},
-                                  {"LOOP", four_bar_loop},
-                                  {"GAP", contact_gap},
-                                  {"INC", inconsistent_equalities},
-                                  {"WEAK", weak_contacts},
-                                  {"NPI", near_parallel_contacts},
-                                  {"WED", wedges},
-                                  {"MANYF", many_on_a_face},
-                                  {"MANYR", many_tilted},
-                                  {"UNIT", length_unit},
-                                  {"ROW", row_scale},
-                                  {"HUGE", huge_offsets},
-                                  {"ANI", thin_bodies},
-                                  {"CHAIN", long_chain},
-                                  {"STK", stack_of_masses},
-                                  {"PIVOT", exponential_pivots},
-                                  {"CYCLE", pivot_cycle},
-                                  {"FLIP", flipping_stack},
-                                  {"HAND", crowded_hands},
-                                  {"random", random_rows}};
+  std::map<std::string, Make> all{
+#define SCENE(name, make) {#name, make},
+#include <zwang/bench/scenes/scenes.def>
+#undef SCENE
+  };
   for (auto& [name, make] : friction_families()) all.emplace(name, std::move(make));
   return all;
 }

@@ -66,30 +66,7 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
 // What gravity and these wrenches make of a scene whose contacts rub with the knob `mu`.
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {});
 
-// All take the knobs that catalog.json declares for them. boxes.cpp:
-Instance tower(const Knobs& knobs);
-Instance stack(const Knobs& knobs);
-Instance wall(const Knobs& knobs);
-// mechanisms.cpp:
-Instance pile(const Knobs& knobs);
-Instance arch(const Knobs& knobs);
-Instance chain(const Knobs& knobs);
-Instance four_bar(const Knobs& knobs);
-Instance leash(const Knobs& knobs);
-// friction/limits.cpp:
-Instance incline(const Knobs& knobs);
-Instance crate(const Knobs& knobs);
-Instance pinch(const Knobs& knobs);
-Instance ladder(const Knobs& knobs);
-Instance ball(const Knobs& knobs);
-Instance belt(const Knobs& knobs);
-Instance peg(const Knobs& knobs);
-// friction/standing.cpp:
-Instance dome(const Knobs& knobs);
-Instance cards(const Knobs& knobs);
-Instance heap(const Knobs& knobs);
 // hands.cpp: `hands` of them (default 1), independent of each other.
 Posed pose_hands(const Knobs& knobs);
-Instance hands(const Knobs& knobs);
 
 }  // namespace zwang

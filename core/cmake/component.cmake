@@ -13,7 +13,7 @@ endfunction()
 # zwang_headers_of(FOLDER): FOLDER's headers are installed, readable as <zwang/FOLDER/...>.
 function(zwang_headers_of FOLDER)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${FOLDER} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/zwang COMPONENT dev
-    FILES_MATCHING PATTERN "*.h" PATTERN node_modules EXCLUDE)
+    FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN node_modules EXCLUDE)
 endfunction()
 
 # Installs what find_package(zwang) reads.

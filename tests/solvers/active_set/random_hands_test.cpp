@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
