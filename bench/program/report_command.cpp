@@ -7,7 +7,6 @@
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/report/report.h>
 #include <zwang/bench/suite/plan.h>
-#include <zwang/core/files/stored_file.h>
 
 namespace zwang {
 
@@ -67,22 +66,6 @@ int report_command(std::vector<std::string> words) {
   if (!figures.formats.empty()) files = report::write_figures(runs[0], figures);
   std::printf("Report: %s\n", report::write_report(runs[0]).c_str());
   for (const auto& file : files) std::printf("%s\n", file.c_str());
-  return done;
-}
-
-int league_command(std::vector<std::string> words) {
-  CLI::App options("A page that sets solvers and their versions beside each other (docs/league.md): DIR/index.html.");
-  introduce(options, "league", "  ./zwang league records/mine-1.0 records/mine-1.1 records/theirs-7 --out league");
-  std::vector<std::string> records;
-  std::filesystem::path out;
-  options.add_option("RECORDS", records, "folders with entry.json and, in a folder a pack, what ./zwang judge wrote")
-      ->required();
-  options.add_option("--out", out, "folder of the page")->type_name("DIR")->required();
-  if (!read(options, std::move(words))) return done;
-  const std::string page = report::league_page({records.begin(), records.end()});
-  std::filesystem::create_directories(out);
-  replace_file(out / "index.html", page);
-  std::printf("League: %s\n", (out / "index.html").c_str());
   return done;
 }
 

@@ -1,13 +1,16 @@
 // Commands that start other commands and read what these wrote: scripts, which the program holds.
 #include <iostream>
+#include <iterator>
 
 #include <zwang/bench/program/commands.h>
+#include <zwang/bench/report/page/page.h>
 #include <zwang/core/files/embedded.h>
 #include <zwang/core/files/problem_file.h>
 
 ZWANG_EMBEDDED(campaign_script, ZWANG_CAMPAIGN)
 ZWANG_EMBEDDED(job_template, ZWANG_JOB)
 ZWANG_EMBEDDED(merge_script, ZWANG_MERGE)
+ZWANG_EMBEDDED(league_script, ZWANG_LEAGUE)
 ZWANG_EMBEDDED(guard_script, ZWANG_GUARD)
 
 namespace zwang {
@@ -36,6 +39,13 @@ int merge_command(std::vector<std::string> words) {
     }
     std::cout << (sound ? "sound" : "damaged") << std::endl;
   }
+  return done;
+}
+
+// `:page`: the page of the data in stdin.
+int league_command(std::vector<std::string> words) {
+  if (words != std::vector<std::string>{":page"}) return continue_as_script(league_script(), {}, words);
+  std::cout << report::league_page({std::istreambuf_iterator<char>(std::cin), {}});
   return done;
 }
 

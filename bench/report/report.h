@@ -18,11 +18,6 @@ std::filesystem::path write_report(const std::filesystem::path& run);
 std::filesystem::path write_comparison(const std::filesystem::path& run_a, const std::filesystem::path& run_b,
                                        const std::filesystem::path& out);
 
-// The page of a league, of records: folders with entry.json and, in a folder a pack, what `judge` wrote
-// (docs/league.md). The same bytes for the same records, in whatever order and wherever they lie. Throws BadFile: a
-// record that lacks something, two of one solver and version, packs of one name that hold other problems.
-std::string league_page(const std::vector<std::filesystem::path>& records);
-
 // What is drawn for a paper: only these charts, solvers and families. Empty: all charts and families, and the six best
 // solvers of each class of problems.
 struct Figures {

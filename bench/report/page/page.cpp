@@ -18,6 +18,7 @@
 // needs neither Node nor a file beside it.
 ZWANG_EMBEDDED(report_html, ZWANG_REPORT_PAGE)
 ZWANG_EMBEDDED(collision_html, ZWANG_COLLISION_PAGE)
+ZWANG_EMBEDDED(league_html, ZWANG_LEAGUE_PAGE)
 
 namespace zwang::report {
 namespace {
@@ -213,6 +214,8 @@ std::string page_with_scripts(const std::string& data) {
 }
 
 std::string collision_page(const std::string& data) { return filled(collision_html(), data); }
+
+std::string league_page(const std::string& data) { return filled(league_html(), data); }
 
 std::string filled(std::string_view whole, const std::string& data) {
   constexpr std::string_view slot = "{\"slot\":\"data\"}";

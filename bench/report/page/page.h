@@ -39,10 +39,11 @@ struct SingleRuns {
 };
 SingleRuns single_run_scripts(const RunFolder& run);
 
-// The pages embedded at build time with the data in their place: of page_data(), and of collision.json.
+// The pages embedded at build time with the data in their place: of page_data(), of collision.json and of league.py.
 std::string page(const std::string& data);
 std::string page_with_scripts(const std::string& data);  // that may load scripts beside it
 std::string collision_page(const std::string& data);
+std::string league_page(const std::string& data);
 // Any bundled page with its slot for data filled.
 std::string filled(std::string_view page, const std::string& data);
 
