@@ -450,16 +450,18 @@ def as_markdown(rows):
 
 
 class Clock:
-    """Shares out the time that is left: each of `workers` gets for the next file what all that are left would get, were they alike."""
+    """Shares out the time that is left: each of `workers` gets for the next file what all that are left would get, were they alike; but no more than a quarter
+    of all the time, where that is not less than its part: who has not ended by then will not."""
 
     def __init__(self, seconds, files, workers):
         self.end, self.files, self.workers, self.lock = time.monotonic() + seconds, files, workers, threading.Lock()
+        self.most = max(seconds / 4, seconds * workers / files)
 
     def share(self):
         with self.lock:
             self.files -= 1
             left = self.end - time.monotonic()
-            return max(1.0, min(left, left * self.workers / (self.files + 1)))
+            return max(1.0, min(left, self.most, left * self.workers / (self.files + 1)))
 
 
 def compare(asked, out):
@@ -514,8 +516,8 @@ def compare(asked, out):
     return runs, cut, bad
 
 
-def by_rules(program, runs, out, seconds):
-    """The variational inequality's solvers on the smallest problems, judged. Returns the judgement's folder in a list, or none."""
+def by_rules(program, runs, out, seconds, within):
+    """The variational inequality's solvers on the smallest problems, judged as far as `within` seconds go. Returns the judgement's folder in a list, or none."""
     judged = out / "judged"
     if not (judged / "results.jsonl").exists():
         rows = sorted((row for row in records(runs) if row["law"] == "coulomb"), key=lambda row: row["m"])
@@ -524,7 +526,10 @@ def by_rules(program, runs, out, seconds):
         shutil.rmtree(judged, ignore_errors=True)
         if not json.loads((pack / "pack.json").read_text())["problems"]:
             return []
-        subprocess.run([program, "judge", pack, *answers, "--out", judged], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            subprocess.run([program, "judge", pack, *answers, "--out", judged], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=within)
+        except subprocess.TimeoutExpired:
+            print("the answers of the variational inequality's solvers on the largest of their files are not judged: the time is over", file=sys.stderr)
     return [judged] if (judged / "results.jsonl").exists() else []
 
 
@@ -567,7 +572,7 @@ def main():
     if asked.run and not (pathlib.Path(asked.run) / "results.jsonl").exists():
         files.fail(f"{asked.run}: no results.jsonl there", files.BAD_FILE)
     runs, cut, bad = ([pathlib.Path(asked.run)], [], 0) if asked.run else compare(asked, out)
-    study = Study(runs, by_rules(asked.program, runs, out, asked.time_limit * SHARE))
+    study = Study(runs, by_rules(asked.program, runs, out, asked.time_limit * SHARE, asked.within / 4))
     if not study.files:
         files.fail(f"{asked.run or ', '.join(asked.problems)}: no problem under Coulomb's law", files.BAD_FILE)
     counted = look(study, asked)

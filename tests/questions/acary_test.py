@@ -39,6 +39,11 @@ check("a band above the mark confirms, below it refutes", [acary.word(*band, 0.5
 check("few say nothing", acary.Checks.share(3, 3, 0.8, "")[0] == "undecided" and acary.Checks.share(30, 30, 0.8, "")[0] == "confirmed")
 check("one of all refutes", acary.Checks.all_hold(9, 10, "")[0] == "refuted" and acary.Checks.all_hold(0, 0, "")[0] == "undecided")
 
+clock = acary.Clock(1000, 10, 2)
+shares = [clock.share() for _ in range(10)]
+check("a file's share of the time: as if all were alike, then what others have left, a quarter of all at most", all(abs(s - due) < 5 for s, due in
+      zip(shares, [200, 222, 250] + [250] * 7)), shares)
+
 # A local problem as Siconos prints it: one contact whose W is not symmetric, mu = 1/2.
 LOCAL = "3\n1\n0\n3 3\n3 3\n1 0 0\n0 1 0.001\n0 0 1\n-1\n0.2\n0\n0.5\n"
 SCENES = {"block": ["stack", "--boxes=1", "--mu=0.5"], "rod": ["ROD"], "wedge": ["JAM"], "corner": ["HELD"], "slip": ["SLIP"]}
