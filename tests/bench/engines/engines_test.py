@@ -190,8 +190,10 @@ class Kit(unittest.TestCase):
             done = subprocess.run([sys.executable, source / "bench/engines/engines.py", "--engines", "fake", "--adapter", f"fake={sys.executable} {fake} {mode}",
                                    "--phenomena", "free_fall,slide", "--deadline", "2", "--out", f"{folder}/out", *more], capture_output=True, text=True)
             self.assertEqual(done.returncode, code, done.stderr)
-            page = (pathlib.Path(folder) / "out/index.html").read_text()
-            self.assertIn("Free fall", page)
+            page = pathlib.Path(folder) / "out/index.html"
+            self.assertIn("Free fall", page.read_text())
+            if mode == "hangs":
+                subprocess.run(["node", source / "tests/bench/engines/page_test.mjs", page], check=True)
             return json.loads((pathlib.Path(folder) / "out/results.json").read_text()), done.stdout
 
     def test_a_fall_is_exact_and_twice_the_same(self):
