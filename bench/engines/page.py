@@ -25,7 +25,7 @@ svg .start { fill: none; stroke: var(--muted); } svg .best { fill: none; stroke:
 svg .way { stroke-width: 0.8; stroke-dasharray: 2 2; vector-effect: non-scaling-stroke; } svg .ground { stroke: var(--ink); stroke-width: 1.5; } svg .axis { stroke: var(--line); fill: none; } svg text { fill: var(--muted); font-size: 11px; }
 svg .curve { fill: none; stroke-width: 1.3; } svg .tuned { stroke-dasharray: 4 3; } svg .due { fill: var(--ink); } svg :is(.start, .best, .worst) { vector-effect: non-scaling-stroke; }
 pre { white-space: pre-wrap; margin: 2px 0 8px; }
-.cells td { white-space: nowrap; }
+.cells td { white-space: nowrap; } .cells td.none { white-space: normal; min-width: 110px; }
 .scroll table { max-width: none; }
 .key span { white-space: nowrap; }
 @media (max-width: 700px) { .map tbody th { white-space: normal; min-width: 116px; max-width: 116px; } }

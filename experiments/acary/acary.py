@@ -146,7 +146,8 @@ class Study:
                 self.files[name] = File(row["problem_file"], name)
             if row["law"] == "coulomb":
                 self.references[name] = nearer(self.references.get(name), proof_of(row))
-        self.solvers = list(dict.fromkeys(key[2] for key in self.rows))
+        known = [v for _, family in FAMILIES.values() for v in family]  # the report's order, then others
+        self.solvers = sorted(dict.fromkeys(key[2] for key in self.rows), key=lambda v: (known + [v.partition(":")[0]]).index(v.partition(":")[0]))
 
     def row(self, solver, tolerance, name, law="coulomb"):
         return self.rows.get((law, name, solver, tolerance))
@@ -393,8 +394,9 @@ class Checks:
             claims = [row for (law, _, solver, _), row in self.study.rows.items()
                       if law == "coulomb" and row["claimed"] == "solved" and (solver in variational.RULES) == theirs]
             false = [row for row in claims if row["verified"] == "wrong"]
-            off = max((row["z_error"] for row in false if row["z_error"] is not None), default=0)
-            text.append(f"of {len(claims)} answers that {'it' if theirs else 'other solvers'} called solved {len(false)} are wrong, by up to {off:.1e} of the motion")
+            off = max((row["z_error"] for row in false if row["z_error"] is not None), default=None)
+            text.append(f"of {len(claims)} answers that {'it' if theirs else 'other solvers'} called solved {len(false)} are wrong"
+                        + (f", by up to {off:.1e} of the motion" if off is not None else ""))
             if theirs and claims:
                 verdict = "refuted" if false else "confirmed"
         return verdict, "; ".join(text)
