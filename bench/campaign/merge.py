@@ -291,7 +291,7 @@ def print_missing(directories):
 
 class Options(argparse.ArgumentParser):
     def error(self, message):
-        fail(f"{message} (./zwang merge --help)", WRONG_USE)
+        fail(f"{message.removeprefix('argument ')} (./zwang merge --help)", WRONG_USE)
 
 
 def main(program, *words):

@@ -34,7 +34,7 @@ int pack_command(std::vector<std::string> words) {
   CLI::App options("Writes problems for solvers of any origin: a folder of files with an index, or checks one.");
   std::string named;
   for (const NamedPack& pack : named_packs())
-    named += "\n  " + std::string(pack.name) + std::string(10 - pack.name.size(), ' ') + std::string(pack.line);
+    named += "\n  " + pack.name + std::string(10 - pack.name.size(), ' ') + pack.line;
   introduce(options, "pack",
             "  ./zwang pack guard --out guard\n"
             "  ./zwang pack \"hand(contacts=4,16,seed=1..5)\" rover/Rover4396.dat --out mine\n"

@@ -131,7 +131,7 @@ def league(records):
 
 class Options(argparse.ArgumentParser):
     def error(self, message):
-        fail(f"{message} (./zwang league --help)", WRONG_USE)
+        fail(f"{message.removeprefix('argument ')} (./zwang league --help)", WRONG_USE)
 
 
 def main(program, *words):

@@ -1,4 +1,4 @@
-// node draw.mjs FINDINGS.json OUT: its charts (experiments/questions/question.h) as OUT/NAME.svg.
+// node draw.mjs FINDINGS.json OUT: its charts (experiments/questions/questions.py) as OUT/NAME.svg.
 import './charts.js';
 
 import fs from 'node:fs';

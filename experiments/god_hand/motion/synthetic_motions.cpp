@@ -172,7 +172,8 @@ std::vector<Track> two_hands(const Site& s) {
       return palm;
     };
     while (lift < most && !s.clear(place(0.015), {}, model)) lift += 0.005;
-    const double high = s.clear_height(0.1, [&](double h) { return place(0.03, h); }, {}, model);
+    const double high = s.clear_height(
+        0.1, [&](double h) { return place(0.03, h); }, {}, model);
     Keyframes keys(model, place(0.03, high), {});
     keys.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
     keys.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));
@@ -206,6 +207,21 @@ std::vector<Track> unlock(const Site& s) {
   return {keys.track()};
 }
 
+// The palm, upright, goes 0.25 m along x at 0.4 m/s: from 60 mm before the first loose object to behind it.
+std::vector<Track> push(const Site& s) {
+  const auto box = std::ranges::find_if(s.about.objects, &Object::loose);
+  if (box == s.about.objects.end()) throw std::invalid_argument(s.about.name + " has no loose object to push");
+  Mat3 upright;
+  upright << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  const Vec3 start = box->pose.position - Vec3(0.06 + 0.014 + box->pieces[0].shape.half().x(), 0, 0);
+  constexpr double speed = 0.4, way = 0.25;
+  Track track{.model = hand::standard(), .patience = 1};
+  track.keys.push_back({0, {{start, upright}}});
+  for (const double time : {way / speed, way / speed + 0.5})
+    track.keys.push_back({time, {{start + Vec3(way, 0, 0), upright}}});
+  return {track};
+}
+
 struct Entry {
   const char* name;
   const char* line;
@@ -218,6 +234,7 @@ constexpr Entry entries[] = {
      grasp},
     {"lift", "a loose object pinched between thumb and index finger, lifted by 0.2 m, carried 0.3 m, set down", lift},
     {"hold", "the same grip, kept for a minute", hold},
+    {"push", "the upright palm moved 0.25 m at 0.4 m/s, a loose object before it", push},
     {"poke", "the index finger put 40 mm through the surface", poke},
     {"fist", "a fist clenched 25 mm inside the object", fist},
     {"swipe", "through the object and back at 5 m/s", swipe},
