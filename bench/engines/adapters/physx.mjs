@@ -7,7 +7,7 @@ globalThis.process = node;
 
 const xyz = ([x, y, z]) => new PhysX.PxVec3(x, y, z), list = v => [v.x, v.y, v.z];
 const pose = (at, [w, x, y, z]) => new PhysX.PxTransform(xyz(at), new PhysX.PxQuat(x, y, z, w));
-const straight = [1, 0, 0, 0], up = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];  // a plane faces along x
+const still = [0, 0, 0], straight = [1, 0, 0, 0], up = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];  // a plane faces along x
 const shapes = {
   plane: () => new PhysX.PxPlaneGeometry(),
   sphere: s => new PhysX.PxSphereGeometry(s.radius),
@@ -19,9 +19,7 @@ const scale = new PhysX.PxTolerancesScale(), physics = PhysX.CreatePhysics(PhysX
 
 serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Clause (PhysX), MIT (its bindings)', bits: 32, order: 1}, (scene, tuned) => {
   const settings = new PhysX.PxSceneDesc(scale);
-  settings.gravity = xyz(scene.gravity);
-  settings.cpuDispatcher = PhysX.DefaultCpuDispatcherCreate(0);
-  settings.filterShader = PhysX.DefaultFilterShader();
+  Object.assign(settings, {gravity: xyz(scene.gravity), cpuDispatcher: PhysX.DefaultCpuDispatcherCreate(0), filterShader: PhysX.DefaultFilterShader()});
   if (tuned) Object.assign(settings, {bounceThresholdVelocity: 1e-3, solverType: PhysX.PxSolverTypeEnum.eTGS});
   const world = physics.createScene(settings), material = physics.createMaterial(scene.mu, scene.mu, scene.restitution);
   const bodies = scene.bodies.map(b => {
@@ -41,7 +39,6 @@ serve({engine: 'physx', version: version('physx-js-webidl'), licence: 'BSD-3-Cla
     world.addActor(body);
     return body;
   });
-  const still = [0, 0, 0];
   for (const {a, b, at} of scene.joints)
     PhysX.SphericalJointCreate(physics, bodies[a], pose(minus(at, scene.bodies[a].at), straight), b < 0 ? null : bodies[b],
       pose(minus(at, b < 0 ? still : scene.bodies[b].at), straight));
