@@ -65,6 +65,16 @@ SettingValue value_in(S& solver, const Setting<S>& setting) {
   return std::visit([&](auto member) -> SettingValue { return &(solver.*member); }, setting.member);
 }
 
+// The bound on its error with which an answer ends that has none yet (solvers/friction/promise.h).
+void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution);
+template <Solver S>
+struct Promising : S {
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+    S::solve(problem, options, solution);
+    if (options.has_accuracy()) promise_at_the_end(problem, options, solution);
+  }
+};
+
 // The entry of a solver of type S, whose name, settings and laws are read from it:
 //
 //   entry<Mine>({.method = "...", .limits = "..."})
@@ -82,7 +92,7 @@ SolverEntry entry(SolverEntry e) {
     read_settings(S::name, text, known, [&]([[maybe_unused]] std::size_t k, [[maybe_unused]] const std::string& value) {
       if constexpr (requires { S::settings(); }) set_from(value, value_in(solver, S::settings()[k]));
     });
-    return solver;
+    return Promising<S>{std::move(solver)};
   };
   return e;
 }

@@ -110,6 +110,7 @@ void Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm)
   at_(i);
   Candidate& c = candidates_[i];
   SolveOptions options{.tolerance = tolerance, .warm_start = warm};
+  options.read_accuracy(options_.accuracy);
   if (!c.exact) options.max_iterations = patience;
   const double start = wall_seconds();
   c.solver.solve(problem, options, c.solution);
@@ -133,7 +134,13 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
         ++t.undecided;
     } else if (has_z(s.status)) {
       const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
-      const bool right = error <= (candidates_[i].exact ? exact_limit : other_limit);
+      const bool is_promised = std::isfinite(s.error_bound);
+      t.promised += is_promised;
+      t.tight += s.error_bound <= 10 * std::max(error, warm_limit);
+      if (is_promised && !(error <= s.error_bound + warm_limit))
+        fault(i, number, shown("promises", s.error_bound) + shown(", z error", error), problem, &truth);
+      const double limit = candidates_[i].exact ? exact_limit : other_limit;
+      const bool right = error <= (is_promised ? std::max(limit, s.error_bound) : limit);
       if (right && s.status == Status::solved) {
         ++t.solved;
         t.worst_z_error = std::max(t.worst_z_error, error);

@@ -14,6 +14,7 @@ namespace zwang {
 struct FuzzOptions {
   std::uint64_t seed = 1, first = 0, count = 1000;  // problems first .. first + count - 1
   std::string solvers = {};                         // "": every native one that is meant to be right (fuzzed_solvers)
+  std::string accuracy = {};                        // asked of solvers, whose promises are checked
   bool near = false;                                // near-dependent rows (near_problem()) in place of small integers
   bool friction = false;                            // contacts with friction (frictional_problem.h) in place of both
   bool referee = false;                             // the referee instead of solvers (question_referee.h)
@@ -27,7 +28,8 @@ struct FuzzTally {
   std::uint64_t proven = 0;     // infeasible, with a certificate that the referee accepts
   std::uint64_t undecided = 0;  // gave up, and said so
   std::uint64_t faults = 0;
-  std::uint64_t warm = 0, spoilt = 0;  // runs with warm starts; on spoilt entries
+  std::uint64_t promised = 0, tight = 0;  // bounds on the error; of them at most ten times the error, or 1e-11
+  std::uint64_t warm = 0, spoilt = 0;     // runs with warm starts; on spoilt entries
   // Of the referee: right answers without and with multipliers, and those of them that it leaves open.
   std::uint64_t right[2] = {}, open[2] = {};
   double worst_z_error = 0;  // among `solved`
@@ -35,6 +37,7 @@ struct FuzzTally {
   FuzzTally& operator+=(const FuzzTally& t) {
     runs += t.runs, solved += t.solved, flagged += t.flagged, proven += t.proven, undecided += t.undecided;
     faults += t.faults, warm += t.warm, spoilt += t.spoilt, seconds += t.seconds;
+    promised += t.promised, tight += t.tight;
     for (const int k : {0, 1}) right[k] += t.right[k], open[k] += t.open[k];
     worst_z_error = std::max(worst_z_error, t.worst_z_error);
     return *this;

@@ -35,12 +35,16 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_flag("--friction", fuzz.friction, "contacts with friction instead, under Coulomb's law");
   options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
+  options.add_option("--accuracy", fuzz.accuracy, "asked of all, as of ./zwang solve: checks what they promise")
+      ->type_name("A");
   within(from_to(1, 64), options.add_option("--jobs", jobs, "processes; default: one a core"));
   options.add_option("--out", out, "folder for the findings; default: fuzz-findings")->type_name("DIR");
   if (!read(options, std::move(words))) return done;
   if (fuzz.near + fuzz.friction + fuzz.referee > 1)
     throw std::invalid_argument("--near, --friction and --referee exclude each other");
   if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
+
+  SolveOptions().read_accuracy(fuzz.accuracy);
 
   Progress bar(isatty(STDERR_FILENO) == 1);
   const double start = wall_seconds();
@@ -78,6 +82,9 @@ int fuzz_command(std::vector<std::string> words) {
                 grouped(t.undecided).c_str(), 100 * t.decided(), grouped(t.faults).c_str(),
                 report::scientific(t.worst_z_error).c_str(),
                 report::duration(t.seconds / static_cast<double>(std::max<std::uint64_t>(1, all))).c_str());
+    if (!fuzz.accuracy.empty())
+      std::printf("%20s %10s promises, %s of them within ten times the error\n", "", grouped(t.promised).c_str(),
+                  grouped(t.tight).c_str());
   }
   constexpr std::size_t most_shown = 20;
   if (!o.findings.empty()) std::puts("");

@@ -54,6 +54,10 @@ void print(const Result& r, bool chosen) {
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))
     against += "; without it at most " + scientific(k.z_bound) + " (" + k.bound_method + ")";
+  if (!r.accuracy.empty())
+    line("promised", std::isfinite(r.error_bound) ? "error at most " + scientific(r.error_bound) + " of the motion (" +
+                                                        r.accuracy + " was asked for)   " + r.promise
+                                                  : "no bound on the error was had: solved to the tolerance");
   line("verified", std::string(to_string(k.verdict)) + "   " + against + (r.lies() ? "   FALSE CLAIM" : ""));
   if (r.claimed == Status::unsupported || r.claimed == Status::bad_input) {  // nothing was solved
     if (!r.message.empty()) line("message", r.message);
@@ -116,6 +120,11 @@ int solve_command(std::vector<std::string> words) {
   within(tolerances,
          options.add_option("--tolerance", run.tolerance, "relative, in the M-norm on unit rows; default: 1e-10"))
       ->type_name("T");
+  options
+      .add_option("--accuracy", run.accuracy,
+                  "ends as soon as an error is proven to be at most that: 1e-4 (of the motion, in the M-norm) or\n"
+                  "1e-4m/s (the speed of any body)")
+      ->type_name("A");
   within(above(0, "s"), options.add_option("--time-limit", time_limit, "CPU time of the solve; default: 60"))
       ->type_name("S");
   options.add_flag("--check", check, "exit code 1 where the claim is false");
@@ -131,6 +140,7 @@ int solve_command(std::vector<std::string> words) {
     print_solutions(choose(file, read_problems(file, law), name), json);
     return done;
   }
+  SolveOptions().read_accuracy(run.accuracy);  // its complaint comes before the file's
   const bool chosen = run.solver.empty() || run.solver == "auto";
   if (!chosen) make_solver(run.solver);  // its complaint comes before the file's
   Instance instance = choose(file, read_problems(file, law), name);

@@ -192,13 +192,15 @@ struct Solved {
   double seconds = 0;
 };
 
-Solved solve(const Instance& instance, const std::string& text, double tolerance, int max_iterations, double time_limit,
-             const std::optional<Numbers>& warm, bool keep_python) {
+Solved solve(const Instance& instance, const std::string& text, double tolerance, const std::string& accuracy,
+             int max_iterations, double time_limit, const std::optional<Numbers>& warm, bool keep_python) {
   const MakeSolver make = [](std::string_view t) { return make_solver(t); };
   make(text);  // a wrong name or setting is said before anything runs
   if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
+  SolveOptions().read_accuracy(accuracy);
   SolveRequest request{.solver = text,
                        .tolerance = tolerance,
+                       .accuracy = accuracy,
                        .time_limit = time_limit,
                        .max_iterations = max_iterations,
                        .fresh = true};
@@ -208,7 +210,7 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
       throw std::invalid_argument("warm_start should have " + std::to_string(instance.problem.rows()) +
                                   " entries, and has " + std::to_string(request.warm.lambda.size()));
   }
-  const Run run{.solver = text, .foreign = runs_apart(text), .tolerance = tolerance};
+  const Run run{.solver = text, .foreign = runs_apart(text), .tolerance = tolerance, .accuracy = accuracy};
   std::optional<py::gil_scoped_release> free;
   if (!keep_python) free.emplace();
   Dispatcher dispatcher(make);
@@ -304,6 +306,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("lambda_", [](const Solved& s) { return to_numpy(s.solution.lambda); })
       .def_property_readonly("certificate", [](const Solved& s) { return to_numpy(s.solution.certificate); })
       .def_property_readonly("iterations", [](const Solved& s) { return s.solution.iterations; })
+      .def_property_readonly("error_bound", [](const Solved& s) { return s.solution.error_bound; })
       .def_property_readonly("message", [](const Solved& s) { return s.solution.message; })
       .def_property_readonly("handed_to", [](const Solved& s) { return s.solution.handed_to; })
       .def_property_readonly("redundant", [](const Solved& s) { return s.solution.redundant; })

@@ -4,11 +4,13 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <system_error>
 
 #include <zwang/bench/results/seal.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 
@@ -33,9 +35,29 @@ Result describe(const Instance& instance) {
   return r;
 }
 
+namespace {
+
+// A bound holds up to the rounding of who measures it. Under Coulomb's law it is on the distance to the convex answer
+// of z's own slips, of which the referee knows an upper bound alone.
+std::string kept(const Problem& problem, const Metrics& m, const Reference* reference, double promised) {
+  const double rounding = accepted_error(0), most = promised + rounding;
+  if (problem.has_tangents() && !is_convex(problem.law)) return m.friction.self_bound <= most ? "kept" : "undecided";
+  if (m.z_bound <= most) return "kept";
+  if (!reference || std::isnan(m.z_error)) return "undecided";
+  const ErrorBounds proven = error_bounds(problem, *reference, m.z_error);
+  return proven.upper <= most ? "kept" : proven.lower > most ? "broken" : "undecided";
+}
+
+}  // namespace
+
 void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.claimed = solution.status;
-  r.metrics = measure(instance.problem, solution, instance.reference ? &*instance.reference : nullptr, r.tolerance);
+  const Reference* reference = instance.reference ? &*instance.reference : nullptr;
+  // What is promised is what is claimed: accepted_error() of this tolerance.
+  const double claimed = std::isfinite(solution.error_bound) ? solution.error_bound / 10 : r.tolerance;
+  r.metrics = measure(instance.problem, solution, reference, std::max(r.tolerance, claimed));
+  r.error_bound = solution.error_bound;
+  if (std::isfinite(r.error_bound)) r.promise = kept(instance.problem, r.metrics, reference, r.error_bound);
   r.worst_row = row_name(instance, r.metrics.worst_row);
   if (solution.z.size() == instance.problem.size() && solution.z.allFinite() && solution.z.size() > 0)
     for (TypeResidual& worst : worst_by_type(instance, solution.z)) {

@@ -32,10 +32,13 @@ struct Result {
   std::string solver = {};
   bool foreign = false;
   double tolerance = unknown;
+  std::string accuracy = {};  // as asked for, or ""
   int batch = 0;
   // the verdict
   Status claimed = Status::unsolved;
   Metrics metrics = {};
+  double error_bound = unknown;    // what the solver promises
+  std::string promise = {};        // "kept", "broken", "undecided", or "" where there is none
   double coulomb_error = unknown;  // |z - z*|_M / s, z* a solution of the same problem under Coulomb's law
   std::string worst_row = {};
   struct WorstRow : TypeResidual {
@@ -76,8 +79,13 @@ struct Result {
   std::string claim() const { return std::string(to_string(claimed)); }
   std::string verdict() const { return std::string(to_string(metrics.verdict)); }
   bool claims_solved() const { return claimed == Status::solved; }
-  // Claims an answer (or that there is none) that the referee refutes.
-  bool lies() const { return (claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong; }
+  // Claims an answer (or that there is none) that the referee refutes, or promises an accuracy that it has not.
+  bool lies() const {
+    return ((claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong) ||
+           promise == "broken";
+  }
+  // promised / true, where a reference tells the true error.
+  double oversolve() const { return error_bound / metrics.z_error; }
   bool is_right() const { return zwang::is_right(metrics.verdict); }
   // Proven neither right nor wrong.
   bool is_open() const {
@@ -98,6 +106,8 @@ struct Result {
     visit("n", r.n, "m", r.m, "equalities", r.equalities, "seed", r.seed);
     visit("problem_sha256", r.problem_sha256, "problem_file", r.problem_file, "law", r.law);
     visit("solver", r.solver, "foreign", r.foreign, "tolerance", r.tolerance);
+    visit(Column{.written = !r.accuracy.empty()}, "accuracy", r.accuracy, "error_bound", r.error_bound, "promise",
+          r.promise);
     visit("claimed", r.claimed, "verified", k.verdict, "z_error", k.z_error);
     visit("z_bound", k.z_bound, "bound_method", k.bound_method, "bound_sigma_min", k.bound_sigma_min);
     visit("primal", k.primal, "dual", k.dual, "stationarity", k.stationarity);

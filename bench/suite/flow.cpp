@@ -57,6 +57,7 @@ Result to_result(Result r, const Instance& instance, const Run& run, const Timed
   r.solver = run.solver;
   r.foreign = run.foreign;
   r.tolerance = run.tolerance;
+  r.accuracy = run.accuracy;
   judge(r, instance, timed.solution);
   r.repetitions = static_cast<int>(timed.samples.size());
   const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;

@@ -44,6 +44,7 @@ SolveReply Dispatcher::run(const Problem& problem, const Run& run, SolveRequest 
                            const std::atomic<bool>* interrupted) {
   call.solver = run.solver;
   call.tolerance = run.tolerance;
+  call.accuracy = run.accuracy;
   return run.foreign ? child.run(call, interrupted) : here.run(problem, call);
 }
 

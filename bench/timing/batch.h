@@ -18,6 +18,7 @@ struct Run {
   std::string solver = {};
   bool foreign = false;
   double tolerance = 1e-10;
+  std::string accuracy = {};                     // SolveOptions::read_accuracy
   double least_time_limit = 0;                   // s: BatchLimits may not give it less
   Index largest_island = SolverEntry::any_size;  // unknowns: it is not run on problems with a larger one
 };

@@ -27,6 +27,7 @@ SolveReply SolveService::run(const Problem& problem, const SolveRequest& call) {
                        .max_iterations = call.max_iterations,
                        .time_limit = call.time_limit,
                        .warm_start = call.warm.key.empty() ? nullptr : &call.warm};
+  options.read_accuracy(call.accuracy);
   if (call.observe)
     options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {
       if (is_rung(iteration)) answer.iterates.push_back({iteration, z, lambda});

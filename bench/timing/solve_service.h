@@ -19,6 +19,7 @@ using MakeSolver = std::function<AnySolver(std::string_view text)>;
 struct SolveRequest {
   std::string solver = {};  // as given on the command line
   double tolerance = 1e-10;
+  std::string accuracy = {};     // SolveOptions::read_accuracy
   double time_limit = 1;         // s of CPU time, for one solve
   int max_iterations = 1000000;  // in the method's own unit
   int solves = 1;                // solves between the two readings of the clock
@@ -37,7 +38,8 @@ struct SolveReply {
 };
 
 void fields(auto visit, same_but_const<SolveRequest> auto& x) {
-  visit(x.solver, x.tolerance, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe, x.warm);
+  visit(x.solver, x.tolerance, x.accuracy, x.time_limit, x.max_iterations, x.solves, x.fresh, x.warm_up, x.observe,
+        x.warm);
 }
 void fields(auto visit, same_but_const<SolveReply> auto& x) {
   visit(x.solution, x.seconds, x.prepare_s, x.allocations, x.iterates);

@@ -215,6 +215,9 @@ void Islands::join(const Island& island, const Solution& part, Index rows, Solut
   whole.iterations += part.iterations;
   whole.fallback = whole.fallback || part.fallback;
   if (!part.handed_to.empty()) whole.handed_to = part.handed_to;
+  // Of the whole motion: s_k^2 of the parts add up to at most 2 s^2, s_k being max(|z_u|_M, |z*|_M).
+  const double bound = std::sqrt(2) * part.error_bound;
+  if (!(bound <= whole.error_bound) && !std::isnan(whole.error_bound)) whole.error_bound = bound;
   whole.range_gap = std::fmax(whole.range_gap, part.range_gap);
   whole.margins.rank = part.margins.rank < 0 || whole.margins.rank < 0 ? -1 : whole.margins.rank + part.margins.rank;
   whole.margins.smallest_accepted = std::fmin(whole.margins.smallest_accepted, part.margins.smallest_accepted);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <iterator>
 #include <span>
 #include <string>
@@ -71,6 +72,8 @@ void Islands::solve_apart(Solve&& solve, Index unit, const Problem& problem, con
   if (whole) return solve(problem, options, solution);
   solution.reset(problem.size(), problem.rows());
   SolveOptions rest = options;
+  rest.accuracy /= std::sqrt(2);  // join() says why
+  if (options.has_accuracy()) solution.error_bound = 0;
   solution.status = Status::solved;
   solution.margins.rank = 0;
   const Deadline deadline(options.time_limit);

@@ -1,7 +1,10 @@
 #include <zwang/core/problem/solver.h>
 
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <new>
+#include <stdexcept>
 
 #include <zwang/core/problem/law.h>
 
@@ -13,6 +16,21 @@ std::string_view to_string(Status status) {
       "unsupported", "bad input", "numerical failure",       "crashed"};
   const auto k = static_cast<std::size_t>(status);
   return k < words.size() ? words[k] : "unknown";
+}
+
+void SolveOptions::read_accuracy(std::string_view text) {
+  accuracy = speed_accuracy = 0;
+  if (text.empty()) return;
+  const bool of_speed = text.ends_with("m/s");
+  const std::string_view digits = of_speed ? text.substr(0, text.size() - 3) : text;
+  double& value = of_speed ? speed_accuracy : accuracy;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc() && end == digits.data() + digits.size() && value > 0 && std::isfinite(value) &&
+      (of_speed || value < 1))
+    return;
+  throw std::invalid_argument(
+      "accuracy: expected a number between 0 and 1, as in 1e-4, or a speed, as in 1e-4m/s; got '" + std::string(text) +
+      "'");
 }
 
 std::string AnySolver::cannot_read(Law law) {

@@ -63,7 +63,10 @@ struct Solution {
   bool fallback = false;       // a slower, safer path was taken
   std::string handed_to = {};  // the solver that gave this answer in place of the one asked, "" where none did
   double range_gap = unknown;  // |J k - c| / |c|, of nnls_paper
-  std::string message = {};    // the method's own words, for people
+  // Where an accuracy was asked for and a bound was had: |z - z*|_M is at most this times max(|z_u|_M, |z*|_M),
+  // rounding aside. Under Coulomb's law z* is here the convex answer of z's own slips.
+  double error_bound = unknown;
+  std::string message = {};  // the method's own words, for people
   struct {
     Spare z, lambda, certificate;
   } spare = {};
@@ -79,7 +82,7 @@ struct Solution {
     margins = {};
     fallback = false;
     handed_to.clear();
-    range_gap = unknown;
+    range_gap = error_bound = unknown;
     message.clear();
   }
   // z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
@@ -101,12 +104,20 @@ struct WarmStart {
 using Observer = std::function<void(int iteration, const Vector& z, const Vector& lambda)>;
 
 struct SolveOptions {
-  double tolerance = 1e-10;      // relative, in the M-norm on unit rows
+  double tolerance = 1e-10;  // relative, in the M-norm on unit rows
+  // Where one is above 0, a method ends, solved, as soon as a bound on its error proves that much (error_bound), and
+  // goes on to the tolerance where there is no bound: relative to the motion, in the M-norm; the speed of any body, in
+  // z's unit.
+  double accuracy = 0, speed_accuracy = 0;
   int max_iterations = 1000000;  // a hard stop in the method's own unit; the last iterate is returned
   double time_limit = std::numeric_limits<double>::infinity();    // seconds
   double memory_limit = std::numeric_limits<double>::infinity();  // bytes of dense parts, where the machine has more
   const WarmStart* warm_start = nullptr;
   Observer observe = nullptr;
+
+  bool has_accuracy() const { return accuracy > 0 || speed_accuracy > 0; }
+  // "1e-4", "1e-4m/s" or "": none. Throws std::invalid_argument.
+  void read_accuracy(std::string_view text);
 };
 
 // The error in z, relative to the motion, up to which an answer is right where `tolerance` is asked: what `solved`

@@ -30,7 +30,7 @@ void fields(auto visit, same_but_const<Problem> auto& x) {
 }
 void fields(auto visit, same_but_const<Solution> auto& x) {
   visit(x.status, x.z, x.lambda, x.iterations, x.certificate, x.redundant, x.margins, x.fallback, x.range_gap,
-        x.handed_to, x.message);
+        x.handed_to, x.error_bound, x.message);
 }
 void fields(auto visit, same_but_const<WarmStart> auto& x) { visit(x.key, x.lambda); }
 void fields(auto visit, same_but_const<Iterate> auto& x) { visit(x.iteration, x.z, x.lambda); }

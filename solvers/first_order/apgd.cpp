@@ -59,7 +59,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
     y_ahead = y_next + carry * (y_next - y);
     lambda.swap(next);
     y.swap(y_next);
-    iteration.step_done();
+    if (iteration.step_done()) return;
 
     const double to_go = std::sqrt(curvature) * longest * length;
     if (to_go <= options.tolerance * program.scale(y) && natural_residual(program, y, lambda) <= options.tolerance) {
@@ -67,7 +67,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
       break;
     }
   }
-  program.write(problem, y, lambda, solution);
+  iteration.write();
 }
 
 }  // namespace zwang

@@ -6,11 +6,12 @@
 namespace zwang {
 
 bool DualIteration::begin() {
-  auto& [program, lambda, y, marked, drift, motion, sharpening] = work_;
+  auto& [program, lambda, y, marked, drift, motion, sharpening, promise] = work_;
   if (!program.build(problem_, options_, solution_)) return false;
   program.warm_multipliers(problem_, options_.warm_start, lambda);
   program.motion(lambda, y);
   marked.setZero(program.rows());
+  promise.begin(problem_, options_);
   solution_.status = Status::iteration_limit;
   return true;
 }
@@ -41,11 +42,17 @@ bool DualIteration::runs_off() {
   return false;
 }
 
-void DualIteration::step_done() {
+bool DualIteration::step_done() {
   ++solution_.iterations;
-  if (!options_.observe) return;
-  work_.program.write(problem_, work_.y, work_.lambda, solution_);
-  options_.observe(solution_.iterations, solution_.z, solution_.lambda);
+  if (options_.observe) {
+    write();
+    options_.observe(solution_.iterations, solution_.z, solution_.lambda);
+  }
+  constexpr double per_entry = 4;
+  if (!work_.promise.is_due(per_entry * solution_.iterations * static_cast<double>(work_.program.G().nonZeros())))
+    return false;
+  write();
+  return work_.promise.holds(solution_.lambda, solution_);
 }
 
 }  // namespace zwang

@@ -3,6 +3,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/form/unit_program.h>
+#include <zwang/solvers/friction/promise.h>
 
 namespace zwang {
 
@@ -11,7 +12,7 @@ namespace zwang {
 //
 //   while (iteration.goes_on(limit)) {
 //     ... moves lambda and y ...
-//     iteration.step_done();
+//     if (iteration.step_done()) break;
 //     if (...) { solution.status = Status::solved; break; }
 //   }
 class DualIteration {
@@ -21,6 +22,7 @@ class DualIteration {
     Vector lambda, y;  // the iterate and G' lambda
     Vector marked, drift, motion;
     Sharpening sharpening;
+    Promise promise;
   };
 
   DualIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution)
@@ -30,8 +32,9 @@ class DualIteration {
   bool begin();
   // False at an end that is none of the method's own, which the solution then names.
   bool goes_on(int limit);
-  // Counts the step and shows it to the observer.
-  void step_done();
+  // Counts the step and shows it to the observer. True where the accuracy that was asked for is proven; then written.
+  bool step_done();
+  void write() { work_.program.write(problem_, work_.y, work_.lambda, solution_); }
 
  private:
   bool runs_off();

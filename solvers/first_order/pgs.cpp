@@ -23,7 +23,7 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
       if (step != 0) program.add(i, step, y);
     }
     contraction.record((y - before).norm());
-    iteration.step_done();
+    if (iteration.step_done()) return;
 
     const double scale = program.scale(y), tolerance = options.tolerance * scale;
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();

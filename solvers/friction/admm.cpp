@@ -61,10 +61,12 @@ void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& 
       y[i] = next;
     }
     if (iteration.step_done()) break;
+    stale = iteration.looked();
     if (solution.iterations % settle == 0) {
       const double ratio = primal / std::max(p * dual, std::numeric_limits<double>::min());
-      stale = ratio > apart || ratio < 1 / apart;
-      if (stale) p *= ratio > 1 ? change : 1 / change;
+      const bool moves = ratio > apart || ratio < 1 / apart;
+      if (moves) p *= ratio > 1 ? change : 1 / change;
+      stale = stale || moves;
     }
   }
   iteration.end();

@@ -75,7 +75,7 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
   End end = End::failed;
   for (const auto& [run, start] : ladder)
     if (end == End::failed) end = (starts_.*run)(job, start);
-  if (end == End::written) return;
+  if (end == End::written || (end == End::accepted && starts_.promises(job))) return;
   starts_.program().write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
   if (end == End::accepted) {
@@ -97,6 +97,7 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
 bool Cone::Work::contradicts_itself(ConeStarts& normals, const ConeStarts::Job& job) {
   SolveOptions rest = job.options;
   rest.observe = nullptr;
+  rest.accuracy = rest.speed_accuracy = 0;
   const ConeStarts::Job of_normals{job.problem, rest, job.deadline, of_normals_, normals.best};
   if (!normals.begin(of_normals, ConeProgram::Want::normals)) return of_normals_.status == Status::infeasible;
   return normals.from_inside(of_normals, ConeStarts::first_start) == End::written;

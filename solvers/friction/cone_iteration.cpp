@@ -10,6 +10,7 @@ ConeIteration::ConeIteration(Workspace& work, const Problem& problem, const Solv
 
 bool ConeIteration::begin() {
   if (!work_.program.build(problem_, ConeProgram::Want::any, options_, deadline_, solution_)) return false;
+  work_.promise.begin(problem_, options_, &work_.program);
   work_.v.setZero(work_.program.face().unknowns());
   work_.s.setZero(work_.program.rows());
   if (work_.program.warm(problem_, options_.warm_start, work_.y) && work_.program.is_dense())
@@ -50,12 +51,16 @@ bool ConeIteration::step_done() {
     solution_.message = "the iterates run off";
     return true;
   }
+  // A step goes over the rows a few times, a dense one by lanes.
+  looked_ = work_.promise.is_due(static_cast<double>(program.rows() * work_.v.size()) * solution_.iterations);
+  if (looked_ && work_.promise.holds_at(work_.y, solution_)) return true;
   if (residual_ > options_.tolerance * scale || !program.accepts(left, work_.v, options_)) return false;
   solution_.status = Status::solved;
   return true;
 }
 
 void ConeIteration::end() {
+  if (!std::isnan(solution_.error_bound)) return;
   if (std::isfinite(residual_)) return work_.program.write(problem_, work_.v, work_.y, solution_);
   solution_.empty_z();
   solution_.empty_lambda();

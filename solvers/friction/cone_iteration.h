@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/friction/promise.h>
 
 namespace zwang {
 
@@ -13,6 +13,7 @@ class ConeIteration {
   struct Workspace {
     ConeProgram program;
     Vector v, y, s;  // s = G v - h
+    Promise promise;
   };
 
   ConeIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution);
@@ -23,7 +24,8 @@ class ConeIteration {
   bool step_done();
   double residual() const { return residual_; }
   const Deadline& deadline() const { return deadline_; }
-  // Writes the last iterate.
+  bool looked() const { return looked_; }  // step_done() has left another factor in the face
+  // Writes the last iterate, but for one that is written.
   void end();
 
  private:
@@ -33,6 +35,7 @@ class ConeIteration {
   Solution& solution_;
   Deadline deadline_;
   double residual_ = 0;
+  bool looked_ = false;
 };
 
 }  // namespace zwang

@@ -298,11 +298,25 @@ bool ConeProgram::warm(const Problem& p, const WarmStart* warm, Vector& y) {
   all_rows_.row.resize(at(p.rows()));
   all_rows_.equality.assign(at(p.rows()), 1);  // so that no sign is asked for
   warm_rows_.multipliers(p, all_rows_, warm, lambda_);
-  scale_multipliers(lambda_, y);
+  read(lambda_, y);
+  return y.allFinite() && y.squaredNorm() > 0;
+}
+
+void ConeProgram::read(const Vector& lambda, Vector& y) const {
+  scale_multipliers(lambda, y);
   for (Index k = 0; k < cones(); ++k) y.segment<3>(3 * k) = second_order_cone::projected(y.segment<3>(3 * k));
   for (Index r = 0; r < rays(); ++r)
     if (!is_equality(r)) y[3 * cones() + r] = std::max(0.0, y[3 * cones() + r]);
-  return y.allFinite() && y.squaredNorm() > 0;
+}
+
+void ConeProgram::divide_by_mass(Vector& f) {
+  if (form_ != Form::sparse) return;
+  SparseCholesky<double>& L = unit_rows_.factor;
+  short_.setZero(unit_rows_.size());
+  for (Index j = 0; j < f.size(); ++j) short_[sparse_face_.column(j)] = f[j];
+  L.solve_lower(short_);
+  L.solve_upper(short_);
+  for (Index j = 0; j < f.size(); ++j) f[j] = short_[sparse_face_.column(j)];
 }
 
 // What the joints carry of the force in rest_.

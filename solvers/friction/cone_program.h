@@ -75,6 +75,14 @@ class ConeProgram {
   // What M v and G'y are apart, relative to M v.
   double imbalance(const Vector& v, const Vector& y);
 
+  // For promises (promise.h). Multipliers of the problem's rows, cut to the cones; f := M^-1 f; and max(|z_u|_M, |z|_M)
+  // at the least.
+  void read(const Vector& lambda, Vector& y) const;
+  void divide_by_mass(Vector& f);
+  double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
+  // A length in the M-norm in its unit.
+  double in_own_unit(double length) const { return std::ldexp(length, -exponent()); }
+
   // Multipliers of an earlier frame; false where there are none.
   bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
   void write(const Problem& problem, const Vector& v, const Vector& y, Solution& solution);

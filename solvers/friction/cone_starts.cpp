@@ -15,6 +15,8 @@ constexpr int most_modes = 8;     // Newton steps from an iterate inside the con
 constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
+// The gap, in the program's unit, at which a promise is first asked for, and by what it falls until the next look.
+constexpr double promising_from = 0.001;
 
 }  // namespace
 
@@ -84,7 +86,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
   const double unit = program_.start();
   const bool couples = program_.law().lifts() && program_.is_dense();
   double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
-  double looked_at = tolerances::cone_runs_off * unit;
+  double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
   for (int step = 0;;) {
     const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
     bool stuck = (couples ? solution.iterations - begun_ >= most_coupled : step >= most_steps) ||
@@ -108,6 +110,10 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
             return End::written;
           }
           looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
+        }
+        if (options.has_accuracy() && inside_.gap() <= promising) {
+          if (promise_.holds_at(inside_.y, solution)) return End::written;
+          promising = promising_from * inside_.gap();
         }
         if (program_.is_dense()) continue;
         const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
@@ -154,6 +160,7 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   SolveOptions rest = options;
   rest.observe = nullptr;
+  rest.accuracy = rest.speed_accuracy = 0;
   const int most = is_near(best) ? std::min(begun_ + most_coupled, options.max_iterations) : options.max_iterations;
   const ConeLaw law = program_.law();
   slips_.setZero(program_.cones());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <zwang/solvers/friction/mode_newton.h>
+#include <zwang/solvers/friction/promise.h>
 
 namespace zwang {
 
@@ -27,9 +28,11 @@ class ConeStarts {
 
   // False where the answer is known, and then written.
   bool begin(const Job& job, ConeProgram::Want want) {
+    promise_.begin(job.problem, job.options, &program_);
     return program_.build(job.problem, want, job.options, job.deadline, job.solution);
   }
   ConeProgram& program() { return program_; }
+  bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
   Best best;
 
   // Each fails, too, where it does not apply. `start`: the size of an interior point's.
@@ -54,6 +57,7 @@ class ConeStarts {
   ConeProgram program_;
   InteriorPoint inside_;
   ModeNewton modes_;
+  Promise promise_;
   Best of_slips_;
   Vector proof_, slips_, s_, move_, pull_;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share

@@ -54,7 +54,7 @@ SolverEntry FixedPoint::entry(std::function<AnySolver(const std::string&)> make,
       check(solver.relaxation);
     });
     solver.solver = make(solver.inner);
-    return solver;
+    return Promising<FixedPoint>{std::move(solver)};
   };
   return e;
 }
@@ -100,6 +100,7 @@ double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool&
 void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);
   if (!program.build(p, ConeProgram::Want::way_back, options, deadline, solution)) return;
+  promise.begin(p, options, &program);
   shifted = p;
   shifted.law = without_lift(p.law);
   warm.key = p.key;
@@ -122,6 +123,7 @@ void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& 
     }
     bool accepted = false;
     left = residual(p, options, accepted);
+    if (promise.holds_at(y, solution)) return;
     if (left < least || accepted) {
       least = left;
       solution.z = answer.z;

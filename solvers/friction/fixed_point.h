@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/friction/promise.h>
 #include <zwang/solvers/setting.h>
 #include <zwang/solvers/solver_entry.h>
 
@@ -43,6 +43,7 @@ struct FixedPoint {
   Solution answer = {};
   WarmStart warm = {};
   ConeProgram program = {};
+  Promise promise = {};
   Vector v = {}, y = {}, s = {}, sigma = {};  // sigma at the rows of the contacts
 
  private:

@@ -10,6 +10,8 @@ namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
 constexpr int least_patience = 300;       // steps, or as many as there are rows: a heap of 3,000 may need a thousand
+// The step of the multipliers at which a promise is first asked for, of the motion, and by what it falls likewise.
+constexpr double promising_from = 0.01;
 
 }  // namespace
 
@@ -17,6 +19,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   if (!begin(L_.rows, p, options, deadline, s)) return;
   L_.begin(p, options, deadline, penalty);
+  promise_.begin(p, options);
   if (L_.rests()) {
     // The answer to the last bit. Multipliers of an earlier frame would only be worked off down to the smallest numbers
     // there are, which is far from z = 0.
@@ -50,7 +53,8 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 Status Newton::run(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
-    if (end != Status::solved || polish_.run(L_, options.tolerance, deadline, s)) return end;
+    const bool is_promised = !std::isnan(s.error_bound);
+    if (end != Status::solved || is_promised || polish_.run(L_, options.tolerance, deadline, s)) return end;
   }
   return Status::numerical_failure;
 }
@@ -68,7 +72,7 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
                        Solution& s) {
   const int most_steps = std::max(least_patience, static_cast<int>(L_.rows.rows()));
   const double reach = std::max(L_.rows.free_norm, 1.0);
-  double last_move = infinity;
+  double last_move = infinity, promising = promising_from;
   for (;;) {
     start_ = L_.d;
     for (bool settled = false; !settled;) {
@@ -89,6 +93,11 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
     }
     const double gain = L_.step_multipliers(), move = L_.distance(start_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
+    if (options.has_accuracy() && move <= promising * L_.scale) {
+      L_.write(L_.d, L_.l, s);
+      if (promise_.holds(s.lambda, s)) return Status::solved;
+      promising = promising_from * move / L_.scale;
+    }
     if (move <= close * L_.scale) {
       const bool runs_off = gain >= tolerances::out_of_reach * reach * move;
       return runs_off && polish_.certify(L_, p, deadline, s) ? Status::infeasible : Status::solved;

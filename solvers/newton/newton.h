@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/friction/promise.h>
 #include <zwang/solvers/newton/newton_polish.h>
 #include <zwang/solvers/setting.h>
 
@@ -44,6 +45,7 @@ struct Newton {
 
   AugmentedLagrangian L_;
   NewtonPolish polish_;
+  Promise promise_;
   DualActiveSet exact_;
   Vector start_;  // d before the inner problem
 };

@@ -180,19 +180,22 @@ def _setting(value):
     return {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else repr(value)
 
 
-def solve(problem, solver="dual_active_set", *, tolerance=1e-10, max_iterations=1000000, time_limit=60.0,
+def solve(problem, solver="dual_active_set", *, tolerance=1e-10, accuracy=None, max_iterations=1000000, time_limit=60.0,
           warm_start=None, law=None, **settings):
     """Solves a problem; settings are the solver's own (`zwang solvers` lists them). law: solves problem.under(law).
 
-    time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. Returns a Solution: status (what the
-    solver claims), z (n), lambda_ (m), iterations, message, seconds.
+    time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. accuracy: the error at which a method may
+    end before the tolerance, relative to the motion (1e-4) or as a speed of any body ("1e-4m/s"). Returns a Solution:
+    status (what the solver claims), z (n), lambda_ (m), iterations, message, seconds; error_bound, with an accuracy: a
+    proven bound on |z - z*|_M / max(|z_u|_M, |z*|_M), NaN where none was had (docs/tutorials/accuracy.md).
     """
     if not isinstance(solver, str):
         raise TypeError(f"solver should be a name: {solver!r}")
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     problem = problem if law is None else problem.under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
-    return _zwang.solve(problem, text, float(tolerance), int(max_iterations), float(time_limit), warm,
+    accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(float(accuracy))
+    return _zwang.solve(problem, text, float(tolerance), accuracy, int(max_iterations), float(time_limit), warm,
                         solver.split(":")[0] in _python_solvers)
 
 

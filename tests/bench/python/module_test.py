@@ -185,6 +185,18 @@ class Solving(unittest.TestCase):
                 zwang.solve(problem, **wrong)
             self.assertEqual(len(str(raised.exception).splitlines()), 1)
 
+    def test_an_accuracy_is_promised_and_kept(self):
+        hand = zwang.scene("hand(contacts=8)")
+        for solver in ("pgs", "newton", "nnls"):
+            self.assertTrue(math.isnan(zwang.solve(hand, solver).error_bound))
+            answer = zwang.solve(hand, solver, accuracy=1e-4)
+            self.assertLessEqual(answer.error_bound, 1e-4)
+            self.assertLessEqual(zwang.judge(hand, answer.z).at_least, answer.error_bound + 1e-12)
+        self.assertLessEqual(zwang.solve(hand, "pgs", accuracy="1e-3m/s").error_bound, 1)
+        for bad in (0, -1e-4, "1e-4 m", "nan"):
+            with self.assertRaisesRegex(ValueError, "accuracy: expected a number"):
+                zwang.solve(hand, "pgs", accuracy=bad)
+
     def test_two_threads_give_the_bits_of_one(self):
         problems = [zwang.scene(f"hand(contacts={c})") for c in (4, 16, 64)]
         alone = [zwang.solve(p).z.tobytes() for p in problems]

@@ -1,0 +1,380 @@
+#include <zwang/solvers/friction/promise.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <zwang/core/problem/mix_bits.h>
+#include <zwang/solvers/solver_entry.h>
+
+namespace zwang {
+namespace {
+
+constexpr int most_rounds = 6, most_passes = 12;  // exchanges of rows, solves with one factor
+constexpr double share = 10;                      // of a method's work to one of looks
+constexpr double rarer = 1.4;                     // and from one look to the next
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double rounding = tolerances::rank * eps;  // of a slack, relative to what it is a difference of
+
+// Where every body's three linear unknowns are its mass times the unit: the least mass, else 0.
+double lightest(const Problem& p) {
+  double least = infinity;
+  if (p.size() % 6 != 0) return 0;
+  for (Index j = 0; j < p.size(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) {
+      if (j % 6 >= 3 || it.value() == 0) continue;
+      if (it.row() != j) return 0;
+      least = std::min(least, it.value());
+    }
+  return std::isfinite(least) ? least : 0;
+}
+
+}  // namespace
+
+void Promise::begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows) {
+  problem_ = &problem;
+  program_ = rows ? rows : &own_;
+  options_ = &options;
+  ready_ = failed_ = false;
+  spent_ = 0;
+  if (!options.has_accuracy()) return;
+  lightest_ = options.speed_accuracy > 0 ? lightest(problem) : 0;
+  failed_ = options.speed_accuracy > 0 && lightest_ == 0;
+  // To bring the rows into their form, before it is known what a factor costs.
+  constexpr double per_entry = 20;
+  price_ = per_entry * static_cast<double>(problem.J.nonZeros() + problem.M.nonZeros());
+  next_look_ = share * price_;
+}
+
+bool Promise::is_due(double work) {
+  if (!options_->has_accuracy() || failed_ || work < next_look_) return false;
+  if (!ready_ && (!prepare() || work < share * (spent_ + price_))) return false;
+  spent_ += price_;
+  next_look_ = std::max(rarer * work, share * (spent_ + price_));
+  return true;
+}
+
+// The rows, and what a look at them costs.
+bool Promise::prepare() {
+  if (ready_ || failed_) return ready_;
+  failed_ = true;
+  if (program_ == &own_ &&
+      !own_.build(*problem_, ConeProgram::Want::any, *options_, Deadline(options_->time_limit), scratch_))
+    return false;
+  const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
+  constexpr double lanes = 4;  // multiplications of a dense factor at a time
+  spent_ = price_;
+  price_ = program_->is_dense() ? n * n * (m / 2 + n / 6) / lanes + most_passes * n * (n + 3 * m) / lanes
+                                : share * static_cast<double>(problem_->J.nonZeros() + problem_->M.nonZeros()) * share;
+  mode_.assign(at(program_->cones()), Mode::open);
+  slide_.resize(at(program_->cones()));
+  active_.assign(at(program_->rays()), 0);
+  D_.resize(at(9 * program_->cones()));
+  ray_weight_.setZero(program_->rays());
+  for (Vector* x : {&y_, &s_, &next_, &ds_, &x_, &t_}) x->setZero(program_->rows());
+  for (Vector* x : {&v_, &dv_, &force_}) x->setZero(program_->face().unknowns());
+  failed_ = false;
+  return ready_ = true;
+}
+
+bool Promise::holds(const Vector& lambda, Solution& solution) {
+  if (!options_->has_accuracy() || !prepare()) return false;
+  program_->read(lambda, y_);
+  return keep(look(), solution);
+}
+
+bool Promise::holds_at(const Vector& y, Solution& solution) {
+  if (!options_->has_accuracy() || !prepare()) return false;
+  y_ = y;
+  return keep(look(), solution);
+}
+
+bool Promise::keep(const Bound& bound, Solution& solution) {
+  if (!bound.is_enough) return false;
+  program_->write(*problem_, v_, y_, solution);
+  solution.error_bound = bound.relative;
+  solution.status = Status::solved;
+  return true;
+}
+
+void Promise::judge(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  const bool is_solved = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
+  if (!options.has_accuracy() || !std::isnan(solution.error_bound) || !is_solved) return;
+  if (solution.lambda.size() != problem.rows() || solution.z.size() != problem.size()) return;
+  SolveOptions any = options;
+  any.accuracy = infinity;
+  any.speed_accuracy = 0;
+  begin(problem, any);
+  if (!prepare()) return;
+  program_->read(solution.lambda, y_);
+  const Bound bound = look();
+  options_ = nullptr;
+  if (!std::isfinite(bound.relative)) return;
+  program_->write(problem, v_, y_, scratch_);
+  const auto length = [&](const Vector& x) { return std::sqrt(std::max(0.0, x.dot(problem.M * x))); };
+  const double far = length(scratch_.z - solution.z), motion = std::max(length(problem.z_u), length(solution.z));
+  const double apart = far > 0 ? far / motion : 0;
+  if (!program_->law().lifts()) {
+    solution.error_bound = bound.relative + apart;
+  } else if (apart <= accepted_error(options.tolerance)) {
+    solution.z = scratch_.z;
+    solution.lambda = scratch_.lambda;
+    solution.error_bound = bound.relative;
+  }
+}
+
+// From y_.
+Promise::Bound Promise::look() {
+  h_ = program_->h();
+  program_->face().force(y_, v_);
+  program_->divide_by_mass(v_);
+  program_->face().slack(v_, s_);
+  s_ -= h_;
+  reach_ = 0;
+  for (Index i = 0; i < h_.size(); ++i)
+    if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
+  Bound out;
+  double before = infinity;
+  for (int round = 0; round < most_rounds && (choose() || round == 0) && factorize(); ++round) {
+    const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
+    const bool met = missed <= rounding * size;
+    if (!met && !(missed <= before)) break;  // it runs away
+    before = missed;
+    if (!met || !distance()) continue;
+    const double enough = options_->speed_accuracy > 0
+                              ? program_->in_own_unit(options_->speed_accuracy * std::sqrt(lightest_))
+                              : options_->accuracy * program_->least_motion(v_);
+    const double first = far(still + rounding * size, 0);
+    if (!(first <= enough)) continue;
+    const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
+    if (!(most < infinity && (motion > 0 || most == 0))) break;
+    out.relative = most > 0 ? most / motion : 0;
+    out.is_enough = options_->speed_accuracy > 0 ? most <= enough : out.relative <= options_->accuracy;
+    break;
+  }
+  return out;
+}
+
+// Who carries force at (v, y). Is that another choice than the last?
+bool Promise::choose() {
+  bool changed = false;
+  for (Index k = 0; k < program_->cones(); ++k) {
+    const Mode now = program_->law().mode(&y_[3 * k], &s_[3 * k], slide_[at(k)]);
+    changed = changed || now != mode_[at(k)] || now == Mode::slide;
+    mode_[at(k)] = now;
+  }
+  for (Index r = 0; r < program_->rays(); ++r) {
+    const Index i = 3 * program_->cones() + r;
+    const char now = program_->is_equality(r) || y_[i] - s_[i] > 0;
+    changed = changed || now != active_[at(r)];
+    active_[at(r)] = now;
+  }
+  return changed;
+}
+
+bool Promise::factorize() {
+  std::ranges::fill(D_, 0.0);
+  for (Index k = 0; k < program_->cones(); ++k) linearize(k, &D_[at(9 * k)]);
+  for (Index r = 0; r < program_->rays(); ++r) ray_weight_[r] = active_[at(r)] ? 1 / tolerances::promise_softness : 0;
+  const bool symmetric = !program_->law().lifts() || std::ranges::find(mode_, Mode::slide) == mode_.end();
+  return (symmetric || program_->face().takes_unsymmetric()) && program_->face().factorize(D_, ray_weight_, symmetric);
+}
+
+// D and next_ of a contact, at its mode.
+void Promise::linearize(Index k, double* D) {
+  const double *y = &y_[3 * k], *s = &s_[3 * k];
+  next_.segment<3>(3 * k).setZero();
+  if (mode_[at(k)] == Mode::slide) (void)program_->law().mode(y, s, slide_[at(k)]);
+  program_->law().linearize(mode_[at(k)], slide_[at(k)], tolerances::promise_softness, program_->tilt(k), y, s, D,
+                            &next_[3 * k]);
+}
+
+// Newton's steps by the one factor, as far as they go. Returns how much v would still move.
+double Promise::settle() {
+  ConeFace& face = program_->face();
+  const Index nc = program_->cones();
+  double last = infinity, length = infinity;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    std::array<double, 9> unused;
+    for (Index k = 0; k < nc; ++k) linearize(k, unused.data());
+    for (Index r = 0; r < program_->rays(); ++r)
+      next_[3 * nc + r] = active_[at(r)] ? y_[3 * nc + r] - ray_weight_[r] * s_[3 * nc + r] : 0;
+    face.force(next_, dv_);
+    face.mass(v_, force_);
+    dv_ -= force_;
+    face.solve(dv_);
+    face.slack(dv_, ds_);
+    face.mass(dv_, force_);
+    v_ += dv_;
+    for (Index k = 0; k < nc; ++k)
+      y_.segment<3>(3 * k) = next_.segment<3>(3 * k) - Eigen::Map<const Mat3>(&D_[at(9 * k)]) * ds_.segment<3>(3 * k);
+    for (Index r = 0; r < program_->rays(); ++r) y_[3 * nc + r] = next_[3 * nc + r] - ray_weight_[r] * ds_[3 * nc + r];
+    face.slack(v_, s_);
+    s_ -= h_;
+    last = length;
+    length = std::sqrt(std::max(0.0, force_.dot(dv_)));
+    if (!(length > eps * program_->scale(v_)) || length > last / 2) break;
+  }
+  return length < last ? length * length / (last - length) + length : infinity;
+}
+
+// By how much the rows that carry force are missed, the most.
+double Promise::left() const {
+  double most = 0;
+  for (Index k = 0; k < program_->cones(); ++k) {
+    const auto s = s_.segment<3>(3 * k);
+    const auto& [u1, u2, size, pressure] = slide_[at(k)];
+    if (mode_[at(k)] == Mode::stick) most = std::max(most, s.lpNorm<Eigen::Infinity>());
+    if (mode_[at(k)] == Mode::slide)
+      most = std::max(most, std::abs(s[0] + program_->law().opening() * (u1 * s[1] + u2 * s[2])));
+  }
+  for (Index r = 0; r < program_->rays(); ++r)
+    if (active_[at(r)]) most = std::max(most, std::abs(s_[3 * program_->cones() + r]));
+  return most;
+}
+
+// The rows that carry force, as far as v misses them, times their weight: of a contact that slides the plane of its
+// ray.
+void Promise::pull(const Vector& missed, Vector& force) const {
+  for (Index k = 0; k < program_->cones(); ++k) {
+    const double *D = &D_[at(9 * k)], opening = program_->law().opening();
+    const auto e = missed.segment<3>(3 * k);
+    const auto& [u1, u2, size, pressure] = slide_[at(k)];
+    if (mode_[at(k)] == Mode::slide)
+      force.segment<3>(3 * k) = D[0] * (e[0] + opening * (u1 * e[1] + u2 * e[2])) * Vec3(1, u1, u2);
+    else
+      force.segment<3>(3 * k) = Eigen::Map<const Mat3>(D) * e;
+  }
+  const Index first = 3 * program_->cones();
+  force.tail(program_->rays()) = ray_weight_.cwiseProduct(missed.segment(first, program_->rays()));
+}
+
+// Is no combination of the rows that carry force nearly nothing? What passes leave of multipliers then vanishes:
+// t := (I + S / softness)^-1 t.
+bool Promise::is_independent() {
+  ConeFace& face = program_->face();
+  for (Index i = 0; i < ds_.size(); ++i)
+    ds_[i] = 0.5 + std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -53);
+  pull(ds_, next_);
+  const double start = next_.norm(), vanished = tolerances::promise_vanished * start;
+  double before = infinity, length = start;
+  for (int pass = 0; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
+    face.force(next_, dv_);
+    face.solve(dv_);
+    face.slack(dv_, ds_);
+    pull(ds_, t_);
+    next_ -= t_;
+    before = length;
+    length = next_.norm();
+  }
+  return length <= vanished;
+}
+
+// What all forces of the answer add up to at the most, where no contact is pressed that v has more than `within` from.
+// Infinite where no motion is found that opens the others.
+double Promise::most_force(double within) {
+  ConeFace& face = program_->face();
+  const Index nc = program_->cones();
+  constexpr double weight = 1 / tolerances::promise_softness;
+  std::ranges::fill(D_, 0.0);
+  ray_weight_.setZero();
+  x_.setZero(program_->rows());
+  for (Index k = 0; k < nc; ++k) {
+    const double* s = &s_[3 * k];
+    if (mode_[at(k)] == Mode::open && s[0] - program_->law().opening() * second_order_cone::tangential(s) > within)
+      continue;
+    Eigen::Map<Mat3>(&D_[at(9 * k)]).diagonal().setConstant(weight);
+    x_[3 * k] = 1;
+  }
+  for (Index r = 0; r < program_->rays(); ++r) {
+    if (program_->is_equality(r)) return infinity;
+    if (!active_[at(r)] && s_[3 * nc + r] > within) continue;
+    ray_weight_[r] = weight;
+    x_[3 * nc + r] = 1;
+  }
+  if (!face.factorize(D_, ray_weight_, true)) return infinity;
+  w_.setZero(v_.size());
+  t_.setZero(program_->rows());
+  constexpr int passes = 4;
+  double least = infinity;
+  for (int pass = 0; pass <= passes; ++pass) {
+    face.slack(w_, ds_);
+    next_ = x_ - ds_;
+    for (Index k = 0; k < nc; ++k) next_.segment<3>(3 * k) *= D_[at(9 * k)];
+    next_.tail(program_->rays()).array() *= ray_weight_.array();
+    t_ += next_;
+    if (pass == passes) break;
+    face.force(t_, dv_);
+    face.mass(w_, force_);
+    dv_ -= force_;
+    face.solve(dv_);
+    w_ += dv_;
+  }
+  for (Index k = 0; k < nc; ++k)
+    if (x_[3 * k] != 0) least = std::min(least, second_order_cone::smallest(&ds_[3 * k]));
+  for (Index i = 3 * nc; i < program_->rows(); ++i)
+    if (x_[i] != 0) least = std::min(least, ds_[i]);
+  face.mass(w_, force_);
+  face.mass(v_, dv_);
+  return least > 0 ? std::sqrt(force_.dot(w_) * dv_.dot(v_)) / least : infinity;
+}
+
+// `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
+// met exactly near v. Otherwise the forces have to be bounded.
+double Promise::with_rounding(double first, double still, double size) {
+  double least = infinity;  // slack of those that carry no force
+  for (Index k = 0; k < program_->cones(); ++k)
+    if (const double* s = &s_[3 * k]; mode_[at(k)] == Mode::open)
+      least = std::min(least, s[0] - program_->law().opening() * second_order_cone::tangential(s));
+  for (Index r = 0; r < program_->rays(); ++r)
+    if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
+  if (least > tolerances::promise_touching * size && is_independent())
+    return first + (left() + tolerances::violation * eps * size) / tolerances::promise_least_share;
+  const double within = std::max(4 * first, tolerances::promise_near * size), force = most_force(within);
+  const double most = far(still + rounding * size, 4 * rounding * size * force);
+  return most <= within ? most : infinity;
+}
+
+double Promise::far(double apart, double more) const { return apart + half_ + std::sqrt(half_ * half_ + gap_ + more); }
+
+// The terms of the bound above, y_ being cut to the cones. False where a row without force is violated.
+bool Promise::distance() {
+  ConeFace& face = program_->face();
+  const ConeLaw law = program_->law();
+  const Index nc = program_->cones();
+  const double size = rounding * std::max(program_->scale(v_), reach_);
+  gap_ = 0;
+  const auto counts = [&](double slack) { return slack > size ? slack : 0; };
+  for (Index k = 0; k < nc; ++k) {
+    const double *s = &s_[3 * k], slip = second_order_cone::tangential(s);
+    auto y = y_.segment<3>(3 * k);
+    const double open = s[0] - law.opening() * slip;  // of the cones lifted by what slips
+    if (mode_[at(k)] == Mode::open && -open > size) return false;
+    if (mode_[at(k)] == Mode::slide && slip > size) {
+      const double push = std::max(0.0, y[0]);
+      y = Vec3(push, -push * s[1] / slip, -push * s[2] / slip);
+      gap_ += push * (counts(open) + 2 * counts(-open));
+    } else {
+      y = second_order_cone::projected(y);
+    }
+  }
+  for (Index i = 3 * nc; i < program_->rows(); ++i) {
+    if (program_->is_equality(i - 3 * nc)) continue;
+    if (!active_[at(i - 3 * nc)] && -s_[i] > size) return false;
+    y_[i] = std::max(0.0, y_[i]);
+  }
+  face.force(y_, force_);
+  face.mass(v_, dv_);
+  force_ -= dv_;
+  dv_ = force_;
+  program_->divide_by_mass(dv_);
+  half_ = std::sqrt(std::max(0.0, force_.dot(dv_))) / 2;
+  return std::isfinite(half_ + gap_);
+}
+
+void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  Promise().judge(problem, options, solution);
+}
+
+}  // namespace zwang

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <vector>
+
+#include <zwang/solvers/friction/cone_program.h>
+
+namespace zwang {
+
+// A bound on the error of an answer, proven up to rounding, from multipliers that a method is on its way with
+// (SolveOptions::accuracy). With the rows of a cone program, r = M v - G'y for any y in the cones, and v* the answer:
+//
+//   |v - v*|_M^2 <= |r|_(M^-1) |v - v*|_M + y's + y*'(what s is outside its cones)
+//
+// (strong monotony, the weak duality of Gauss' problem). Of the iterate itself the middle term makes a bound of
+// sqrt(residual), 1e4 times the error. So v is first moved to the nearest point, in the M-norm, of the rows that carry
+// force: of a contact that sticks all three, of one that slides the plane of its ray. There y's vanishes, forces that
+// pull are cut off into r, and the bound falls like the error; it is zero where the rows were the right ones. Rows that
+// are violated then, or pull, are exchanged, a few times. Under Coulomb's law this is the convex problem of the slips
+// at v, whose answer v* is then: the self bound.
+//
+// Rows that depend on each other, or nearly, hide how far v is from meeting them all, in y*' times what is left of the
+// rows. Where they are clearly independent there is a point near v that meets them. Else a motion w that opens all rows
+// near v bounds the forces, sum of y* <= |w| |v*| / (the least that w opens), and the promise ends at 1e-7, the square
+// root of rounding. Tried before: right sides moved at random tell rows 1e-12 from dependent, and none that are nearer.
+class Promise {
+ public:
+  // Costs nothing where no accuracy is asked for. `rows`: the program of this problem that a method works with; a look
+  // leaves another factor in its face. Else one is built for the first look. All three are kept until the next begin().
+  void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows = nullptr);
+  // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
+  bool is_due(double work);
+  // From the problem's multipliers, or those of `rows`. Where the bound is what was asked for, the solution is
+  // complete, and solved.
+  bool holds(const Vector& lambda, Solution& solution);
+  bool holds_at(const Vector& y, Solution& solution);
+  // The bound of an answer that a method has ended with; NaN where none is had. The answer stays as it is, but for the
+  // last digits under Coulomb's law: at another point the slips are others.
+  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+ private:
+  using Mode = ConeLaw::Mode;
+  struct Bound {
+    double relative = infinity;  // to the motion
+    bool is_enough = false;
+  };
+
+  bool prepare();
+  Bound look();
+  bool keep(const Bound& bound, Solution& solution);
+  bool choose();
+  bool factorize();
+  void linearize(Index k, double* D);
+  double settle();
+  double left() const;
+  void pull(const Vector& missed, Vector& force) const;
+  bool is_independent();
+  double most_force(double within);
+  double with_rounding(double first, double still, double size);
+  double far(double apart, double more) const;
+  bool distance();
+
+  const Problem* problem_ = nullptr;
+  const SolveOptions* options_ = nullptr;
+  ConeProgram own_;
+  ConeProgram* program_ = nullptr;
+  bool ready_ = false, failed_ = false;
+  double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
+  double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
+  double reach_ = 0;           // the right sides that rounding in a slack comes from
+  std::vector<Mode> mode_;
+  std::vector<ConeLaw::Slide> slide_;
+  std::vector<char> active_;  // single rows
+  std::vector<double> D_;
+  Vector ray_weight_, v_, y_, s_, h_, next_, dv_, ds_, force_, w_, x_, t_;
+  Solution scratch_;
+};
+
+}  // namespace zwang
