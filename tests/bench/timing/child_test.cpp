@@ -49,10 +49,12 @@ TEST(Child, SendsWhatASolutionSaysOfItself) {
   SolveReply sent;
   sent.solution.handed_to = "nnls";
   sent.solution.range_gap = 0.25;
+  sent.solution.error_bound = 0.125;
   sent.solution.message = "said";
   const Solution got = unpack<SolveReply>(pack(sent)).solution;
   EXPECT_EQ(got.handed_to, "nnls");
   EXPECT_EQ(got.range_gap, 0.25);
+  EXPECT_EQ(got.error_bound, 0.125);
   EXPECT_EQ(got.message, "said");
 }
 
