@@ -36,17 +36,10 @@ std::string described(const Answers& a) {
   return text;
 }
 
-// A value in quotation marks.
-std::string in_xml(std::string text) {
-  for (const auto& [mark, name] : {std::pair('&', "&amp;"), {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}})
-    for (std::size_t at = 0; (at = text.find(mark, at)) != text.npos; ++at) text.replace(at, 1, name);
-  return '"' + text + '"';
-}
-
 }  // namespace
 
-Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
-                  const std::atomic<bool>& interrupted) {
+Outcome judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
+                   const std::atomic<bool>& interrupted) {
   std::vector<SolverEntry> entries;
   std::map<std::string, std::shared_ptr<const Answers>> by_name;
   std::set<double> tolerances;
@@ -66,7 +59,6 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
   plan.answers = true;
   std::erase_if(plan.runs, [&](const Run& run) { return run.tolerance != by_name.at(run.solver)->tolerance; });
   settings.solvers = entries;
-  Judged judged;
   settings.amend = [&](Result& r) {
     const auto contestant = by_name.find(r.solver);
     if (contestant == by_name.end()) return;  // an answer that came with its problem
@@ -75,32 +67,8 @@ Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSetti
     r.machine = contestant->second->machine;  // the report compares times of one machine alone
     r.setup_s = r.prepare_s = r.allocations = unknown;
     r.solve_s = r.solve_s_q1 = r.solve_s_q3 = found == answers.end() ? unknown : found->second.seconds;
-    judged.rows.push_back(r);
   };
-  judged.outcome = run_suite(plan, settings, interrupted);
-  return judged;
-}
-
-std::string to_junit(const std::vector<Result>& rows) {
-  std::string body;
-  std::size_t failures = 0, skipped = 0;
-  for (const Result& r : rows) {
-    body += "  <testcase classname=" + in_xml(r.solver) + " name=" + in_xml(r.problem);
-    if (r.metrics.verdict == Verdict::unsupported) {
-      body += "><skipped/></testcase>\n";
-      ++skipped;
-    } else if (r.is_open() || r.metrics.verdict == Verdict::infeasible_claimed) {
-      body += "><system-out>" + r.verdict() + "</system-out></testcase>\n";
-    } else if (r.is_right()) {
-      body += "/>\n";
-    } else {
-      body += "><failure message=" + in_xml("claimed " + r.claim() + ", verified " + r.verdict()) + "/></testcase>\n";
-      ++failures;
-    }
-  }
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"zwang\" tests=\"" +
-         std::to_string(rows.size()) + "\" failures=\"" + std::to_string(failures) + "\" skipped=\"" +
-         std::to_string(skipped) + "\">\n" + body + "</testsuite>\n";
+  return run_suite(plan, settings, interrupted);
 }
 
 std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesystem::path& file,

@@ -11,19 +11,11 @@
 
 namespace zwang {
 
-struct Judged {
-  Outcome outcome = {};
-  std::vector<Result> rows = {};
-};
-
 // Judges answers as a suite judges solvers, problem by problem, into settings.directory: results.jsonl, run.json and
 // the pack's problems. A problem without an answer is unsolved. Contestants of one name are told apart by their file's
 // name.
-Judged judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
-                  const std::atomic<bool>& interrupted);
-
-// Verdicts as JUnit's XML: a test case a row, a failure where there is no right answer, nor an open one.
-std::string to_junit(const std::vector<Result>& rows);
+Outcome judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSettings settings,
+                   const std::atomic<bool>& interrupted);
 
 // Solves the pack's problems one by one and appends their answers to `file`. Throws std::invalid_argument where there
 // is no such solver.

@@ -1,7 +1,6 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include <zwang/bench/packs/judge_pack.h>
@@ -101,12 +100,6 @@ int solve_pack_command(std::vector<std::string> words) {
 
 namespace {
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  if (!out.flush()) throw BadFile(file.string() + ": cannot be written");
-}
-
 void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
   Progress bar(isatty(STDERR_FILENO));
   const ProofTally tally =
@@ -152,7 +145,7 @@ int judge_command(std::vector<std::string> words) {
                          .command = command,
                          .terminal = isatty(STDERR_FILENO) == 1};
   if (!proofs.empty()) print_proofs(pack, contestants, new_directory(proofs, "--proofs"));
-  const auto [outcome, rows] = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
+  const Outcome outcome = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
   if (outcome.interrupted) {
     std::puts("Stopped: no report.");
     return stopped;
@@ -161,9 +154,9 @@ int judge_command(std::vector<std::string> words) {
   std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n",
               grouped(t.runs).c_str(), grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(),
               grouped(t.failed).c_str(), grouped(t.undecided).c_str(), grouped(t.lies).c_str());
-  if (!junit.empty()) write_text(junit, to_junit(rows));
   std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
-  return t.lies > 0 ? found : done;
+  const Exit code = t.lies > 0 ? found : done;
+  return junit.empty() ? code : write_junit(settings.directory / "results.jsonl", junit, code);
 }
 
 }  // namespace zwang

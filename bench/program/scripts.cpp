@@ -12,6 +12,7 @@ ZWANG_EMBEDDED(job_template, ZWANG_JOB)
 ZWANG_EMBEDDED(merge_script, ZWANG_MERGE)
 ZWANG_EMBEDDED(league_script, ZWANG_LEAGUE)
 ZWANG_EMBEDDED(guard_script, ZWANG_GUARD)
+ZWANG_EMBEDDED(junit_script, ZWANG_JUNIT)
 
 namespace zwang {
 
@@ -20,6 +21,7 @@ int continue_as_script(std::string_view script, std::vector<std::string> before,
   before.insert(before.begin(), {"-c", std::string(script)});
   before.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
   before.insert(before.end(), words.begin(), words.end());
+  std::fflush(stdout);
   return continue_as("python3", before);
 }
 
@@ -50,5 +52,9 @@ int league_command(std::vector<std::string> words) {
 }
 
 int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }
+
+int write_junit(const std::filesystem::path& results, const std::string& file, int code) {
+  return continue_as_script(junit_script(), {}, {results.string(), file, std::to_string(code)});
+}
 
 }  // namespace zwang
