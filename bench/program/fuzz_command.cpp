@@ -45,6 +45,8 @@ int fuzz_command(std::vector<std::string> words) {
   if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
 
   SolveOptions().read_accuracy(fuzz.accuracy);
+  if (!fuzz.accuracy.empty() && (fuzz.friction || fuzz.referee))
+    throw std::invalid_argument("--accuracy goes with neither --friction nor --referee");
 
   Progress bar(isatty(STDERR_FILENO) == 1);
   const double start = wall_seconds();
