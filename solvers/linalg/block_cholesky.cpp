@@ -21,28 +21,36 @@ void BlockCholesky::analyze(const SparseMatrix& M, const SparseRows& rows, const
                             const Deadline& deadline, int triples) {
   valid_ = false;
   triples_ = triples;
-  if (M_places_.matches(M) && row_begin_ == rows.begin && row_column_ == rows.column) return;
+  const bool keeps_tied = find_tied(M, rows);
+  if (keeps_tied && M_places_.matches(M) && row_begin_ == rows.begin && row_column_ == rows.column) return;
   row_begin_.clear();  // no pattern is known until all of it is
-  group_columns(M, rows);
+  group_columns();
   build_fronts(M, rows, options, deadline);
   row_begin_ = rows.begin;
   row_column_ = rows.column;
   M_places_.keep(M);
 }
 
-// group_of_, with loose columns at -1; groups are numbered without gaps.
-void BlockCholesky::group_columns(const SparseMatrix& M, const SparseRows& rows) {
-  const Index n = M.cols();
-  std::vector<char> tied(at(n), 0);
-  for (const int j : rows.column) tied[at(j)] = 1;
-  for (Index j = 0; j < n; ++j)
+// Is tied_ as it was?
+bool BlockCholesky::find_tied(const SparseMatrix& M, const SparseRows& rows) {
+  tied_.swap(tied_before_);
+  tied_.assign(at(M.cols()), 0);
+  tied_before_.reserve(tied_.size());
+  for (const int j : rows.column) tied_[at(j)] = 1;
+  for (Index j = 0; j < M.cols(); ++j)
     for (SparseMatrix::InnerIterator it(M, j); it; ++it)
-      if (it.row() != j) tied[at(j)] = 1;
+      if (it.row() != j && it.value() != 0) tied_[at(j)] = 1;
+  return tied_ == tied_before_;
+}
+
+// group_of_, with loose columns at -1; groups are numbered without gaps.
+void BlockCholesky::group_columns() {
+  const Index n = std::ssize(tied_);
   group_of_.assign(at(n), -1);
   group_begin_.assign(1, 0);
   for (Index j = 0; j < n; ++j) {
     if (j % group_size == 0 && group_begin_.back() > 0) group_begin_.push_back(group_begin_.back());
-    if (!tied[at(j)]) continue;
+    if (!tied_[at(j)]) continue;
     if (group_begin_.size() == 1) group_begin_.push_back(0);
     ++group_begin_.back();
   }
@@ -50,7 +58,7 @@ void BlockCholesky::group_columns(const SparseMatrix& M, const SparseRows& rows)
   group_begin_.erase(std::unique(group_begin_.begin(), group_begin_.end()), group_begin_.end());
   int count = 0, group = 0;
   for (Index j = 0; j < n; ++j) {
-    if (!tied[at(j)]) continue;
+    if (!tied_[at(j)]) continue;
     if (count == group_begin_[at(group) + 1]) ++group;
     group_of_[at(j)] = group;
     ++count;
@@ -83,8 +91,8 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   }
   for (Index j = 0; j < M.cols(); ++j)
     for (SparseMatrix::InnerIterator it(M, j); it; ++it) {
-      if (it.row() == j) continue;
       met = {group_of_[at(j)], group_of_[at(it.row())]};
+      if (it.row() == j || met[0] < 0 || met[1] < 0) continue;
       sort_unique(met);
       tie();
     }
@@ -154,9 +162,9 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
     front.panel = panels;
     front.rest = rests;
     panels += at(front.stride) * at(front.own);
-    rests += at(rest) * at(rest);
+    rests += at(rest) * at(rest + 1) / 2;
     largest = std::max(largest, at(front.stride) * at(front.size));
-    tallest = std::max(tallest, rest);
+    tallest = std::max(tallest, front.size);
     for (int p = front.first; p < front.first + front.own; ++p) front_of_[at(p)] = static_cast<int>(f);
   }
   front_.back().index = index_.size();
@@ -238,7 +246,7 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
                               std::span<const double> weight, const Deadline& deadline) {
   const Front &front = front_[f], &after = front_[f + 1];
   double* const work = work_.data();
-  std::fill_n(work, at(front.stride) * at(front.size), 0.0);
+  for (int c = 0; c < front.size; ++c) std::fill(work + c * front.stride + c, work + (c + 1) * front.stride, 0.0);
   for (std::size_t k = front.mass; k < after.mass; ++k)
     work[mass_[k].column * front.stride + mass_[k].row] += M.valuePtr()[mass_[k].from];
   for (std::size_t k = front.row; k < after.row; ++k) {
@@ -262,16 +270,15 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
     const int rest = child.size - child.own;
     const int* const into = into_parent_.data() + child.index;
     const double* from = rest_.data() + child.rest;
-    for (int c = 0; c < rest; ++c, from += rest) {
+    for (int c = 0; c < rest; from += rest - c, ++c) {
       double* const column = work + into[c] * front.stride;
-      for (int r = c; r < rest; ++r) column[into[r]] += from[r];
+      for (int r = c; r < rest; ++r) column[into[r]] += from[r - c];
     }
   }
   if (!DenseFront::factorize(work, front.size, front.own, front.stride, deadline)) return false;
   std::copy_n(work, at(front.stride) * at(front.own), panel_.data() + front.panel);
-  const int rest = front.size - front.own;
-  for (int c = 0; c < rest; ++c)
-    std::copy_n(work + (front.own + c) * front.stride + front.own, rest, rest_.data() + front.rest + at(c) * at(rest));
+  double* into = rest_.data() + front.rest;
+  for (int c = front.own; c < front.size; ++c) into = std::copy_n(work + c * front.stride + c, front.size - c, into);
   return true;
 }
 
@@ -297,34 +304,21 @@ bool BlockCholesky::factorize(const SparseMatrix& M, const SparseRows& rows, std
 }
 
 void BlockCholesky::solve(Vector& x) const {
-  using Part = Eigen::Map<Vector>;
-  using ConstPart = Eigen::Map<const Vector>;
+  double* const t = gathered_.data();  // x by rows of a front
   for (std::size_t f = 0; f + 1 < front_.size(); ++f) {
     const Front& front = front_[f];
-    const int rest = front.size - front.own;
-    Part below(gathered_.data(), rest);
-    below.setZero();
-    for (int c = 0; c < front.own; ++c) {
-      const double* column = panel_.data() + front.panel + at(c) * at(front.stride);
-      const double value = x[front.first + c] /= column[c];
-      const int left = front.own - c - 1;
-      x.segment(front.first + c + 1, left) -= value * ConstPart(column + c + 1, left);
-      below += value * ConstPart(column + front.own, rest);
-    }
-    for (int r = 0; r < rest; ++r) x[index_[front.index + at(r)]] -= below[r];
+    std::copy_n(x.data() + front.first, front.own, t);
+    std::fill(t + front.own, t + front.size, 0.0);
+    DenseFront::solve_lower(panel_.data() + front.panel, front.size, front.own, front.stride, t);
+    std::copy_n(t, front.own, x.data() + front.first);
+    for (int r = front.own; r < front.size; ++r) x[index_[front.index + at(r - front.own)]] += t[r];
   }
   for (std::size_t f = front_.size() - 1; f-- > 0;) {
     const Front& front = front_[f];
-    const int rest = front.size - front.own;
-    Part below(gathered_.data(), rest);
-    for (int r = 0; r < rest; ++r) below[r] = x[index_[front.index + at(r)]];
-    for (int c = front.own; c-- > 0;) {
-      const double* column = panel_.data() + front.panel + at(c) * at(front.stride);
-      const int left = front.own - c - 1;
-      const double sum = ConstPart(column + c + 1, left).dot(x.segment(front.first + c + 1, left)) +
-                         ConstPart(column + front.own, rest).dot(below);
-      x[front.first + c] = (x[front.first + c] - sum) / column[c];
-    }
+    std::copy_n(x.data() + front.first, front.own, t);
+    for (int r = front.own; r < front.size; ++r) t[r] = x[index_[front.index + at(r - front.own)]];
+    DenseFront::solve_upper(panel_.data() + front.panel, front.size, front.own, front.stride, t);
+    std::copy_n(t, front.own, x.data() + front.first);
   }
 }
 

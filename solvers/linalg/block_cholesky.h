@@ -23,8 +23,9 @@ struct SparseRows {
 // go: the symbolic part covers all rows and is kept while the patterns of M and of the rows stay, and a front is
 // factorized again only when a row of its own, or of a front below it, has changed.
 //
-// Columns are taken in groups of six, a body each, less those that no row and no coupling in M touches ("loose"): a
-// wall whose contacts are all level is then a system in three unknowns a brick. Groups are ordered by minimum degree.
+// Columns are taken in groups of six, a body each, less those that no row and no coupling in M touches ("loose"; a
+// stored zero couples nothing): a wall whose contacts are all level is then a system in three unknowns a brick. Groups
+// are ordered by minimum degree.
 class BlockCholesky {
  public:
   using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -57,14 +58,15 @@ class BlockCholesky {
     Index stride = 0;
     int parent = -1;
     std::size_t index = 0;                     // into index_ and into_parent_: the rows that it does not own
-    std::size_t panel = 0, rest = 0;           // into panel_ (stride x own) and rest_ (its Schur complement)
+    std::size_t panel = 0, rest = 0;           // into panel_ (stride x own) and rest_ (its Schur complement, packed)
     std::size_t child = 0, row = 0, mass = 0;  // where its lists begin
   };
   struct MassEntry {
     int row, column, from;  // local row and column, and where it stands in M
   };
 
-  void group_columns(const SparseMatrix& M, const SparseRows& rows);
+  bool find_tied(const SparseMatrix& M, const SparseRows& rows);
+  void group_columns();
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);
   void add_triple(const Front& front, const SparseRows& rows, int first);
@@ -82,7 +84,7 @@ class BlockCholesky {
   std::vector<int> local_;  // of every entry of the rows: its row in the front
   std::vector<MassEntry> mass_;
   std::vector<double> panel_, rest_, work_, weight_;
-  std::vector<char> dirty_;
+  std::vector<char> dirty_, tied_, tied_before_;
   mutable std::vector<double> gathered_;
   int parts_ = 0, triples_ = 0;
   bool valid_ = false;

@@ -29,28 +29,62 @@ class DenseFront {
       const int width = std::min(4, (j < own ? own : size) - j);
       const int behind = std::min(j, own);
       if (static_cast<double>(behind) * size > long_tile && deadline.passed()) return false;
-      switch (width) {
-        case 4:
-          subtract<4>(front, size, stride, j, behind);
-          break;
-        case 3:
-          subtract<3>(front, size, stride, j, behind);
-          break;
-        case 2:
-          subtract<2>(front, size, stride, j, behind);
-          break;
-        default:
-          subtract<1>(front, size, stride, j, behind);
-      }
+      by_width(width, [&]<int columns>() { subtract<columns>(front, size, stride, j, behind); });
       if (j < own && !finish(front, size, stride, j, width)) return false;
       j += width;
     }
     return true;
   }
 
+  // Of a factor's first `own` columns: t := L^-1 t, less what that brings to the rows below, and t := L^-T t.
+  static void solve_lower(const double* front, int size, int own, Index stride, double* t) {
+    for (int c = 0; c < own; c += 4)
+      by_width(own - c, [&]<int width>() {
+        const double* const l = front + c * stride;
+        double x[width];
+        for (int k = 0; k < width; ++k) {
+          x[k] = t[c + k] /= l[k * stride + c + k];
+          for (int r = c + k + 1; r < c + width; ++r) t[r] -= l[k * stride + r] * x[k];
+        }
+        for (int r = c + width; r < size; ++r) {
+          double sum = l[r] * x[0];
+          for (int k = 1; k < width; ++k) sum += l[k * stride + r] * x[k];
+          t[r] -= sum;
+        }
+      });
+  }
+  static void solve_upper(const double* front, int size, int own, Index stride, double* t) {
+    for (int c = (own - 1) / 4 * 4; c >= 0; c -= 4)
+      by_width(own - c, [&]<int width>() {
+        const double* const l = front + c * stride;
+        Pack sums[width];
+        for (Pack& sum : sums) sum.setZero();
+        int whole = c + width;
+        for (; whole + lanes <= size; whole += lanes)
+          for (int k = 0; k < width; ++k)
+            sums[k] = multiply_add(Eigen::Map<const Pack>(l + k * stride + whole), Eigen::Map<const Pack>(t + whole),
+                                   sums[k]);
+        for (int k = width; k-- > 0;) {
+          double sum = sums[k].sum();
+          for (int r = c + k + 1; r < c + width; ++r) sum += l[k * stride + r] * t[r];
+          for (int r = whole; r < size; ++r) sum += l[k * stride + r] * t[r];
+          t[c + k] = (t[c + k] - sum) / l[k * stride + c + k];
+        }
+      });
+  }
+
  private:
   static constexpr double long_tile = 1e5;  // products a column: far more than a look at the clock
   using Pack = Vec<double, lanes>;
+
+  // part<width>() for that many columns, four at most.
+  template <class Part>
+  static void by_width(int width, Part&& part) {
+    if (width >= 4) return part.template operator()<4>();
+    if (width == 3) return part.template operator()<3>();
+    if (width == 2) return part.template operator()<2>();
+    part.template operator()<1>();
+  }
 
   // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the `behind` columns before.
   template <int width>

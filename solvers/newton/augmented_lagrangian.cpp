@@ -55,41 +55,53 @@ double AugmentedLagrangian::distance(const Vector& from) {
   return mass_norm(step_);
 }
 
-// In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out.
-void AugmentedLagrangian::hold_near(const Deadline& deadline) {
-  constexpr double strong = tolerances::newton_hold;
+// In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out. Its
+// rows repeat each other: where the shortest l pulls on some, another of the same G'l mostly does not. A pass that
+// begins with those well above zero comes nearer to it, without another factor.
+bool AugmentedLagrangian::hold_near(const Deadline& deadline) {
+  constexpr double strong = tolerances::newton_hold, above = 3;
+  constexpr int passes = 4;
   for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
-  if (!factorize(deadline)) return;
-  double last = infinity, length = infinity;
-  for (int pass = 0; pass < 3; ++pass) {
-    last = length;
+  if (!factorize(deadline)) return false;
+  double length = infinity, pull = 0, push = 0;
+  Index pulling = 0;
+  bool settles = false;
+  for (int pass = 0; pass < passes; ++pass) {
     multiply_mass(d, product_);
     step_ = -product_;
     for (Index i = 0; i < rows.rows(); ++i) {
       if (weight[i] == 0) continue;
+      if (!is_equality(i) && l[i] < 0) l[i] *= -above;
       change_[i] = violation(i);
       add(i, l[i] + strong * change_[i], step_);
     }
     solve(step_);
     d += step_;
-    length = mass_norm(step_);
-    for (Index i = 0; i < rows.rows(); ++i)
+    pull = push = 0;
+    pulling = 0;
+    for (Index i = 0; i < rows.rows(); ++i) {
       if (weight[i] != 0) l[i] += strong * (change_[i] - dot(i, step_));
-  }
-  double pull = 0, push = 0;
-  for (Index i = 0; i < rows.rows(); ++i) {
-    push += std::max(l[i], 0.0);
-    if (is_equality(i) || l[i] >= 0) continue;
-    pull -= l[i];
-    l[i] = 0;
-  }
-  if (pull <= tolerances::newton_few_pull * push) {
-    s = strong;
+      push += std::max(l[i], 0.0);
+      if (is_equality(i) || l[i] >= 0) continue;
+      pull -= l[i];
+      ++pulling;
+    }
+    const double last = length;
+    length = mass_norm(step_);
     rate = last > 0 ? length / last : 0;
-  } else {
+    settles = settles || (pass > 1 && rate <= tolerances::newton_slow);
+  }
+  if (!(pull <= tolerances::newton_few_pull * push)) {
     d.setZero();
     l.setZero();
+    rate = 1;
+    return false;
   }
+  for (Index i = 0; i < rows.rows(); ++i)
+    if (!is_equality(i)) l[i] = std::max(l[i], 0.0);
+  s = strong;
+  scale = std::max(rows.free_norm, mass_norm(d));
+  return settles && 100 * pulling <= rows.rows();
 }
 
 void AugmentedLagrangian::linearize() {

@@ -30,8 +30,9 @@ class AugmentedLagrangian {
 
   // d = 0, and l of an earlier frame. The problem is kept until the next begin().
   void begin(const Problem& problem, const SolveOptions& options, const Deadline& deadline, double penalty);
-  // From all rows near z_u held as if they were equality rows, where that pulls on few.
-  void hold_near(const Deadline& deadline);
+  // From all rows near z_u held as if they were equality rows, where that pulls on few. True where these are so few
+  // that the rows with a force are all but known.
+  bool hold_near(const Deadline& deadline);
   bool rests() const;  // z_u breaks no row
 
   void linearize();  // A, at d

@@ -29,8 +29,8 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     s.status = Status::solved;
     return;
   }
-  if (!options.warm_start && hold_all) L_.hold_near(deadline);
-  Status end = polish ? run(p, options, deadline, s) : run_alone(p, options, deadline, s);
+  const bool all_but_known = !options.warm_start && hold_all && L_.hold_near(deadline);
+  Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
 
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;
@@ -50,7 +50,18 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 }
 
 // Solved: the solution is complete.
-Status Newton::run(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
+Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
+                   Solution& s) {
+  if (all_but_known && options.max_iterations > 0) {
+    const double rate = L_.rate;
+    s.iterations = 1;  // all near rows held: a step like the others
+    if (options.observe) {
+      L_.write(L_.d, L_.l, s);
+      options.observe(s.iterations, s.z, s.lambda);
+    }
+    if (polish_.run(L_, options.tolerance, deadline, s)) return Status::solved;
+    L_.rate = rate;
+  }
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
     const bool is_promised = !std::isnan(s.error_bound);

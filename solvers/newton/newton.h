@@ -40,7 +40,8 @@ struct Newton {
  private:
   Status descend(const Problem& problem, double close, const SolveOptions& options, const Deadline& deadline,
                  Solution& solution);
-  Status run(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
+  Status run(const Problem& problem, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
+             Solution& solution);
   Status run_alone(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
 
   AugmentedLagrangian L_;
