@@ -7,8 +7,11 @@ namespace zwang {
 namespace {
 
 constexpr int most_steps = 60;    // of an interior point from one start
-constexpr int most_coupled = 52;  // and, where the shift is differentiated, with Newton's steps between them
+constexpr int most_coupled = 60;  // and, where the shift is differentiated, with Newton's steps between them
 constexpr int most_modes = 8;     // Newton steps from an iterate inside the cones
+// Along the central path: modes begin where what it points at is so near an answer, in units of the motion, and again
+// where that is so much less. Where the path turns back at a larger gap, another start goes on from there.
+constexpr double near_end = 1e-9, nearer = 0.01, far_end = 1e-12;
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
 // they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
 // two frames of a hand in ten just before the answer.)
@@ -70,6 +73,14 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
   return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
 }
 
+ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
+  if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  follows_ = true;
+  const End end = from_start(job, start);
+  follows_ = false;
+  return end;
+}
+
 ConeStarts::End ConeStarts::from_dense_rows(const Job& job, double start) {
   if (!program_.law().lifts() || program_.is_dense() || !ConeProgram::can_be_dense(job.problem)) return End::failed;
   const int before = job.solution.iterations;
@@ -80,15 +91,35 @@ ConeStarts::End ConeStarts::from_dense_rows(const Job& job, double start) {
   return end == End::failed ? from_start(job, start) : end;
 }
 
+// Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there.
+bool ConeStarts::end_is_near(const Job& job, double& near) {
+  if (!inside_.sees_end()) return false;
+  modes_.v = inside_.v_end;
+  modes_.y = inside_.y_end;
+  if (!modes_.v.allFinite() || !modes_.y.allFinite()) return false;
+  modes_.begin(program_);
+  job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
+  const double left = modes_.residual.natural / program_.scale(modes_.v);
+  if (!(left <= near)) return false;
+  near = nearer * left;
+  return true;
+}
+
 ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
   const auto& [p, options, deadline, solution, best, finish] = job;
-  inside_.begin(program_, start);
   const double unit = program_.start();
+  if (follows_ || start != first_start || !inside_.turned_back(far_end * unit * unit))
+    inside_.begin(program_, start);
+  else
+    inside_.let_go(program_);
   const bool couples = program_.law().lifts() && program_.is_dense();
   double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
+  double near = near_end;
   for (int step = 0;;) {
-    const bool in_regime = inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
+    const bool in_regime =
+        follows_ ? end_is_near(job, near)
+                 : inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
     bool stuck = (couples ? solution.iterations - begun_ >= most_coupled : step >= most_steps) ||
                  target < tolerances::cone_deepest;
     if (!in_regime && !stuck) {
@@ -96,7 +127,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
         best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
         return End::limit;
       }
-      stuck = !inside_.step(program_);
+      stuck = !(follows_ ? inside_.follow(program_) : inside_.step(program_));
       if (!stuck) {
         ++step;
         ++solution.iterations;
@@ -125,8 +156,9 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     }
     best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
     if (deadline.passed()) return End::limit;
+    if (follows_ && !in_regime) return End::failed;
     if (finish) {
-      modes_.begin(program_, inside_);
+      if (!follows_) modes_.begin(program_, inside_);
       const double goal = tolerances::cone_exact * program_.scale(modes_.v);
       run_modes(job, goal, options.tolerance * program_.scale(modes_.v), most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;

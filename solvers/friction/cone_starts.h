@@ -41,6 +41,8 @@ class ConeStarts {
   // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
   // and all of them together get the iterations of one.
   End from_start(const Job& job, double start);
+  // Along the central path of Coulomb's law, as far as it leads; from_start() of that size then goes on from its end.
+  End from_path(const Job& job, double start);
   End from_dense_rows(const Job& job, double start);
   // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
   // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
@@ -48,6 +50,7 @@ class ConeStarts {
   End from_inside(const Job& job, double start);  // by the interior point
 
  private:
+  bool end_is_near(const Job& job, double& near);
   void run_modes(const Job& job, double goal, double leaves, int most);
   bool modes_stay(const SolveOptions& options);
   bool is_near(const Best& best);
@@ -60,6 +63,7 @@ class ConeStarts {
   Promise promise_;
   Best of_slips_;
   Vector proof_, slips_, s_, move_, pull_;
+  bool follows_ = false;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
   Solution of_convex_;
 };

@@ -20,6 +20,19 @@ constexpr double less = 0.85, more = 1.3, little = 0.02;
 // The least centring in units of residual / gap, but at most the second.
 constexpr double of_residual = 0.03, most_of_residual = 0.3;
 }  // namespace damping
+// How the central path is followed.
+namespace path {
+// Steps end so near it, in units of the way to the boundary.
+constexpr double near = 1.2;
+// The logarithm by which the gap falls: at first, at most, and after a correction on the spot; what is tried falls from
+// twice the last one by halves.
+constexpr double first = 0.3, most = 4, again = 0.1;
+constexpr int most_tries = 8;
+// Of a gap over a load, what rounds the slip off.
+constexpr double rounding = 0.3;
+// From that gap on, in units of the start's square, it is worth while to look where the path leads.
+constexpr double in_sight = 1e-7;
+}  // namespace path
 
 }  // namespace
 
@@ -28,7 +41,11 @@ constexpr double of_residual = 0.03, most_of_residual = 0.3;
 void InteriorPoint::begin(ConeProgram& program, double size) {
   const Index m = program.rows(), n = program.face().unknowns(), nc = program.cones();
   for (Vector* x : {&y, &w, &s, &left_, &ds_, &dy_, &dw_, &target_, &sum_}) x->setZero(m);
-  for (Vector* x : {&v, &dv_, &force_, &mass_}) x->setZero(n);
+  for (Vector* x : {&v, &dv_, &force_, &mass_, &aim_}) x->setZero(n);
+  rounding_.setZero(nc);
+  path_ = 0;
+  sees_end_ = false;
+  const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
   cone_.resize(at(nc));
@@ -40,7 +57,8 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
     Y[0] = first * program.tilt(k);
     W[0] = first * std::max(1.0, 1 / program.tilt(k));
     slack[0] += program.law().shift(slack);
-    if (!(soc::smallest(slack) > W[0] && soc::largest(slack) < farthest * first)) continue;
+    if (couples) slack[0] = std::max(slack[0], W[0] + soc::tangential(slack));
+    if (!((couples || soc::smallest(slack) > W[0]) && soc::largest(slack) < farthest * first)) continue;
     const double share = Y[0] * (W[0] / soc::determinant(slack));
     for (int i = 0; i < 3; ++i) {
       W[i] = slack[i];
@@ -57,7 +75,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   degree_ = std::max<Index>(degree_, 1);
   bend_.setZero(nc);
   coupling_ = last_step_ = 1;
-  if (program.is_dense()) program.face().force(y, v);
+  if (program.is_dense() && !couples) program.face().force(y, v);
   measure(program);
 }
 
@@ -66,7 +84,8 @@ void InteriorPoint::measure(ConeProgram& program) {
   program.slack(v, s);
   left_ = s - w;
   if (const double lift = program.law().lift; lift > 0)
-    for (Index k = 0; k < nc; ++k) left_[3 * k] += lift * soc::tangential(&s[3 * k]);
+    for (Index k = 0; k < nc; ++k)
+      left_[3 * k] += lift * std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding_[k]);
   program.face().force(y, force_);
   program.face().mass(v, mass_);
   force_ -= mass_;
@@ -74,20 +93,18 @@ void InteriorPoint::measure(ConeProgram& program) {
   gap_ = y.dot(w) / static_cast<double>(degree_);
 }
 
-// D and the affine target: dy = target_ - D ds.
+// D and the slope of the shift.
 void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
-  const double rounding = tolerances::cone_slip_rounding * gap_, slope = coupling_ * program.law().lift;
+  const double slope = coupling_ * program.law().lift;
   for (Index k = 0; k < nc; ++k) {
     Cone& cone = cone_[at(k)];
     double* D = &D_[at(9 * k)];
     cone.scaling = soc::Scaling::of(&y[3 * k], &w[3 * k]);
     cone.scaling.weight(D);
-    for (Index i = 0; i < 3; ++i)
-      target_[3 * k + i] =
-          -y[3 * k + i] - (D[i] * left_[3 * k] + D[i + 3] * left_[3 * k + 1] + D[i + 6] * left_[3 * k + 2]);
     cone.slope1 = cone.slope2 = 0;
     if (!couples) continue;
+    const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
     const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
     cone.slope1 = slope * s[3 * k + 1] / size;
     cone.slope2 = slope * s[3 * k + 2] / size;
@@ -98,13 +115,23 @@ void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
-    if (program.is_equality(r)) {
-      ray_weight_[r] = 1 / tolerances::cone_softness;
-      target_[i] = -ray_weight_[r] * left_[i];
-    } else {
-      ray_weight_[r] = y[i] / w[i];
-      target_[i] = -y[i] - ray_weight_[r] * left_[i];
-    }
+    ray_weight_[r] = program.is_equality(r) ? 1 / tolerances::cone_softness : y[i] / w[i];
+  }
+}
+
+// The affine target: dy = target_ - D ds.
+void InteriorPoint::aim(const ConeProgram& program) {
+  const Index nc = program.cones();
+  for (Index k = 0; k < nc; ++k) {
+    double D[9];
+    cone_[at(k)].scaling.weight(D);
+    for (Index i = 0; i < 3; ++i)
+      target_[3 * k + i] =
+          -y[3 * k + i] - (D[i] * left_[3 * k] + D[i + 3] * left_[3 * k + 1] + D[i + 6] * left_[3 * k + 2]);
+  }
+  for (Index r = 0; r < program.rays(); ++r) {
+    const Index i = 3 * nc + r;
+    target_[i] = (program.is_equality(r) ? 0 : -y[i]) - ray_weight_[r] * left_[i];
   }
 }
 
@@ -112,7 +139,7 @@ void InteriorPoint::direct(ConeProgram& program) {
   const Index nc = program.cones();
   sum_ = y + target_;
   program.face().force(sum_, dv_);
-  dv_ -= mass_;
+  dv_ -= mass_ + aim_;
   program.face().solve(dv_);
   program.face().slack(dv_, ds_);
   for (Index k = 0; k < nc; ++k) {
@@ -165,15 +192,118 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
 
 // What the shift is along that part of the predictor beyond its slope.
 void InteriorPoint::bend(const ConeProgram& program, double part) {
-  const double rounding = tolerances::cone_slip_rounding * gap_, share = part * program.law().lift;
+  const double share = part * program.law().lift;
   for (Index k = 0; k < program.cones(); ++k) {
     const double *own = &s[3 * k], *d = &ds_[3 * k], *D = &D_[at(9 * k)];
+    const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
     const double end1 = own[1] + d[1], end2 = own[2] + d[2];
     const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
     const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
     bend_[k] = share * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
     for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
   }
+}
+
+// How far the iterate is from the path at that gap, in units of the way to the boundary.
+double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
+  constexpr double outside = std::numeric_limits<double>::infinity();
+  double worst = 0;
+  const auto left = [&](Index i) { return left_[i] - gap * left_share_[i]; };
+  for (Index k = 0; k < program.cones(); ++k) {
+    const double *Y = &y[3 * k], *W = &w[3 * k];
+    if (!(soc::smallest(Y) > 0 && soc::smallest(W) > 0)) return outside;
+    const soc::Scaling scaling = soc::Scaling::of(Y, W);
+    const Vec3 l = scaling.times(Y), off(left(3 * k), left(3 * k + 1), left(3 * k + 2));
+    const Vec3 product = soc::product(l, l) - Vec3(gap, 0, 0);
+    worst = std::max({worst, product.norm() / gap, scaling.inverse_times(off.data()).norm() / std::sqrt(gap)});
+  }
+  for (Index r = 0; r < program.rays(); ++r) {
+    const Index i = 3 * program.cones() + r;
+    if (program.is_equality(r)) continue;
+    if (!(y[i] > 0 && w[i] > 0)) return outside;
+    worst = std::max({worst, std::abs(y[i] * w[i] / gap - 1), std::abs(left(i)) / w[i]});
+  }
+  return worst;
+}
+
+// From where the step began to the path at that gap: Newton's direction, or with the curvature along it.
+void InteriorPoint::head_for(ConeProgram& program, double gap, bool curved) {
+  move(program, 0);
+  left_ -= gap * left_share_;
+  aim_ = gap * force_share_;
+  for (Vector* x : {&bend_, &dy_, &dw_}) x->setZero();
+  for (int pass = 0; pass <= (curved ? 1 : 0); ++pass) {
+    aim(program);
+    if (pass > 0) bend(program, 1);
+    correct(program, gap);
+    direct(program);
+  }
+}
+
+void InteriorPoint::move(ConeProgram& program, double step) {
+  v = begun_v_;
+  y = begun_y_;
+  w = begun_w_;
+  if (step > 0) {
+    v += step * dv_;
+    y += step * dy_;
+    w += step * dw_;
+  }
+  measure(program);
+}
+
+bool InteriorPoint::follow(ConeProgram& program) {
+  if (path_ == 0) {
+    path_ = gap_;
+    width_ = path::first;
+    left_share_ = left_ / path_;
+    force_share_ = force_ / path_;
+  }
+  for (Index k = 0; k < program.cones(); ++k) {
+    const double slip = path::rounding * path_ / y[3 * k];
+    rounding_[k] = slip * slip;
+  }
+  measure(program);
+  const double before = off_path(program, path_);
+  begun_v_ = v;
+  begun_y_ = y;
+  begun_w_ = w;
+  weigh(program, true);
+  if (!program.face().factorize(D_, ray_weight_, false)) return false;
+  sees_end_ = path_ <= path::in_sight * program.start() * program.start();
+  if (sees_end_) {
+    head_for(program, 0, true);
+    v_end = v + dv_;
+    y_end = y + dy_;
+  }
+  double width = std::min(2 * width_, path::most);
+  for (int tries = 0; tries < path::most_tries; ++tries, width *= 0.5) {
+    const double gap = path_ * std::exp(-width);
+    head_for(program, gap, true);
+    move(program, 1);
+    if (!(off_path(program, gap) < path::near)) continue;
+    path_ = gap;
+    width_ = width;
+    return true;
+  }
+  head_for(program, path_, false);
+  for (double step = 1; step > 1e-3; step *= 0.5) {
+    move(program, step);
+    if (!(off_path(program, path_) < before * (1 - 0.1 * step))) continue;
+    width_ = path::again;
+    return true;
+  }
+  move(program, 0);
+  return false;
+}
+
+void InteriorPoint::let_go(ConeProgram& program) {
+  path_ = 0;
+  sees_end_ = false;
+  rounding_.setZero();
+  aim_.setZero();
+  coupling_ = last_step_ = 1;
+  measure(program);
 }
 
 bool InteriorPoint::step(ConeProgram& program) {
@@ -185,6 +315,7 @@ bool InteriorPoint::step(ConeProgram& program) {
   weigh(program, couples);
   if (!program.face().factorize(D_, ray_weight_, !couples)) return false;
   bend_.setZero();
+  aim(program);
   direct(program);
   const double affine = std::min(1.0, step_length(program));
   const double share = std::max(0.0, gap_after(program, affine) / gap_);

@@ -18,23 +18,41 @@ namespace zwang {
 // of the slope counts, which falls after steps that were blocked or brought nothing and grows again behind free ones;
 // the corrector knows the shift's curvature; the gap does not run ahead of the residual, and stays where it is after a
 // blocked step.
+//
+// Where contacts depend on each other they slip by 1e-9 of the motion, and step() stalls: |s_t| rounded off by a part
+// of the gap is then another law, and a residual far below the motion still is far above w. follow() keeps to the
+// central path: the residuals shrink with the gap, |s_t| is rounded off by less than w, and no step ends farther from
+// the path than about the way to the boundary; its length is found by solves alone, one factorization each. The tangent
+// to a gap of zero then is an answer to rounding where the modes are not read yet. It ends at a fold, from where step()
+// goes on: arc length along the path (over folds by the sign of the determinant) led back to where it came from as
+// often as on.
 class InteriorPoint {
  public:
   Vector v, y, w;  // the iterate: M v = G'y, and w is s (with the law's shift), up to what is left of the residuals
   Vector s;        // G v - h
+  Vector v_end, y_end;  // where the path leads, where sees_end()
 
   // y = w = `size` program.start() e.
   void begin(ConeProgram& program, double size);
   // One step; false where it breaks down, which leaves the iterate as it was.
   bool step(ConeProgram& program);
-  double gap() const { return gap_; }            // the mean of y w
-  double residual() const { return residual_; }  // the largest entry of what is left
+  // One step along the central path of Coulomb's law; false where it turns back, or where rounding ends it.
+  bool follow(ConeProgram& program);
+  bool sees_end() const { return sees_end_; }
+  bool turned_back(double gap) const { return path_ > gap; }  // before that gap
+  void let_go(ConeProgram& program);                          // for step() to go on
+  double gap() const { return gap_; }                         // the mean of y w
+  double residual() const { return residual_; }               // the largest entry of what is left
   // y as far as it proves that no v meets the rows (convex law): u in the cones with |G'u|_M^-1 times `reach` < h'u.
   bool proves_infeasible(ConeProgram& program, double reach, Vector& u);
 
  private:
   void measure(ConeProgram& program);
   void weigh(const ConeProgram& program, bool couples);
+  void aim(const ConeProgram& program);
+  double off_path(const ConeProgram& program, double gap) const;
+  void head_for(ConeProgram& program, double gap, bool curved);
+  void move(ConeProgram& program, double step);
   void direct(ConeProgram& program);
   void bend(const ConeProgram& program, double part);
   void correct(const ConeProgram& program, double centre);
@@ -43,6 +61,10 @@ class InteriorPoint {
 
   double gap_ = 0, residual_ = 0, coupling_ = 1, last_step_ = 1;
   Vector left_, dv_, force_, mass_, ds_, dy_, dw_, target_, sum_, ray_weight_, bend_;
+  // The central path: its gap, the last step's width, what is left of the residuals in units of the gap.
+  double path_ = 0, width_ = 0;
+  bool sees_end_ = false;
+  Vector left_share_, force_share_, aim_, rounding_, begun_v_, begun_y_, begun_w_;
   std::vector<double> D_;
   struct Cone {
     second_order_cone::Scaling scaling;

@@ -186,8 +186,8 @@ void Promise::linearize(Index k, double* D) {
   const double *y = &y_[3 * k], *s = &s_[3 * k];
   next_.segment<3>(3 * k).setZero();
   if (mode_[at(k)] == Mode::slide) (void)program_->law().mode(y, s, slide_[at(k)]);
-  program_->law().linearize(mode_[at(k)], slide_[at(k)], tolerances::promise_softness, program_->tilt(k), y, s, D,
-                            &next_[3 * k]);
+  constexpr double softness = tolerances::promise_softness;
+  program_->law().linearize(mode_[at(k)], slide_[at(k)], softness, softness, program_->tilt(k), y, s, D, &next_[3 * k]);
 }
 
 // Newton's steps by the one factor, as far as they go. Returns how much v would still move.

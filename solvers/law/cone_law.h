@@ -40,10 +40,11 @@ struct ConeLaw {
   // At which mode y - s is, and where it slides.
   Mode mode(const double* y, const double* s, Slide& slide) const;
   // The step of Newton's method on the equations of a mode, y_new = next - D ds, D by columns; with a proximal term
-  // 1 / softness in y, and in its normal entry tilt^2 times that. At softness 1 and tilt 1, D is the derivative of
-  // y - s -> (0, y - s, a (1, u)), the answer of the modes. Of an open contact both are 0, as they are passed.
-  void linearize(Mode mode, const Slide& slide, double softness, double tilt, const double* y, const double* s,
-                 double* D, double* next) const;
+  // 1 / softness in y, in its normal entry tilt^2 times that, across a slip 1 / softness_across. At softness 1 and tilt
+  // 1, D is the derivative of y - s -> (0, y - s, a (1, u)), the answer of the modes. Of an open contact both are 0, as
+  // they are passed.
+  void linearize(Mode mode, const Slide& slide, double softness, double softness_across, double tilt, const double* y,
+                 const double* s, double* D, double* next) const;
 };
 
 inline ConeLaw::Residual ConeLaw::residual(const double* y, const double* s, double mu) const {
@@ -69,8 +70,8 @@ inline ConeLaw::Mode ConeLaw::mode(const double* y, const double* s, Slide& slid
   return Mode::slide;
 }
 
-inline void ConeLaw::linearize(Mode mode, const Slide& slide, double softness, double tilt, const double* y,
-                               const double* s, double* D, double* next) const {
+inline void ConeLaw::linearize(Mode mode, const Slide& slide, double softness, double softness_across, double tilt,
+                               const double* y, const double* s, double* D, double* next) const {
   const double hard = 1 / softness, normal_hard = hard * tilt * tilt;  // of the rows T, and N / mu
   if (mode == Mode::stick) {
     D[0] = normal_hard;
@@ -79,7 +80,7 @@ inline void ConeLaw::linearize(Mode mode, const Slide& slide, double softness, d
   } else if (mode == Mode::slide) {
     const auto [u1, u2, size, pressure] = slide;
     const double share = pressure / size;  // < 1: |s_t| = size - pressure
-    const double bend = std::min(hard, share / std::max(softness, 1 - share));
+    const double bend = std::min(1 / softness_across, share / std::max(softness_across, 1 - share));
     const double P11 = bend * (1 - u1 * u1), P12 = -bend * u1 * u2, P22 = bend * (1 - u2 * u2);
     // D's part of the row that holds, which is soft where a row T is part of it.
     const double n0 = (opening() > 0 ? std::min(hard, normal_hard) : normal_hard) / (1 + opening());

@@ -160,7 +160,7 @@ struct HardClass {
   int problems = 0, solved = 0, soon = 0;  // soon: ended within 60 iterations
 };
 
-TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndEndsSoonOnAHumanoid) {
+TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndMostOfAHumanoid) {
   const std::filesystem::path folder = test::recorded_data() / "friction_hard";
   std::ifstream list(folder / "LIST.tsv");
   if (!list) GTEST_SKIP() << "no friction_hard in ZWANG_DATA or beside the sources";
@@ -183,8 +183,9 @@ TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndEndsSoonOnAHumanoid) {
   for (const auto& [name, own] : classes)
     std::cout << name << ": " << own.solved << " of " << own.problems << " solved, " << own.soon << " ended soon\n";
   EXPECT_EQ(classes["hand-hard"].solved, classes["hand-hard"].problems);
-  EXPECT_GE(classes["hand-limit"].solved, 0.85 * classes["hand-limit"].problems);
-  EXPECT_GE(classes["humanoid"].soon, 0.7 * classes["humanoid"].problems);
+  EXPECT_GE(classes["hand-limit"].solved, 0.94 * classes["hand-limit"].problems);
+  EXPECT_GE(classes["hand-limit"].soon, 0.8 * classes["hand-limit"].problems);
+  EXPECT_GE(classes["humanoid"].solved, 0.66 * classes["humanoid"].problems);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ TEST_P(ConeLaws, TheBlockIsTheDerivativeOfTheAnswer) {
     ++met[static_cast<int>(mode)];
     Mat3 D = Mat3::Zero();
     Vec3 next = Vec3::Zero();
-    law.linearize(mode, slide, 1, 1, y.data(), s.data(), D.data(), next.data());
+    law.linearize(mode, slide, 1, 1, 1, y.data(), s.data(), D.data(), next.data());
     for (int i = 0; i < 3; ++i) {
       const Vec3 way = step * Vec3::Unit(i);
       const Vec3 slope = (answer(law, p + way) - answer(law, p - way)) / (2 * step);
@@ -132,7 +132,7 @@ TEST_P(ConeLaws, NewtonsMethodEndsAtTheAnswer) {
         ConeLaw::Slide slide;
         Mat3 D = Mat3::Zero();
         Vec3 next = Vec3::Zero();
-        law.linearize(law.mode(y.data(), s.data(), slide), slide, softness, 1, y.data(), s.data(), D.data(),
+        law.linearize(law.mode(y.data(), s.data(), slide), slide, softness, softness, 1, y.data(), s.data(), D.data(),
                       next.data());
         y = Eigen::FullPivLU<Mat3>(Mat3::Identity() + D * W).solve(next - D * (b - s));
         s = W * y + b;
