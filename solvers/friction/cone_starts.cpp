@@ -9,9 +9,6 @@ namespace {
 constexpr int most_steps = 60;    // of an interior point from one start
 constexpr int most_coupled = 60;  // and, where the shift is differentiated, with Newton's steps between them
 constexpr int most_modes = 8;     // Newton steps from an iterate inside the cones
-// Along the central path: modes begin where what it points at is so near an answer, in units of the motion, and again
-// where that is so much less. Where the path turns back at a larger gap, another start goes on from there.
-constexpr double near_end = 1e-9, nearer = 0.01, far_end = 1e-12;
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
 // they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
 // two frames of a hand in ten just before the answer.)
@@ -101,21 +98,21 @@ bool ConeStarts::end_is_near(const Job& job, double& near) {
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   const double left = modes_.residual.natural / program_.scale(modes_.v);
   if (!(left <= near)) return false;
-  near = nearer * left;
+  near = tolerances::cone_nearer * left;
   return true;
 }
 
 ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   const double unit = program_.start();
-  if (follows_ || start != first_start || !inside_.turned_back(far_end * unit * unit))
+  if (follows_ || start != first_start || !inside_.turned_back(tolerances::cone_far_end * unit * unit))
     inside_.begin(program_, start);
   else
     inside_.let_go(program_);
   const bool couples = program_.law().lifts() && program_.is_dense();
   double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
-  double near = near_end;
+  double near = tolerances::cone_near_end;
   for (int step = 0;;) {
     const bool in_regime =
         follows_ ? end_is_near(job, near)

@@ -30,8 +30,6 @@ constexpr double first = 0.3, most = 4, again = 0.1;
 constexpr int most_tries = 8;
 // Of a gap over a load, what rounds the slip off.
 constexpr double rounding = 0.3;
-// From that gap on, in units of the start's square, it is worth while to look where the path leads.
-constexpr double in_sight = 1e-7;
 }  // namespace path
 
 }  // namespace
@@ -270,7 +268,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
   begun_w_ = w;
   weigh(program, true);
   if (!program.face().factorize(D_, ray_weight_, false)) return false;
-  sees_end_ = path_ <= path::in_sight * program.start() * program.start();
+  sees_end_ = path_ <= tolerances::cone_in_sight * program.start() * program.start();
   if (sees_end_) {
     head_for(program, 0, true);
     v_end = v + dv_;
@@ -287,7 +285,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
     return true;
   }
   head_for(program, path_, false);
-  for (double step = 1; step > 1e-3; step *= 0.5) {
+  for (double step = 1; step > tolerances::cone_least_correction; step *= 0.5) {
     move(program, step);
     if (!(off_path(program, path_) < before * (1 - 0.1 * step))) continue;
     width_ = path::again;

@@ -7,9 +7,6 @@
 namespace zwang {
 
 namespace soc = second_order_cone;
-// Of the proximal term across a slip, which may be 1e-9 of the motion beside loads of 1: the least, and what it is
-// times the residual.
-constexpr double least_across = 1e-10, soften_across = 0.01;
 
 void ModeNewton::begin(ConeProgram& program) {
   const Index m = program.rows(), n = program.face().unknowns();
@@ -63,7 +60,8 @@ void ModeNewton::choose(ConeProgram& program) {
 void ModeNewton::linearize(ConeProgram& program) {
   const Index nc = program.cones();
   const double hard = 1 / softness_;
-  const double across = std::clamp(soften_across * last_ / program.start(), least_across, softness_);
+  const double across =
+      std::clamp(tolerances::cone_soften_across * last_ / program.start(), tolerances::cone_least_across, softness_);
   std::fill(D_.begin(), D_.end(), 0.0);
   next_.setZero();
   for (Index k = 0; k < nc; ++k)

@@ -123,6 +123,12 @@ inline constexpr double newton_part = 1e-9;
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
 // The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
 inline constexpr double cone_coupled_regime = 1e-10;
+// Along the central path: from that gap on, in units of the start's square, it is worth while to look where it leads;
+// modes begin where that is so near an answer, in units of the motion, and again where it is that much nearer. Where
+// the path turns back at a larger gap than the last, another start goes on from there.
+inline constexpr double cone_in_sight = 1e-7, cone_near_end = 1e-9, cone_nearer = 0.01, cone_far_end = 1e-12;
+// The least part of a correction on the spot.
+inline constexpr double cone_least_correction = 1e-3;
 // A natural residual below which little is spent on other starts: what is left is a claim, not a better z.
 inline constexpr double cone_near = 1e-8;
 // Interior point: the share of the way to the boundary, the least centring, and the part of the gap that rounds |s_t|.
@@ -130,6 +136,9 @@ inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_
 // The proximal term of Newton's method on the modes: at least the first, where the digits of a slack end, at most the
 // second, and between them this many times the residual.
 inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften = 100;
+// And across a slip, which may be 1e-9 of the motion beside loads of 1: at least the first, and the second times the
+// residual.
+inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;
 // Multipliers that have grown by this factor may prove that no motion meets the rows.
 inline constexpr double cone_runs_off = 1e4;
 // Of what a pivot of a 3 x 3 block was: what rounding leaves of nothing.
