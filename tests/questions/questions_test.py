@@ -63,7 +63,7 @@ def printed_step():
 def a_push():
     _, table, charts = ask("rates")
     check("the box moves as far at every rate", all(abs(float(row[1].split()[0]) - 207.5) < 2 for row in table[1:]), table)
-    check("a line a rate", {p["series"] for p in charts[0]["points"]} == {"250 Hz", "500 Hz", "1,000 Hz"})
+    check("a line a rate", {p["series"].removesuffix(", largest") for p in charts[0]["points"]} == {"250 Hz", "500 Hz", "1,000 Hz"}, charts)
 
 
 def mistakes():
