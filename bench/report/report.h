@@ -26,8 +26,8 @@ struct Figures {
   double width = 0;  // of a chart [in]; 0: its own
 };
 
-// DIR/figures/*.svg and *.pdf, to each its caption as *.txt; DIR/tables/*.tex and *.csv. Needs Node and rsvg-convert, as
-// ./zwang sets them up. Returns the files written. Throws std::invalid_argument for a name that is not there.
+// DIR/figures/*.svg and *.pdf, to each its caption as *.txt; DIR/tables/*.tex and *.csv. Needs Node and rsvg-convert,
+// as ./zwang sets them up. Returns the files written. Throws std::invalid_argument for a name that is not there.
 std::vector<std::filesystem::path> write_figures(const std::filesystem::path& run, const Figures& figures);
 
 }  // namespace zwang::report

@@ -67,7 +67,7 @@ TEST(Synthetic, StartsClearStaysWithinLimitsAndTouches) {
     const Depth depth(about);
     for (const auto& [name, line] : synthetic_motions()) {
       if (name == "lift" || name == "hold" || name == "push") continue;  // about a loose object
-      if (name == "insert" || name == "unlock") continue;  // of tools
+      if (name == "insert" || name == "unlock") continue;                // of tools
       const HandMotion motion = synthetic_motion(name, about);
       EXPECT_TRUE(motion.duration >= 2 && motion.duration <= 4) << name;
       EXPECT_EQ(motion.hands.size(), name == "two_hands" ? 2u : 1u);
