@@ -122,7 +122,7 @@ int solve_command(std::vector<std::string> words) {
       ->type_name("T");
   options
       .add_option("--accuracy", run.accuracy,
-                  "ends as soon as an error is proven to be at most that: 1e-4 (of the motion, in the M-norm) or\n"
+                  "ends as soon as a bound on the error is at most that: 1e-4 (of the motion, in the M-norm) or\n"
                   "1e-4m/s (the speed of any body)")
       ->type_name("A");
   within(above(0, "s"), options.add_option("--time-limit", time_limit, "CPU time of the solve; default: 60"))

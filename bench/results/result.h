@@ -84,8 +84,6 @@ struct Result {
     return ((claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong) ||
            promise == "broken";
   }
-  // promised / true, where a reference tells the true error.
-  double oversolve() const { return error_bound / metrics.z_error; }
   bool is_right() const { return zwang::is_right(metrics.verdict); }
   // Proven neither right nor wrong.
   bool is_open() const {

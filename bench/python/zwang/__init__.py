@@ -187,7 +187,7 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, accuracy=None, 
     time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. accuracy: the error at which a method may
     end before the tolerance, relative to the motion (1e-4) or as a speed of any body ("1e-4m/s"). Returns a Solution:
     status (what the solver claims), z (n), lambda_ (m), iterations, message, seconds; error_bound, with an accuracy: a
-    proven bound on |z - z*|_M / max(|z_u|_M, |z*|_M), NaN where none was had (docs/tutorials/accuracy.md).
+    bound, rounding aside, on |z - z*|_M / max(|z_u|_M, |z*|_M), NaN where none was had (docs/tutorials/accuracy.md).
     """
     if not isinstance(solver, str):
         raise TypeError(f"solver should be a name: {solver!r}")
