@@ -29,6 +29,7 @@ class ConeStarts {
   // False where the answer is known, and then written.
   bool begin(const Job& job, ConeProgram::Want want) {
     promise_.begin(job.problem, job.options, &program_);
+    inside_.forget_path();
     return program_.build(job.problem, want, job.options, job.deadline, job.solution);
   }
   ConeProgram& program() { return program_; }

@@ -296,8 +296,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
 }
 
 void InteriorPoint::let_go(ConeProgram& program) {
-  path_ = 0;
-  sees_end_ = false;
+  forget_path();
   rounding_.setZero();
   aim_.setZero();
   coupling_ = last_step_ = 1;

@@ -41,6 +41,7 @@ class InteriorPoint {
   bool sees_end() const { return sees_end_; }
   bool turned_back(double gap) const { return path_ > gap; }  // before that gap
   void let_go(ConeProgram& program);                          // for step() to go on
+  void forget_path() { path_ = 0, sees_end_ = false; }        // of another program
   double gap() const { return gap_; }                         // the mean of y w
   double residual() const { return residual_; }               // the largest entry of what is left
   // y as far as it proves that no v meets the rows (convex law): u in the cones with |G'u|_M^-1 times `reach` < h'u.
