@@ -258,6 +258,24 @@ TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
   }
 }
 
+// Under Coulomb's law the central path may turn back, and the next try goes on from there: in the same problem only.
+TEST(Cone, AProblemKnowsNothingOfTheOneBefore) {
+  AnySolver used = Cone();
+  Solution s;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const int contacts = 6 + static_cast<int>(seed % 8);
+    used.solve(planted(Law::coulomb, 1, 2, contacts, seed).problem, {}, s);
+    for (const Law law : {Law::convex, Law::coulomb}) {
+      const Problem larger = planted(law, 0.5, 4, contacts + 2, 100 + seed).problem;
+      const Solution fresh = solve(larger);
+      used.solve(larger, {}, s);
+      EXPECT_EQ(s.status, fresh.status) << seed;
+      EXPECT_EQ(s.iterations, fresh.iterations) << seed;
+      EXPECT_TRUE(s.z == fresh.z && s.lambda == fresh.lambda) << seed;
+    }
+  }
+}
+
 // Two blocks without any more unknowns, as a Delassus matrix gives them: seven unknowns are no bodies.
 TEST(Cone, PartsOfAProblemWithoutBodiesAreSolvedApart) {
   const Problem slides = block(0.5, Vec3(-1, 3, 0), Law::coulomb), sticks = block(0.5, Vec3(-2, 0.5, 0), Law::coulomb);
