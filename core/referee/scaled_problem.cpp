@@ -7,14 +7,48 @@
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
-namespace {
+namespace referee {
 
-// The e of x = f 2^e with 1/2 <= f < 1; 0 for 0.
 int exponent_of(double x) {
   int e = 0;
   (void)std::frexp(x, &e);
   return e;
 }
+
+ExtendedVector force_residual(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+                              const ExtendedVector& lambda) {
+  ExtendedVector r(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(M, j); it; ++it)
+      r[at(it.row())] += DoubleDouble(it.value()) * d[at(j)];
+  for (std::size_t i = 0; i < lambda.size(); ++i) {
+    if (lambda[i] == DoubleDouble(0)) continue;
+    for (RowMatrix::InnerIterator it(J, static_cast<Index>(i)); it; ++it)
+      r[at(it.col())] -= DoubleDouble(it.value()) * lambda[i];
+  }
+  return r;
+}
+
+Vector force_rounding(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+                      const ExtendedVector& lambda) {
+  Vector sum = Vector::Zero(std::ssize(d));
+  std::vector<Index> terms(d.size(), 0);
+  const auto add = [&](Index k, double x) {
+    sum[k] += std::abs(x);
+    ++terms[at(k)];
+  };
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[at(j)].hi);
+  for (Index i = 0; i < J.rows(); ++i)
+    if (const double weight = lambda[at(i)].hi; weight != 0)
+      for (RowMatrix::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
+  for (Index j = 0; j < sum.size(); ++j) sum[j] *= rounding_of(terms[at(j)]);
+  return sum;
+}
+
+}  // namespace referee
+
+namespace {
 
 // Sum of squares weighted by 1/D as L^-1 r: forward substitution along the columns that fill in.
 template <class Lower>
@@ -32,6 +66,8 @@ FactorReal forward_squared(const Lower& L, VectorX<FactorReal>& x, Index first) 
 }
 
 }  // namespace
+
+using referee::exponent_of;
 
 ScaledProblem::ScaledProblem(const Problem& p)
     : M(p.M), J(p.J), z_u(p.z_u), c(p.c), row_norm(Vector::Zero(p.rows())), stored_c(p.c) {
@@ -261,36 +297,14 @@ double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
 }
 
 ExtendedVector ScaledProblem::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
-  ExtendedVector r(d.size());
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (decltype(M)::InnerIterator it(M, j); it; ++it)
-      r[static_cast<std::size_t>(it.row())] += DoubleDouble(it.value()) * d[static_cast<std::size_t>(j)];
-  if (lambda.empty()) return r;
-  for (Index i = 0; i < rows(); ++i) {
-    const DoubleDouble weight = lambda[static_cast<std::size_t>(i)];
-    if (weight == DoubleDouble(0)) continue;
-    for (decltype(J)::InnerIterator it(J, i); it; ++it)
-      r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
-  }
-  return r;
+  return referee::force_residual(M, J, d, lambda);
 }
 
 // The dual norm of the entrywise bound; it bounds that of any residual below it when M is diagonal, and stands for it
 // within the condition of M's blocks otherwise. 2^-98 leaves 16 bits for that.
 double ScaledProblem::force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const {
-  ExtendedVector sum(d.size());
-  std::vector<Index> terms(d.size(), 0);
-  const auto add = [&](Index at, double x) {
-    sum[static_cast<std::size_t>(at)].hi += std::abs(x);
-    ++terms[static_cast<std::size_t>(at)];
-  };
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (decltype(M)::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[static_cast<std::size_t>(j)].hi);
-  for (Index i = 0; i < rows(); ++i)
-    if (const double weight = lambda[static_cast<std::size_t>(i)].hi; weight != 0)
-      for (decltype(J)::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
-  for (std::size_t j = 0; j < sum.size(); ++j) sum[j].hi *= referee::rounding_of(terms[j]);
-  return dual_norm(sum);
+  const Vector sum = referee::force_rounding(M, J, d, lambda);
+  return dual_norm(ExtendedVector(sum.begin(), sum.end()));
 }
 
 }  // namespace zwang

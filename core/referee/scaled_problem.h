@@ -4,8 +4,20 @@
 
 #include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/problem.h>
+#include <zwang/core/referee/exact_rank.h>
 
 namespace zwang {
+
+namespace referee {
+
+int exponent_of(double x);  // the e of x = f 2^e with 1/2 <= f < 1; 0 for 0
+// M d - J' lambda; no lambda: M d. And what bounds its rounding, entrywise.
+ExtendedVector force_residual(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+                              const ExtendedVector& lambda);
+Vector force_rounding(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+                      const ExtendedVector& lambda);
+
+}  // namespace referee
 
 // A problem in the referee's units. Distances are taken in the M-norm, |d| = sqrt(d' M d), and a row is divided by
 // |G_i| = sqrt(J_i M^-1 J_i'). No factor of M enters a residual: d' M d needs M alone, and the dual norm

@@ -45,23 +45,15 @@ bool BlockCholesky::find_tied(const SparseMatrix& M, const SparseRows& rows) {
 
 // group_of_, with loose columns at -1; groups are numbered without gaps.
 void BlockCholesky::group_columns() {
-  const Index n = std::ssize(tied_);
-  group_of_.assign(at(n), -1);
+  group_of_.assign(tied_.size(), -1);
   group_begin_.assign(1, 0);
-  for (Index j = 0; j < n; ++j) {
-    if (j % group_size == 0 && group_begin_.back() > 0) group_begin_.push_back(group_begin_.back());
+  Index block = -1;
+  for (Index j = 0; j < std::ssize(tied_); ++j) {
     if (!tied_[at(j)]) continue;
-    if (group_begin_.size() == 1) group_begin_.push_back(0);
+    if (j / group_size != block) group_begin_.push_back(group_begin_.back());
+    block = j / group_size;
     ++group_begin_.back();
-  }
-  // Groups with nothing in them are taken out again.
-  group_begin_.erase(std::unique(group_begin_.begin(), group_begin_.end()), group_begin_.end());
-  int count = 0, group = 0;
-  for (Index j = 0; j < n; ++j) {
-    if (!tied_[at(j)]) continue;
-    if (count == group_begin_[at(group) + 1]) ++group;
-    group_of_[at(j)] = group;
-    ++count;
+    group_of_[at(j)] = static_cast<int>(group_begin_.size()) - 2;
   }
 }
 

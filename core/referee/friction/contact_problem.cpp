@@ -6,15 +6,8 @@
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
-namespace {
 
-int exponent_of(double x) {
-  int e = 0;
-  (void)std::frexp(x, &e);
-  return e;
-}
-
-}  // namespace
+using referee::exponent_of;
 
 ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scaled, double motion_scale)
     : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
@@ -162,41 +155,15 @@ double ContactProblem::slip_error(const ContactRows& contact, const ExtendedVect
 }
 
 ExtendedVector ContactProblem::force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const {
-  ExtendedVector r(x.size());
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (decltype(M)::InnerIterator it(M, j); it; ++it)
-      r[static_cast<std::size_t>(it.row())] += DoubleDouble(it.value()) * x[static_cast<std::size_t>(j)];
-  for (Index i = 0; i < rows(); ++i) {
-    const DoubleDouble weight = lambda[static_cast<std::size_t>(i)];
-    if (weight == DoubleDouble(0)) continue;
-    for (decltype(J)::InnerIterator it(J, i); it; ++it)
-      r[static_cast<std::size_t>(it.col())] -= DoubleDouble(it.value()) * weight;
-  }
-  return r;
+  return referee::force_residual(M, J, x, lambda);
 }
 
 Vector ContactProblem::force_error(const ExtendedVector& x, const ExtendedVector& lambda) const {
-  Vector sum = Vector::Zero(size());
-  Eigen::VectorXi terms = Eigen::VectorXi::Zero(size());
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (decltype(M)::InnerIterator it(M, j); it; ++it) {
-      sum[it.row()] += std::abs(it.value() * x[static_cast<std::size_t>(j)].hi);
-      ++terms[it.row()];
-    }
-  for (Index i = 0; i < rows(); ++i) {
-    const double weight = std::abs(lambda[static_cast<std::size_t>(i)].hi);
-    if (weight == 0) continue;
-    for (decltype(J)::InnerIterator it(J, i); it; ++it) {
-      sum[it.col()] += std::abs(it.value()) * weight;
-      ++terms[it.col()];
-    }
-  }
-  for (Index j = 0; j < size(); ++j) sum[j] = sum[j] * referee::rounding_of(terms[j]) + referee::underflow;
-  return sum;
+  return referee::force_rounding(M, J, x, lambda).array() + referee::underflow;
 }
 
 double ContactProblem::norm(const ExtendedVector& x) const {
-  const ExtendedVector force = force_residual(x, ExtendedVector(static_cast<std::size_t>(rows())));
+  const ExtendedVector force = force_residual(x, {});
   DoubleDouble sum;
   for (std::size_t j = 0; j < x.size(); ++j) sum += force[j] * x[j];
   return std::sqrt(std::max(0.0, sum.hi));
