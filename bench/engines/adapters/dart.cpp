@@ -38,13 +38,13 @@ struct Dart : zw::World {
       return held->setVelocities(vector(b.spin)), body;
     }
     const Isometry3d at(Eigen::Translation3d(vector(b.at)) * zw::turn_as<Eigen::Quaterniond>(b.turn));
-    if (!b.free()) {
-      const auto [moved, body] = hung<TranslationalJoint>();
-      return moved->setTransformFromParentBodyNode(at), moved->setActuatorType(Joint::VELOCITY), body;
+    if (b.free()) {
+      const auto [free, body] = hung<FreeJoint>();
+      free->setTransform(at), free->setLinearVelocity(vector(b.velocity));
+      return free->setAngularVelocity(vector(b.spin)), body;
     }
-    const auto [free, body] = hung<FreeJoint>();
-    free->setTransform(at), free->setLinearVelocity(vector(b.velocity)), free->setAngularVelocity(vector(b.spin));
-    return body;
+    const auto [moved, body] = hung<TranslationalJoint>();
+    return moved->setTransformFromParentBodyNode(at), moved->setActuatorType(Joint::VELOCITY), body;
   }
 
   explicit Dart(const zw::Scene& given) : zw::World(given) {
@@ -59,9 +59,8 @@ struct Dart : zw::World {
         const ShapePtr shape =
             s.radius > 0 ? ShapePtr(new SphereShape(s.radius)) : ShapePtr(new BoxShape(2 * vector(s.half)));
         auto* node = body->createShapeNodeWith<CollisionAspect, DynamicsAspect>(shape);
-        auto& surface = *node->getDynamicsAspect();
-        surface.setFrictionCoeff(scene.mu), surface.setRestitutionCoeff(scene.restitution);
-        node->setRelativeTranslation(vector(s.at));
+        node->setRelativeTranslation(vector(s.at)), node->getDynamicsAspect()->setFrictionCoeff(scene.mu);
+        node->getDynamicsAspect()->setRestitutionCoeff(scene.restitution);
       }
     }
   }
