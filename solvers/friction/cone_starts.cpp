@@ -105,7 +105,7 @@ bool ConeStarts::end_is_near(const Job& job, double& near) {
 ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   const double unit = program_.start();
-  if (follows_ || start != first_start || !inside_.turned_back(tolerances::cone_far_end * unit * unit))
+  if (follows_ || start != first_start || !inside_.follows())
     inside_.begin(program_, start);
   else
     inside_.let_go(program_);

@@ -23,11 +23,13 @@ constexpr double of_residual = 0.03, most_of_residual = 0.3;
 // How the central path is followed.
 namespace path {
 // Steps end so near it, in units of the way to the boundary.
-constexpr double near = 1.2;
+constexpr double near = 0.3;
 // The logarithm by which the gap falls: at first, at most, and after a correction on the spot; what is tried falls from
 // twice the last one by halves.
-constexpr double first = 0.3, most = 4, again = 0.1;
+constexpr double first = 0.3, most = 6, again = 0.1;
 constexpr int most_tries = 8;
+// Directions with the curvature along the one before, by the same factor.
+constexpr int most_bends = 2;
 // Of a gap over a load, what rounds the slip off.
 constexpr double rounding = 0.3;
 }  // namespace path
@@ -224,18 +226,28 @@ double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
   return worst;
 }
 
-// From where the step began to the path at that gap: Newton's direction, or with the curvature along it.
+// From where the step began to the path at that gap: Newton's direction, or one with the curvature along the last.
 void InteriorPoint::head_for(ConeProgram& program, double gap, bool curved) {
   move(program, 0);
   left_ -= gap * left_share_;
   aim_ = gap * force_share_;
-  for (Vector* x : {&bend_, &dy_, &dw_}) x->setZero();
-  for (int pass = 0; pass <= (curved ? 1 : 0); ++pass) {
-    aim(program);
-    if (pass > 0) bend(program, 1);
-    correct(program, gap);
-    direct(program);
+  bend_.setZero();
+  if (!curved)
+    for (Vector* x : {&dy_, &dw_}) x->setZero();
+  aim(program);
+  if (curved) bend(program, 1);
+  correct(program, gap);
+  direct(program);
+}
+
+bool InteriorPoint::reaches(ConeProgram& program, double gap) {
+  head_for(program, gap, false);
+  for (int bends = 0; bends < path::most_bends; ++bends) {
+    head_for(program, gap, true);
+    move(program, 1);
+    if (off_path(program, gap) < path::near) return true;
   }
+  return false;
 }
 
 void InteriorPoint::move(ConeProgram& program, double step) {
@@ -270,6 +282,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
   if (!program.face().factorize(D_, ray_weight_, false)) return false;
   sees_end_ = path_ <= tolerances::cone_in_sight * program.start() * program.start();
   if (sees_end_) {
+    head_for(program, 0, false);
     head_for(program, 0, true);
     v_end = v + dv_;
     y_end = y + dy_;
@@ -277,9 +290,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
   double width = std::min(2 * width_, path::most);
   for (int tries = 0; tries < path::most_tries; ++tries, width *= 0.5) {
     const double gap = path_ * std::exp(-width);
-    head_for(program, gap, true);
-    move(program, 1);
-    if (!(off_path(program, gap) < path::near)) continue;
+    if (!reaches(program, gap)) continue;
     path_ = gap;
     width_ = width;
     return true;

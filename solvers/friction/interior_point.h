@@ -22,10 +22,10 @@ namespace zwang {
 // Where contacts depend on each other they slip by 1e-9 of the motion, and step() stalls: |s_t| rounded off by a part
 // of the gap is then another law, and a residual far below the motion still is far above w. follow() keeps to the
 // central path: the residuals shrink with the gap, |s_t| is rounded off by less than w, and no step ends farther from
-// the path than about the way to the boundary; its length is found by solves alone, one factorization each. The tangent
-// to a gap of zero then is an answer to rounding where the modes are not read yet. It ends at a fold, from where step()
-// goes on: arc length along the path (over folds by the sign of the determinant) led back to where it came from as
-// often as on.
+// the path than a part of the way to the boundary; its length is found by solves alone, one factorization each. The
+// tangent to a gap of zero then is an answer to rounding where the modes are not read yet. Where it ends, at a fold or
+// in rounding, step() goes on: arc length along the path (over folds by the sign of the determinant) led back to where
+// it came from as often as on.
 class InteriorPoint {
  public:
   Vector v, y, w;  // the iterate: M v = G'y, and w is s (with the law's shift), up to what is left of the residuals
@@ -39,11 +39,11 @@ class InteriorPoint {
   // One step along the central path of Coulomb's law; false where it turns back, or where rounding ends it.
   bool follow(ConeProgram& program);
   bool sees_end() const { return sees_end_; }
-  bool turned_back(double gap) const { return path_ > gap; }  // before that gap
-  void let_go(ConeProgram& program);                          // for step() to go on
-  void forget_path() { path_ = 0, sees_end_ = false; }        // of another program
-  double gap() const { return gap_; }                         // the mean of y w
-  double residual() const { return residual_; }               // the largest entry of what is left
+  bool follows() const { return path_ > 0; }
+  void let_go(ConeProgram& program);                    // for step() to go on
+  void forget_path() { path_ = 0, sees_end_ = false; }  // of another program
+  double gap() const { return gap_; }                   // the mean of y w
+  double residual() const { return residual_; }         // the largest entry of what is left
   // y as far as it proves that no v meets the rows (convex law): u in the cones with |G'u|_M^-1 times `reach` < h'u.
   bool proves_infeasible(ConeProgram& program, double reach, Vector& u);
 
@@ -53,6 +53,7 @@ class InteriorPoint {
   void aim(const ConeProgram& program);
   double off_path(const ConeProgram& program, double gap) const;
   void head_for(ConeProgram& program, double gap, bool curved);
+  bool reaches(ConeProgram& program, double gap);
   void move(ConeProgram& program, double step);
   void direct(ConeProgram& program);
   void bend(const ConeProgram& program, double part);
