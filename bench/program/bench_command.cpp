@@ -7,7 +7,6 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/report.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/suite/progress.h>
@@ -86,10 +85,7 @@ void add_options(CLI::App& options, Asked& asked) {
 void report_so_far(const std::string& directory, double& next) {
   const double start = wall_seconds();
   if (start < next) return;
-  try {
-    report::write_report(directory);
-  } catch (const std::runtime_error&) {
-  }
+  write_report({":so-far", directory}, true);
   next = wall_seconds() + std::max(10.0, 20 * (wall_seconds() - start));
 }
 
@@ -182,16 +178,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   if (!whole) return done;
 
   // results -> report
-  try {
-    for (const report::RunFolder& part : report::by_class(report::read_run(directory)))
-      if (const std::string line = report::accuracy_headline(part); !line.empty()) std::printf("%s\n", line.c_str());
-    std::printf("Report: %s\n", report::write_report(directory).c_str());
-  } catch (const std::runtime_error& broken) {
-    std::fprintf(stderr, "No report: %s (the results are kept; again with: ./zwang report %s)\n", broken.what(),
-                 report::shell_word(directory).c_str());
-    return bad_file;
-  }
-  return done;
+  return write_report({":end", directory});
 }
 
 }  // namespace zwang

@@ -8,7 +8,6 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/report.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/problem/wording.h>
 
@@ -154,7 +153,7 @@ int judge_command(std::vector<std::string> words) {
   std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n",
               grouped(t.runs).c_str(), grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(),
               grouped(t.failed).c_str(), grouped(t.undecided).c_str(), grouped(t.lies).c_str());
-  std::printf("Report: %s\n", report::write_report(settings.directory).c_str());
+  if (const int code = write_report({settings.directory.string()}); code != done) return code;
   const Exit code = t.lies > 0 ? found : done;
   return junit.empty() ? code : write_junit(settings.directory / "results.jsonl", junit, code);
 }

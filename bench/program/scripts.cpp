@@ -1,8 +1,15 @@
 // Commands that start other commands and read what these wrote: scripts, which the program holds.
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
 #include <iostream>
 #include <iterator>
 
 #include <zwang/bench/program/commands.h>
+#include <zwang/bench/report/page/draw.h>
 #include <zwang/bench/report/page/page.h>
 #include <zwang/core/files/embedded.h>
 #include <zwang/core/files/problem_file.h>
@@ -13,8 +20,29 @@ ZWANG_EMBEDDED(merge_script, ZWANG_MERGE)
 ZWANG_EMBEDDED(league_script, ZWANG_LEAGUE)
 ZWANG_EMBEDDED(guard_script, ZWANG_GUARD)
 ZWANG_EMBEDDED(junit_script, ZWANG_JUNIT)
+ZWANG_EMBEDDED(held_script, ZWANG_HELD)
+ZWANG_EMBEDDED(results_script, ZWANG_RESULTS)
+ZWANG_EMBEDDED(aggregation_script, ZWANG_AGGREGATION)
+ZWANG_EMBEDDED(tables_script, ZWANG_TABLES)
+ZWANG_EMBEDDED(charts_script, ZWANG_CHARTS)
+ZWANG_EMBEDDED(report_script, ZWANG_REPORT)
+ZWANG_EMBEDDED(tables_json, ZWANG_TABLES_JSON)
+ZWANG_EMBEDDED(stability_json, ZWANG_STABILITY_JSON)
 
 namespace zwang {
+namespace {
+
+// Goes on as the last of these files, by their names (held.py).
+int continue_as_files(const std::vector<std::pair<std::string, std::string_view>>& files,
+                      const std::vector<std::string>& words) {
+  std::vector<std::string> before = {std::to_string(files.size())};
+  for (const auto& [name, text] : files) before.insert(before.end(), {name, std::string(text)});
+  return continue_as_script(held_script(), before, words);
+}
+
+std::string from_stdin() { return {std::istreambuf_iterator<char>(std::cin), {}}; }
+
+}  // namespace
 
 int continue_as_script(std::string_view script, std::vector<std::string> before,
                        const std::vector<std::string>& words) {
@@ -23,6 +51,43 @@ int continue_as_script(std::string_view script, std::vector<std::string> before,
   before.insert(before.end(), words.begin(), words.end());
   std::fflush(stdout);
   return continue_as("python3", before);
+}
+
+// `:page KIND`: that page, of the data in stdin. `:draw DATA FIGURES TABLES`: charts and tables for print.
+int report_command(std::vector<std::string> words) {
+  if (words.size() == 2 && words[0] == ":page") {
+    std::cout << report::page(words[1], from_stdin());
+    return done;
+  }
+  if (words.size() == 4 && words[0] == ":draw") return report::draw_figures(words[1], words[2], words[3]), done;
+  return continue_as_files({{"stability.json", stability_json()},
+                            {"tables.json", tables_json()},
+                            {"results.py", results_script()},
+                            {"aggregation.py", aggregation_script()},
+                            {"tables.py", tables_script()},
+                            {"charts.py", charts_script()},
+                            {"report.py", report_script()}},
+                           words);
+}
+
+int write_report(const std::vector<std::string>& words, bool silent) {
+  std::fflush(stdout);
+  const pid_t child = fork();
+  if (child < 0) return bad_file;
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (silent && !std::freopen("/dev/null", "w", stderr)) _exit(bad_file);
+    try {
+      report_command(words);
+    } catch (const std::exception& broken) {
+      std::fprintf(stderr, "No report: %s\n", broken.what());
+    }
+    _exit(bad_file);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : bad_file;
 }
 
 int campaign_command(std::vector<std::string> words) {
@@ -44,11 +109,8 @@ int merge_command(std::vector<std::string> words) {
   return done;
 }
 
-// `:page`: the page of the data in stdin.
 int league_command(std::vector<std::string> words) {
-  if (words != std::vector<std::string>{":page"}) return continue_as_script(league_script(), {}, words);
-  std::cout << report::league_page({std::istreambuf_iterator<char>(std::cin), {}});
-  return done;
+  return continue_as_files({{"results.py", results_script()}, {"league.py", league_script()}}, words);
 }
 
 int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }

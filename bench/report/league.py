@@ -1,6 +1,6 @@
 """`./zwang league`: a page of solvers and their versions, from judgements of their answers. docs/league.md.
 
-The program holds this text and runs it: python3 -c TEXT PROGRAM WORDS... It puts what is found here into the page.
+The program holds this text and runs it: main(PROGRAM, WORDS...). It puts what is found here into the page.
 """
 import argparse
 import collections
@@ -11,16 +11,8 @@ import re
 import signal
 import subprocess
 import sys
-import zlib
 
-WRONG_USE, BAD_FILE = 2, 3
-RIGHT = ("solved", "infeasible, proven")
-SEAL = re.compile(rb',"check":"([0-9a-f]{8})"}$')
-
-
-def fail(line, code=BAD_FILE):
-    print(line, file=sys.stderr)
-    sys.exit(code)
+from results import WRONG_USE, BadFile, Run, credit_who_answered, each_line, fail, result_of
 
 
 def read_entry(file):
@@ -41,66 +33,23 @@ def read_entry(file):
     return {key: entry[key] for key in keys}
 
 
-def read_rows(file):
-    """Rows of results.jsonl as docs/formats.md has them. A last line without its newline may be torn; lines whose check fails are
-    left out, but those of programs before there were checks have none."""
-    rows, checked = [], False
-    with open(file, "rb") as lines:
-        for number, line in enumerate(lines, 1):
-            text = line.rstrip(b"\n")
-            seal = SEAL.search(text)
-            checked = checked or bool(seal)
-            if not text or (checked and line.endswith(b"\n") and not (seal and zlib.crc32(text[:seal.start()]) == int(seal[1], 16))):
-                continue
-            try:
-                row = json.loads(text)
-                for key in ("problem", "problem_sha256", "solver", "claimed", "verified"):
-                    if not isinstance(row[key], str):
-                        raise ValueError(key)
-                rows.append(row)
-            except (ValueError, KeyError, TypeError, RecursionError):
-                if line.endswith(b"\n"):
-                    fail(f"{file} line {number}: not what zwang writes")
-    return [row for row in rows if not row["solver"].startswith("recorded:")]
-
-
-def number(row, key):
-    value = row.get(key)
-    return value if isinstance(value, (int, float)) and math.isfinite(value) else None
-
-
-def error(row):
-    """Proven, or against the reference. Coulomb's law may have several solutions: there what is proven counts."""
-    bound, off = number(row, "z_bound"), number(row, "z_error")
-    if row.get("law") == "coulomb" and (bound is not None or row["verified"] != "wrong"):
-        off = bound if row["verified"] in ("solved", "near", "wrong") else None
-    return bound if off is None else off
-
-
 def judgement(directory, solver):
     """What the solver made of each problem, by its hash: [right, claimed falsely, proven error, seconds]; None where another one
     answered in its place. And the problems' names."""
-    rows = read_rows(os.path.join(directory, "results.jsonl"))
-    [(usual, _)] = collections.Counter(row.get("machine", "") for row in rows).most_common(1) or [("", 0)]
-    found = dict.fromkeys(row["problem_sha256"] for row in rows)
-    place = ("problem", "law", "tolerance")
-    answered = {(row["solver"], *map(row.get, place)) for row in rows if not row.get("handed_to")}
-    machine = ""
-    for row in rows:
-        who, lies = row.get("handed_to") or row["solver"], row["claimed"] in ("solved", "infeasible") and row["verified"] == "wrong"
-        if row.get("handed_to"):  # counts for the solver that gave it, once; a false claim is never left out
-            key = (who, *map(row.get, place))
-            if key in answered and not lies:
-                continue
-            answered.add(key)
-        machine = row.get("machine", "")
-        if who == solver:
-            seconds = number(row, "solve_s") if machine == usual else None
-            found[row["problem_sha256"]] = [row["verified"] in RIGHT, lies, error(row), seconds]
-    if not any(row["solver"] == solver for row in rows) and not any(found.values()):
+    run = Run(directory)
+    each_line(os.path.join(directory, "results.jsonl"), lambda row: run.results.append(result_of(row)))
+    run.results = rows = [r for r in run.results if not r.is_recorded]
+    [(usual, _)] = collections.Counter(r.machine for r in rows).most_common(1) or [("", 0)]
+    names, asked = {r.problem_sha256: r.problem for r in rows}, any(r.solver == solver for r in rows)
+    found = dict.fromkeys(names)
+    credit_who_answered(run)
+    for r in run.results:
+        if r.solver == solver:
+            error, seconds = (value if math.isfinite(value) else None for value in (r.error, r.solve_s if r.machine == usual else math.nan))
+            found[r.problem_sha256] = [r.is_right, r.lies, error, seconds]
+    if not asked and not any(found.values()):
         fail(f"{directory}: no answer of {solver}, which entry.json names")
-    names = {row["problem_sha256"]: row["problem"] for row in rows}
-    return {"machine": machine, "rows": [found[sha256] for sha256 in sorted(found)]}, names
+    return {"machine": rows[-1].machine if rows else "", "rows": [found[sha256] for sha256 in sorted(found)]}, names
 
 
 def natural(version):
@@ -134,7 +83,7 @@ class Options(argparse.ArgumentParser):
         fail(f"{message.removeprefix('argument ')} (./zwang league --help)", WRONG_USE)
 
 
-def main(program, *words):
+def write_page(program, words):
     options = Options(
         prog="./zwang league", usage="./zwang league RECORDS... --out DIR", allow_abbrev=False,
         formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, max_help_position=34, width=100),
@@ -145,7 +94,7 @@ def main(program, *words):
     options.add_argument("--out", required=True, metavar="DIR", help="folder of the page")
     asked = options.parse_args(words)
     data = json.dumps(league(asked.RECORDS), sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    page = subprocess.run([program, "league", ":page"], input=data.encode(errors="replace"), stdout=subprocess.PIPE)
+    page = subprocess.run([program, "report", ":page", "league"], input=data.encode(errors="replace"), stdout=subprocess.PIPE)
     if page.returncode:
         sys.exit(page.returncode)
     file = os.path.join(asked.out, "index.html")
@@ -156,8 +105,11 @@ def main(program, *words):
     print(f"League: {file}")
 
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-try:
-    main(*sys.argv[1:])
-except OSError as broken:
-    fail(f"{broken.filename}: {broken.strerror}")
+def main(program, *words):
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        write_page(program, words)
+    except BadFile as broken:
+        fail(str(broken))
+    except OSError as broken:
+        fail(f"{broken.filename}: {broken.strerror}")

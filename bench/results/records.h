@@ -131,9 +131,4 @@ struct Phenomenon {
 template <class Record>
 std::string to_json(const Record& record);
 
-// Reads such a line: a column that it lacks, or that holds something else, keeps its value. False where the line is
-// another kind of record. Throws nlohmann::json::exception where it is no JSON.
-template <class Record>
-bool read_json(const std::string& line, Record& record);
-
 }  // namespace zwang

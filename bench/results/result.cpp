@@ -132,9 +132,9 @@ Stored load_results(const std::filesystem::path& file) {
       break;
     }
     whole += line.size() + 1;
-    Result result;
     try {
-      if (!is_intact(line) || !read_json(line, result) || result.cell.empty())
+      const Result result = is_intact(line) ? read_result(line) : Result();
+      if (result.cell.empty())
         ++stored.damaged;
       else if (stored.finished.insert(result.cell).second)
         stored.tally.count(result);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -67,8 +66,6 @@ struct Result {
   std::string message = {};
   std::string machine = {};  // the CPU it ran on
   std::string cell = {};     // its name (cell.h); "" outside a suite
-  // No column, of a line that was read: the command that repeats the run.
-  std::string replay = {};
 
   // The error against the reference, or without one the proven upper bound; NaN when there is neither.
   double error() const { return std::isnan(metrics.z_error) ? metrics.z_bound : metrics.z_error; }
@@ -90,9 +87,6 @@ struct Result {
     return metrics.verdict == Verdict::undecided || metrics.verdict == Verdict::consistent ||
            metrics.verdict == Verdict::rows_off;
   }
-  bool is_blank() const { return metrics.verdict == Verdict::unsupported || metrics.verdict == Verdict::bad_input; }
-
-  static constexpr std::array<const char*, 5> required = {"problem", "solver", "tolerance", "claimed", "verified"};
 
   template <class Self, class Visit>
   static void columns(Self& r, Visit visit) {
@@ -129,6 +123,10 @@ struct Result {
     visit(Column{.written = of_suite}, "machine", r.machine, "cell", r.cell);
   }
 };
+
+// Reads such a line: a column that it lacks, or that holds something else, keeps its value. Throws where it is no
+// result.
+Result read_result(const std::string& line);
 
 // What `solve --json` prints.
 struct SolvedResult {

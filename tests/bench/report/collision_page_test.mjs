@@ -1,11 +1,11 @@
-// node collision_page_test.mjs WRITE_PAGES [PNG]: the page of a synthetic collision run, driven in headless Chromium.
+// node collision_page_test.mjs PROGRAM [PNG]: the page of a synthetic collision run, driven in headless Chromium.
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import {is_quiet, open_browser} from './chromium.mjs';
+import {written} from './written.mjs';
 
-const [write_pages, png] = process.argv.slice(2);
+const [program, png] = process.argv.slice(2);
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-collision-page-`);
 const engines = ['zwang', 'fcl', 'bullet'];
 const each = value => Object.fromEntries(engines.map((engine, k) => [engine, value(k)]));
@@ -27,7 +27,7 @@ const results = {
 };
 const report_of = json => {
   fs.writeFileSync(`${folder}/collision.json`, JSON.stringify(json));
-  return execFileSync(write_pages, [folder], {encoding: 'utf8'}).trim();
+  return written(program, folder)[0];
 };
 const settled = 'new Promise(done => setTimeout(done, 500))';
 const rows = id => `[...document.querySelectorAll('#${id} tbody tr')].map(tr => [...tr.cells].map(td => td.textContent))`;

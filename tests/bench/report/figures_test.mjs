@@ -1,4 +1,4 @@
-// node figures_test.mjs WRITE_PAGES: figures and tables for print, of a small synthetic run.
+// node figures_test.mjs PROGRAM: figures and tables for print, of a small synthetic run.
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
 import fs from 'node:fs';
@@ -6,12 +6,13 @@ import os from 'node:os';
 import '../../../bench/report/page/charts.js';
 import '../../../bench/report/page/labels.js';
 import {to_csv, to_tex} from '../../../bench/report/page/table_files.mjs';
+import {written} from './written.mjs';
 
 const here = new URL('.', import.meta.url).pathname;
 const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);
 try {
   execFileSync('node', [`${here}make_results.mjs`, dir, 'one']);
-  const files = execFileSync(process.argv[2], [dir, 'figures'], {encoding: 'utf8'}).trim().split('\n');
+  const figures = (run, ...words) => written(process.argv[2], run, '--figures', 'svg,pdf', ...words), files = figures(dir);
   for (const name of ['figures/work-precision.svg', 'figures/work-precision.pdf', 'figures/profile.svg', 'tables/accuracy.tex', 'tables/accuracy.csv'])
     assert.ok(files.includes(`${dir}/${name}`), `${name} among ${files}`);
   const svg = fs.readFileSync(`${dir}/figures/work-precision-hand.svg`, 'utf8');
@@ -26,12 +27,13 @@ try {
   assert.ok(!fs.existsSync(`${dir}/figures/data.json`), 'no helper file stays behind');
 
   // Six lines at most, 8 pt at the width asked for, and only what was chosen.
-  const full = `${dir}/full`, draw = (...words) => execFileSync(process.argv[2], [full, 'figures', ...words], {encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe']});
+  const full = `${dir}/full`, draw = (chart, solver, family, width) =>
+    figures(full, '--chart', chart, ...(solver === '-' ? [] : ['--solvers', solver]), '--families', family, '--width', `${width}in`);
   execFileSync('node', [`${here}make_results.mjs`, full, 'full']);
   const width_of = text => Number(/ width="([\d.]+)"/.exec(text)[1]);
   for (const [chart, file, solver, width] of [['work-precision', 'work-precision-hand', 'nnls', 3.4], ['profile', 'profile-hand', 'pgs', 2], ['families', 'work-precision', 'nnls', 3.4], ['work-precision', 'work-precision-hand', '-', 3.4]]) {
     fs.rmSync(`${full}/figures`, {recursive: true, force: true});
-    draw(chart, solver, 'hand', String(width));
+    draw(chart, solver, 'hand', width);
     const text = fs.readFileSync(`${full}/figures/${file}.svg`, 'utf8'), named = [...text.matchAll(/>(nnls_paper|nnls|cholesky|dual_active_set|ipopt|pgs|apgd|mine|nlopt:[a-z=]+|bullet_\w+)(?:, [^<]*)?</g)].map(match => match[1]);
     assert.deepEqual(fs.readdirSync(`${full}/figures`).sort(), [`${file}.pdf`, `${file}.svg`, `${file}.txt`]);
     if (solver !== '-') {
@@ -43,8 +45,8 @@ try {
     for (const [, size] of text.matchAll(/font-size="([\d.]+)px"/g)) assert.ok(Math.abs(size - 8 * 96 / 72) < 0.01, `${size} px`);
   }
   assert.ok(fs.readFileSync(`${full}/tables/accuracy.csv`, 'utf8').trim().split('\n').slice(1).every(line => line.startsWith('hand,')), 'tables of what was chosen');
-  assert.throws(() => draw('wrok-precision', 'nnls', 'hand', '3.4'), /no chart 'wrok-precision'; did you mean 'work-precision'/);
-  assert.throws(() => draw('profile', 'nnsl', 'hand', '3.4'), /no solver 'nnsl'; did you mean 'nnls'/);
+  assert.throws(() => draw('wrok-precision', 'nnls', 'hand', 3.4), /no chart 'wrok-precision'; did you mean 'work-precision'/);
+  assert.throws(() => draw('profile', 'nnsl', 'hand', 3.4), /no solver 'nnsl'; did you mean 'nnls'/);
 
   // A figure and all tables stand in an article of one column and of two, and nothing is wider than its text.
   const has_latex = spawnSync('pdflatex', ['--version']).status === 0;
@@ -53,7 +55,7 @@ try {
   for (const run of ['full', 'laws', 'speed'].filter(() => has_latex)) {
     const at = `${dir}/${run}-tex`;
     execFileSync('node', [`${here}make_results.mjs`, at, run]);
-    execFileSync(process.argv[2], [at, 'figures', 'data-profile', '-', '-', '3'], {stdio: 'ignore'});
+    figures(at, '--chart', 'data-profile', '--width', '3in');
     const tables = fs.readdirSync(`${at}/tables`).filter(name => name.endsWith('.tex')), input = names => names.map(name => `\\input{tables/${name}}`).join('\n');
     const environment = name => /\\begin\{(table\*?|longtable)\}/.exec(fs.readFileSync(`${at}/tables/${name}`, 'utf8'))[1], is_long = name => environment(name) === 'longtable';
     tables.forEach(name => kinds.add(environment(name)));
@@ -117,11 +119,6 @@ const column = zwang_labels.stack([5, 5, 5, 5, 100, 199, 199].map((y, i) => ({x:
 for (let i = 1; i < column.length; ++i) assert.ok(column[i].at_y - column[i - 1].at_y >= 12.99);
 assert.ok(column[0].at_y >= 6 && column.at(-1).at_y <= 194);
 assert.equal(column[4].at_y, 100);
-
-// The page has a paragraph on each family that the program takes for one of the atlas.
-const report = `${here}../../../bench/report/`, families = JSON.parse(fs.readFileSync(`${report}page/stability.json`, 'utf8')).map(of => of.family);
-const [, listed] = /std::set<std::string> families = \{([^}]*)\}/.exec(fs.readFileSync(`${report}tables/sweeps.cpp`, 'utf8'));
-assert.deepEqual(listed.match(/\w+/g), families);
 
 // Tables escape what their format reads.
 const table = {id: 't', note: 'A note.', columns: [{name: 'a_b', numeric: false}, {name: 'x, y', numeric: true}], rows: [{cells: [{text: '50 %'}, {text: '2.0 us', value: 2e-6}]}]};

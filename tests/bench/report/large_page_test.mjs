@@ -1,17 +1,18 @@
-// node large_page_test.mjs WRITE_PAGES: the page of a run of more than 20,000 runs, which loads single ones from scripts
+// node large_page_test.mjs PROGRAM: the page of a run of more than 20,000 runs, which loads single ones from scripts
 // beside it. node large_page_test.mjs --measure RUN: the same of a run whose report is written; prints size and time.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import {open_browser} from './chromium.mjs';
+import {written} from './written.mjs';
 
 const measured = process.argv[2] === '--measure';
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-large-`);
 const run = measured ? process.argv[3] : `${folder}/run`;
 if (!measured) {
   execFileSync('node', [`${new URL('.', import.meta.url).pathname}make_results.mjs`, run, 'large']);
-  execFileSync(process.argv[2], [run]);
+  written(process.argv[2], run);
 }
 const browser = await open_browser();
 try {

@@ -1,19 +1,20 @@
-// node page_test.mjs WRITE_PAGES: the report of synthetic runs, driven in headless Chromium.
+// node page_test.mjs PROGRAM: the report of synthetic runs, driven in headless Chromium.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import {is_quiet, open_browser} from './chromium.mjs';
 import {misplaced_names} from './names.mjs';
+import {written} from './written.mjs';
 
-const write_pages = process.argv[2];
+const program = process.argv[2];
 const here = new URL('.', import.meta.url).pathname;
 const folder = fs.mkdtempSync(`${os.tmpdir()}/zwang-page-`);
 const run_of = kind => {
   execFileSync('node', [`${here}make_results.mjs`, `${folder}/${kind}`, kind]);
   return `${folder}/${kind}`;
 };
-const report_of = kind => execFileSync(write_pages, [run_of(kind)], {encoding: 'utf8'}).trim();
+const report_of = kind => written(program, run_of(kind))[0];
 
 const charts = ['work-precision', 'families', 'profile', 'data-profile', 'convergence-iteration', 'convergence-time', 'scaling', 'sweep', 'range-gap'];
 const settled = 'new Promise(done => setTimeout(done, 300))';
@@ -194,7 +195,7 @@ async function explains_what_is_missing(kind) {
 }
 
 async function sets_two_runs_side_by_side() {
-  const file = execFileSync(write_pages, [`${folder}/full`, run_of('later'), `${folder}/comparison.html`], {encoding: 'utf8'}).trim();
+  const file = written(program, `${folder}/full`, run_of('later'), '--out', `${folder}/comparison.html`)[0];
   const page = await browser.open_page(file);
   await page.evaluate('zwang_page.draw_all()');
   const chips = await page.evaluate(`[...document.querySelectorAll('.chip[data-solver]')].map(chip => chip.dataset.solver)`);

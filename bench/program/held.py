@@ -1,0 +1,22 @@
+"""Runs a script of several files that the program holds: python3 -c THIS COUNT NAME TEXT NAME TEXT ... ARGUMENTS.
+
+A NAME.py may import those before it, and other texts from `held`; what runs is main(*ARGUMENTS) of the last.
+"""
+import sys
+import types
+
+
+def module(name, **members):
+    sys.modules[name] = types.ModuleType(name)
+    vars(sys.modules[name]).update(members)
+    return sys.modules[name]
+
+
+count = int(sys.argv[1])
+given, arguments = sys.argv[2:2 + 2 * count], sys.argv[2 + 2 * count:]
+files = module("held", files=dict(zip(given[::2], given[1::2]))).files
+for name, text in files.items():
+    if name.endswith(".py"):
+        last = module(name.removesuffix(".py"))
+        exec(compile(text, name, "exec"), vars(last))
+last.main(*arguments)
