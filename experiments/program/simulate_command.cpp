@@ -6,7 +6,6 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/long_run.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/report.h>
 #include <zwang/bench/report/wording.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/suite/progress.h>
