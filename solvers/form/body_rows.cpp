@@ -18,71 +18,100 @@ bool ordinary_or_zero(double x) { return x == 0 || ordinary(std::abs(x)); }
 
 }  // namespace
 
-// M = L L' and L^-1 of eight bodies at a time, and L'z_u; a root and a quotient then wait for each other six times in
-// eight bodies, not in each.
+// Body b's block of M, and whether it is a mass and an inertia apart. False where an entry couples it to another body.
+bool BodyRows::load_mass(const Problem& p, Index b, bool& apart) {
+  constexpr std::array<int, 7> as_assembled{0, 1, 2, 3, 6, 9, 12};
+  constexpr std::array<int, 12> place{0, 1, 2, 3, 4, 5, 3, 4, 5, 3, 4, 5},
+      of_column{0, 1, 2, 3, 3, 3, 4, 4, 4, 5, 5, 5};
+  const int first = static_cast<int>(6 * b);
+  const int *const outer = p.M.outerIndexPtr() + first, *const counts = p.M.innerNonZeroPtr(),
+                   *const inner = p.M.innerIndexPtr() + outer[0];
+  const double* const value = p.M.valuePtr() + outer[0];
+  Block& own = M[at(b)];
+  own.setZero();
+  int other = counts != nullptr;
+  for (std::size_t j = 0; j < 7; ++j) other |= (outer[j] - outer[0]) ^ as_assembled[j];
+  for (std::size_t e = 0; other == 0 && e < 12; ++e) other = inner[e] ^ (first + place[e]);
+  if (other == 0) {
+    for (std::size_t e = 0; e < 12; ++e) own(place[e], of_column[e]) = value[e];
+    return true;
+  }
+  for (int j = 0; j < 6; ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, first + j); it; ++it) {
+      const Index i = it.row() - first;
+      if (i >= 0 && i < 6)
+        own(i, j) = it.value();
+      else if (it.value() != 0)
+        return false;
+    }
+  for (Index j = 0; j < 3; ++j)
+    for (Index i = j + 1; i < 6; ++i) apart = apart && own(i, j) == 0;
+  return true;
+}
+
+// M = L L', L^-1 and L'z_u of `size` unknowns of up to eight bodies, which no entry of M couples to the others. A root
+// and a quotient wait for each other `size` times in eight bodies, not in each.
+template <Index size>
+bool BodyRows::factorize(Index base, Index first) {
+  const Index count = std::min(lanes, bodies() - base);
+  Pack L[size][size], X[size][size], z[size], reciprocal[size];
+  for (Index i = 0; i < size; ++i) {
+    z[i] = Pack(0);
+    for (Index j = 0; j <= i; ++j) L[i][j] = Pack(i == j);
+    for (Index lane = 0; lane < count; ++lane) {
+      z[i].data()[lane] = z_u(first + i, base + lane);
+      for (Index j = 0; j <= i; ++j) L[i][j].data()[lane] = M[at(base + lane)](first + i, first + j);
+    }
+  }
+  for (Index j = 0; j < size; ++j) {
+    Pack d = L[j][j];
+    for (Index k = 0; k < j; ++k) d -= L[j][k] * L[j][k];
+    const Eigen::Map<const Eigen::Array<double, lanes, 1>> pivots(d.data());
+    if (!(pivots > smallest && pivots < largest).all()) return false;
+    L[j][j] = lanes::root(d);
+    reciprocal[j] = 1 / L[j][j];
+    for (Index i = j + 1; i < size; ++i) {
+      for (Index k = 0; k < j; ++k) L[i][j] -= L[i][k] * L[j][k];
+      L[i][j] *= reciprocal[j];
+    }
+  }
+  for (Index j = 0; j < size; ++j) {
+    z[j] *= L[j][j];
+    for (Index i = j + 1; i < size; ++i) z[j] += L[i][j] * z[i];
+    X[j][j] = reciprocal[j];
+    for (Index i = j + 1; i < size; ++i) {
+      X[i][j] = L[i][j] * X[j][j];
+      for (Index k = j + 1; k < i; ++k) X[i][j] += L[i][k] * X[k][j];
+      X[i][j] *= -reciprocal[i];
+    }
+  }
+  for (Index lane = 0; lane < count; ++lane) {
+    double* const inverse = &L_inverse[at(base + lane)](first, first);
+    double* const transposed = &L_inverse_t[at(base + lane)](first, first);
+    for (Index j = 0; j < size; ++j) {
+      free(first + j, base + lane) = z[j].data()[lane];
+      for (Index i = j; i < size; ++i) inverse[lanes * j + i] = transposed[lanes * i + j] = X[i][j].data()[lane];
+    }
+  }
+  return true;
+}
+
 bool BodyRows::factorize(const Problem& p) {
-  free.resize(lanes, bodies());
+  free.setZero(lanes, bodies());
   z_u.setZero(lanes, bodies());
   z_u.topRows<6>() = p.z_u.reshaped(6, bodies());
+  for (Index i = 0; i < p.size(); ++i)
+    if (!ordinary_or_zero(p.z_u[i])) return false;
   for (Index base = 0; base < bodies(); base += lanes) {
-    const Index count = std::min(lanes, bodies() - base);
-    std::array<std::array<Pack, 6>, 6> L, X;
-    std::array<Pack, 6> z, reciprocal;
-    for (std::size_t i = 0; i < 6; ++i) {
-      z[i] = Pack(0);
-      for (std::size_t j = 0; j <= i; ++j) L[i][j] = Pack(i == j);
+    bool apart = true;
+    for (Index b = base; b < std::min(base + lanes, bodies()); ++b) {
+      if (!load_mass(p, b, apart)) return false;
+      L_inverse[at(b)].setZero();
+      L_inverse_t[at(b)].setZero();
     }
-    for (Index lane = 0; lane < count; ++lane)
-      for (Index j = 0; j < 6; ++j) {
-        const Index column = 6 * (base + lane) + j;
-        if (!ordinary_or_zero(p.z_u[column])) return false;
-        auto own = M[at(base + lane)].col(j);
-        own.setZero();
-        z[at(j)].data()[lane] = p.z_u[column];
-        for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, column); it; ++it) {
-          const Index i = it.row() - (column - j);
-          if (i >= 0 && i < 6) own[i] = it.value();
-          if (i >= j && i < 6)
-            L[at(i)][at(j)].data()[lane] = it.value();
-          else if ((i < 0 || i >= 6) && it.value() != 0)
-            return false;
-        }
-      }
-    for (std::size_t j = 0; j < 6; ++j) {
-      Pack d = L[j][j];
-      for (std::size_t k = 0; k < j; ++k) d -= L[j][k] * L[j][k];
-      const Eigen::Map<const Eigen::Array<double, lanes, 1>> pivots(d.data());
-      if (!(pivots > smallest && pivots < largest).all()) return false;
-      L[j][j] = lanes::root(d);
-      reciprocal[j] = 1 / L[j][j];
-      for (std::size_t i = j + 1; i < 6; ++i) {
-        for (std::size_t k = 0; k < j; ++k) L[i][j] -= L[i][k] * L[j][k];
-        L[i][j] *= reciprocal[j];
-      }
-    }
-    for (std::size_t j = 0; j < 6; ++j) {
-      z[j] *= L[j][j];
-      for (std::size_t i = j + 1; i < 6; ++i) z[j] += L[i][j] * z[i];
-      X[j][j] = reciprocal[j];
-      for (std::size_t i = j + 1; i < 6; ++i) {
-        X[i][j] = L[i][j] * X[j][j];
-        for (std::size_t k = j + 1; k < i; ++k) X[i][j] += L[i][k] * X[k][j];
-        X[i][j] *= -reciprocal[i];
-      }
-    }
-    for (Index lane = 0; lane < count; ++lane) {
-      Block& inverse = L_inverse[at(base + lane)];
-      Block& transposed = L_inverse_t[at(base + lane)];
-      auto own = free.col(base + lane);
-      own.setZero();
-      for (std::size_t j = 0; j < 6; ++j) {
-        own[static_cast<Index>(j)] = z[j].data()[lane];
-        for (std::size_t i = j; i < 6; ++i) {
-          const auto above = static_cast<Index>(j), below = static_cast<Index>(i);
-          inverse(below, above) = transposed(above, below) = X[i][j].data()[lane];
-        }
-      }
-    }
+    if (apart ? !(factorize<1>(base, 0) && factorize<1>(base, 1) && factorize<1>(base, 2) && factorize<3>(base, 3))
+              : !factorize<6>(base, 0))
+      return false;
   }
   return true;
 }
@@ -124,11 +153,11 @@ bool BodyRows::load_rows(const Problem& p) {
       for (; e < end && column[e] < first + 6; ++e) {
         const double a = entry[e];
         const int in_body = column[e] - first;
-        g += a * Eigen::Map<const Lanes>(inverse + lanes * in_body);
-        left -= a * z_u_entry[column[e]];
+        g = multiply_add(a, Eigen::Map<const Lanes>(inverse + lanes * in_body), g);
+        left = multiply_add(-a, z_u_entry[column[e]], left);
         own[in_body] = a;
       }
-      squares += g.cwiseAbs2();
+      squares = multiply_add(g, g, squares);
       G.col(part++) = g;
     }
     while (e < end && entry[e] == 0) ++e;
@@ -174,10 +203,7 @@ bool BodyRows::build(const Problem& p) {
   const Preparation preparing;
   const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
-  // What stays zero in a triangle is written once.
-  const auto count = at(n / 6);
-  if (M.size() != count)
-    for (std::vector<Block>* part : {&M, &L_inverse, &L_inverse_t}) part->assign(count, Block::Zero());
+  for (std::vector<Block>* part : {&M, &L_inverse, &L_inverse_t}) part->resize(at(n / 6));
   if (!factorize(p) || !load_rows(p) || !make_unit_rows()) return false;
 
   // The unit of length: the worst violation of z_u.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
+#include <zwang/solvers/linalg/multiply_add.h>
 
 namespace zwang {
 
@@ -41,8 +42,8 @@ struct BodyRows {
   static Lanes times(const Block& A, const Eigen::Ref<const Lanes>& x) {
     Lanes even = A.col(0) * x[0], odd = A.col(1) * x[1];
     for (Index k = 2; k < 6; k += 2) {
-      even += A.col(k) * x[k];
-      odd += A.col(k + 1) * x[k + 1];
+      even = multiply_add(x[k], A.col(k), even);
+      odd = multiply_add(x[k + 1], A.col(k + 1), odd);
     }
     return even + odd;
   }
@@ -68,6 +69,9 @@ struct BodyRows {
   bool build(const Problem& problem);
 
  private:
+  bool load_mass(const Problem& problem, Index b, bool& apart);
+  template <Index size>
+  bool factorize(Index base, Index first);
   bool factorize(const Problem& problem);
   bool load_rows(const Problem& problem);
   bool make_unit_rows();

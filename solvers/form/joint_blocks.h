@@ -7,7 +7,7 @@
 #include <zwang/solvers/form/body_rows.h>
 #include <zwang/solvers/linalg/lanes.h>
 
-// Blocks of six by six, of one joint or of eight at once.
+// Blocks of six by six, of one body or joint or of eight at once.
 namespace zwang::joint_blocks {
 
 // What is written for one joint holds for eight.
@@ -23,8 +23,6 @@ inline double least(double x) { return x; }
 inline double least(const Pack& x) {
   return Eigen::Map<const Vec<double, 8>>(x.data()).minCoeff<Eigen::PropagateNaN>();
 }
-inline const double& lane(const double& x, std::size_t) { return x; }
-inline const double& lane(const Pack& x, std::size_t k) { return x.data()[k]; }
 inline void set(double& x, double value) { x = value; }
 inline void set(Pack& x, double value) { x = Pack(value); }
 
@@ -45,6 +43,21 @@ inline void gather(const Parts& parts, Column<Pack>& row) {
   for (std::size_t i = 0; i < 6; ++i)
     for (int v = 0; v < Pack::parts; ++v)
       row[i].part[v] = packets::load(entries.col(static_cast<Index>(i)).data() + v * packets::width);
+}
+
+// The other way, of the first `count` joints.
+using Targets = std::array<double*, 8>;
+inline void scatter(const Column<double>& row, std::size_t, const Targets& targets) {
+  std::copy_n(row.begin(), 6, targets[0]);
+}
+inline void scatter(const Column<Pack>& row, std::size_t count, const Targets& targets) {
+  Mat<double, 8, 8> entries;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (int v = 0; v < Pack::parts; ++v)
+      packets::store(entries.col(static_cast<Index>(i)).data() + v * packets::width, row[i].part[v]);
+  entries.rightCols<2>().setZero();
+  entries.transposeInPlace();
+  for (std::size_t l = 0; l < count; ++l) Eigen::Map<Vec<double, 8>>{targets[l]} = entries.col(static_cast<Index>(l));
 }
 
 template <class Scalar>

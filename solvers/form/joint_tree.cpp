@@ -174,19 +174,21 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     F[j] = x;
   }
 
-  for (std::size_t l = 0; l < group.size(); ++l) {
-    Blocks& own = blocks_[at(group[l])];
-    const auto write = [l](const Column<Scalar>& from, double* to, std::size_t stride = 1) {
-      for (std::size_t i = 0; i < 6; ++i) to[i * stride] = lane(from[i], l);
-    };
-    for (std::size_t k = 0; k < r; ++k) write(C_inverse[k], own.C_inverse.col(static_cast<Index>(k)).data());
-    for (std::size_t c = 0; c < d; ++c) write(P[c], own.P.col(static_cast<Index>(c)).data());
-    if (joint(group[l]).parent < 0) continue;
-    for (std::size_t j = 0; j < 6; ++j) {
-      write(F[j], own.F.col(static_cast<Index>(j)).data());
-      write(F[j], own.F_rows.data() + j, BodyRows::lanes);
-      write(B[j], own.S.data() + j, BodyRows::lanes);
-    }
+  const auto write = [&](const Column<Scalar>& from, Block Blocks::* block, std::size_t column) {
+    Targets targets{};
+    for (std::size_t l = 0; l < group.size(); ++l)
+      targets[l] = (blocks_[at(group[l])].*block).col(static_cast<Index>(column)).data();
+    scatter(from, group.size(), targets);
+  };
+  for (std::size_t k = 0; k < r; ++k) write(C_inverse[k], &Blocks::C_inverse, k);
+  for (std::size_t c = 0; c < d; ++c) write(P[c], &Blocks::P, c);
+  for (std::size_t i = 0; r > 0 && i < 6; ++i) {
+    write(F[i], &Blocks::F, i);
+    Column<Scalar> row;
+    for (std::size_t j = 0; j < 6; ++j) row[j] = F[j][i];
+    write(row, &Blocks::F_rows, i);
+    for (std::size_t j = 0; j < 6; ++j) row[j] = B[j][i];
+    if (i >= d) write(row, &Blocks::S, i);
   }
   return true;
 }
