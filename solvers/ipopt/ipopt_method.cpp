@@ -76,13 +76,10 @@ void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer
 // A question with the limits set.
 IpoptQuestion& IpoptMethod::ask(const SolveOptions& options, const Deadline& deadline) {
   IpoptQuestion& question = session.open().question();
-  question.program = nullptr;
-  question.cones = nullptr;
-  question.tolerance = options.tolerance;
-  question.max_iterations = std::min(max_iterations, options.max_iterations);
-  question.mehrotra = mehrotra;
-  question.deadline = deadline;
-  question.observe = nullptr;
+  question = {.tolerance = options.tolerance,
+              .max_iterations = std::min(max_iterations, options.max_iterations),
+              .mehrotra = mehrotra,
+              .deadline = deadline};
   return question;
 }
 
@@ -108,7 +105,21 @@ void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& option
   if (!program.build(problem, ConeProgram::Want::dense, options, deadline, solution)) return;
   if (!program.is_dense()) throw Stopped{Status::unsupported, "more than 1000 unknowns with friction"};
   IpoptQuestion& question = ask(options, deadline);
-  question.cones = &program;
+  const Index unknowns = program.face().unknowns();
+  question.G.resize(program.rows(), unknowns);
+  question.G.reserve(Eigen::VectorXi::Constant(program.rows(), static_cast<int>(unknowns)));
+  for (Index r = 0; r < program.rows(); ++r)
+    for (Index j = 0; j < unknowns; ++j) question.G.insert(r, j) = program.dense_face().row(r)[j];
+  question.h = program.h();
+  question.equality.assign(at(3 * program.cones()), 0);
+  for (Index r = 0; r < program.rays(); ++r) question.equality.push_back(program.is_equality(r));
+  question.cones = program.cones();
+  question.inside = program.start();
+  question.residual = [&](const Vector& v, const Vector& y) {
+    slack.resize(program.rows());
+    program.slack(v, slack);
+    return std::max(program.residual(y, slack).natural, program.imbalance(v, y) * program.scale(v));
+  };
   v.setZero(program.face().unknowns());
   if (Vector y; program.warm(problem, options.warm_start, y)) program.face().force(y, v);
   question.start = v;
@@ -141,18 +152,30 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
   const Deadline deadline(options.time_limit);
   if (!program.build(problem, options, solution)) return;
   IpoptQuestion& question = ask(options, deadline);
-  if (!choose_rows(problem, program, equalities, question.rows, solution)) return;
-  question.program = &program;
+  if (!choose_rows(problem, program, equalities, rows, solution)) return;
+  // Multipliers of all rows.
+  const auto of_all = [this](const Vector& of_rows) {
+    Vector all = Vector::Zero(program.rows());
+    if (of_rows.size() == std::ssize(rows)) all(rows) = of_rows;
+    return all;
+  };
+  question.G = program.some(rows);
+  question.h = program.h()(rows);
+  for (const Index i : rows) question.equality.push_back(program.is_equality(i));
+  question.residual = [&](const Vector& y, const Vector& multipliers) {
+    return kkt_residual(program, y, of_all(multipliers));
+  };
   Vector lambda;
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, question.start);
   if (options.observe)
     question.observe = [&](int iteration, const Vector& y, const Vector& multipliers) {
-      program.write(problem, y, multipliers, solution);
+      program.write(problem, y, of_all(multipliers), solution);
       options.observe(iteration, solution.z, solution.lambda);
     };
 
-  const IpoptAnswer& answer = run(solution);
+  IpoptAnswer answer = run(solution);
+  for (Vector* multipliers : {&answer.lambda, &answer.best.lambda}) *multipliers = of_all(*multipliers);
   solution.status = answer.status;
   const bool has_point = answer.y.size() == program.size() && answer.y.allFinite();
   if (has_point) {

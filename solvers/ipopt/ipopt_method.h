@@ -35,6 +35,7 @@ struct IpoptMethod : IpoptSettings {
 
   UnitProgram program = {};
   EqualityRows equalities = {};
+  std::vector<Index> rows = {};  // of `program`, that Ipopt is asked about
   ConeProgram cones = {};
   Vector v = {}, slack = {};
   Session<IpoptSession> session = {};

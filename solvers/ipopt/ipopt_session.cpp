@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <map>
 
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/law/second_order_cone.h>
 
 namespace ip = ::Ipopt;
@@ -19,41 +18,108 @@ namespace {
 
 constexpr double unbounded = 2e19;  // Ipopt takes anything beyond 1e19 as no bound
 
-// Either program in Ipopt's terms, and what comes back of it.
-class Asked : public ip::TNLP {
+// The question in Ipopt's terms: over (y, s), s of the cones alone, G y - h - s = 0 on their rows, 0 <= G y - h (<= 0
+// on equality rows) on the others, and s_0^2 - s_1^2 - s_2^2 >= 0, s_0 >= 0 of each cone. s stands beside y so that the
+// start is inside the cones, and so that the multipliers of its rows are forces: where a contact sticks, s = 0 and the
+// gradient of the squares vanishes. Ipopt's Lagrangian is f + lambda'g: its multipliers are ours with the sign turned.
+class Nlp final : public ip::TNLP {
  public:
   IpoptQuestion question;
   IpoptAnswer answer;
 
+  bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_jacobian, ip::Index& nonzeros_hessian,
+                    IndexStyleEnum& style) override {
+    unknowns_ = static_cast<int>(question.G.cols());
+    rows_ = static_cast<int>(question.G.rows());
+    cones_ = static_cast<int>(question.cones);
+    n = nonzeros_hessian = unknowns_ + 3 * cones_;
+    m = rows_ + cones_;
+    nonzeros_jacobian = static_cast<int>(question.G.nonZeros()) + 3 * cones_ + 3 * cones_;
+    style = C_STYLE;
+    x_.resize(n);
+    multipliers_.resize(m);
+    return true;
+  }
+
+  bool get_bounds_info(ip::Index n, double* lower, double* upper, ip::Index m, double* g_lower,
+                       double* g_upper) override {
+    std::fill_n(lower, n, -unbounded);
+    std::fill_n(upper, n, unbounded);
+    for (int k = 0; k < cones_; ++k) lower[unknowns_ + 3 * k] = 0;
+    std::fill_n(g_lower, m, 0);
+    for (int r = 0; r < m; ++r) g_upper[r] = r < 3 * cones_ || (r < rows_ && question.equality[at(r)]) ? 0 : unbounded;
+    return true;
+  }
+
+  bool get_starting_point(ip::Index, bool, double* x, bool, double*, double*, ip::Index, bool, double*) override {
+    std::copy_n(question.start.data(), unknowns_, x);
+    for (int k = 0; k < cones_; ++k) {
+      double* s = x + unknowns_ + 3 * k;
+      for (int q = 0; q < 3; ++q) s[q] = slack(3 * k + q, x);
+      s[0] = std::max(s[0], std::hypot(s[1], s[2]) + question.inside);
+    }
+    return true;
+  }
+
+  bool eval_f(ip::Index, const double* x, bool, double& value) override {
+    value = 0.5 * Eigen::Map<const Vector>(x, unknowns_).squaredNorm();
+    return true;
+  }
+
+  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) override {
+    std::fill(std::copy_n(x, unknowns_, gradient), gradient + n, 0);
+    return true;
+  }
+
+  bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
+    const double* s = x + unknowns_;
+    for (int r = 0; r < rows_; ++r) *g++ = slack(r, x) - (r < 3 * cones_ ? s[r] : 0);
+    for (int k = 0; k < cones_; ++k) *g++ = second_order_cone::determinant(s + 3 * k);
+    return true;
+  }
+
+  bool eval_jac_g(ip::Index, const double* x, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
+                  double* value) override {
+    Entries entries{row, column, value};
+    for (int r = 0; r < rows_; ++r) {
+      for (decltype(question.G)::InnerIterator it(question.G, r); it; ++it)
+        entries.add(r, static_cast<int>(it.col()), it.value());
+      if (r < 3 * cones_) entries.add(r, unknowns_ + r, -1);
+    }
+    for (int r = 0; r < 3 * cones_; ++r)
+      entries.add(rows_ + r / 3, unknowns_ + r, value ? (r % 3 == 0 ? 2 : -2) * x[unknowns_ + r] : 0);
+    return true;
+  }
+
+  bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double* multipliers, bool, ip::Index,
+              ip::Index* row, ip::Index* column, double* value) override {
+    Entries entries{row, column, value};
+    for (int i = 0; i < n; ++i) {
+      const int r = i - unknowns_;
+      entries.add(i, i, !value || r < 0 ? weight : (r % 3 == 0 ? 2 : -2) * multipliers[rows_ + r / 3]);
+    }
+    return true;
+  }
+
   bool intermediate_callback(ip::AlgorithmMode mode, ip::Index iteration, double, double, double, double, double,
                              double, double, double, ip::Index, const ip::IpoptData* data,
-                             ip::IpoptCalculatedQuantities* quantities) final {
+                             ip::IpoptCalculatedQuantities* quantities) override {
     answer.iterations = iteration;
     if (mode == ip::RegularMode && read_iterate(*data, *quantities)) {
       if (question.observe) question.observe(iteration, answer.y, answer.lambda);
-      const double now = residual();
+      const double now = question.residual(answer.y, answer.lambda);
       if (now < answer.best.residual) answer.best = {answer.y, answer.lambda, now};
     }
     return !question.deadline.passed();
   }
 
-  bool eval_f(ip::Index, const double* x, bool, double& value) final {
-    value = 0.5 * Eigen::Map<const Vector>(x, unknowns_).squaredNorm();
-    return true;
-  }
-
-  bool eval_grad_f(ip::Index n, const double* x, bool, double* gradient) final {
-    std::fill(std::copy_n(x, unknowns_, gradient), gradient + n, 0);
-    return true;
-  }
-
   void finalize_solution(ip::SolverReturn, ip::Index, const double* x, const double*, const double*, ip::Index,
                          const double*, const double* multipliers, double, const ip::IpoptData*,
-                         ip::IpoptCalculatedQuantities*) final {
+                         ip::IpoptCalculatedQuantities*) override {
     take(x, multipliers);
   }
 
- protected:
+ private:
   // Of a sparse matrix, where its entries are, or what they are.
   struct Entries {
     ip::Index *row, *column;
@@ -66,18 +132,16 @@ class Asked : public ip::TNLP {
     }
   };
 
-  // From Ipopt's variables and multipliers to `answer`.
-  virtual void take(const double* x, const double* multipliers) = 0;
-  virtual double residual() = 0;  // of `answer`
-  void has_size(ip::Index variables, ip::Index constraints, ip::Index unknowns) {
-    x_.resize(variables);
-    multipliers_.resize(constraints);
-    unknowns_ = unknowns;
+  double slack(int row, const double* x) const {
+    double value = -question.h[row];
+    for (decltype(question.G)::InnerIterator it(question.G, row); it; ++it) value += it.value() * x[it.col()];
+    return value;
   }
-
-  ip::Index unknowns_ = 0;  // the first variables: of these the square is minimized
-
- private:
+  // From Ipopt's variables and multipliers to `answer`.
+  void take(const double* x, const double* multipliers) {
+    answer.y = Eigen::Map<const Vector>(x, unknowns_);
+    answer.lambda = -Eigen::Map<const Vector>(multipliers, rows_);
+  }
   bool read_iterate(const ip::IpoptData& data, ip::IpoptCalculatedQuantities& quantities) {
     auto* original = dynamic_cast<ip::OrigIpoptNLP*>(ip::GetRawPtr(quantities.GetIpoptNLP()));
     auto* adapter = original ? dynamic_cast<ip::TNLPAdapter*>(ip::GetRawPtr(original->nlp())) : nullptr;
@@ -88,176 +152,8 @@ class Asked : public ip::TNLP {
     return true;
   }
 
+  int unknowns_ = 0, rows_ = 0, cones_ = 0;
   Vector x_, multipliers_;
-};
-
-// The whitened problem in Ipopt's terms: minimize 1/2 |y|^2, 0 <= G y - h (<= 0 on equality rows), over the rows of
-// `rows` only. Ipopt's Lagrangian is f + lambda'g, so its multipliers are ours with the sign turned.
-class WhitenedQp final : public Asked {
- public:
-  bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
-                    IndexStyleEnum& style) override {
-    n = nonzeros_hessian = static_cast<int>(question.program->size());
-    m = static_cast<int>(question.rows.size());
-    nonzeros_G = 0;
-    for (const Index i : question.rows) nonzeros_G += row_size(i);
-    style = C_STYLE;
-    has_size(n, m, n);
-    return true;
-  }
-
-  bool get_bounds_info(ip::Index n, double* lower, double* upper, ip::Index m, double* g_lower,
-                       double* g_upper) override {
-    std::fill_n(lower, n, -unbounded);
-    std::fill_n(upper, n, unbounded);
-    std::fill_n(g_lower, m, 0);
-    for (int i = 0; i < m; ++i)
-      g_upper[i] = question.program->is_equality(question.rows[static_cast<std::size_t>(i)]) ? 0 : unbounded;
-    return true;
-  }
-
-  bool get_starting_point(ip::Index n, bool, double* x, bool, double*, double*, ip::Index, bool, double*) override {
-    std::copy_n(question.start.data(), n, x);
-    return true;
-  }
-
-  bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
-    for (const Index i : question.rows) {
-      double value = -question.program->h()[i];
-      for (UnitProgram::Rows::InnerIterator it(question.program->G(), i); it; ++it) value += it.value() * x[it.col()];
-      *g++ = value;
-    }
-    return true;
-  }
-
-  bool eval_jac_g(ip::Index, const double*, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
-                  double* value) override {
-    Entries entries{row, column, value};
-    int r = 0;
-    for (const Index i : question.rows) {
-      for (UnitProgram::Rows::InnerIterator it(question.program->G(), i); it; ++it)
-        entries.add(r, static_cast<int>(it.col()), it.value());
-      ++r;
-    }
-    return true;
-  }
-
-  bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double*, bool, ip::Index,
-              ip::Index* row, ip::Index* column, double* value) override {
-    Entries entries{row, column, value};
-    for (int i = 0; i < n; ++i) entries.add(i, i, weight);
-    return true;
-  }
-
- private:
-  int row_size(Index i) const {
-    const int* outer = question.program->G().outerIndexPtr();
-    return outer[i + 1] - outer[i];
-  }
-  void take(const double* x, const double* multipliers) override {
-    answer.y = Eigen::Map<const Vector>(x, question.program->size());
-    answer.lambda.setZero(question.program->rows());
-    for (const Index i : question.rows) answer.lambda[i] = -*multipliers++;
-  }
-  double residual() override { return kkt_residual(*question.program, answer.y, answer.lambda); }
-};
-
-// The cone program: over (v, s), minimize 1/2 |v|^2 with G v - s = h, and s_0^2 - s_1^2 - s_2^2 >= 0, s_0 >= 0 of each
-// cone; single rows as they are. s stands beside v so that the start is inside the cones, and so that the multipliers
-// of its rows are forces: where a contact sticks, s = 0 and the gradient of the squares vanishes.
-class ConeNlp final : public Asked {
- public:
-  bool get_nlp_info(ip::Index& n, ip::Index& m, ip::Index& nonzeros_G, ip::Index& nonzeros_hessian,
-                    IndexStyleEnum& style) override {
-    ConeProgram& p = *question.cones;
-    const auto unknowns = static_cast<int>(p.face().unknowns());
-    cones_ = static_cast<int>(p.cones());
-    rays_ = static_cast<int>(p.rays());
-    n = unknowns + 3 * cones_;
-    m = 3 * cones_ + rays_ + cones_;
-    nonzeros_G = (3 * cones_ + rays_) * unknowns + 3 * cones_ + 3 * cones_;
-    nonzeros_hessian = n;
-    style = C_STYLE;
-    has_size(n, m, unknowns);
-    v_.resize(unknowns);
-    slack_.resize(p.rows());
-    return true;
-  }
-
-  bool get_bounds_info(ip::Index n, double* lower, double* upper, ip::Index m, double* g_lower,
-                       double* g_upper) override {
-    std::fill_n(lower, n, -unbounded);
-    std::fill_n(upper, n, unbounded);
-    for (int k = 0; k < cones_; ++k) lower[unknowns_ + 3 * k] = 0;
-    std::fill_n(g_lower, m, 0);
-    std::fill_n(g_upper, 3 * cones_, 0);
-    for (int r = 0; r < rays_; ++r) g_upper[3 * cones_ + r] = question.cones->is_equality(r) ? 0 : unbounded;
-    std::fill_n(g_upper + 3 * cones_ + rays_, cones_, unbounded);
-    return true;
-  }
-
-  bool get_starting_point(ip::Index, bool, double* x, bool, double*, double*, ip::Index, bool, double*) override {
-    slack_at(question.start.data());
-    std::copy_n(question.start.data(), unknowns_, x);
-    for (int k = 0; k < cones_; ++k) {
-      double* s = std::copy_n(slack_.data() + 3 * k, 3, x + unknowns_ + 3 * k) - 3;
-      s[0] = std::max(s[0], std::hypot(s[1], s[2]) + question.cones->start());
-    }
-    return true;
-  }
-
-  bool eval_g(ip::Index, const double* x, bool, ip::Index, double* g) override {
-    slack_at(x);
-    const double* s = x + unknowns_;
-    for (int r = 0; r < 3 * cones_; ++r) *g++ = slack_[r] - s[r];
-    g = std::copy_n(slack_.data() + 3 * cones_, rays_, g);
-    for (int k = 0; k < cones_; ++k) *g++ = second_order_cone::determinant(s + 3 * k);
-    return true;
-  }
-
-  bool eval_jac_g(ip::Index, const double* x, bool, ip::Index, ip::Index, ip::Index* row, ip::Index* column,
-                  double* value) override {
-    Entries entries{row, column, value};
-    DenseFace& face = question.cones->dense_face();
-    for (int r = 0; r < 3 * cones_ + rays_; ++r) {
-      for (int j = 0; j < unknowns_; ++j) entries.add(r, j, value ? face.row(r)[j] : 0);
-      if (r < 3 * cones_) entries.add(r, unknowns_ + r, -1);
-    }
-    for (int k = 0; k < cones_; ++k)
-      for (int q = 0; q < 3; ++q) {
-        const int j = unknowns_ + 3 * k + q;
-        entries.add(3 * cones_ + rays_ + k, j, value ? (q == 0 ? 2 : -2) * x[j] : 0);
-      }
-    return true;
-  }
-
-  bool eval_h(ip::Index n, const double*, bool, double weight, ip::Index, const double* multipliers, bool, ip::Index,
-              ip::Index* row, ip::Index* column, double* value) override {
-    Entries entries{row, column, value};
-    for (int i = 0; i < n; ++i) {
-      const int k = (i - unknowns_) / 3, q = (i - unknowns_) % 3;
-      entries.add(i, i, !value || i < unknowns_ ? weight : (q == 0 ? 2 : -2) * multipliers[3 * cones_ + rays_ + k]);
-    }
-    return true;
-  }
-
- private:
-  void slack_at(const double* v) {
-    v_ = Eigen::Map<const Vector>(v, unknowns_);
-    question.cones->slack(v_, slack_);
-  }
-  void take(const double* x, const double* multipliers) override {
-    answer.y = Eigen::Map<const Vector>(x, unknowns_);
-    answer.lambda = -Eigen::Map<const Vector>(multipliers, 3 * cones_ + rays_);
-  }
-  double residual() override {
-    slack_at(answer.y.data());
-    return std::max(question.cones->residual(answer.lambda, slack_).natural,
-                    question.cones->imbalance(answer.y, answer.lambda) * question.cones->scale(answer.y));
-  }
-
-  int cones_ = 0, rays_ = 0;
-  Vector v_, slack_;
 };
 
 std::string in_words(ip::ApplicationReturnStatus code) {
@@ -289,9 +185,7 @@ void read_code(ip::ApplicationReturnStatus code, IpoptAnswer& answer) {
 
 struct IpoptSession::Library {
   ip::SmartPtr<ip::IpoptApplication> application = new ip::IpoptApplication(false);
-  ip::SmartPtr<WhitenedQp> qp = new WhitenedQp;
-  ip::SmartPtr<ConeNlp> cone_nlp = new ConeNlp;
-  IpoptQuestion question;
+  ip::SmartPtr<Nlp> nlp = new Nlp;
 };
 
 IpoptSession::IpoptSession() : library_(std::make_unique<Library>()) {
@@ -307,10 +201,11 @@ IpoptSession::IpoptSession() : library_(std::make_unique<Library>()) {
 
 IpoptSession::~IpoptSession() = default;
 
-IpoptQuestion& IpoptSession::question() { return library_->question; }
+IpoptQuestion& IpoptSession::question() { return library_->nlp->question; }
 
 const IpoptAnswer& IpoptSession::run() {
-  auto& [application, qp, cone_nlp, question] = *library_;
+  auto& [application, nlp] = *library_;
+  const IpoptQuestion& question = nlp->question;
   const double half = 0.5 * question.tolerance;  // so that a violated row and a weakly active one may add up to T
   auto options = application->Options();
   for (const char* name : {"tol", "dual_inf_tol", "constr_viol_tol", "acceptable_tol", "acceptable_dual_inf_tol",
@@ -323,13 +218,11 @@ const IpoptAnswer& IpoptSession::run() {
   options->SetStringValue("mehrotra_algorithm", question.mehrotra ? "yes" : "no");
 
   for (const char* name : {"jac_d_constant", "hessian_constant"})
-    options->SetStringValue(name, question.cones ? "no" : "yes");
+    options->SetStringValue(name, question.cones > 0 ? "no" : "yes");
 
-  Asked& asked = question.cones ? static_cast<Asked&>(*cone_nlp) : *qp;
-  asked.question = question;
-  asked.answer = {};
-  read_code(application->OptimizeTNLP(ip::SmartPtr<ip::TNLP>(&asked)), asked.answer);
-  return asked.answer;
+  nlp->answer = {};
+  read_code(application->OptimizeTNLP(ip::SmartPtr<ip::TNLP>(ip::GetRawPtr(nlp))), nlp->answer);
+  return nlp->answer;
 }
 
 }  // namespace zwang

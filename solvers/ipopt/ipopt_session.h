@@ -7,29 +7,32 @@
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
-#include <zwang/solvers/form/unit_program.h>
-#include <zwang/solvers/friction/cone_program.h>
+#include <zwang/core/problem/solver.h>
 
 namespace zwang {
 
-// What Ipopt is asked: the unit program over some of its rows, or a cone program on dense rows, and how far to go.
+// What Ipopt is asked: minimize 1/2 |y|^2 with s = G y - h, the first 3 `cones` rows by threes in the cones
+// s_0 >= |(s_1, s_2)|, the others s >= 0, or s = 0; and how far to go.
 struct IpoptQuestion {
-  const UnitProgram* program = nullptr;
-  ConeProgram* cones = nullptr;
-  std::vector<Index> rows = {};  // of `program`
-  Vector start = {};             // over the unknowns
+  Eigen::SparseMatrix<double, Eigen::RowMajor> G = {};
+  Vector h = {};
+  std::vector<char> equality = {};  // row by row
+  Index cones = 0;
+  double inside = 0;  // by how much, at least, s starts inside its cone
+  Vector start = {};  // y
   double tolerance = 0;
   int max_iterations = 0;
   bool mehrotra = false;
   Deadline deadline = Deadline();
-  std::function<void(int, const Vector&, const Vector&)> observe = nullptr;  // iteration, y, lambda
+  std::function<double(const Vector& y, const Vector& lambda)> residual = nullptr;
+  std::function<void(int iteration, const Vector& y, const Vector& lambda)> observe = nullptr;
 };
 
-// What came back, in Ipopt's own judgement; lambda over all rows of the program.
+// What came back, in Ipopt's own judgement; lambda over the rows asked about.
 struct IpoptAnswer {
   struct Iterate {
     Vector y, lambda;
-    double residual = std::numeric_limits<double>::infinity();  // kkt_residual, or natural
+    double residual = std::numeric_limits<double>::infinity();
   };
   Vector y = {}, lambda = {};  // the last point; empty where there is none
   Iterate best = {};           // of the iterates on the way
