@@ -72,8 +72,11 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
 
 ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
   if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  const double unit = program_.start();
+  if (inside_.follows() && inside_.gap() <= tolerances::cone_far_end * unit * unit) return End::failed;
+  begun_ = job.solution.iterations;
   follows_ = true;
-  const End end = from_start(job, start);
+  const End end = from_inside(job, start);
   follows_ = false;
   return end;
 }

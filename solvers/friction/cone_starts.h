@@ -42,7 +42,8 @@ class ConeStarts {
   // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
   // and all of them together get the iterations of one.
   End from_start(const Job& job, double start);
-  // Along the central path of Coulomb's law, as far as it leads; from_start() of that size then goes on from its end.
+  // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
+  // end. Behind another path where that ended at a fold: the one from another size may have none.
   End from_path(const Job& job, double start);
   End from_dense_rows(const Job& job, double start);
   // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at

@@ -25,13 +25,13 @@ namespace path {
 // Steps end so near it, in units of the way to the boundary.
 constexpr double near = 0.3;
 // The logarithm by which the gap falls: at first, at most, and after a correction on the spot; what is tried falls from
-// twice the last one by halves.
-constexpr double first = 0.3, most = 6, again = 0.1;
-constexpr int most_tries = 8;
+// twice the last one by `less`.
+constexpr double first = 0.3, most = 6, again = 0.1, less = 0.7;
+constexpr int most_tries = 14;
 // Directions with the curvature along the one before, by the same factor.
-constexpr int most_bends = 2;
+constexpr int most_bends = 5;
 // Of a gap over a load, what rounds the slip off.
-constexpr double rounding = 0.3;
+constexpr double rounding = 0.7;
 }  // namespace path
 
 }  // namespace
@@ -192,14 +192,15 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
 
 // What the shift is along that part of the predictor beyond its slope.
 void InteriorPoint::bend(const ConeProgram& program, double part) {
-  const double share = part * program.law().lift;
+  const double lift = program.law().lift;
   for (Index k = 0; k < program.cones(); ++k) {
     const double *own = &s[3 * k], *d = &ds_[3 * k], *D = &D_[at(9 * k)];
     const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
     const double end1 = own[1] + d[1], end2 = own[2] + d[2];
     const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
     const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
-    bend_[k] = share * (end - size - (own[1] * d[1] + own[2] * d[2]) / size);
+    const Cone& cone = cone_[at(k)];
+    bend_[k] = part * (lift * (end - size) - (cone.slope1 * d[1] + cone.slope2 * d[2]) / coupling_);
     for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
   }
 }
@@ -226,8 +227,17 @@ double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
   return worst;
 }
 
+// |s_t| as the path at that gap has it.
+void InteriorPoint::round_off(double gap) {
+  for (Index k = 0; k < rounding_.size(); ++k) {
+    const double slip = path::rounding * gap / begun_y_[3 * k];
+    rounding_[k] = slip * slip;
+  }
+}
+
 // From where the step began to the path at that gap: Newton's direction, or one with the curvature along the last.
 void InteriorPoint::head_for(ConeProgram& program, double gap, bool curved) {
+  round_off(gap);
   move(program, 0);
   left_ -= gap * left_share_;
   aim_ = gap * force_share_;
@@ -269,15 +279,12 @@ bool InteriorPoint::follow(ConeProgram& program) {
     left_share_ = left_ / path_;
     force_share_ = force_ / path_;
   }
-  for (Index k = 0; k < program.cones(); ++k) {
-    const double slip = path::rounding * path_ / y[3 * k];
-    rounding_[k] = slip * slip;
-  }
-  measure(program);
-  const double before = off_path(program, path_);
   begun_v_ = v;
   begun_y_ = y;
   begun_w_ = w;
+  round_off(path_);
+  measure(program);
+  const double before = off_path(program, path_);
   weigh(program, true);
   if (!program.face().factorize(D_, ray_weight_, false)) return false;
   sees_end_ = path_ <= tolerances::cone_in_sight * program.start() * program.start();
@@ -288,7 +295,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
     y_end = y + dy_;
   }
   double width = std::min(2 * width_, path::most);
-  for (int tries = 0; tries < path::most_tries; ++tries, width *= 0.5) {
+  for (int tries = 0; tries < path::most_tries; ++tries, width *= path::less) {
     const double gap = path_ * std::exp(-width);
     if (!reaches(program, gap)) continue;
     path_ = gap;

@@ -52,6 +52,7 @@ class InteriorPoint {
   void weigh(const ConeProgram& program, bool couples);
   void aim(const ConeProgram& program);
   double off_path(const ConeProgram& program, double gap) const;
+  void round_off(double gap);
   void head_for(ConeProgram& program, double gap, bool curved);
   bool reaches(ConeProgram& program, double gap);
   void move(ConeProgram& program, double step);

@@ -124,9 +124,9 @@ inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1
 // The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
 inline constexpr double cone_coupled_regime = 1e-10;
 // Along the central path: from that gap on, in units of the start's square, it is worth while to look where it leads;
-// modes begin where that is so near an answer, in units of the motion, and again where it is that much nearer. Where
-// the path turns back at a larger gap than the last, another start goes on from there.
-inline constexpr double cone_in_sight = 1e-7, cone_near_end = 1e-9, cone_nearer = 0.01, cone_far_end = 1e-12;
+// modes begin where that is so near an answer, in units of the motion, and again where it is that much nearer. A
+// path that ended at a larger gap than the last met a fold: another one is followed.
+inline constexpr double cone_in_sight = 1e-7, cone_near_end = 1e-9, cone_nearer = 0.01, cone_far_end = 1e-8;
 // The least part of a correction on the spot.
 inline constexpr double cone_least_correction = 1e-3;
 // A natural residual below which little is spent on other starts: what is left is a claim, not a better z.
