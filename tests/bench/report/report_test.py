@@ -28,6 +28,8 @@ for name, file in (("results", "results"), ("aggregation", "tables/aggregation")
     sys.modules[name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(sys.modules[name])
 
+import charts
+import results
 from aggregation import (accuracy_headline, accuracy_matched, break_points, data_profile, fit_power_law, geometric_mean, median, natural_shift,
                          performance_profile, quantile, scaling, shifted_geometric_means, sweep_mark, sweep_state, time_to_error)
 from charts import chart_rows, drawn_as
@@ -272,6 +274,12 @@ class Folders(unittest.TestCase):
     def test_a_missing_file_is_named(self):
         with self.assertRaisesRegex(BadFile, "^cannot read /nowhere/at/all/results.jsonl$"):
             read_run("/nowhere/at/all")
+
+    def test_every_column_that_is_read_is_one_of_the_documented(self):
+        with open(os.path.join(source, "docs/formats.md"), encoding="utf-8") as text:
+            documented = text.read()
+        for key in (*results.TEXTS, *results.NUMBERS, *results.COUNTS, *charts.STAGES, "feasible", "fallback", "worst_by_type"):
+            self.assertIn(f"`{key}`", documented)
 
     def test_a_lie_is_a_false_claim_and_nothing_else(self):
         self.assertTrue(result("p", "s", 1, 1, 1, "solved", "wrong").lies)
