@@ -1,6 +1,9 @@
 #include <zwang/solvers/finish/body_point.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 namespace {
@@ -38,30 +41,7 @@ struct Sum {
     low += error_of(product, a, x) + a.cwiseProduct(x_low);
     add(product);
   }
-  // The lower half of the lanes takes in the upper one.
-  template <int half>
-  [[gnu::always_inline]] void fold() {
-    using Half = Vec<double, half>;
-    const Half x = high.segment<half>(half), before = high.head<half>();
-    const Half after = before + x, part = after - before;
-    low.head<half>() += low.segment<half>(half) + ((before - (after - part)) + (x - part));
-    high.head<half>() = after;
-  }
 };
-
-// c_i - J_i z.
-[[gnu::always_inline]] inline double left_of(const BodyRows& rows, Index i, const BodyPoint::Motion& z,
-                                             const BodyPoint::Motion& z_rest) {
-  const auto [first, second] = rows.body[at(i)];
-  Sum sum;
-  sum.add_product(rows.own_part(i, 0), z.col(first), z_rest.col(first));
-  if (second >= 0) sum.add_product(rows.own_part(i, 1), z.col(second), z_rest.col(second));
-  sum.fold<4>();
-  sum.fold<2>();
-  sum.fold<1>();
-  const DoubleDouble left = DoubleDouble::exact_sum(rows.c[i], -sum.high[0]);
-  return left.hi + (left.lo - sum.low[0]);
-}
 
 }  // namespace
 
@@ -107,9 +87,40 @@ void BodyPoint::begin_force(const BodyRows& rows) {
   }
 }
 
-void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, double* violations) {
+// The sums over the entries of eight rows side by side.
+void BodyPoint::violations(const BodyRows& rows, std::span<const Index> listed, double* out) const {
+  for (std::size_t begin = 0; begin < listed.size(); begin += lanes::width) {
+    const std::size_t count = std::min<std::size_t>(lanes::width, listed.size() - begin);
+    std::array<lanes::Pack, lanes::width> high, low;
+    high.fill(lanes::Pack(0));
+    low.fill(lanes::Pack(0));
+    Sum left;
+    Lanes size = Lanes::Ones();
+    for (std::size_t l = 0; l < count; ++l) {
+      const Index i = listed[begin + l];
+      const auto [first, second] = rows.body[at(i)];
+      Sum sum;
+      sum.add_product(rows.own_part(i, 0), z_.col(first), z_rest_.col(first));
+      if (second >= 0) sum.add_product(rows.own_part(i, 1), z_.col(second), z_rest_.col(second));
+      high[l] = lanes::Pack::load(sum.high.data());
+      low[l] = lanes::Pack::load(sum.low.data());
+      left.high[static_cast<Index>(l)] = rows.c[i];
+      size[static_cast<Index>(l)] = unit_ * rows.row_norm[i];
+    }
+    lanes::transpose(high);
+    lanes::transpose(low);
+    for (std::size_t k = 0; k < 6; ++k) {
+      left.add(-lanes::at(high[k].data(), 0));
+      left.low -= lanes::at(low[k].data(), 0);
+    }
+    const Lanes all = (left.high + left.low).cwiseQuotient(size);
+    std::copy_n(all.data(), count, out + begin);
+  }
+}
+
+void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, double* out) {
+  violations(rows, listed, out);
   for (const Index i : listed) {
-    *violations++ = left_of(rows, i, z_, z_rest_) / (unit_ * rows.row_norm[i]);
     const Lanes own = Lanes::Constant(lambda_[i]), own_rest = Lanes::Constant(lambda_rest_[i]);
     for (int side = 0; side < 2; ++side) {
       const int b = rows.body[at(i)][at(side)];
@@ -129,7 +140,9 @@ void BodyPoint::whiten_force(const BodyRows& rows, Motion& rho) const {
 }
 
 double BodyPoint::violation(const BodyRows& rows, Index i) const {
-  return left_of(rows, i, z_, z_rest_) / (unit_ * rows.row_norm[i]);
+  double own = 0;
+  violations(rows, {&i, 1}, &own);
+  return own;
 }
 
 double BodyPoint::terms(const BodyRows& rows, Index i) const {

@@ -26,7 +26,7 @@ class BodyPoint {
   // What is left of the KKT conditions over the rows listed, in units of 2^exponent: their violations (below), and
   // rho = L^-1 (M (z_u - z) + J'lambda), in three parts: the first term, rows, the whole whitened.
   void begin_force(const BodyRows& rows);
-  void add_rows(const BodyRows& rows, std::span<const Index> listed, double* violations);
+  void add_rows(const BodyRows& rows, std::span<const Index> listed, double* out);
   void whiten_force(const BodyRows& rows, Motion& rho) const;
   // (c_i - J_i z) / |J_i|_(M^-1), likewise.
   double violation(const BodyRows& rows, Index i) const;
@@ -38,6 +38,8 @@ class BodyPoint {
 
  private:
   using Lanes = BodyRows::Lanes;
+
+  void violations(const BodyRows& rows, std::span<const Index> listed, double* out) const;
 
   Motion z_, z_rest_, force_, force_rest_;
   Vector lambda_, lambda_rest_;  // of BodyRows

@@ -37,12 +37,10 @@ inline const BodyRows::Lanes nothing = BodyRows::Lanes::Zero();
 using Parts = std::array<const double*, 8>;
 inline void gather(const Parts& parts, Column<double>& row) { std::copy_n(parts[0], 6, row.begin()); }
 inline void gather(const Parts& parts, Column<Pack>& row) {
-  Mat<double, 8, 8> entries;
-  for (Index l = 0; l < 8; ++l) entries.col(l) = Eigen::Map<const Vec<double, 8>>(parts[at(l)]);
-  entries.transposeInPlace();
-  for (std::size_t i = 0; i < 6; ++i)
-    for (int v = 0; v < Pack::parts; ++v)
-      row[i].part[v] = packets::load(entries.col(static_cast<Index>(i)).data() + v * packets::width);
+  std::array<Pack, 8> entries;
+  for (std::size_t l = 0; l < 8; ++l) entries[l] = Pack::load(parts[l]);
+  lanes::transpose(entries);
+  std::copy_n(entries.begin(), 6, row.begin());
 }
 
 // The other way, of the first `count` joints.
@@ -51,13 +49,11 @@ inline void scatter(const Column<double>& row, std::size_t, const Targets& targe
   std::copy_n(row.begin(), 6, targets[0]);
 }
 inline void scatter(const Column<Pack>& row, std::size_t count, const Targets& targets) {
-  Mat<double, 8, 8> entries;
-  for (std::size_t i = 0; i < 6; ++i)
-    for (int v = 0; v < Pack::parts; ++v)
-      packets::store(entries.col(static_cast<Index>(i)).data() + v * packets::width, row[i].part[v]);
-  entries.rightCols<2>().setZero();
-  entries.transposeInPlace();
-  for (std::size_t l = 0; l < count; ++l) Eigen::Map<Vec<double, 8>>{targets[l]} = entries.col(static_cast<Index>(l));
+  std::array<Pack, 8> entries;
+  std::copy_n(row.begin(), 6, entries.begin());
+  entries[6] = entries[7] = Pack(0);
+  lanes::transpose(entries);
+  for (std::size_t l = 0; l < count; ++l) entries[l].store(targets[l]);
 }
 
 template <class Scalar>
@@ -83,19 +79,20 @@ void scale(const Scalar& a, Column<Scalar>& x) {
 template <class Scalar>
 struct Reflection {
   Column<Scalar> v;
-  Scalar scale, beta;
+  Scalar scale, beta, reciprocal;  // of beta
 
   void take(const Column<Scalar>& column, std::size_t k) {
-    Scalar square;
-    set(square, 0);
-    for (std::size_t i = 0; i < 6; ++i) {
-      v[i] = column[i];
-      if (i < k) set(v[i], 0);
-      square = multiply_add(v[i], v[i], square);
+    v = column;
+    for (std::size_t i = 0; i < k; ++i) set(v[i], 0);
+    Scalar even = v[0] * v[0], odd = v[1] * v[1];
+    for (std::size_t i = 2; i < 6; i += 2) {
+      even = multiply_add(v[i], v[i], even);
+      odd = multiply_add(v[i + 1], v[i + 1], odd);
     }
-    beta = with_sign_against(v[k], root(square));
+    beta = with_sign_against(v[k], root(even + odd));
     v[k] -= beta;
     scale = 1 / (beta * v[k]);
+    reciprocal = scale * v[k];
   }
   void apply(Column<Scalar>& x) const {
     Scalar even = v[0] * x[0], odd = v[1] * x[1];

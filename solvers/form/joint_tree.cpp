@@ -112,31 +112,33 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     gather(parent, D[k]);
   }
 
-  // C' = Q [R_C; 0].
+  // C' = Q [R_C; 0]. A column of Q is formed while the next reflection waits for its root.
   std::array<Reflection<Scalar>, 6> q;
+  Square<Scalar> Q;
+  const auto form = [&](std::size_t i, std::size_t reflections) {
+    Column<Scalar> x = zero<Scalar>();
+    set(x[i], 1);
+    for (std::size_t k = reflections; k-- > 0;) q[k].apply(x);
+    Q[i] = x;
+  };
   for (std::size_t k = 0; k < r; ++k) {
     Column<Scalar> x = C[k];
     for (std::size_t l = 0; l < k; ++l) q[l].apply(x);
     q[k].take(x, k);
     C[k] = x;
+    if (k > 0) form(k - 1, k);
     const double pivot = least(Scalar(abs(q[k].beta)));
     if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
     smallest_pivot_ = std::min(smallest_pivot_, pivot);
   }
-  Square<Scalar> Q;
-  for (std::size_t i = 0; i < 6; ++i) {
-    Column<Scalar> x = zero<Scalar>();
-    set(x[i], 1);
-    for (std::size_t k = std::min(i + 1, r); k-- > 0;) q[k].apply(x);
-    Q[i] = x;
-  }
+  for (std::size_t i = r > 0 ? r - 1 : 0; i < 6; ++i) form(i, r);
 
   // C^+ = Q_1 R_C^-T by columns; Z = Q_2.
   Square<Scalar> C_inverse;
   for (std::size_t k = r; k-- > 0;) {
     Column<Scalar> x = Q[k];
     for (std::size_t l = k + 1; l < r; ++l) subtract(C[l][k], C_inverse[l], x);
-    scale(Scalar(1 / q[k].beta), x);
+    scale(q[k].reciprocal, x);
     C_inverse[k] = x;
   }
 
@@ -158,7 +160,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
       subtract(t[l], P[l], x);
     }
     turn[c].take(t, c);
-    scale(Scalar(1 / turn[c].beta), x);
+    scale(turn[c].reciprocal, x);
     P[c] = x;
   }
   for (std::size_t j = 0; r > 0 && j < 6; ++j) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -31,6 +32,14 @@ struct Pack {
   }
   const double* data() const { return reinterpret_cast<const double*>(part); }
   double* data() { return reinterpret_cast<double*>(part); }
+  static Pack load(const double* x) {
+    Pack out;
+    for (int v = 0; v < parts; ++v) out.part[v] = packets::load(x + v * packets::width);
+    return out;
+  }
+  void store(double* x) const {
+    for (int v = 0; v < parts; ++v) packets::store(x + v * packets::width, part[v]);
+  }
 
   template <class Operation, class... Others>
   static Pack each(Operation&& operation, const Others&... x) {
@@ -64,6 +73,22 @@ struct Pack {
     return each([](auto x) { return Eigen::internal::pabs(x); }, a);
   }
 };
+
+// Rows and columns of eight by eight change places.
+inline void transpose(std::array<Pack, width>& x) {
+  constexpr auto side = static_cast<std::size_t>(packets::width);
+  const std::array<Pack, width> from = x;
+  for (std::size_t r = 0; r < Pack::parts; ++r)
+    for (std::size_t c = 0; c < Pack::parts; ++c) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wignored-attributes"
+      Eigen::internal::PacketBlock<packets::Packet, packets::width> block;
+#pragma GCC diagnostic pop
+      for (std::size_t i = 0; i < side; ++i) block.packet[i] = from[r * side + i].part[c];
+      Eigen::internal::ptranspose(block);
+      for (std::size_t i = 0; i < side; ++i) x[c * side + i].part[r] = block.packet[i];
+    }
+}
 
 // The processor's own roots, where they set no errno: Eigen's of eight doubles are approximations, a digit short.
 inline Pack root(const Pack& x) {
@@ -108,16 +133,20 @@ inline void multiply_transposed(const Columns& A, Index count, const double* x, 
   for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
 }
 
-// y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise.
+// y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise. In two sums.
 template <int sign, int vectors>
 void accumulate_part(const Columns& A, Index count, const double* x, double* y, Index k) {
   using Part = Vec<double, vectors * width>;
   Eigen::Map<Part> target(y + k);
-  Part sum = target;
+  Part even = target, odd = Part::Zero();
   const double* column = A.data() + k;
-  for (Index j = 0; j < count; ++j, column += A.rows())
-    sum = multiply_add(sign * x[j], Eigen::Map<const Part>(column), sum);
-  target = sum;
+  Index j = 0;
+  for (; j + 1 < count; j += 2, column += 2 * A.rows()) {
+    even = multiply_add(sign * x[j], Eigen::Map<const Part>(column), even);
+    odd = multiply_add(sign * x[j + 1], Eigen::Map<const Part>(column + A.rows()), odd);
+  }
+  if (j < count) even = multiply_add(sign * x[j], Eigen::Map<const Part>(column), even);
+  target = even + odd;
 }
 inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
   in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<1, vectors>(A, count, x, y, k); });
