@@ -3,6 +3,9 @@
 A NAME.py may import those before it, and other texts from `held`; what runs is main(*ARGUMENTS) of the last.
 """
 import sys
+
+sys.path = [folder for folder in sys.path if folder]  # nothing of the folder where the user is
+
 import types
 
 

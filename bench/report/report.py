@@ -292,7 +292,7 @@ def asked_for(words):
   ./zwang report results/20261120-2354 --figures pdf --chart work-precision --families hand \\
                  --solvers nnls,dual_active_set --width 3.4in
   ./zwang report before after --out compared.html""")
-    listed = {"type": lambda text: text.split(","), "default": [], "metavar": "a,b,..."}
+    listed = {"type": lambda text: text.split(","), "action": "extend", "default": [], "metavar": "a,b,..."}
     options.add_argument("DIR", nargs="+", help="a run's folder, or two to compare")
     options.add_argument("--out", default="comparison.html", metavar="FILE", help="the page that compares two runs; default: comparison.html")
     options.add_argument("--figures", **{**listed, "metavar": "svg,pdf"}, help="svg, pdf or svg,pdf: charts as files with their captions, tables")

@@ -288,6 +288,14 @@ class Folders(unittest.TestCase):
         for claimed, verified in (("solved, ill-conditioned", "wrong"), ("iteration limit", "wrong"), ("solved", "near"), ("solved", "undecided")):
             self.assertFalse(result("p", "s", 1, 1, 1, claimed, verified).lies)
 
+    def test_no_module_of_the_folder_where_the_user_is_takes_part(self):
+        self.read(LINE + "\n")
+        for name in ("json", "types", "results", "argparse"):
+            with open(self.path(f"{name}.py"), "w", encoding="utf-8") as module:
+                module.write("raise SystemExit('not asked for')\n")
+        subprocess.run([program, "report", "."], cwd=self.folder.name, capture_output=True, check=True)
+        subprocess.run([program, "report", ".", ".", "--out", "two.html"], cwd=self.folder.name, capture_output=True, check=True)
+
     def test_a_page_stands_from_the_first_problem_on_and_is_replaced_in_one_step(self):
         with open(self.path("run.json"), "w", encoding="utf-8") as record:
             json.dump({"finished": None, "runs": 12}, record)
