@@ -35,13 +35,9 @@ std::string duration(double seconds) {
   for (const auto& [size, unit] : units)
     if (seconds >= 0.9995 * size || size == 1e-9) {
       const double value = seconds / size;
-      return fixed(value, value < 9.95 ? 1 : 0) + " " + unit;
+      return printed("%.*f %s", value < 9.95 ? 1 : 0, value, unit);
     }
   return "";
 }
-
-std::string fixed(double value, int digits) { return std::isfinite(value) ? printed("%.*f", digits, value) : ""; }
-
-std::string part_of(long part, long whole) { return std::to_string(part) + " of " + std::to_string(whole); }
 
 }  // namespace zwang::report

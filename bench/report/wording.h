@@ -10,7 +10,5 @@ std::string shell_word(const std::string& word);  // quoted where a shell would 
 
 std::string scientific(double value, int digits = 1);  // "3.2e-09", "1e-08" with 0 digits; "unknown" for NaN
 std::string duration(double seconds);                  // "18 us", "1.9 ms", "2.4 s"
-std::string fixed(double value, int digits);           // "2.40"; "" for NaN and infinities
-std::string part_of(long part, long whole);            // "3 of 5"
 
 }  // namespace zwang::report
