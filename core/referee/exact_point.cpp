@@ -56,8 +56,9 @@ std::optional<Rational> root(const Rational& square) {
 
 // x as a multiple of 2^-30 of `size`.
 double simplified(double x, double size) {
+  if (!(size > 0)) return x;
   const int unit = std::ilogb(size) - simple;
-  return size > 0 ? std::ldexp(std::round(std::ldexp(x, -unit)), unit) : x;
+  return std::ldexp(std::round(std::ldexp(x, -unit)), unit);
 }
 
 // A force that a contact or an equality row may have.

@@ -149,9 +149,11 @@ void accumulate_part(const Columns& A, Index count, const double* x, double* y, 
   target = even + odd;
 }
 inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+  if (count == 0) return;
   in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<1, vectors>(A, count, x, y, k); });
 }
 inline void subtract(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+  if (count == 0) return;
   in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<-1, vectors>(A, count, x, y, k); });
 }
 
