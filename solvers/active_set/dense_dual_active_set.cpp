@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/solvers/linalg/lanes.h>
+
 namespace zwang {
 namespace {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <zwang/solvers/factor/cone_face.h>
-#include <zwang/solvers/linalg/lanes.h>
+#include <zwang/solvers/linalg/line_matrix.h>
 
 namespace zwang {
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <zwang/solvers/linalg/lanes.h>
 #include <zwang/solvers/linalg/tolerances.h>
 namespace zwang {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <zwang/solvers/linalg/lanes.h>
+#include <zwang/solvers/linalg/line_matrix.h>
 
 namespace zwang {
 

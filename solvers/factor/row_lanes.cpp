@@ -1,5 +1,7 @@
 #include <zwang/solvers/factor/row_lanes.h>
 
+#include <zwang/solvers/linalg/lanes.h>
+
 namespace zwang {
 
 using lanes::at;
@@ -22,18 +24,14 @@ void RowLanes::take(const lanes::Columns& At, Index known, Index rows) {
   for (Index begin = first * width; begin < rows; begin += width) {
     const Index count = std::min(width, rows - begin);
     for (Index k = 0; k < size_; k += width) {
-      Mat<double, width, width> block;
-      for (Index l = 0; l < width; ++l) {
-        if (l < count)
-          block.col(l) = at(At.col(begin + l).data(), k);
-        else
-          block.col(l).setZero();
-      }
-      block.transposeInPlace();
+      std::array<lanes::Pack, width> block;
+      for (Index l = 0; l < width; ++l)
+        block[at(l)] = l < count ? lanes::Pack::load(&At(k, begin + l)) : lanes::Pack(0);
+      lanes::transpose(block);
       for (Index c = 0; c < std::min(width, size_ - k); ++c) {
-        at(entries_.col(used).data(), 0) = block.col(c);
+        block[at(c)].store(entries_.col(used).data());
         column_[at(used)] = static_cast<int>(k + c);
-        used += (block.col(c).array() != 0).any();
+        used += (entries_.col(used).array() != 0).any();
       }
     }
     start_.push_back(used);

@@ -2,8 +2,7 @@
 
 #include <vector>
 
-#include <zwang/solvers/linalg/lanes.h>
-#include <zwang/solvers/linalg/packets.h>
+#include <zwang/solvers/linalg/line_matrix.h>
 
 namespace zwang {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/number/double_double.h>
 #include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
@@ -61,7 +62,7 @@ void BodyPoint::begin(const BodyRows& rows, const Motion& y) {
 void BodyPoint::move(const BodyRows& rows, const Motion& step) {
   for (Index b = 0; b < rows.bodies(); ++b) {
     Sum own{z_.col(b), z_rest_.col(b)};
-    own.add(unit_ * BodyRows::times(rows.L_inverse_t[at(b)], step.col(b)));
+    own.add(unit_ * BodyRows::times(rows.mass[at(b)].L_inverse_t, step.col(b)));
     z_.col(b) = own.high;
     z_rest_.col(b) = own.low;
   }
@@ -80,7 +81,7 @@ void BodyPoint::begin_force(const BodyRows& rows) {
   for (Index b = 0; b < rows.bodies(); ++b) {
     Sum d{rows.z_u.col(b), -z_rest_.col(b)}, sum;
     d.add(-z_.col(b));
-    const BodyRows::Block& M = rows.M[at(b)];
+    const BodyRows::Block& M = rows.mass[at(b)].M;
     for (Index c = 0; c < 6; ++c) sum.add_product(M.col(c), Lanes::Constant(d.high[c]), Lanes::Constant(d.low[c]));
     force_.col(b) = sum.high;
     force_rest_.col(b) = sum.low;
@@ -136,7 +137,7 @@ void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, do
 void BodyPoint::whiten_force(const BodyRows& rows, Motion& rho) const {
   const double unit = 1 / unit_;
   for (Index b = 0; b < rows.bodies(); ++b)
-    rho.col(b) = BodyRows::times(rows.L_inverse[at(b)], unit * (force_.col(b) + force_rest_.col(b)));
+    rho.col(b) = BodyRows::times(rows.mass[at(b)].L_inverse, unit * (force_.col(b) + force_rest_.col(b)));
 }
 
 double BodyPoint::violation(const BodyRows& rows, Index i) const {

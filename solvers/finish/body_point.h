@@ -2,7 +2,6 @@
 
 #include <span>
 
-#include <zwang/core/number/double_double.h>
 #include <zwang/solvers/form/body_rows.h>
 
 namespace zwang {
@@ -15,7 +14,7 @@ namespace zwang {
 // time.
 class BodyPoint {
  public:
-  using Motion = Mat<double, BodyRows::lanes, Eigen::Dynamic>;  // lanes x bodies
+  using Motion = BodyRows::Motion;
 
   // z = z_u + 2^exponent L^-T y and lambda = 0; then z moves on by 2^exponent L^-T step.
   void begin(const BodyRows& rows, const Motion& y);

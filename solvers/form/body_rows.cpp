@@ -27,7 +27,7 @@ bool BodyRows::load_mass(const Problem& p, Index b, bool& apart) {
   const int *const outer = p.M.outerIndexPtr() + first, *const counts = p.M.innerNonZeroPtr(),
                    *const inner = p.M.innerIndexPtr() + outer[0];
   const double* const value = p.M.valuePtr() + outer[0];
-  Block& own = M[at(b)];
+  Block& own = mass[at(b)].M;
   own.setZero();
   int other = counts != nullptr;
   for (std::size_t j = 0; j < 7; ++j) other |= (outer[j] - outer[0]) ^ as_assembled[j];
@@ -60,7 +60,7 @@ bool BodyRows::factorize(Index base, Index first) {
     for (Index j = 0; j <= i; ++j) L[i][j] = Pack(i == j);
     for (Index lane = 0; lane < count; ++lane) {
       z[i].data()[lane] = z_u(first + i, base + lane);
-      for (Index j = 0; j <= i; ++j) L[i][j].data()[lane] = M[at(base + lane)](first + i, first + j);
+      for (Index j = 0; j <= i; ++j) L[i][j].data()[lane] = mass[at(base + lane)].M(first + i, first + j);
     }
   }
   for (Index j = 0; j < size; ++j) {
@@ -86,8 +86,8 @@ bool BodyRows::factorize(Index base, Index first) {
     }
   }
   for (Index lane = 0; lane < count; ++lane) {
-    double* const inverse = &L_inverse[at(base + lane)](first, first);
-    double* const transposed = &L_inverse_t[at(base + lane)](first, first);
+    double* const inverse = &mass[at(base + lane)].L_inverse(first, first);
+    double* const transposed = &mass[at(base + lane)].L_inverse_t(first, first);
     for (Index j = 0; j < size; ++j) {
       free(first + j, base + lane) = z[j].data()[lane];
       for (Index i = j; i < size; ++i) inverse[lanes * j + i] = transposed[lanes * i + j] = X[i][j].data()[lane];
@@ -106,8 +106,8 @@ bool BodyRows::factorize(const Problem& p) {
     bool apart = true;
     for (Index b = base; b < std::min(base + lanes, bodies()); ++b) {
       if (!load_mass(p, b, apart)) return false;
-      L_inverse[at(b)].setZero();
-      L_inverse_t[at(b)].setZero();
+      mass[at(b)].L_inverse.setZero();
+      mass[at(b)].L_inverse_t.setZero();
     }
     if (apart ? !(factorize<1>(base, 0) && factorize<1>(base, 1) && factorize<1>(base, 2) && factorize<3>(base, 3))
               : !factorize<6>(base, 0))
@@ -146,7 +146,7 @@ bool BodyRows::load_rows(const Problem& p) {
       if (e == end) break;
       b = column[e] / 6;
       const int first = 6 * b;
-      const double* const inverse = L_inverse[at(b)].data();
+      const double* const inverse = mass[at(b)].L_inverse.data();
       J.col(part).setZero();
       double* const own = J.col(part).data();
       Lanes g = Lanes::Zero();
@@ -203,7 +203,7 @@ bool BodyRows::build(const Problem& p) {
   const Preparation preparing;
   const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
-  for (std::vector<Block>* part : {&M, &L_inverse, &L_inverse_t}) part->resize(at(n / 6));
+  mass.resize(at(n / 6));
   if (!factorize(p) || !load_rows(p) || !make_unit_rows()) return false;
 
   // The unit of length: the worst violation of z_u.

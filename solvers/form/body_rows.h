@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
+#include <zwang/solvers/linalg/line_matrix.h>
 #include <zwang/solvers/linalg/multiply_add.h>
 
 namespace zwang {
@@ -21,20 +22,24 @@ struct BodyRows {
   static constexpr Index lanes = 8;
   using Lanes = Vec<double, lanes>;
   using Block = Mat<double, lanes, 6>;
+  using Motion = LineMatrix<lanes>;  // lanes x bodies
+  struct alignas(64) Mass {
+    Block M, L_inverse, L_inverse_t;
+  };
 
   std::vector<Index> row;                // k: the problem's row
   std::vector<char> equality;            // k
   std::vector<std::array<int, 2>> body;  // k: ascending; the second is -1 for a row on one body
   std::vector<Index> place;              // k: column of the row's first part below; its second follows
-  Mat<double, lanes, Eigen::Dynamic> G;  // lanes x parts
-  Mat<double, lanes, Eigen::Dynamic> J;  // likewise, the problem's own entries
+  LineMatrix<lanes> G;                   // lanes x parts
+  LineMatrix<lanes> J;                   // likewise, the problem's own entries
   Vector c;                              // k, the problem's own
   Vector h;                              // k, in units of 2^exponent
   Vector row_norm;                       // k: the M-norm of the problem's row, divided out
-  Vector magnitude;  // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
-  std::vector<Block> M, L_inverse, L_inverse_t;  // a body
-  Mat<double, lanes, Eigen::Dynamic> z_u;        // lanes x bodies
-  Mat<double, lanes, Eigen::Dynamic> free;       // lanes x bodies: L'z_u, in units of 2^exponent
+  Vector magnitude;        // k: |c_i| of the unit row + |z_u|_M: what, with |y|, a violation is small against
+  std::vector<Mass> mass;  // a body
+  Motion z_u;
+  Motion free;  // L'z_u, in units of 2^exponent
   double free_norm = 0;
   int exponent = 0;
 
@@ -47,19 +52,19 @@ struct BodyRows {
     }
     return even + odd;
   }
-  Index bodies() const { return static_cast<Index>(L_inverse.size()); }
+  Index bodies() const { return static_cast<Index>(mass.size()); }
   Index rows() const { return static_cast<Index>(row.size()); }
   auto part(Index i, int side) { return G.col(place[at(i)] + side); }
   auto part(Index i, int side) const { return G.col(place[at(i)] + side); }
   auto own_part(Index i, int side) const { return J.col(place[at(i)] + side); }
-  double dot(Index i, const Mat<double, lanes, Eigen::Dynamic>& y) const {
+  double dot(Index i, const Motion& y) const {
     const auto own = body[at(i)];
     double sum = part(i, 0).dot(y.col(own[0]));
     if (own[1] >= 0) sum += part(i, 1).dot(y.col(own[1]));
     return sum;
   }
   // y += scale g_i.
-  void add(Index i, double scale, Mat<double, lanes, Eigen::Dynamic>& y) const {
+  void add(Index i, double scale, Motion& y) const {
     const auto own = body[at(i)];
     y.col(own[0]) += scale * part(i, 0);
     if (own[1] >= 0) y.col(own[1]) += scale * part(i, 1);

@@ -20,8 +20,12 @@ inline Pack with_sign_against(const Pack& top, const Pack& norm) {
   return Pack::each([](auto x, auto length) { return x > packets::all(0) ? -length : length; }, top, norm);
 }
 inline double least(double x) { return x; }
-inline double least(const Pack& x) {
-  return Eigen::Map<const Vec<double, 8>>(x.data()).minCoeff<Eigen::PropagateNaN>();
+inline double least(const Pack& x) { return lanes::at(x.data(), 0).minCoeff(); }
+inline double total(double x) { return x; }
+inline double total(const Pack& x) { return lanes::at(x.data(), 0).sum(); }
+inline double smaller(double a, double b) { return std::min(a, b); }
+inline Pack smaller(const Pack& a, const Pack& b) {
+  return Pack::each([](auto x, auto y) { return packets::smaller(x, y); }, a, b);
 }
 inline void set(double& x, double value) { x = value; }
 inline void set(Pack& x, double value) { x = Pack(value); }

@@ -1,6 +1,7 @@
 #include <zwang/solvers/form/joint_tree.h>
 
 #include <algorithm>
+#include <utility>
 
 #include <zwang/solvers/form/joint_blocks.h>
 #include <zwang/solvers/linalg/tolerances.h>
@@ -115,6 +116,9 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
   // C' = Q [R_C; 0]. A column of Q is formed while the next reflection waits for its root.
   std::array<Reflection<Scalar>, 6> q;
   Square<Scalar> Q;
+  Scalar narrowest, all;
+  set(narrowest, 1);
+  set(all, 0);
   const auto form = [&](std::size_t i, std::size_t reflections) {
     Column<Scalar> x = zero<Scalar>();
     set(x[i], 1);
@@ -127,10 +131,12 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     q[k].take(x, k);
     C[k] = x;
     if (k > 0) form(k - 1, k);
-    const double pivot = least(Scalar(abs(q[k].beta)));
-    if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
-    smallest_pivot_ = std::min(smallest_pivot_, pivot);
+    narrowest = smaller(narrowest, Scalar(abs(q[k].beta)));
+    all += q[k].beta;
   }
+  const double pivot = least(narrowest) + 0 * total(all);  // NaN where one is not finite
+  if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
+  smallest_pivot_ = std::min(smallest_pivot_, pivot);
   for (std::size_t i = r > 0 ? r - 1 : 0; i < 6; ++i) form(i, r);
 
   // C^+ = Q_1 R_C^-T by columns; Z = Q_2.
@@ -226,16 +232,28 @@ void JointTree::null_space(Matrix& Nt) const {
   }
 }
 
-void JointTree::add_reduced(int body, const Lanes& part, double* v) const {
-  Lanes own = part;
-  for (;;) {
-    const int position = graph_.position_of(body);
-    const JointGraph::Joint& joint = this->joint(position);
-    const Blocks& block = blocks_[at(position)];
+// From the tips to the roots; where two parts meet they go on as one.
+void JointTree::add_reduced(const std::array<int, 2>& body, Lanes own, Lanes other, double* v) const {
+  int deep = graph_.position_of(body[0]), high = body[1] < 0 ? -1 : graph_.position_of(body[1]);
+  while (deep >= 0) {
+    if (high > deep) {
+      std::swap(deep, high);
+      std::swap(own, other);
+    }
+    const JointGraph::Joint& joint = this->joint(deep);
+    const Blocks& block = blocks_[at(deep)];
     for (Index k = 0; k < joint.freedom; ++k) v[joint.column + k] += block.P.col(k).dot(own);
-    if (joint.parent < 0) return;
+    if (joint.parent < 0) {
+      deep = std::exchange(high, -1);
+      own = other;
+      continue;
+    }
     own = BodyRows::times(block.F_rows, own);
-    body = joint.parent;
+    deep = graph_.position_of(joint.parent);
+    if (deep == high) {
+      own += other;
+      high = -1;
+    }
   }
 }
 

@@ -31,7 +31,7 @@ namespace zwang {
 class JointTree {
  public:
   using Block = BodyRows::Block;
-  using Motion = Mat<double, BodyRows::lanes, Eigen::Dynamic>;  // lanes x bodies
+  using Motion = BodyRows::Motion;
 
   bool factorize(const BodyRows& rows);
   std::string_view reason() const { return reason_; }  // why factorize() refused
@@ -45,8 +45,8 @@ class JointTree {
 
   // Nt: padded x 6 bodies, column 6 b + i is row i of body b in N; padded is a multiple of 8.
   void null_space(Matrix& Nt) const;
-  // N'g += of a row's part on one body: what null_space() would give, for a few rows cheaper.
-  void add_reduced(int body, const Lanes& part, double* v) const;
+  // N'g += of a row's parts on one body or two (the second -1): what null_space() would give, for a few rows cheaper.
+  void add_reduced(const std::array<int, 2>& body, Lanes own, Lanes other, double* v) const;
   // v = N'y and y = N v; v of length freedom().
   void reduce(const Motion& y, Vector& v) const { backward(coordinates, y, v); }
   void expand(const Vector& v, Motion& y) const { forward(coordinates, v, y); }
@@ -58,13 +58,13 @@ class JointTree {
 
  private:
   // Of a joint: C^+, F and P by columns; F and S = (B without its first `freedom` rows) by rows.
-  struct Blocks {
+  struct alignas(64) Blocks {
     Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero(), F_rows = Block::Zero(), S = Block::Zero();
   };
 
   // What a joint has of its own: columns, and where their entries stand in a vector.
   struct Own {
-    Block Blocks::*columns;
+    Block Blocks::* columns;
     Index JointGraph::Joint::*first, JointGraph::Joint::*count;
   };
   static constexpr Own coordinates{&Blocks::P, &JointGraph::Joint::column, &JointGraph::Joint::freedom};

@@ -106,9 +106,7 @@ void NullSpaceForm::reduce_row(Index i, double* padded_column) const {
   const auto own = rows_.body[at(i)];
   if (!has_basis_) {
     Eigen::Map<Vector>(padded_column, padded_).setZero();
-    tree_.add_reduced(own[0], rows_.part(i, 0), padded_column);
-    if (own[1] >= 0) tree_.add_reduced(own[1], rows_.part(i, 1), padded_column);
-    return;
+    return tree_.add_reduced(own, rows_.part(i, 0), rows_.part(i, own[1] < 0 ? 0 : 1), padded_column);
   }
   for (Index k = 0; k < padded_; k += packet) {
     Vec<double, packet> sum = Vec<double, packet>::Zero();

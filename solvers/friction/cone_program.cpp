@@ -358,7 +358,7 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
     if (const Index k = source_unit_[at(r)]; k >= 0) rows_of.add(k, -y[r] * factor_[at(r)], rest_);
   joint_multipliers(s.lambda, exponent());
   for (Index b = 0; b < rows_of.bodies(); ++b) {
-    const BodyRows::Lanes step = BodyRows::times(rows_of.L_inverse_t[at(b)], motion_.col(b));
+    const BodyRows::Lanes step = BodyRows::times(rows_of.mass[at(b)].L_inverse_t, motion_.col(b));
     for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent());
   }
 }

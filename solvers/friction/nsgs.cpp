@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <zwang/solvers/law/second_order_cone.h>
+#include <zwang/solvers/linalg/lanes.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {

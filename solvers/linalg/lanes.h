@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include <zwang/solvers/linalg/line_matrix.h>
 #include <zwang/solvers/linalg/multiply_add.h>
 #include <zwang/solvers/linalg/packets.h>
 
@@ -14,7 +15,6 @@ namespace zwang::lanes {
 constexpr Index width = 8;
 using Lanes = Vec<double, width>;
 constexpr Index four = 4 * width;
-using Columns = Matrix;
 
 inline Index round_up(Index size) { return (size + width - 1) / width * width; }
 inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }

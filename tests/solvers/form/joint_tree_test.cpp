@@ -74,14 +74,12 @@ TEST(JointTree, ReducesAndExpandsLikeTheNullSpaceItForms) {
     t.tree.expand(v, expanded);
     EXPECT_LE((reduced - N.transpose() * y).norm(), precision * y.norm());
     EXPECT_LE((t.flat(expanded) - N * v).norm(), precision * v.norm());
-    // One row's part alone.
-    if (t.rows.rows() == 0) return;
-    Vector one = Vector::Zero(N.cols());
-    const int body = t.rows.body[0][0];
-    t.tree.add_reduced(body, t.rows.part(0, 0), one.data());
-    Lanes part = Lanes::Zero(8, t.rows.bodies());
-    part.col(body) = t.rows.part(0, 0);
-    EXPECT_LE((one - N.transpose() * t.flat(part)).norm(), precision);
+    for (Index i = 0; i < t.rows.rows(); ++i) {
+      const auto& bodies = t.rows.body[at(i)];
+      Vector one = Vector::Zero(N.cols());
+      t.tree.add_reduced(bodies, t.rows.part(i, 0), t.rows.part(i, bodies[1] < 0 ? 0 : 1), one.data());
+      EXPECT_LE((one - N.transpose() * t.row(i)).norm(), precision);
+    }
   });
 }
 

@@ -231,7 +231,7 @@ TEST(BlockRows, AreTheSameRows) {
       EXPECT_NEAR(blocks.magnitude[i], w.magnitude[i], 1e-14 * w.magnitude[i]);
     }
     EXPECT_NEAR(blocks.free_norm, w.free.norm(), 1e-14 * w.free.norm());
-    Mat<double, BodyRows::lanes, Eigen::Dynamic> y;
+    BodyRows::Motion y;
     const Matrix S = Matrix(w.G) * Matrix(w.G).transpose();
     for (Index i = 0; i < w.rows(); ++i) {
       y.setZero(BodyRows::lanes, blocks.bodies());
