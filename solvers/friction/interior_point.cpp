@@ -24,12 +24,14 @@ constexpr double of_residual = 0.03, most_of_residual = 0.3;
 namespace path {
 // Steps end so near it, in units of the way to the boundary.
 constexpr double near = 0.3;
-// The logarithm by which the gap falls: at first, at most, and after a correction on the spot; what is tried falls from
-// twice the last one by `less`.
-constexpr double first = 0.3, most = 6, again = 0.1, less = 0.7;
+// The logarithm by which the gap falls: tried at first, at most, and after a correction on the spot; where a step
+// fails, a part of it is tried, and where the first try does not fail, twice as much the next time.
+constexpr double first = 0.6, most = 6, again = 0.2, less = 0.7;
 constexpr int most_tries = 14;
 // Directions with the curvature along the one before, by the same factor.
 constexpr int most_bends = 5;
+// What is nearer to the path than this is not corrected on the spot: at a fold that leads away.
+constexpr double centred = 0.2;
 // Of a gap over a load, what rounds the slip off.
 constexpr double rounding = 0.7;
 }  // namespace path
@@ -79,13 +81,16 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   measure(program);
 }
 
-void InteriorPoint::measure(ConeProgram& program) {
-  const Index nc = program.cones();
-  program.slack(v, s);
+void InteriorPoint::measure_rows(const ConeProgram& program) {
   left_ = s - w;
   if (const double lift = program.law().lift; lift > 0)
-    for (Index k = 0; k < nc; ++k)
+    for (Index k = 0; k < program.cones(); ++k)
       left_[3 * k] += lift * std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding_[k]);
+}
+
+void InteriorPoint::measure(ConeProgram& program) {
+  program.slack(v, s);
+  measure_rows(program);
   program.face().force(y, force_);
   program.face().mass(v, mass_);
   force_ -= mass_;
@@ -255,21 +260,31 @@ bool InteriorPoint::reaches(ConeProgram& program, double gap) {
   for (int bends = 0; bends < path::most_bends; ++bends) {
     head_for(program, gap, true);
     move(program, 1);
-    if (off_path(program, gap) < path::near) return true;
+    const double off = off_path(program, gap);
+    if (off < path::near) return true;
+    if (bends > 0 && !std::isfinite(off)) return false;  // outside the cones still
   }
   return false;
 }
 
-void InteriorPoint::move(ConeProgram& program, double step) {
-  v = begun_v_;
+// By a part of the direction; v stays where it is until take().
+void InteriorPoint::move(const ConeProgram& program, double step) {
   y = begun_y_;
   w = begun_w_;
+  s = begun_s_;
   if (step > 0) {
-    v += step * dv_;
     y += step * dy_;
     w += step * dw_;
+    s += step * ds_;
   }
+  measure_rows(program);
+}
+
+bool InteriorPoint::take(ConeProgram& program, double step, double next_width) {
+  v += step * dv_;
   measure(program);
+  width_ = next_width;
+  return true;
 }
 
 bool InteriorPoint::follow(ConeProgram& program) {
@@ -279,11 +294,11 @@ bool InteriorPoint::follow(ConeProgram& program) {
     left_share_ = left_ / path_;
     force_share_ = force_ / path_;
   }
-  begun_v_ = v;
   begun_y_ = y;
   begun_w_ = w;
+  begun_s_ = s;
   round_off(path_);
-  measure(program);
+  measure_rows(program);
   const double before = off_path(program, path_);
   weigh(program, true);
   if (!program.face().factorize(D_, ray_weight_, false)) return false;
@@ -294,20 +309,17 @@ bool InteriorPoint::follow(ConeProgram& program) {
     v_end = v + dv_;
     y_end = y + dy_;
   }
-  double width = std::min(2 * width_, path::most);
+  double width = std::min(width_, path::most);
   for (int tries = 0; tries < path::most_tries; ++tries, width *= path::less) {
     const double gap = path_ * std::exp(-width);
     if (!reaches(program, gap)) continue;
     path_ = gap;
-    width_ = width;
-    return true;
+    return take(program, 1, tries == 0 ? 2 * width : width / path::less);
   }
   head_for(program, path_, false);
-  for (double step = 1; step > tolerances::cone_least_correction; step *= 0.5) {
+  for (double step = 1; before > path::centred && step > tolerances::cone_least_correction; step *= 0.5) {
     move(program, step);
-    if (!(off_path(program, path_) < before * (1 - 0.1 * step))) continue;
-    width_ = path::again;
-    return true;
+    if (off_path(program, path_) < before * (1 - 0.1 * step)) return take(program, step, path::again);
   }
   move(program, 0);
   return false;

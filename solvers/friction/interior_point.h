@@ -48,6 +48,7 @@ class InteriorPoint {
   bool proves_infeasible(ConeProgram& program, double reach, Vector& u);
 
  private:
+  void measure_rows(const ConeProgram& program);
   void measure(ConeProgram& program);
   void weigh(const ConeProgram& program, bool couples);
   void aim(const ConeProgram& program);
@@ -55,7 +56,8 @@ class InteriorPoint {
   void round_off(double gap);
   void head_for(ConeProgram& program, double gap, bool curved);
   bool reaches(ConeProgram& program, double gap);
-  void move(ConeProgram& program, double step);
+  void move(const ConeProgram& program, double step);
+  bool take(ConeProgram& program, double step, double next_width);
   void direct(ConeProgram& program);
   void bend(const ConeProgram& program, double part);
   void correct(const ConeProgram& program, double centre);
@@ -64,10 +66,10 @@ class InteriorPoint {
 
   double gap_ = 0, residual_ = 0, coupling_ = 1, last_step_ = 1;
   Vector left_, dv_, force_, mass_, ds_, dy_, dw_, target_, sum_, ray_weight_, bend_;
-  // The central path: its gap, the last step's width, what is left of the residuals in units of the gap.
+  // The central path: its gap, the width of the next step, what is left of the residuals in units of the gap.
   double path_ = 0, width_ = 0;
   bool sees_end_ = false;
-  Vector left_share_, force_share_, aim_, rounding_, begun_v_, begun_y_, begun_w_;
+  Vector left_share_, force_share_, aim_, rounding_, begun_y_, begun_w_, begun_s_;
   std::vector<double> D_;
   struct Cone {
     second_order_cone::Scaling scaling;
