@@ -16,10 +16,10 @@ struct Rung {
   End (ConeStarts::*run)(const ConeStarts::Job&, double start);
   double start = ConeStarts::first_start;
 };
-constexpr Rung ladder[] = {{&ConeStarts::from_rest},        {&ConeStarts::from_warm},
-                           {&ConeStarts::from_path, 10},    {&ConeStarts::from_path, 0.3},
-                           {&ConeStarts::from_start},       {&ConeStarts::from_dense_rows},
-                           {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems}};
+constexpr Rung ladder[] = {
+    {&ConeStarts::from_rest},       {&ConeStarts::from_warm},        {&ConeStarts::from_few_steps},
+    {&ConeStarts::from_path, 10},   {&ConeStarts::from_path, 0.3},   {&ConeStarts::from_start},
+    {&ConeStarts::from_dense_rows}, {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems}};
 
 // Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone; without
 // friction the solver that is handed the problem looks for parts itself.

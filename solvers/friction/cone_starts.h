@@ -42,6 +42,7 @@ class ConeStarts {
   // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
   // and all of them together get the iterations of one.
   End from_start(const Job& job, double start);
+  End from_few_steps(const Job& job, double start);  // Coulomb's law, where few steps of the interior point are enough
   // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
   // end. Behind another path where that ended at a fold: the one from another size may have none.
   End from_path(const Job& job, double start);
@@ -65,7 +66,7 @@ class ConeStarts {
   Promise promise_;
   Best of_slips_;
   Vector proof_, slips_, s_, move_, pull_;
-  bool follows_ = false;
+  bool follows_ = false, quick_ = false;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
   Solution of_convex_;
 };

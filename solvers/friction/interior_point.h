@@ -43,6 +43,7 @@ class InteriorPoint {
   void let_go(ConeProgram& program);                    // for step() to go on
   void forget_path() { path_ = 0, sees_end_ = false; }  // of another program
   double gap() const { return gap_; }                   // the mean of y w
+  double last_step() const { return last_step_; }       // of step(): the part of it that was taken
   double residual() const { return residual_; }         // the largest entry of what is left
   // y as far as it proves that no v meets the rows (convex law): u in the cones with |G'u|_M^-1 times `reach` < h'u.
   bool proves_infeasible(ConeProgram& program, double reach, Vector& u);

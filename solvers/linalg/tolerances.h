@@ -123,6 +123,8 @@ inline constexpr double newton_part = 1e-9;
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
 // The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
 inline constexpr double cone_coupled_regime = 1e-10;
+// A step of the first try that is shorter is blocked: the problem is a hard one.
+inline constexpr double cone_blocked = 0.3;
 // Along the central path: from that gap on, in units of the start's square, it is worth while to look where it leads;
 // modes begin where that is so near an answer, in units of the motion, and again where it is that much nearer. A
 // path that ended at a larger gap than the last met a fold: another one is followed.
