@@ -2,7 +2,6 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -13,6 +12,7 @@
 #include <zwang/bench/report/page/page.h>
 #include <zwang/core/files/embedded.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/process/child_process.h>
 
 ZWANG_EMBEDDED(campaign_script, ZWANG_CAMPAIGN)
 ZWANG_EMBEDDED(job_template, ZWANG_JOB)
@@ -84,9 +84,7 @@ int write_report(const std::vector<std::string>& words, bool silent) {
     }
     _exit(bad_file);
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = wait_for_child(child);
   return WIFEXITED(status) ? WEXITSTATUS(status) : bad_file;
 }
 

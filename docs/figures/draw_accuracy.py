@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Draws accuracy.svg beside itself, and prints the table of docs/solvers.md: what a solver that may end at an accuracy takes, against its own
-solve to a tolerance of 1e-10, and how far what it promises is from the truth, which the referee finds. Where the rows that carry were the right
+"""Draws accuracy.svg beside itself, and prints a table: what a solver that may end at an accuracy takes, against its own
+solve to a tolerance of 1e-10, and how far what it promises is from the truth, which the referee finds but under Coulomb's law. Where the rows that carry were the right
 ones the answer is exact and the promise is rounding: how often, and what the others promise over what is true. Takes some minutes. Needs the
 Python module (./zwang python).
 
@@ -58,7 +58,7 @@ def line(points, color, width=2.0):
     return f'<path d="M{"L".join(f"{x:.1f},{y:.1f}" for x, y in points)}" fill="none" stroke="{color}" stroke-width="{width}"/>'
 
 
-parts, broken, promises = [], 0, 0
+parts, broken, judged, promises = [], 0, 0, 0
 print("| problems | solver | accuracies promised | of them exact | time for 1e-4, of that for 1e-10 | steps, the same | promised over true, of the others |\n"
       "|---|---|---|---|---|---|---|")
 for place, (title, scenes, mu, law, solvers) in enumerate(families):
@@ -80,6 +80,7 @@ for place, (title, scenes, mu, law, solvers) in enumerate(families):
         at = lambda a, key: statistics.median(r[key] for r in rows if r["accuracy"] == a)
         promised = [r for r in rows if math.isfinite(r["promise"])]
         promises += len(promised)
+        judged += sum("least" in r for r in promised)
         broken += sum(r.get("least", 0) > r["promise"] for r in promised)
         others = [r for r in promised if r["promise"] > exact]
         over = [r["promise"] / r["most"] for r in others if r.get("most", 0) > 0]
@@ -91,7 +92,7 @@ for place, (title, scenes, mu, law, solvers) in enumerate(families):
     for y, solver in sorted(ends):
         below = max(y, below + 14)
         parts.append(text(left + 306, below + 4, solver, 12, colors[solver]))
-print(f"\n{promises} promises, {broken} broken", file=sys.stderr)
+print(f"\n{promises} promises, {judged} of them judged, {broken} broken", file=sys.stderr)
 svg = ['<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 940 530" width="940" height="530" font-family="Liberation Sans, Arial, sans-serif">',
        '<rect width="940" height="530" fill="white"/>', *parts,
        text(20, 518, "Time of a solve that may end at an accuracy, over the time to a tolerance of 1e-10; medians. Below 1 it pays.", 12, muted), "</svg>\n"]

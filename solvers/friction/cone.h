@@ -12,10 +12,11 @@
 namespace zwang {
 
 // Contacts with friction, under the convex law and Coulomb's: an interior point into the regime where the modes of the
-// contacts show (interior_point.h; under Coulomb's law along the central path first, as far as it leads), then Newton's
-// method on the modes to the last digits (mode_newton.h). Hands are solved in the few freedoms that their joints leave,
-// walls by the sparse Cholesky factor of 6 x 6 blocks; islands apart, and together where one fails (fallback). A warm
-// start goes to the modes at once, and to the interior point where they do not settle.
+// contacts show (interior_point.h; under Coulomb's law along the central path, as far as it leads, where one of the
+// first steps is blocked), then Newton's method on the modes to the last digits (mode_newton.h). Hands are solved in
+// the few freedoms that their joints leave, walls by the sparse Cholesky factor of 6 x 6 blocks; islands apart, and
+// together where one fails (fallback). A warm start goes to the modes at once, and to the interior point where they do
+// not settle.
 //
 // The sparse factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
 // redundant contacts that slide can stall. Up to 1000 unknowns it then starts again on dense rows, where the shift is
