@@ -27,12 +27,17 @@ class DenseFace final : public ConeFace {
   Index pack(const std::vector<double>& D, const Vector& ray_weight);
   bool cholesky();
   bool lu();
-  void update(Index begin, Index end, bool lower);
+  Index largest_free(const double* column) const;
+  void solve_lu(Vector& x);
+  void update(const lanes::Columns& L, Index begin, Index end, bool lower);
 
   Index size_ = 0, padded_ = 0, cones_ = 0, rays_ = 0, rows_ = 0;
-  lanes::Columns G_, A_, DG_, H_, across_;  // A_, DG_: of the rows that have weight
-  Vector reciprocal_;                       // of the pivots
-  std::vector<Index> exchange_;
+  lanes::Columns G_, A_, DG_, H_, across_;  // A_, DG_: of the rows that have weight; A_ where some have none
+  bool packed_ = false;
+  Vector reciprocal_;      // of the pivots
+  lanes::Columns L_;       // of LU; U is H_
+  Vector free_, ordered_;  // 1: a row that was no pivot yet; a solution in the order of the pivots
+  std::vector<Index> pivot_;
   bool symmetric_ = true;
 };
 

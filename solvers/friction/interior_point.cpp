@@ -98,21 +98,24 @@ void InteriorPoint::measure(ConeProgram& program) {
   gap_ = y.dot(w) / static_cast<double>(degree_);
 }
 
-// D and the slope of the shift.
-void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
+// D and the slope of the shift. False where y or w is outside the cones.
+bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
   const double slope = coupling_ * program.law().lift;
+  bool inside = true;
   for (Index k = 0; k < nc; ++k) {
     Cone& cone = cone_[at(k)];
     double* D = &D_[at(9 * k)];
     cone.scaling = soc::Scaling::of(&y[3 * k], &w[3 * k]);
+    inside = inside && cone.scaling.inside();
     cone.scaling.weight(D);
     cone.slope1 = cone.slope2 = 0;
     if (!couples) continue;
     const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
     const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
-    cone.slope1 = slope * s[3 * k + 1] / size;
-    cone.slope2 = slope * s[3 * k + 2] / size;
+    const double share = slope / size;
+    cone.slope1 = share * s[3 * k + 1];
+    cone.slope2 = share * s[3 * k + 2];
     for (Index i = 0; i < 3; ++i) {
       D[i + 3] += D[i] * cone.slope1;
       D[i + 6] += D[i] * cone.slope2;
@@ -122,6 +125,7 @@ void InteriorPoint::weigh(const ConeProgram& program, bool couples) {
     const Index i = 3 * nc + r;
     ray_weight_[r] = program.is_equality(r) ? 1 / tolerances::cone_softness : y[i] / w[i];
   }
+  return inside;
 }
 
 // The affine target: dy = target_ - D ds.
@@ -162,11 +166,18 @@ void InteriorPoint::direct(ConeProgram& program) {
   }
 }
 
+// Up to the boundary, or a whole step and a little. A cone whose end is inside has no say.
 double InteriorPoint::step_length(const ConeProgram& program) const {
-  double step = std::numeric_limits<double>::infinity();
-  for (Index k = 0; k < program.cones(); ++k)
-    step =
-        std::min({step, soc::step_to_boundary(&y[3 * k], &dy_[3 * k]), soc::step_to_boundary(&w[3 * k], &dw_[3 * k])});
+  double step = 1 / tolerances::cone_to_boundary;
+  const auto bound = [&step](const double* x, const double* d) {
+    const double end[3] = {x[0] + step * d[0], x[1] + step * d[1], x[2] + step * d[2]};
+    if (!(end[0] > 0 && end[0] * end[0] > end[1] * end[1] + end[2] * end[2]))
+      step = std::min(step, soc::step_to_boundary(x, d));
+  };
+  for (Index k = 0; k < program.cones(); ++k) {
+    bound(&y[3 * k], &dy_[3 * k]);
+    bound(&w[3 * k], &dw_[3 * k]);
+  }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * program.cones() + r;
     if (program.is_equality(r)) continue;
@@ -334,12 +345,9 @@ void InteriorPoint::let_go(ConeProgram& program) {
 }
 
 bool InteriorPoint::step(ConeProgram& program) {
-  const Index nc = program.cones();
   const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   if (!std::isfinite(gap_) || !std::isfinite(residual_)) return false;
-  for (Index k = 0; k < nc; ++k)
-    if (!(soc::smallest(&y[3 * k]) > 0 && soc::smallest(&w[3 * k]) > 0)) return false;
-  weigh(program, couples);
+  if (!weigh(program, couples)) return false;
   if (!program.face().factorize(D_, ray_weight_, !couples)) return false;
   bend_.setZero();
   aim(program);

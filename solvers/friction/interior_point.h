@@ -51,7 +51,7 @@ class InteriorPoint {
  private:
   void measure_rows(const ConeProgram& program);
   void measure(ConeProgram& program);
-  void weigh(const ConeProgram& program, bool couples);
+  bool weigh(const ConeProgram& program, bool couples);
   void aim(const ConeProgram& program);
   double off_path(const ConeProgram& program, double gap) const;
   void round_off(double gap);

@@ -43,26 +43,29 @@ inline double step_to_boundary(const double* x, const double* d) {
 // Nesterov-Todd scaling of y and w inside L: W = eta (2 a a' - J)^(1/2) with W y = W^-1 w (Vandenberghe 2010, "The
 // CVXOPT linear and quadratic cone program solvers", section 4.2).
 struct Scaling {
-  double a0, a1, a2, eta;
+  double a0, a1, a2, eta, inverse_eta, share;  // share: 1 / (1 + a_0)
 
+  // For y or w outside L: not inside().
   static Scaling of(const double* y, const double* w) {
-    const double dy = determinant(y), dw = determinant(w), ry = 1 / std::sqrt(dy), rw = 1 / std::sqrt(dw);
+    const double size_y = std::sqrt(determinant(y)), size_w = std::sqrt(determinant(w));
+    const double ry = 1 / size_y, rw = 1 / size_w;
     const double inner = (y[0] * w[0] + y[1] * w[1] + y[2] * w[2]) * ry * rw;
-    const double f = 0.5 / std::sqrt(0.5 * (1 + inner));
-    return {(w[0] * rw + y[0] * ry) * f, (w[1] * rw - y[1] * ry) * f, (w[2] * rw - y[2] * ry) * f,
-            std::sqrt(std::sqrt(dw / dy))};
+    const double f = 0.5 / std::sqrt(0.5 * (1 + inner)), a0 = (w[0] * rw + y[0] * ry) * f;
+    const double eta = std::sqrt(size_w * ry);
+    return {a0, (w[1] * rw - y[1] * ry) * f, (w[2] * rw - y[2] * ry) * f, eta, 1 / eta, 1 / (1 + a0)};
   }
+  bool inside() const { return a0 > 0 && eta > 0 && inverse_eta > 0; }
   Vec3 times(const double* x) const {
-    const double d = a1 * x[1] + a2 * x[2], f = x[0] + d / (1 + a0);
+    const double d = a1 * x[1] + a2 * x[2], f = x[0] + d * share;
     return {eta * (a0 * x[0] + d), eta * (x[1] + a1 * f), eta * (x[2] + a2 * f)};
   }
   Vec3 inverse_times(const double* x) const {
-    const double d = a1 * x[1] + a2 * x[2], f = d / (1 + a0) - x[0], r = 1 / eta;
-    return {r * (a0 * x[0] - d), r * (x[1] + a1 * f), r * (x[2] + a2 * f)};
+    const double d = a1 * x[1] + a2 * x[2], f = d * share - x[0];
+    return {inverse_eta * (a0 * x[0] - d), inverse_eta * (x[1] + a1 * f), inverse_eta * (x[2] + a2 * f)};
   }
   // W^-2, by columns.
   void weight(double* D) const {
-    const double r = 1 / (eta * eta), b1 = -a1, b2 = -a2;
+    const double r = inverse_eta * inverse_eta, b1 = -a1, b2 = -a2;
     D[0] = r * (2 * a0 * a0 - 1);
     D[4] = r * (2 * b1 * b1 + 1);
     D[8] = r * (2 * b2 * b2 + 1);
@@ -77,8 +80,8 @@ inline Vec3 product(const Vec3& x, const Vec3& y) {
   return {x.dot(y), x[0] * y[1] + y[0] * x[1], x[0] * y[2] + y[0] * x[2]};
 }
 inline Vec3 quotient(const Vec3& l, const Vec3& r) {
-  const double x0 = (l[0] * r[0] - l[1] * r[1] - l[2] * r[2]) / determinant(l.data());
-  return {x0, (r[1] - l[1] * x0) / l[0], (r[2] - l[2] * x0) / l[0]};
+  const double x0 = (l[0] * r[0] - l[1] * r[1] - l[2] * r[2]) / determinant(l.data()), share = 1 / l[0];
+  return {x0, (r[1] - l[1] * x0) * share, (r[2] - l[2] * x0) * share};
 }
 
 }  // namespace zwang::second_order_cone

@@ -135,7 +135,7 @@ inline void multiply_transposed(const Columns& A, Index count, const double* x, 
 
 // y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise. In two sums.
 template <int sign, int vectors>
-void accumulate_part(const Columns& A, Index count, const double* x, double* y, Index k) {
+void accumulate_part(const auto& A, Index count, const double* x, double* y, Index k) {
   using Part = Vec<double, vectors * width>;
   Eigen::Map<Part> target(y + k);
   Part even = target, odd = Part::Zero();
@@ -148,11 +148,11 @@ void accumulate_part(const Columns& A, Index count, const double* x, double* y, 
   if (j < count) even = multiply_add(sign * x[j], Eigen::Map<const Part>(column), even);
   target = even + odd;
 }
-inline void accumulate(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+void accumulate(const auto& A, Index count, const double* x, double* y, Index begin, Index end) {
   if (count == 0) return;
   in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<1, vectors>(A, count, x, y, k); });
 }
-inline void subtract(const Columns& A, Index count, const double* x, double* y, Index begin, Index end) {
+void subtract(const auto& A, Index count, const double* x, double* y, Index begin, Index end) {
   if (count == 0) return;
   in_parts(begin, end, [&]<int vectors>(Index k) { accumulate_part<-1, vectors>(A, count, x, y, k); });
 }
