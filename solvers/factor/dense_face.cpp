@@ -10,6 +10,8 @@ namespace {
 
 using lanes::Lanes;
 constexpr Index width = lanes::width, panel = 8, tile = 4;
+constexpr Index block = 96;       // rows whose tiles stay in the first cache
+constexpr Index most_parts = 64;  // of a row
 
 // C(i .. i + 8, 0 .. 4) += sign sum over k of A_k(i .. i + 8) B_k(0 .. 4).
 template <int sign>
@@ -38,14 +40,12 @@ void DenseFace::reset(Index size, Index cones, Index rays) {
   cones_ = cones;
   rays_ = rays;
   rows_ = 3 * cones + rays;
-  if (G_.rows() != padded_ || G_.cols() < rows_) {
-    G_.resize(padded_, rows_);
-    A_.resize(padded_, rows_);
-    DG_.resize(padded_, rows_);
-  }
+  if (G_.rows() != padded_ || G_.cols() < rows_) G_.resize(padded_, rows_);
   G_.leftCols(rows_).setZero();
   ordered_.setZero(padded_);
   if (H_.rows() != padded_) {
+    A_.resize(padded_, block);
+    DG_.resize(padded_, block);
     H_.setZero(padded_, padded_);
     across_.setZero(padded_, panel);
     for (Vector* x : {&reciprocal_, &free_}) x->setZero(padded_);
@@ -54,8 +54,29 @@ void DenseFace::reset(Index size, Index cones, Index rays) {
   }
 }
 
+// Contacts and single rows are sorted by where they have entries: a contact of a hand has them at the palm's unknowns
+// and at its own finger's, 10 of 26, and G'D G none but there.
+void DenseFace::rows_are_set() {
+  const Index step = tile * ((padded_ + tile * most_parts - 1) / (tile * most_parts));
+  items_.clear();
+  for (Index k = 0; k < cones_ + rays_; ++k) {
+    Item item{.row = k < cones_ ? 3 * k : 2 * cones_ + k, .rows = k < cones_ ? 3 : 1};
+    for (Index first = 0, part = 0; first < size_; first += step, ++part)
+      if ((G_.block(first, item.row, std::min(step, padded_ - first), item.rows).array() != 0).any())
+        item.parts |= std::uint64_t{1} << part;
+    items_.push_back(item);
+  }
+  std::ranges::sort(items_, {}, [](const Item& item) { return std::pair(item.parts, item.row); });
+  lanes_.reset(size_, rows_);
+  lanes_.take(G_, 0, rows_);
+  slack_.setZero(lanes::round_up(rows_));
+  step_ = step;
+}
+
 void DenseFace::slack(const Vector& v, Vector& s) const {
-  lanes::multiply_transposed(G_, rows_, v.data(), s.data(), padded_);
+  slack_.setZero();
+  lanes_.accumulate(1, v.data(), slack_.data());
+  s = slack_.head(rows_);
 }
 
 void DenseFace::force(const Vector& l, Vector& f) const {
@@ -63,46 +84,58 @@ void DenseFace::force(const Vector& l, Vector& f) const {
   lanes::accumulate(G_, rows_, l.data(), f.data(), 0, padded_);
 }
 
-// Rows without weight, those of open contacts, add nothing: the others are then copied side by side.
-Index DenseFace::pack(const std::vector<double>& D, const Vector& ray_weight) {
-  const auto weighs = [&](Index k) {
-    return std::any_of(&D[at(9 * k)], &D[at(9 * k)] + 9, [](double x) { return x != 0; });
-  };
-  packed_ = ray_weight.size() > 0 && (ray_weight.array() == 0).any();
-  for (Index k = 0; k < cones_ && !packed_; ++k) packed_ = !weighs(k);
-  Index count = 0;
-  for (Index k = 0; k < cones_; ++k) {
-    if (!weighs(k)) continue;
-    const double* d = &D[at(9 * k)];
-    const double *x = row(3 * k), *y = row(3 * k + 1), *z = row(3 * k + 2);
-    for (Index q = 0; q < 3; ++q, ++count) {
-      double* out = DG_.col(count).data();
-      for (Index i = 0; i < padded_; i += width)
-        lanes::at(out, i) = multiply_add(
-            d[q + 6], lanes::at(z, i), multiply_add(d[q + 3], lanes::at(y, i), (d[q] * lanes::at(x, i)).eval()).eval());
-      if (packed_) A_.col(count) = G_.col(3 * k + q);
+// Rows of one item side by side in A_, and D of them in DG_; those without weight, as of open contacts, add nothing.
+Index DenseFace::pack(const Item& item, const std::vector<double>& D, const Vector& ray_weight, Index count) {
+  if (item.rows == 1) {
+    const double weight = ray_weight[item.row - 3 * cones_];
+    if (weight == 0) return 0;
+    for (const Index i : vectors_) {
+      lanes::at(&A_(i, count), 0) = lanes::at(&G_(i, item.row), 0);
+      lanes::at(&DG_(i, count), 0) = weight * lanes::at(&G_(i, item.row), 0);
     }
+    return 1;
   }
-  for (Index r = 3 * cones_; r < rows_; ++r) {
-    if (ray_weight[r - 3 * cones_] == 0) continue;
-    DG_.col(count) = ray_weight[r - 3 * cones_] * G_.col(r);
-    if (packed_) A_.col(count) = G_.col(r);
-    ++count;
+  const double* d = &D[at(3 * item.row)];
+  if (std::all_of(d, d + 9, [](double x) { return x == 0; })) return 0;
+  for (const Index i : vectors_) {
+    const Lanes x = lanes::at(&G_(i, item.row), 0), y = lanes::at(&G_(i, item.row + 1), 0),
+                z = lanes::at(&G_(i, item.row + 2), 0);
+    lanes::at(&A_(i, count), 0) = x;
+    lanes::at(&A_(i, count + 1), 0) = y;
+    lanes::at(&A_(i, count + 2), 0) = z;
+    for (Index q = 0; q < 3; ++q)
+      lanes::at(&DG_(i, count + q), 0) = multiply_add(d[q + 6], z, multiply_add(d[q + 3], y, (d[q] * x).eval()).eval());
   }
-  return count;
+  return 3;
+}
+
+// Where rows with those parts have entries, by vectors and by tiles.
+void DenseFace::find_parts(std::uint64_t parts) {
+  const auto within = [&](Index first, Index count) {
+    bool any = false;
+    for (Index i = first; i < first + count; i += tile) any = any || (parts >> (i / step_) & 1) != 0;
+    return any;
+  };
+  vectors_.clear();
+  tiles_.clear();
+  for (Index i = 0; i < padded_; i += width)
+    if (within(i, width)) vectors_.push_back(i);
+  for (Index j = 0; j < size_; j += tile)
+    if (within(j, tile)) tiles_.push_back(j);
 }
 
 bool DenseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
   symmetric_ = symmetric;
-  const Index rows = pack(D, ray_weight);
-  const lanes::Columns& A = packed_ ? A_ : G_;
   H_.setIdentity();
-  constexpr Index block = 96;  // rows whose tiles stay in the first cache
-  for (Index first = 0; first < rows; first += block) {
-    const Index count = std::min(block, rows - first);
-    for (Index j = 0; j < size_; j += tile)
-      for (Index i = symmetric ? j / width * width : 0; i < padded_; i += width)
-        add_tile<1>(&A(i, first), padded_, &DG_(j, first), padded_, count, &H_(i, j), padded_);
+  for (std::size_t first = 0, next = 0; first < items_.size(); first = next) {
+    if (first == 0 || items_[first].parts != items_[first - 1].parts) find_parts(items_[first].parts);
+    Index count = 0;
+    for (; next < items_.size() && items_[next].parts == items_[first].parts && count + 3 <= block; ++next)
+      count += pack(items_[next], D, ray_weight, count);
+    for (const Index j : tiles_)
+      for (const Index i : vectors_)
+        if (!symmetric || i >= j / width * width)
+          add_tile<1>(&A_(i, 0), padded_, &DG_(j, 0), padded_, count, &H_(i, j), padded_);
   }
   return symmetric ? cholesky() : lu();
 }

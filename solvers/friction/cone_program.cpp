@@ -138,6 +138,7 @@ void ConeProgram::fill_dense() {
       whitened_.add(k, factor_[at(r)], row);
     }
   }
+  dense_face_.rows_are_set();
 }
 
 void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, const Deadline& deadline) {

@@ -78,6 +78,7 @@ TEST_F(Faces, DenseRowsAndBothFactors) {
       for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] += 0.25;
     face.reset(G_.cols(), cones, rays);
     for (Index r = 0; r < rows; ++r) std::copy_n(Vector(G_.row(r)).data(), G_.cols(), face.row(r));
+    face.rows_are_set();
     if (symmetric)
       for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] = D_[at(9 * k + 3)];
     expect_rows_and_factor(face, Matrix::Identity(G_.cols(), G_.cols()), G_, symmetric);
