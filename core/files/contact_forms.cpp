@@ -219,7 +219,7 @@ Instance from_global_form(GlobalForm form, const Fail& fail) {
     // One step of refinement: M^-1 f to the last digits.
     p.z_u += factor.solve(form.f - form.M * p.z_u);
   }
-  p.M = std::move(form.M);
+  p.M.swap(form.M);
   add_rows(form, instance);
   return instance;
 }

@@ -60,7 +60,7 @@ void OtherProgram::start() {
     for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}) setenv(name, "1", 0);
     // The copy stays open in the program; nothing else is passed on.
     const int copy = dup(socket);
-    dup2(copy, socket_of_program);
+    if (copy < 0 || dup2(copy, socket_of_program) < 0) return;
     close_range(socket_of_program + 1, std::numeric_limits<unsigned>::max(), 0);
     execl(file.c_str(), name_.c_str(), nullptr);
   });

@@ -135,14 +135,14 @@ class ExactSearch {
       for (const Edge& edge : edges)
         if (edge.free || edge.guess > 0) chosen.push_back(edge);
       std::ranges::stable_sort(chosen, {}, [](const Edge& e) { return -std::abs(e.guess); });
-      if (solve(chosen) && best_->distance <= close_) return;
+      if (solve(chosen) && is_close()) return;
     }
     if (edges.size() > most_edges) return;
     for (std::size_t set = 0; set < std::size_t{1} << edges.size(); ++set) {
       chosen.clear();
       for (std::size_t k = 0; k < edges.size(); ++k)
         if (set >> k & 1) chosen.push_back(edges[k]);
-      if (chosen.size() <= z_.size() && solve(chosen) && best_->distance <= close_) return;
+      if (chosen.size() <= z_.size() && solve(chosen) && is_close()) return;
     }
   }
 
@@ -345,6 +345,8 @@ class ExactSearch {
         for (std::size_t j = 0; j < z.size() && weights[k] != 0; ++j) z[j] += weights[k] * factor * moves_[at(row)][j];
     return take(z, edges, weights);
   }
+
+  bool is_close() const { return best_ && best_->distance <= close_; }
 
   const Problem& p_;
   std::vector<Exact> M_, J_, moves_, W_;  // moves: M^-1 J', a row each

@@ -161,10 +161,10 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   }
   front_.back().index = index_.size();
   storage_.require(static_cast<double>(panels) + static_cast<double>(rests) + static_cast<double>(largest), options);
-  panel_.assign(panels, 0);
+  panel_.assign(panels + DenseFront::lanes, 0);
   rest_.assign(rests, 0);
   work_.assign(largest, 0);
-  gathered_.assign(at(tallest), 0);
+  gathered_.assign(at(tallest) + DenseFront::lanes, 0);
 
   const int count = static_cast<int>(ranges.size());
   const auto local = [&](int f, int p) {

@@ -9,9 +9,9 @@
 namespace zwang {
 
 // The first `own` steps of Cholesky's factorization of a dense symmetric matrix, in place: columns 0 .. own - 1 of the
-// lower triangle become L, the rest becomes the Schur complement. Column-major, `stride` a multiple of `lanes` at least
-// `size`; the strict upper triangle and the padding are scratch. False on a pivot that is not positive, and past the
-// deadline.
+// lower triangle become L, its diagonal as reciprocals, the rest becomes the Schur complement. Column-major, `stride` a
+// multiple of `lanes` at least `size`; the strict upper triangle and the padding are scratch. False on a pivot that is
+// not positive, and past the deadline.
 //
 // Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers, which is
 // what decides at the sizes met here (6 to 200).
@@ -36,20 +36,22 @@ class DenseFront {
     return true;
   }
 
-  // Of a factor's first `own` columns: t := L^-1 t, less what that brings to the rows below, and t := L^-T t.
+  // Of a factor's first `own` columns: t := L^-1 t, less what that brings to the rows below, and t := L^-T t. Of front
+  // and t `lanes` numbers more than they hold may be touched.
   static void solve_lower(const double* front, int size, int own, Index stride, double* t) {
     for (int c = 0; c < own; c += 4)
       by_width(own - c, [&]<int width>() {
         const double* const l = front + c * stride;
         double x[width];
         for (int k = 0; k < width; ++k) {
-          x[k] = t[c + k] /= l[k * stride + c + k];
+          x[k] = t[c + k] *= l[k * stride + c + k];
           for (int r = c + k + 1; r < c + width; ++r) t[r] -= l[k * stride + r] * x[k];
         }
-        for (int r = c + width; r < size; ++r) {
-          double sum = l[r] * x[0];
-          for (int k = 1; k < width; ++k) sum += l[k * stride + r] * x[k];
-          t[r] -= sum;
+        for (int r = c + width; r < size; r += lanes) {  // what is computed behind `size` nobody reads
+          Eigen::Map<Pack> rest(t + r);
+          Pack sum = rest;
+          for (int k = 0; k < width; ++k) sum = multiply_add(-x[k], Eigen::Map<const Pack>(l + k * stride + r), sum);
+          rest = sum;
         }
       });
   }
@@ -68,7 +70,7 @@ class DenseFront {
           double sum = sums[k].sum();
           for (int r = c + k + 1; r < c + width; ++r) sum += l[k * stride + r] * t[r];
           for (int r = whole; r < size; ++r) sum += l[k * stride + r] * t[r];
-          t[c + k] = (t[c + k] - sum) / l[k * stride + c + k];
+          t[c + k] = (t[c + k] - sum) * l[k * stride + c + k];
         }
       });
   }
@@ -116,8 +118,8 @@ class DenseFront {
     for (int c = j; c < j + width; ++c) {
       double* column = front + c * stride;
       if (!(column[c] > 0)) return false;
-      const double pivot = std::sqrt(column[c]), inverse = 1 / pivot;
-      column[c] = pivot;
+      const double inverse = 1 / std::sqrt(column[c]);
+      column[c] = inverse;
       for (int i = c + 1; i < size; ++i) column[i] *= inverse;
       for (int next = c + 1; next < j + width; ++next) {
         double* other = front + next * stride;
