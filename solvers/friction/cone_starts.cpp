@@ -9,8 +9,9 @@ namespace {
 constexpr int most_steps = 60;    // of an interior point from one start
 constexpr int most_coupled = 60;  // and, where the shift is differentiated, with Newton's steps between them
 // Where the shift is differentiated, the first try: the interior point alone ends in fewer where a problem is not hard,
-// and the central path costs several times as much a step.
-constexpr int most_quick = 20;
+// and the central path costs several times as much a step. (20 send one frame of a hand in four along the path that
+// ends in 45 here.)
+constexpr int most_quick = 45;
 constexpr int most_modes = 8;  // Newton steps from an iterate inside the cones
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
 // they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
@@ -58,6 +59,7 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   if (!program_.is_dense()) return End::failed;
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
+  if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
   const double goal = tolerances::cone_exact * program_.scale(modes_.v);
   const auto run = [&](int most) { run_modes(job, goal, job.options.tolerance * program_.scale(modes_.v), most); };
   const bool lifts = program_.law().lifts();
@@ -131,9 +133,11 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     const bool in_regime =
         follows_ ? end_is_near(job, near)
                  : inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
+    const bool close = inside_.gap() <= tolerances::cone_in_sight * unit * unit;
     bool stuck =
         (couples ? solution.iterations - begun_ >= (quick_ ? most_quick : most_coupled) : step >= most_steps) ||
-        (quick_ && inside_.last_step() < tolerances::cone_blocked) || target < tolerances::cone_deepest;
+        (quick_ && inside_.last_step() < (close ? tolerances::cone_blocked_close : tolerances::cone_blocked)) ||
+        target < tolerances::cone_deepest;
     if (!in_regime && !stuck) {
       if (deadline.passed() || solution.iterations >= options.max_iterations) {
         best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);

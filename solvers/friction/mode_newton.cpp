@@ -178,7 +178,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     } else if (taken >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
       break;
     }
-    if (settled) break;
+    if (settled || (taken >= 5 && last_ > tolerances::cone_lost * program.scale(v))) break;
     since = last_ < 0.5 * halved ? 0 : since + 1;
     halved = since == 0 ? last_ : halved;
     if (since > patience) break;

@@ -123,8 +123,9 @@ inline constexpr double newton_part = 1e-9;
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
 // The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
 inline constexpr double cone_coupled_regime = 1e-10;
-// A step of the first try that is shorter is blocked: the problem is a hard one.
-inline constexpr double cone_blocked = 0.3;
+// A step of the first try that is shorter is blocked: the problem is a hard one. Close to an answer, where modes show
+// next, only much shorter ones are.
+inline constexpr double cone_blocked = 0.3, cone_blocked_close = 0.03;
 // Along the central path: from that gap on, in units of the start's square, it is worth while to look where it leads;
 // modes begin where that is so near an answer, in units of the motion, and again where it is that much nearer. A
 // path that ended at a larger gap than the last met a fold: another one is followed.
@@ -138,6 +139,8 @@ inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_
 // The proximal term of Newton's method on the modes: at least the first, where the digits of a slack end, at most the
 // second, and between them this many times the residual.
 inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften = 100;
+// Residuals from which no Newton step on the modes led on: of an earlier frame's answer, and after six steps.
+inline constexpr double cone_other_frame = 0.1, cone_lost = 3e-3;
 // And across a slip, which may be 1e-9 of the motion beside loads of 1: at least the first, and the second times the
 // residual.
 inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;
