@@ -15,6 +15,7 @@ struct BoxOnly final : fcl::CollisionGeometry<double> {
 struct Proxy {
   std::shared_ptr<BoxOnly> geometry = std::make_shared<BoxOnly>();
   fcl::CollisionObject<double> object{geometry};
+  int box = 0;
 
   void set(const Vec3& low, const Vec3& high) {
     geometry->aabb_local = fcl::AABB<double>(low, high);
@@ -37,7 +38,8 @@ BroadPhase& BroadPhase::operator=(BroadPhase&&) noexcept = default;
 
 void BroadPhase::add(const Vec3& low, const Vec3& high) {
   auto& proxy = *boxes_->proxies.emplace_back(std::make_unique<Proxy>());
-  proxy.object.setUserData(reinterpret_cast<void*>(boxes_->proxies.size() - 1));
+  proxy.box = static_cast<int>(boxes_->proxies.size()) - 1;
+  proxy.object.setUserData(&proxy);
   proxy.set(low, high);
   boxes_->tree.registerObject(&proxy.object);
   boxes_->tree.setup();
@@ -53,8 +55,7 @@ void BroadPhase::query(const Vec3& low, const Vec3& high, std::vector<int>& met)
   met.clear();
   boxes_->asked.set(low, high);
   const auto note = [](fcl::CollisionObject<double>* box, fcl::CollisionObject<double>*, void* list) {
-    static_cast<std::vector<int>*>(list)->push_back(
-        static_cast<int>(reinterpret_cast<std::uintptr_t>(box->getUserData())));
+    static_cast<std::vector<int>*>(list)->push_back(static_cast<const Proxy*>(box->getUserData())->box);
     return false;  // go on
   };
   boxes_->tree.collide(&boxes_->asked.object, &met, note);

@@ -164,9 +164,9 @@ struct Registry {
 
   // Optional: its library was found, or else how to add it.
   template <Solver S, bool found>
-  void add(std::string_view how_to_add, SolverEntry e) {
+  void add(std::string_view how_to_add, const SolverEntry& e) {
     if constexpr (found)
-      solvers.push_back(entry<S>(std::move(e)));
+      solvers.push_back(entry<S>(e));
     else
       absent.push_back({S::name, how_to_add});
   }
@@ -212,7 +212,7 @@ struct Registry {
                                      .proves_infeasibility = false,
                                      .largest_island = 700,
                                      .accuracy = iterative});
-    const auto siconos = [this]<class S>(std::type_identity<S>, std::string method, std::string limits) {
+    const auto siconos = [this]<class S>(std::type_identity<S>, const std::string& method, const std::string& limits) {
       add<S, ZWANG_HAS_SICONOS>("Siconos' numerics, Debian's libsiconos-numerics-dev",
                                 {.method = "Siconos 4.4: " + method,
                                  .limits = "contacts with friction only; " + limits,

@@ -33,8 +33,8 @@ long allocated_bytes() { return bytes; }
 
 #ifdef ZWANG_ADDRESS_SANITIZER
 
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
-                                                         void (*)(const volatile void*));
+#include <sanitizer/allocator_interface.h>
+
 namespace {
 [[maybe_unused]] const int installed = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t size) { add(size); }, [](const volatile void*) {});

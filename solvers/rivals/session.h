@@ -11,7 +11,10 @@ class Session {
  public:
   Session() = default;
   Session(const Session&) {}
-  Session& operator=(const Session&) { return *this; }
+  Session& operator=(const Session& other) {
+    if (this != &other) state_.reset();
+    return *this;
+  }
 
   template <class... Arguments>
   T& open(Arguments&&... arguments) {

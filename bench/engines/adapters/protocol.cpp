@@ -66,6 +66,7 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
       say({{"error", error.what()}});
     }
   }
+  std::fclose(out);
   return 0;
 }
 

@@ -29,8 +29,8 @@ static int connect_to(const char* path, std::int64_t end) {
   std::strncpy(at.sun_path, path, sizeof at.sun_path - 1);
   while (now() < end) {
     const int s = socket(AF_UNIX, SOCK_SEQPACKET, 0);
-    if (connect(s, reinterpret_cast<sockaddr*>(&at), sizeof at) == 0) return s;
-    close(s);
+    if (s >= 0 && connect(s, reinterpret_cast<sockaddr*>(&at), sizeof at) == 0) return s;
+    if (s >= 0) close(s);
     usleep(20000);
   }
   return -1;
