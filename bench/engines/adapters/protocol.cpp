@@ -36,8 +36,9 @@ json states_of(const World& world) {
 
 int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const Scene&)>& make) {
   // Engines that talk do so on stderr: stdout is the protocol's.
-  std::FILE* out = fdopen(dup(STDOUT_FILENO), "w");
-  dup2(STDERR_FILENO, STDOUT_FILENO);
+  const int copy = dup(STDOUT_FILENO);
+  std::FILE* out = copy >= 0 ? fdopen(copy, "w") : nullptr;
+  if (!out || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
   const auto say = [&](const json& answer) {
     std::fprintf(out, "%s\n", answer.dump().c_str());
     std::fflush(out);
