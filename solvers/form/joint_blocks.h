@@ -51,6 +51,7 @@ inline void gather(const Parts& parts, Column<Pack>& row) {
 using Targets = std::array<double*, 8>;
 inline void scatter(const Column<double>& row, std::size_t, const Targets& targets) {
   std::copy_n(row.begin(), 6, targets[0]);
+  std::fill_n(targets[0] + 6, 2, 0.0);
 }
 inline void scatter(const Column<Pack>& row, std::size_t count, const Targets& targets) {
   std::array<Pack, 8> entries;

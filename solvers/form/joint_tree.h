@@ -59,7 +59,8 @@ class JointTree {
  private:
   // Of a joint: C^+, F and P by columns; F and S = (B without its first `freedom` rows) by rows.
   struct alignas(64) Blocks {
-    Block C_inverse = Block::Zero(), F = Block::Zero(), P = Block::Zero(), F_rows = Block::Zero(), S = Block::Zero();
+    Block C_inverse, F, P, F_rows, S;
+    Blocks() {}  // no zeros: what is read was written
   };
 
   // What a joint has of its own: columns, and where their entries stand in a vector.
