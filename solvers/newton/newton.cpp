@@ -21,8 +21,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   L_.begin(p, options, deadline, penalty);
   promise_.begin(p, options);
   if (L_.rests()) {
-    // The answer to the last bit. Multipliers of an earlier frame would only be worked off down to the smallest numbers
-    // there are, which is far from z = 0.
+    // The answer to the last bit. An earlier frame's multipliers would be worked off to tiny numbers, not to 0.
     L_.l.setZero();
     L_.write(L_.d, L_.l, s);
     s.redundant.assign(L_.rows.idle.begin(), L_.rows.idle.end());
@@ -32,7 +31,6 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool all_but_known = !options.warm_start && hold_all && L_.hold_near(deadline);
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
-
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;
   if (polish && !limited && !deadline.passed() && p.size() * L_.rows.rows() <= largest_dense) {
     SolveOptions rest = options;
@@ -44,9 +42,9 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   }
   L_.write(L_.d, L_.l, s);
   s.status = !limited && deadline.passed() ? Status::time_limit : end;
-  if (s.status != Status::numerical_failure) return;
-  s.message = polish ? "the rows are too close to dependent for this method, and too many for a dense one"
-                     : "the rows are too close to dependent for this method alone, or contradict each other";
+  if (s.status == Status::numerical_failure)
+    s.message = polish ? "the rows are too close to dependent for this method, and too many for a dense one"
+                       : "the rows are too close to dependent for this method alone, or contradict each other";
 }
 
 // Solved: the solution is complete.
@@ -64,8 +62,8 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
   }
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
-    const bool is_promised = !std::isnan(s.error_bound);
-    if (end != Status::solved || is_promised || polish_.run(L_, options.tolerance, deadline, s)) return end;
+    if (end != Status::solved || !std::isnan(s.error_bound)) return end;
+    if (polish_.run(L_, options.tolerance, deadline, s)) return end;
   }
   return Status::numerical_failure;
 }
@@ -82,7 +80,6 @@ Status Newton::run_alone(const Problem& p, const SolveOptions& options, const De
 Status Newton::descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline,
                        Solution& s) {
   const int most_steps = std::max(least_patience, static_cast<int>(L_.rows.rows()));
-  const double reach = std::max(L_.rows.free_norm, 1.0);
   double last_move = infinity, promising = promising_from;
   for (;;) {
     start_ = L_.d;
@@ -110,7 +107,7 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
       promising = promising_from * move / L_.scale;
     }
     if (move <= close * L_.scale) {
-      const bool runs_off = gain >= tolerances::out_of_reach * reach * move;
+      const bool runs_off = gain >= tolerances::out_of_reach * std::max(L_.rows.free_norm, 1.0) * move;
       return runs_off && polish_.certify(L_, p, deadline, s) ? Status::infeasible : Status::solved;
     }
     if (move > tolerances::newton_slow * last_move) L_.s = std::min(10 * L_.s, tolerances::newton_largest_penalty);
