@@ -5,9 +5,6 @@
 #include "tests/core/files/problem_files.h"
 #include "tests/folders.h"
 
-// The HDF5 library loses memory of its own when it gives up on a damaged file.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
-
 namespace zwang {
 namespace {
 
