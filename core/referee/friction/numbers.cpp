@@ -12,7 +12,9 @@ using Block = ContactVector;
 
 DoubleDouble length(const DoubleDouble& a, const DoubleDouble& b) {
   if (b == DoubleDouble(0)) return abs(a);
-  const int e = std::ilogb(std::max(std::abs(a.hi), std::abs(b.hi)));
+  const double largest = std::max(std::abs(a.hi), std::abs(b.hi));
+  if (!std::isfinite(largest)) return largest;
+  const int e = std::ilogb(largest);
   const DoubleDouble u = a.scaled(-e), v = b.scaled(-e);
   return sqrt(u * u + v * v).scaled(e);
 }
