@@ -106,7 +106,7 @@ Rational dot(const Exact& a, const Exact& b) {
 
 std::vector<Exact> rows_of(const Matrix& A) {
   std::vector<Exact> rows;
-  for (Index i = 0; i < A.rows(); ++i) rows.push_back(exactly(A.row(i)));
+  for (Index i = 0; i < A.rows(); ++i) rows.push_back(A.cols() > 0 ? exactly(A.row(i)) : Exact());
   return rows;
 }
 
