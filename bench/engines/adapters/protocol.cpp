@@ -38,7 +38,11 @@ int serve(const Hello& hello, const std::function<std::unique_ptr<World>(const S
   // Engines that talk do so on stderr: stdout is the protocol's.
   const int copy = dup(STDOUT_FILENO);
   std::FILE* out = copy >= 0 ? fdopen(copy, "w") : nullptr;
-  if (!out || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
+  if (!out) return 1;
+  if (dup2(STDERR_FILENO, STDOUT_FILENO) < 0) {
+    std::fclose(out);
+    return 1;
+  }
   const auto say = [&](const json& answer) {
     std::fprintf(out, "%s\n", answer.dump().c_str());
     std::fflush(out);
