@@ -57,12 +57,12 @@ void DenseFace::reset(Index size, Index cones, Index rays) {
 // Contacts and single rows are sorted by where they have entries: a contact of a hand has them at the palm's unknowns
 // and at its own finger's, 10 of 26, and G'D G none but there.
 void DenseFace::rows_are_set() {
-  const Index step = tile * ((padded_ + tile * most_parts - 1) / (tile * most_parts));
+  step_ = tile * ((padded_ + tile * most_parts - 1) / (tile * most_parts));
   items_.clear();
   for (Index k = 0; k < cones_ + rays_; ++k) {
     Item item{.row = k < cones_ ? 3 * k : 2 * cones_ + k, .rows = k < cones_ ? 3 : 1};
-    for (Index first = 0, part = 0; first < size_; first += step, ++part)
-      if ((G_.block(first, item.row, std::min(step, padded_ - first), item.rows).array() != 0).any())
+    for (Index first = 0, part = 0; first < size_; first += step_, ++part)
+      if ((G_.block(first, item.row, std::min(step_, padded_ - first), item.rows).array() != 0).any())
         item.parts |= std::uint64_t{1} << part;
     items_.push_back(item);
   }
@@ -70,7 +70,6 @@ void DenseFace::rows_are_set() {
   lanes_.reset(size_, rows_);
   lanes_.take(G_, 0, rows_);
   slack_.setZero(lanes::round_up(rows_));
-  step_ = step;
 }
 
 void DenseFace::slack(const Vector& v, Vector& s) const {

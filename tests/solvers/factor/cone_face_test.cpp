@@ -72,17 +72,21 @@ class Faces : public testing::Test {
 };
 
 TEST_F(Faces, DenseRowsAndBothFactors) {
+  // As they are, and with each body's columns so far apart that a part of the unknowns is more than one tile.
+  Matrix apart = Matrix::Zero(rows, 300);
+  for (Index b = 0; b < bodies; ++b) apart.middleCols(85 * b, 6) = G_.middleCols(6 * b, 6);
   DenseFace face;
-  for (const bool symmetric : {true, false, true}) {
-    if (!symmetric)
-      for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] += 0.25;
-    face.reset(G_.cols(), cones, rays);
-    for (Index r = 0; r < rows; ++r) std::copy_n(Vector(G_.row(r)).data(), G_.cols(), face.row(r));
-    face.rows_are_set();
-    if (symmetric)
-      for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] = D_[at(9 * k + 3)];
-    expect_rows_and_factor(face, Matrix::Identity(G_.cols(), G_.cols()), G_, symmetric);
-  }
+  for (const Matrix& G : {G_, apart, G_})
+    for (const bool symmetric : {true, false, true}) {
+      if (!symmetric)
+        for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] += 0.25;
+      face.reset(G.cols(), cones, rays);
+      for (Index r = 0; r < rows; ++r) std::copy_n(Vector(G.row(r)).data(), G.cols(), face.row(r));
+      face.rows_are_set();
+      if (symmetric)
+        for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] = D_[at(9 * k + 3)];
+      expect_rows_and_factor(face, Matrix::Identity(G.cols(), G.cols()), G, symmetric);
+    }
 }
 
 TEST_F(Faces, SparseRowsInTheOrderOfElimination) {
