@@ -34,6 +34,13 @@ struct Contact {
     return row::separation(b.turn(frame.col(0)), a * point_a, a.position, b.position);
   }
 
+  // How far A's point is from B's along the tangents, m.
+  template <class T>
+  Vec<T, 2> offset(const Pose<T>& a, const Pose<T>& b) const {
+    const Vec<T, 3> apart = a * point_a - b * point_b;
+    return {b.turn(frame.col(1)).dot(apart), b.turn(frame.col(2)).dot(apart)};
+  }
+
   Slip<2> slip(const Pose<double>& a, const Pose<double>& b) const {
     Slip<2> out;
     for (int k = 0; k < 2; ++k) {

@@ -13,7 +13,7 @@
 
 #include <zwang/bench/packs/judge_pack.h>
 #include <zwang/bench/references/judge.h>
-#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/physical.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
@@ -121,6 +121,24 @@ Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed&
   p.law = parse_law(law);
   require_good(p);
   return out;
+}
+
+// Of the first unknown of each body, -1 without; empty where no scene made the problem.
+std::vector<int> bodies(const Instance& instance) {
+  std::vector<int> column;
+  if (instance.step) first_columns(instance.step->scene.bodies, column);
+  return column;
+}
+
+// body: -1 for none.
+py::tuple change_of_scene(const Instance& instance, int body, const Numbers& pose, const Numbers& velocity, double mass,
+                          double mu) {
+  SceneChange change{.bodies = std::vector<SceneChange::OfBody>(bodies(instance).size()), .friction = mu};
+  if (body >= 0)
+    change.bodies.at(static_cast<std::size_t>(body)) = {to_vector(pose, "pose"), to_vector(velocity, "velocity"), mass};
+  const Problem d = scene_change(instance, change);
+  return py::make_tuple(from_matrix(d.M), to_numpy(d.z_u), from_matrix(d.J), to_numpy(d.c),
+                        to_numpy(d.has_tangents() ? d.mu : Vector::Zero(d.rows())));
 }
 
 // A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
@@ -286,6 +304,8 @@ PYBIND11_MODULE(_zwang, m) {
              i.family = family;
            })
       .def_readonly("notes", &Instance::notes)
+      .def_property_readonly("bodies", &bodies)
+      .def("_scene_change", &change_of_scene)
       .def_property_readonly("row_names",
                              [](const Instance& i) {
                                std::vector<std::string> names;

@@ -6,7 +6,6 @@
 #include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/contact.h>
-#include <zwang/core/model/motion.h>
 
 namespace zwang {
 namespace {
@@ -19,15 +18,13 @@ void add_patch(Scene& scene, BodyId a, BodyId b, const Vec3& low, const Vec3& hi
 }
 
 // Gravity, and on every box a random push of up to `push` times its weight, at random levers within 1/8 m.
-Vector pushed(const Scene& scene, double push, Draw& draw) {
-  Vector z_u;
+std::vector<Vec<double, 6>> pushed(const Scene& scene, double push, Draw& draw) {
   std::vector<Vec<double, 6>> wrench(scene.bodies.size());
   for (std::size_t b = 0; b < wrench.size(); ++b) {
     const Vec3 force = draw.cube(-push * gravity.z() * scene.bodies[b].mass);
     wrench[b] << force, draw.cube(0.125).cross(force);
   }
-  move_freely(scene, gravity, wrench, z_u);
-  return z_u;
+  return wrench;
 }
 
 // z* = 0 and the multipliers that a statics book gives to the contacts; friction has nothing to do.
@@ -58,8 +55,7 @@ Scene pile_up(int boxes, double height, const std::function<double(int)>& width,
 Instance released(Scene& scene, const Knobs& knobs, const std::vector<double>& lambda) {
   const double push = knobs.contains("push") ? knobs.at("push") : 0;
   Draw draw(push > 0 ? knobs.at("seed") : 0);
-  rub(scene, friction_of(knobs));
-  Instance instance = to_instance(scene, pushed(scene, push, draw), {.dt = scene_dt, .mode = Mode::dynamic});
+  Instance instance = let_go(scene, knobs, pushed(scene, push, draw));
   if (push == 0) instance.reference = at_rest(instance.problem, lambda);
   return instance;
 }

@@ -154,7 +154,10 @@ Posed pose_hands(const Knobs& knobs) {
 
 Instance hands(const Knobs& knobs) {
   Posed posed = pose_hands(knobs);
-  return to_instance(posed.scene, posed.z_u, posed.options);
+  return to_instance({.scene = std::move(posed.scene),
+                      .options = posed.options,
+                      .target = std::move(posed.target),
+                      .k_s = reaching_stiffness(frame_dt)});
 }
 
 // 70 joint rows, 20 limits and 30 contacts a hand, on 96 unknowns. A family of the atlas: its numbers are rounded to
@@ -168,6 +171,7 @@ Instance crowded_hands(const Knobs& knobs) {
                              {"mu", friction_of(knobs)},
                              {"seed", knobs.at("seed")}});
   const auto round_to = [](double grid, auto&& numbers) { numbers = (numbers / grid).round() * grid; };
+  instance.step.reset();
   Problem& p = instance.problem;
   round_to(0x1p-48, p.M.coeffs());
   round_to(0x1p-32, p.J.coeffs());

@@ -2,7 +2,6 @@
 
 #include <zwang/bench/scenes/friction/friction.h>
 #include <zwang/constraints/contact.h>
-#include <zwang/core/model/motion.h>
 
 namespace zwang {
 
@@ -36,11 +35,18 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
   return instance;
 }
 
+Instance to_instance(SceneStep step) {
+  Instance instance = to_instance(step.scene, unconstrained(step), step.options);
+  instance.step = std::make_shared<const SceneStep>(std::move(step));
+  return instance;
+}
+
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench) {
   rub(scene, friction_of(knobs));
-  Vector z_u;
-  move_freely(scene, gravity, wrench, z_u);
-  return to_instance(scene, z_u, {.dt = scene_dt, .mode = Mode::dynamic});
+  return to_instance({.scene = std::move(scene),
+                      .options = {.dt = scene_dt, .mode = Mode::dynamic},
+                      .gravity = gravity,
+                      .wrench = {wrench.begin(), wrench.end()}});
 }
 
 }  // namespace zwang

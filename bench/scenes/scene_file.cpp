@@ -1,5 +1,6 @@
 #include <zwang/bench/scenes/scene_file.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -306,13 +307,14 @@ Instance Reader::problem() {
   if (root_.has("contacts"))
     for (const JsonValue& v : root_["contacts"].items()) contact(v);
   if (root_.has("detect")) detect(root_["detect"]);
-  Vector z_u;
-  if (options.mode == Mode::dynamic)
-    move_freely(scene_, root_.has("gravity") ? vector3(root_["gravity"]) : gravity, force_, z_u);
-  else
-    couple_to_targets(scene_, target_, reaching_stiffness(options.dt), z_u);
-  if (z_u.size() == 0) root_["bodies"].fail("a free body among them");
-  Instance out = to_instance(scene_, z_u, options);
+  if (std::ranges::none_of(scene_.bodies, [](const Body& body) { return body.motion == Motion::free; }))
+    root_["bodies"].fail("a free body among them");
+  Instance out = to_instance({.scene = scene_,
+                              .options = options,
+                              .target = target_,
+                              .k_s = reaching_stiffness(options.dt),
+                              .gravity = root_.has("gravity") ? vector3(root_["gravity"]) : gravity,
+                              .wrench = force_});
   out.problem.name = root_.has("name") ? root_["name"].text() : file_.stem().string();
   out.family = file_.stem().string();
   return out;

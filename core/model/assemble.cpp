@@ -135,11 +135,9 @@ void Assembler::assemble(const Scene& scene, const Vector& z_u, const AssembleOp
                        .soft_mass = p.M.valuePtr() + 2 * bodies_,
                        .dt = options.dt,
                        .moving = options.mode == Mode::dynamic};
-  for (std::size_t list = 0, i = 0; list < scene.lists().size(); ++list) {
-    const std::size_t first = i;
-    while (i < active_.size() && active_[i].list == static_cast<int>(list)) ++i;
-    scene.lists()[list]->write(scene.bodies, std::span(place_).subspan(first, i - first), frame);
-  }
+  for_each_list(scene, [&](const ConstraintList& list, std::span<const RowPlace> places) {
+    list.write(scene.bodies, places, frame);
+  });
 }
 
 std::vector<RowOrigin> Assembler::origin(const Scene& scene, const Problem& problem) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,15 @@ class Assembler {
   std::vector<RowOrigin> origin(const Scene& scene, const Problem& problem) const;
   // The names of the constraints that were left out of the last problem.
   std::vector<std::string> skipped(const Scene& scene) const;
+  // Calls visit(list, places of its rows in the last problem) for each list of the scene.
+  template <class Visit>
+  void for_each_list(const Scene& scene, const Visit& visit) const {
+    for (std::size_t list = 0, i = 0; list < scene.lists().size(); ++list) {
+      const std::size_t first = i;
+      while (i < active_.size() && active_[i].list == static_cast<int>(list)) ++i;
+      visit(*scene.lists()[list], std::span(place_).subspan(first, i - first));
+    }
+  }
 
  private:
   // Everything of a problem but its numbers.

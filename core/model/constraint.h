@@ -85,7 +85,8 @@ concept HasActive = requires(const C c, const PosesOf<C, double>& q) {
 };
 
 // Optional, of one inequality row: slip(poses...) -> Slip, and `friction`, Coulomb's coefficient. Where that is not 0,
-// two tangent rows follow the inequality row.
+// two tangent rows follow the inequality row. Derivatives of a scene (scene_change.h) ask for offset(poses...) too,
+// templated as value(): what slip's jacobian is the derivative of.
 template <class C>
 concept HasSlip = C::rows == 1 && C::kind == RowKind::inequality && requires(const C c, const PosesOf<C, double>& q) {
   { c.friction } -> std::convertible_to<double>;
@@ -99,13 +100,19 @@ struct Linearization {
   Mat<double, C::rows, 6 * arity<C>> jacobian;
 };
 
+// The poses, each with its six components of all twists.
+template <class S, std::size_t bodies>
+auto seed_all(const std::array<Pose<S>, bodies>& q) {
+  constexpr int N = 6 * static_cast<int>(bodies);
+  std::array<Pose<Dual<N, S>>, bodies> seeded;
+  for (std::size_t b = 0; b < bodies; ++b) seeded[b] = seed<N>(q[b], 6 * static_cast<int>(b));
+  return seeded;
+}
+
 template <Constraint C>
 Linearization<C> differentiate(const C& c, const PosesOf<C, double>& q) {
   constexpr int N = 6 * arity<C>;
-  PosesOf<C, Dual<N>> seeded;
-  for (int b = 0; b < arity<C>; ++b)
-    seeded[static_cast<std::size_t>(b)] = seed<N>(q[static_cast<std::size_t>(b)], 6 * b);
-  const Vec<Dual<N>, C::rows> v = evaluate(c, seeded);
+  const Vec<Dual<N>, C::rows> v = evaluate(c, seed_all(q));
   Linearization<C> out;
   for (int r = 0; r < C::rows; ++r) {
     out.value[r] = v[r].value();

@@ -33,21 +33,21 @@ Mat<T, 3, 3> skew(const Vec<T, 3>& a) {
   return S;
 }
 
-// A scalar that carries N derivatives.
-template <int N>
-using Dual = Eigen::AutoDiffScalar<Vec<double, N>>;
+// A scalar that carries N derivatives, numbers of type S each.
+template <int N, class S = double>
+using Dual = Eigen::AutoDiffScalar<Vec<S, N>>;
 
 // The pose under an infinitesimal twist [linear; angular] (world axes, about the body's centre of mass) whose six
 // components are the derivative directions offset .. offset + 5.
-template <int N>
-Pose<Dual<N>> seed(const Pose<double>& q, int offset) {
-  Pose<Dual<N>> out;
-  for (int k = 0; k < 3; ++k) out.position[k] = Dual<N>(q.position[k], N, offset + k);
+template <int N, class S>
+Pose<Dual<N, S>> seed(const Pose<S>& q, int offset) {
+  Pose<Dual<N, S>> out;
+  for (int k = 0; k < 3; ++k) out.position[k] = Dual<N, S>(q.position[k], N, offset + k);
   for (int j = 0; j < 3; ++j) {
-    const Vec3 axis = q.rotation.col(j);
+    const Vec<S, 3> axis = q.rotation.col(j);
     for (int i = 0; i < 3; ++i) {
-      out.rotation(i, j) = Dual<N>(q.rotation(i, j), Vec<double, N>::Zero());
-      for (int k = 0; k < 3; ++k) out.rotation(i, j).derivatives()[offset + 3 + k] = Vec3::Unit(k).cross(axis)[i];
+      out.rotation(i, j) = Dual<N, S>(q.rotation(i, j), Vec<S, N>::Zero());
+      for (int k = 0; k < 3; ++k) out.rotation(i, j).derivatives()[offset + 3 + k] = Vec<S, 3>::Unit(k).cross(axis)[i];
     }
   }
   return out;

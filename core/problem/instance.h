@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,8 @@
 #include <zwang/core/problem/problem.h>
 
 namespace zwang {
+
+struct SceneStep;  // core/model/scene_change.h
 
 // What is known to be true of a problem; `method` says how it was found.
 struct Reference {
@@ -53,6 +56,7 @@ struct Instance {
   std::vector<std::string> notes = {};  // what a reader changed or assumed, one line each
   std::optional<Reference> reference = {};
   std::vector<RecordedAnswer> recorded = {};
+  std::shared_ptr<const SceneStep> step = {};  // what the problem was assembled of, where a scene says so
 };
 
 // The name of row i: its origin, or "row 17" where nobody named it; "" for -1.

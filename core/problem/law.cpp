@@ -84,6 +84,7 @@ Instance under(Law law, Instance instance) {
     instance.reference.reset();
     instance.recorded.clear();
   }
+  if (static_cast<Index>(rows.size()) != instance.problem.rows()) instance.step.reset();
   instance.problem = take(rows, law, instance.problem);
   instance.origin = std::move(origin);
   return instance;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include <zwang/core/model/constraint.h>
+#include <zwang/core/model/scene_change.h>
 #include <zwang/core/problem/dense.h>
 
 // What every constraint has to satisfy. check(constraint) is for a program of your own (docs/tutorials/
@@ -39,6 +39,7 @@ struct Subject {
   Index rows, bodies;
   bool has_jacobian;
   std::function<Linear(const Poses<double>&)> linearize, differentiate;
+  std::function<Matrix(const Poses<double>&, const Vector&)> changing;  // of the Jacobian, along a twist of the bodies
   std::function<VectorX<Big>(const Poses<Big>&)> exact;
 
   template <Constraint C>
@@ -50,6 +51,12 @@ struct Subject {
         has_jacobian(HasJacobian<C>),
         linearize([c](const Poses<double>& q) { return linear(zwang::linearize(c, fixed<C>(q))); }),
         differentiate([c](const Poses<double>& q) { return linear(zwang::differentiate(c, fixed<C>(q))); }),
+        changing([c](const Poses<double>& q, const Vector& twist) -> Matrix {
+          std::array<Pose<moving::Number>, static_cast<std::size_t>(arity<C>)> at;
+          for (std::size_t b = 0; b < at.size(); ++b)
+            at[b] = moving::pose(q[b], twist.segment<6>(6 * static_cast<Index>(b)));
+          return moving::linear<C::rows>([&](const auto& poses) { return evaluate(c, poses); }, at).jacobian;
+        }),
         exact([c](const Poses<Big>& q) -> VectorX<Big> { return evaluate(c, fixed<C>(q)); }) {}
 
  private:
@@ -100,20 +107,36 @@ inline Poses<double> nearly_satisfied(const Subject& c, double distance) {
   return moved(q, away);
 }
 
-inline Matrix central_differences(const Subject& c, const Poses<double>& q) {
-  const Big h("1e-30");
+inline Poses<Big> exactly(const Poses<double>& q) {
   Poses<Big> exact;
   for (const auto& pose : q) exact.push_back({pose.position.cast<Big>(), pose.rotation.cast<Big>()});
-  Matrix J(c.rows, 6 * c.bodies);
+  return exact;
+}
+
+inline MatrixX<Big> central_differences(const Subject& c, const Poses<Big>& q) {
+  const Big h("1e-30");
+  MatrixX<Big> J(c.rows, 6 * c.bodies);
   for (Index k = 0; k < J.cols(); ++k) {
     VectorX<Big> step = VectorX<Big>::Zero(J.cols());
     step[k] = h;
-    const VectorX<Big> ahead = c.exact(moved(exact, step));
+    const VectorX<Big> ahead = c.exact(moved(q, step));
     step[k] = -h;
-    const VectorX<Big> behind = c.exact(moved(exact, step));
-    for (Index r = 0; r < c.rows; ++r) J(r, k) = static_cast<double>(Big((ahead[r] - behind[r]) / (2 * h)));
+    J.col(k) = (ahead - c.exact(moved(q, step))) / (2 * h);
   }
   return J;
+}
+inline Matrix central_differences(const Subject& c, const Poses<double>& q) {
+  return central_differences(c, exactly(q)).cast<double>();
+}
+
+// Of the Jacobian, along a twist of the bodies.
+inline Matrix change_by_differences(const Subject& c, const Poses<double>& q, const Vector& twist) {
+  const Big h("1e-20");
+  const VectorX<Big> step = h * twist.cast<Big>();
+  const Poses<Big> here = exactly(q);
+  const MatrixX<Big> ahead = central_differences(c, moved(here, step)),
+                     behind = central_differences(c, moved(here, VectorX<Big>(-step)));
+  return MatrixX<Big>((ahead - behind) / (2 * h)).cast<double>();
 }
 
 // The largest difference of two Jacobians, relative to the row's largest entry (or 1), and the place where it is.
@@ -173,9 +196,14 @@ inline std::vector<Poses<double>> configurations(const Subject& c, int count, do
 // Of the automatic derivatives, and of the constraint's own where it has some. A derivative that is not finite fails.
 inline std::vector<Finding> derivatives(const Subject& c, const std::vector<Poses<double>>& configurations,
                                         const std::string& where) {
-  Difference automatic, analytic;
+  Difference automatic, analytic, second;
   for (const auto& q : configurations) {
     const Matrix truth = central_differences(c, q);
+    const Vector twist = Vector::Random(6 * c.bodies);
+    const Matrix change = c.changing(q, twist);
+    if (!change.allFinite()) second.relative = std::numeric_limits<double>::infinity();
+    if (const Difference d = compare(change, change_by_differences(c, q, twist)); d.relative > second.relative)
+      second = d;
     const auto keep_worse = [&](Difference& worst, const Matrix& J) {
       if (!J.allFinite()) worst.relative = std::numeric_limits<double>::infinity();
       if (const Difference d = compare(J, truth); d.relative > worst.relative) worst = d;
@@ -185,7 +213,8 @@ inline std::vector<Finding> derivatives(const Subject& c, const std::vector<Pose
   }
   const std::string name = c.name + ".jacobian";
   std::vector<Finding> out = {
-      {name, "automatic vs central differences, " + where, automatic.relative, tolerance, &automatic}};
+      {name, "automatic vs central differences, " + where, automatic.relative, tolerance, &automatic},
+      {name, "its change with the poses, likewise, " + where, second.relative, tolerance, &second}};
   if (c.has_jacobian)
     out.emplace_back(name, "analytic vs central differences, " + where, analytic.relative, tolerance, &analytic);
   return out;

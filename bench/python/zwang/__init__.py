@@ -24,7 +24,7 @@ from .packs import judge_pack, write_answers
 
 __all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "compare_gradients",
            "gradient", "gradient_of", "judge", "judge_gradient", "judge_pack", "judge_qp", "load", "save", "scene",
-           "scenes", "solve", "solvers", "write_answers"]
+           "scene_change", "scene_gradient", "scenes", "solve", "solvers", "write_answers"]
 
 
 def _numbers(value, name, size=None):
@@ -280,6 +280,25 @@ def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-
     problems = scene(scenes, seed) if isinstance(scenes, str) else scenes
     problems = [problems] if isinstance(problems, _zwang.Problem) else problems
     return [usual_gradients.compare(p if law is None else p.under(law), steps, smoothings, seed) for p in problems]
+
+
+def scene_change(problem, body=None, *, pose=None, velocity=None, mass=0.0, mu=0.0):
+    """How a scene's problem changes with its bodies: a dict of dM, dz_u, dJ, dc, dmu, exact to rounding, for gradient_of(...).jvp(**change).
+
+    body: its number in problem.bodies, which has the first unknown of each, -1 for those that are not free. pose (6): a twist [m; rad] in
+    the world's axes, about the centre of mass, that moves it with its contacts and joints; velocity (6) [m/s; rad/s]; mass [kg], by
+    density: the inertia grows in proportion. mu: of every contact that has friction. Changes may be added up. Which rows there are is
+    not changed. Raises ValueError where no scene made the problem (files, random rows, problems under the pyramid).
+    """
+    from . import scene_changes
+    return scene_changes.change(problem, body, pose, velocity, mass, mu)
+
+
+def scene_gradient(problem, bars):
+    """What a backward pass leaves at the scene: bars is what gradient_of(...).vjp(z_bar) returned. A dict of "pose" (bodies x 6),
+    "velocity" (bodies x 6), "mass" (bodies) and "mu", each the gradient with respect to that argument of scene_change()."""
+    from . import scene_changes
+    return scene_changes.gradient(problem, bars)
 
 
 def add_solver(name, function, method="a Python function"):

@@ -45,6 +45,7 @@ Instance with_friction(const Instance& frictionless, double mu, const std::vecto
   Problem& p = out.problem;
   out.origin.clear();
   out.reference.reset();
+  out.step.reset();
   p.law = stored_law;
   RowWriter rows;
   std::vector<Index> place;

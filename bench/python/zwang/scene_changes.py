@@ -1,0 +1,53 @@
+"""Derivatives of assembly: how M, z_u, J, c and mu of a scene's problem follow its bodies (core/model/scene_change.h)."""
+import math
+import operator
+
+import numpy
+import scipy.sparse
+
+
+def twist(value, name):
+    try:
+        v = numpy.zeros(6) if value is None else numpy.array(value, dtype=float)
+    except (TypeError, ValueError) as bad:
+        raise ValueError(f"{name} should be six numbers: {str(bad).splitlines()[0]}") from None
+    if v.shape != (6,) or not numpy.isfinite(v).all():
+        raise ValueError(f"{name} should have 6 finite entries")
+    return v
+
+
+def number(value, name):
+    v = float(value)
+    if not math.isfinite(v):
+        raise ValueError(f"{name} should be finite")
+    return v
+
+
+def change(problem, body, pose, velocity, mass, mu):
+    count = len(problem.bodies)
+    if count == 0:
+        raise ValueError(f"{problem.name!r} is not made of bodies by a scene")
+    if body is None and not (pose is None and velocity is None and mass == 0):
+        raise ValueError("body is missing: its number in problem.bodies")
+    which = -1 if body is None else operator.index(body)
+    if body is not None and not 0 <= which < count:
+        raise ValueError(f"body should be 0 to {count - 1}, and is {which}")
+    M, z_u, J, c, dmu = problem._scene_change(which, twist(pose, "pose"), twist(velocity, "velocity"), number(mass, "mass"),
+                                              number(mu, "mu"))
+    return {"dM": scipy.sparse.csc_matrix(M[:3], shape=M[3:]), "dz_u": z_u, "dJ": scipy.sparse.csr_matrix(J[:3], shape=J[3:]), "dc": c,
+            "dmu": dmu}
+
+
+def gradient(problem, bars):
+    if any(bars[name] is None for name in ("M", "z_u", "J", "c", "mu")):
+        raise ValueError("no gradient: forces are not unique, and J and c have none")
+
+    def along(**one):
+        d = change(problem, one.pop("body", None), one.pop("pose", None), one.pop("velocity", None), one.pop("mass", 0.0),
+                   one.pop("mu", 0.0))
+        return sum(float(d["d" + name].multiply(bars[name]).sum()) for name in ("M", "J")) + sum(
+            float(d["d" + name] @ bars[name]) for name in ("z_u", "c", "mu"))
+    count, unit = len(problem.bodies), numpy.eye(6)
+    return {"pose": numpy.array([[along(body=b, pose=e) for e in unit] for b in range(count)]),
+            "velocity": numpy.array([[along(body=b, velocity=e) for e in unit] for b in range(count)]),
+            "mass": numpy.array([along(body=b, mass=1.0) for b in range(count)]), "mu": along(mu=1.0)}
