@@ -39,7 +39,7 @@ struct Asked {
   SuiteOptions suite = {};
   std::string tolerances = {}, out = {}, resume = {};
   std::vector<std::string> missing = {};
-  bool plan = false;
+  bool plan = false, gradients = false;
 };
 
 void add_options(CLI::App& options, Asked& asked) {
@@ -58,6 +58,9 @@ void add_options(CLI::App& options, Asked& asked) {
   options.add_option("--solvers", s.solvers, "a,b:key=value,...; default: all (./zwang solvers)");
   options.add_option("--tolerances", asked.tolerances, "1e-2,1e-6,...; default: the suite's ladder");
   within(from(0), options.add_option("--seed", s.seed, "of every scene whose knobs do not say"));
+  options.add_flag("--gradients", asked.gradients,
+                   "no solvers: how far off gradients are that are made by differences and by soft rows, of "
+                   "--scenes under --law (minutes; needs ./zwang python)");
   options.option_defaults()->group("How it is run");
   within(from(1), options.add_option("--repetitions", s.repetitions,
                                      "timed solves of each run; default: as many as time allows"));
@@ -89,6 +92,19 @@ void report_so_far(const std::string& directory, double& next) {
   next = wall_seconds() + std::max(10.0, 20 * (wall_seconds() - start));
 }
 
+// dz by finite differences and of rows made soft, against proven derivatives (docs/tutorials/gradients.md).
+int bench_gradients(const CLI::App& options, const Asked& asked) {
+  for (const CLI::Option* option : options.get_options())
+    if (option->count() > 0 && std::ranges::none_of(std::array{"gradients", "scenes", "law", "seed", "out"},
+                                                    [&](const char* own) { return option->check_lname(own); }))
+      throw std::invalid_argument("--gradients asks --scenes under --law: " + option->get_name() +
+                                  " has no part in it");
+  std::string laws;
+  for (const Law law : asked.suite.laws) laws.append(laws.empty() ? "" : ",").append(to_string(law));
+  return compare_gradients(
+      {new_directory(asked.out, "").string(), std::to_string(asked.suite.seed), laws, asked.suite.scenes});
+}
+
 }  // namespace
 
 int bench_command(std::vector<std::string> words, CollisionSuite collision) {
@@ -102,7 +118,8 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
             "  ./zwang bench --suite atlas --families NPE,LOOP --solvers dual_active_set,cholesky\n"
             "  ./zwang bench --resume rover\n"
             "  ./zwang bench --suite quick --shard 0/4 --out part0      docs/campaigns.md\n"
-            "  ./zwang bench --missing part0 part1 part2 part3");
+            "  ./zwang bench --missing part0 part1 part2 part3\n"
+            "  ./zwang bench --gradients --scenes \"hand(contacts=4..8)\" --law coulomb");
   Asked asked;
   add_options(options, asked);
   const std::string command = command_line("bench", words);
@@ -112,6 +129,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
     asked.missing.insert(asked.missing.begin(), "--missing");
     return merge_command(asked.missing);
   }
+  if (asked.gradients) return bench_gradients(options, asked);
   if (asked.suite.suite == "collision") {
     if (!asked.suite.shard.empty()) throw std::invalid_argument("the collision suite takes minutes and has no parts");
     if (!asked.resume.empty()) throw std::invalid_argument("the collision suite takes minutes and is not resumed");

@@ -36,6 +36,8 @@ int continue_as(const std::string& file, const std::vector<std::string>& words);
 int continue_as_script(std::string_view script, std::vector<std::string> before, const std::vector<std::string>& words);
 // Writes the report of a run in a process of its own, by the words of report.py; returns its exit code.
 int write_report(const std::vector<std::string>& words, bool silent = false);
+// Goes on as the script behind bench --gradients: a folder, a seed, laws and scenes ("": its own).
+int compare_gradients(const std::vector<std::string>& words);
 // Goes on as the script that writes the verdicts of results.jsonl to `file` as JUnit's XML, which ends with `code`.
 int write_junit(const std::filesystem::path& results, const std::string& file, int code);
 // Goes on as zwang-all, the program with every command. Throws std::invalid_argument where it is not there.

@@ -20,6 +20,7 @@ ZWANG_EMBEDDED(merge_script, ZWANG_MERGE)
 ZWANG_EMBEDDED(league_script, ZWANG_LEAGUE)
 ZWANG_EMBEDDED(guard_script, ZWANG_GUARD)
 ZWANG_EMBEDDED(junit_script, ZWANG_JUNIT)
+ZWANG_EMBEDDED(gradients_script, ZWANG_GRADIENTS)
 ZWANG_EMBEDDED(held_script, ZWANG_HELD)
 ZWANG_EMBEDDED(results_script, ZWANG_RESULTS)
 ZWANG_EMBEDDED(aggregation_script, ZWANG_AGGREGATION)
@@ -112,6 +113,10 @@ int league_command(std::vector<std::string> words) {
 }
 
 int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }
+
+int compare_gradients(const std::vector<std::string>& words) {
+  return continue_as_script(gradients_script(), {}, words);
+}
 
 int write_junit(const std::filesystem::path& results, const std::string& file, int code) {
   return continue_as_script(junit_script(), {}, {results.string(), file, std::to_string(code)});

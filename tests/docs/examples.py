@@ -28,7 +28,7 @@ few = "--scenes 'tower(boxes=2)' --solvers nnls --tolerances 1e-6"
 # How a line is run that would take long, or names what is not there. None: it takes minutes, or is a test of its own.
 shorter = [
     ("./zwang bench", None), ("./zwang test.*", None), ("./zwang docs", None), ("./zwang python", None),
-    (r"./zwang bench --suite (quick|speed|atlas|collision)", None),
+    (r"./zwang bench --suite (quick|speed|atlas|collision)", None), (r"./zwang bench --gradients", r"./zwang bench --gradients --scenes ball --out G"),
     (r"(./zwang bench --suite atlas --families) .*", r"\1 PIVOT --solvers dual_active_set,cholesky --out atlas"),
     (r"./zwang campaign \w+ --engine slurm .*--out (\w+)", rf"./zwang campaign {few} --engine local --tasks 2 --out campaign_\1"),
     (r"./zwang campaign --resume (\w+)", r"./zwang campaign --resume campaign_\1"), (r"./zwang (campaign|merge)", r"./zwang \1 --help"),

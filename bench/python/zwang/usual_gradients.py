@@ -9,6 +9,14 @@ import numpy
 
 from .complementarity import project
 
+# What ./zwang bench --gradients asks unless it is told: hands, towers, chains, families of the atlas, frictional ones.
+SCENES = ("hand(contacts=4),hand(contacts=16),tower(boxes=4),pile,chain,four_bar,leash,MRC,NPE,WEAK,NPI,WED,CHAIN,FLIP,UNIT,ANI,planted,"
+          "stack(boxes=2),MU0,MUL,APEX,SLIP,ball")
+LAWS, MU, SEEDS = ("frictionless", "convex", "coulomb"), 0.5, 2
+STEPS = tuple(10.0**-k for k in range(1, 13))
+INK, MUTED, BLUE, RED, AMBER, LIGHT = "#1b1f24", "#57606a", "#0b5fa5", "#b3261e", "#9a6700", "#d0d7de"
+LARGEST = 100  # unknowns: soft rows are solved densely
+
 NEWTON = 60  # steps on a soft problem
 CONVERGED = 1e-26  # of the objective, relative, that a step still gains
 MOVES = 1e-3  # of the change of the free motion: a dz that is less is none to compare by
@@ -86,3 +94,104 @@ def compare(p, steps, smoothings, seed):
         z, H = Soft(p, smoothing).solve(answer.z)
         out["soft"][smoothing] = norm(numpy.linalg.solve(H, p.M @ d) - true.dz) / size
     return out
+
+
+def problems(scenes, laws, seed):
+    """Each of the scenes, from two seeds, under each law, where it has such contacts; with its seed."""
+    from . import scene
+    for law in laws:
+        for k in range(seed, seed + SEEDS):
+            made = scene(scenes, seed=k, mu=None if law == "frictionless" else MU)
+            for p in made if isinstance(made, list) else [made]:
+                p = p if p.law == law else p.under(law)
+                if p.law == law and p.size <= LARGEST:
+                    yield p, k
+
+
+def bands(found, which, amounts):
+    """{amount: (median, nine in ten)} of the errors."""
+    out = {}
+    for h in amounts:
+        values = sorted(row[which][h] for row in found if h in row[which])
+        if values:
+            out[h] = values[len(values) // 2], values[(9 * len(values)) // 10]
+    return out
+
+
+def sentence(found, kinks):
+    """What the chart says, in words."""
+    if not found:
+        return "No problem has a derivative to compare with."
+    at = bands(found, "differences", STEPS)
+    best = min(at, key=lambda h: at[h][0])
+    soft, width = bands(found, "soft", STEPS), sorted(row["width"] for row in found)
+    words = (f"On {len(found)} problems (kinks left out: {kinks}) central differences are off by {at[STEPS[0]][0]:.0e} in the median with a "
+             f"step of {STEPS[0]:.0e}, by {at[best][0]:.0e} with {best:.0e}, their best, and by {at[STEPS[-1]][0]:.0e} with {STEPS[-1]:.0e}.")
+    if soft:
+        words += (f" Rows made soft are off by {soft[1e-2][0]:.0e} where the smoothing is 1e-2 and {soft[1e-4][0]:.0e} at 1e-4, one in ten by more "
+                  f"than {soft[1e-2][1]:.0e} and {soft[1e-4][1]:.0e}.")
+    return words + (f" The enclosures of zwang.gradient are {width[len(width) // 2]:.0e} wide in the median, {width[-1]:.0e} at most. A row changes its "
+                    f"mode within a step of 1e-2 for {sum(row['reach'] < 1e-2 for row in found)}.")
+
+
+def text(x, y, words, size=13, color=INK, anchor="start", weight="normal"):
+    return f'<text x="{x:g}" y="{y:g}" font-size="{size}" fill="{color}" text-anchor="{anchor}" font-weight="{weight}">{words}</text>'
+
+
+def path(points, color, width=2.0, dash=""):
+    line = "L".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    return f'<path d="M{line}" fill="none" stroke="{color}" stroke-width="{width}"' + (f' stroke-dasharray="{dash}"' if dash else "") + "/>"
+
+
+def svg(width, parts):
+    return "\n".join([f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} 312" width="{width}" height="312" '
+                      'font-family="Liberation Sans, Arial, sans-serif">', f'<rect width="{width}" height="312" fill="white"/>', *parts, "</svg>\n"])
+
+
+def chart(found, left=0):
+    """Error over step and smoothing, 450 wide: parts of an SVG."""
+    X = lambda h: left + 20 + 36 * -math.log10(h)
+    Y = lambda e: 40 + 210 * math.log10(max(min(e, 10), 1e-17) / 10) / -18
+    parts = [text(left, 24, f"Error of dz on {len(found)} problems: median, and nine in ten (dashed)", 14, weight="bold")]
+    for k in range(0, -17, -4):
+        parts += [path([(X(0.1), Y(10.0**k)), (X(1e-12), Y(10.0**k))], LIGHT, 1), text(X(0.1) - 8, Y(10.0**k) + 4, f"1e{k}" if k else "1", 11, MUTED, "end")]
+    for h in STEPS[1::2]:
+        parts.append(text(X(h), 268, f"1e{round(math.log10(h))}", 11, MUTED, "middle"))
+    for which, color, name, place in (("differences", BLUE, "finite differences, by step", "end"), ("soft", AMBER, "rows made soft, by smoothing", "start")):
+        at = bands(found, which, STEPS)
+        if not at:
+            continue
+        parts += [path([(X(h), Y(mid)) for h, (mid, _) in at.items()], color, 2.5), path([(X(h), Y(high)) for h, (_, high) in at.items()], color, 1.2, "4 3")]
+        h = list(at)[-1 if place == "end" else min(1, len(at) - 1)]
+        parts.append(text(X(h), Y(at[h][1]) - 9, name, 12, color, place))
+    width = sorted(row["width"] for row in found)
+    if width:
+        line = Y(width[(9 * len(width)) // 10])
+        parts += [path([(X(0.1), line), (X(1e-12), line)], RED, 2.5), text(X(1e-12), line - 6, "zwang.gradient, proven, nine in ten", 12, RED, "end")]
+    return parts + [text(X(1e-12), 286, "step, or smoothing, relative", 12, MUTED, "end")]
+
+
+def bench(out, scenes, laws, seed, say):
+    """./zwang bench --gradients: gradients.csv and gradients.svg in the folder `out`; what is said goes to say()."""
+    import csv
+    found, kinks, asked = [], 0, list(problems(scenes, laws, seed))
+    if (out / "gradients.csv").exists():
+        raise ValueError(f"{out / 'gradients.csv'} is there already: choose another --out")
+    out.mkdir(parents=True, exist_ok=True)
+    with open(out / "gradients.csv", "w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(("problem", "law", "seed", "kink", "reach", "enclosure", "made by", "amount", "error", "note"))
+        for number, (p, k) in enumerate(asked, 1):
+            row = compare(p, STEPS, STEPS, k)
+            kept = row["width"] >= 0 and not row["kink"]
+            kinks += bool(row["kink"])
+            head = (row["problem"], row["law"], k, " ".join(map(str, row["kink"])), row["reach"], row["width"])
+            for kind in ("differences", "soft") if kept else ():
+                table.writerows((*head, kind, h, error, "") for h, error in row[kind].items())
+            if not kept:
+                table.writerow((*head, "", "", "", row["note"]))
+            file.flush()
+            found += [row] if kept else []
+            say(f"{number} of {len(asked)}  {row['problem']}, {row['law']}: " + ("kink" if row["kink"] else row["note"] or f"within {row['width']:.0e}"))
+    (out / "gradients.svg").write_text(svg(490, chart(found, 10)), encoding="utf-8")
+    return found, kinks
