@@ -36,6 +36,43 @@ constexpr double centred = 0.2;
 constexpr double rounding = 0.7;
 }  // namespace path
 
+using Pack = lanes::PackOf<1>;
+using lanes::Threes, soc::Three;
+constexpr Index few = Pack::lanes;
+
+// A few cones of x from cone k on, one a lane, so that a loop over cones takes a fraction of its time; behind the last
+// of nc, points inside. The numbers are those of one cone after the other, to the bit.
+[[gnu::always_inline]] inline Three<Pack> cones(const Vector& x, Index k, Index nc) {
+  if (k + few <= nc) return Threes::load(&x[3 * k]).x;
+  std::array<double, 3 * few> own = {};
+  for (std::size_t i = 0; i < own.size(); i += 3) own[i] = 1;
+  std::copy(x.data() + 3 * k, x.data() + 3 * nc, own.begin());
+  return Threes::load(own.data()).x;
+}
+[[gnu::always_inline]] inline void set_cones(const Three<Pack>& from, Index k, Index nc, Vector& x) {
+  if (k + few <= nc) return Threes{from}.store(&x[3 * k]);
+  std::array<double, 3 * few> own;
+  Threes{from}.store(own.data());
+  std::copy_n(own.begin(), 3 * (nc - k), &x[3 * k]);
+}
+template <class Visit>
+void for_few(Index nc, const Visit& visit) {
+  for (Index k = 0; k < nc; k += few) visit(k);
+}
+[[gnu::always_inline]] inline Three<Pack> operator+(const Three<Pack>& a, const Three<Pack>& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+[[gnu::always_inline]] inline Three<Pack> operator-(const Three<Pack>& a, const Three<Pack>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+[[gnu::always_inline]] inline Pack norm(const Three<Pack>& x) {
+  return root(x[0] * x[0] + (x[1] * x[1] + x[2] * x[2]));
+}
+// |s_t|, rounded off.
+[[gnu::always_inline]] inline Pack slip(const Pack& s1, const Pack& s2, const Pack& rounding) {
+  return root(s1 * s1 + s2 * s2 + rounding);
+}
+
 }  // namespace
 
 // On the central path of a gap of about size start(). What is farther open at v = 0 starts there: from w = size start()
@@ -44,13 +81,13 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   const Index m = program.rows(), n = program.face().unknowns(), nc = program.cones();
   for (Vector* x : {&y, &w, &s, &left_, &ds_, &dy_, &dw_, &target_, &sum_}) x->setZero(m);
   for (Vector* x : {&v, &dv_, &force_, &mass_, &aim_}) x->setZero(n);
-  rounding_.setZero(nc);
+  rounding_.setZero(lanes::round_up(nc));
   path_ = 0;
   sees_end_ = false;
   const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
-  cone_.resize(at(nc));
+  few_.resize(at((nc + few - 1) / few));
   degree_ = 2 * nc;
   const double first = size * program.start();
   program.slack(v, s);
@@ -75,7 +112,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
     ++degree_;
   }
   degree_ = std::max<Index>(degree_, 1);
-  bend_.setZero(nc);
+  bend_.setZero(rounding_.size());
   coupling_ = last_step_ = 1;
   if (program.is_dense() && !couples) program.face().force(y, v);
   measure(program);
@@ -84,8 +121,11 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
 void InteriorPoint::measure_rows(const ConeProgram& program) {
   left_ = s - w;
   if (const double lift = program.law().lift; lift > 0)
-    for (Index k = 0; k < program.cones(); ++k)
-      left_[3 * k] += lift * std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding_[k]);
+    for_few(program.cones(), [&](Index k) {
+      const Three<Pack> own = cones(s, k, program.cones());
+      const Pack shift = Pack(lift) * slip(own[1], own[2], Pack::load(&rounding_[k]));
+      for (Index l = 0; l < std::min(few, program.cones() - k); ++l) left_[3 * (k + l)] += shift.data()[l];
+    });
 }
 
 void InteriorPoint::measure(ConeProgram& program) {
@@ -98,29 +138,38 @@ void InteriorPoint::measure(ConeProgram& program) {
   gap_ = y.dot(w) / static_cast<double>(degree_);
 }
 
+[[gnu::always_inline]] inline std::array<Pack, 9> InteriorPoint::Few::weight() const {
+  std::array<Pack, 9> D = scaling.weight();
+  for (std::size_t i = 0; i < 3; ++i) {
+    D[i + 3] += D[i] * slope1;
+    D[i + 6] += D[i] * slope2;
+  }
+  return D;
+}
+
 // D and the slope of the shift. False where y or w is outside the cones.
 bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
   const double slope = coupling_ * program.law().lift;
   bool inside = true;
-  for (Index k = 0; k < nc; ++k) {
-    Cone& cone = cone_[at(k)];
-    double* D = &D_[at(9 * k)];
-    cone.scaling = soc::Scaling::of(&y[3 * k], &w[3 * k]);
-    inside = inside && cone.scaling.inside();
-    cone.scaling.weight(D);
-    cone.slope1 = cone.slope2 = 0;
-    if (!couples) continue;
-    const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
-    const double size = std::sqrt(s[3 * k + 1] * s[3 * k + 1] + s[3 * k + 2] * s[3 * k + 2] + rounding);
-    const double share = slope / size;
-    cone.slope1 = share * s[3 * k + 1];
-    cone.slope2 = share * s[3 * k + 2];
-    for (Index i = 0; i < 3; ++i) {
-      D[i + 3] += D[i] * cone.slope1;
-      D[i + 6] += D[i] * cone.slope2;
+  for_few(nc, [&](Index k) {
+    Few& own = few_[at(k / few)];
+    own.scaling = soc::Scaling<Pack>::of(cones(y, k, nc).data(), cones(w, k, nc).data());
+    own.slope1 = own.slope2 = Pack(0);
+    if (couples) {
+      const Three<Pack> slack = cones(s, k, nc);
+      const Pack rounding = path_ > 0 ? Pack::load(&rounding_[k]) : Pack(tolerances::cone_slip_rounding * gap_);
+      const Pack share = slope / slip(slack[1], slack[2], rounding);
+      own.slope1 = share * slack[1];
+      own.slope2 = share * slack[2];
     }
-  }
+    const std::array<Pack, 9> D = couples ? own.weight() : own.scaling.weight();
+    for (Index l = 0; l < std::min(few, nc - k); ++l) {
+      inside = inside && own.scaling.a0.data()[l] > 0 && own.scaling.eta.data()[l] > 0 &&
+               own.scaling.inverse_eta.data()[l] > 0;
+      for (std::size_t i = 0; i < 9; ++i) D_[at(9 * (k + l)) + i] = D[i].data()[l];
+    }
+  });
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     ray_weight_[r] = program.is_equality(r) ? 1 / tolerances::cone_softness : y[i] / w[i];
@@ -131,13 +180,11 @@ bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
 // The affine target: dy = target_ - D ds.
 void InteriorPoint::aim(const ConeProgram& program) {
   const Index nc = program.cones();
-  for (Index k = 0; k < nc; ++k) {
-    double D[9];
-    cone_[at(k)].scaling.weight(D);
-    for (Index i = 0; i < 3; ++i)
-      target_[3 * k + i] =
-          -y[3 * k + i] - (D[i] * left_[3 * k] + D[i + 3] * left_[3 * k + 1] + D[i + 6] * left_[3 * k + 2]);
-  }
+  for_few(nc, [&](Index k) {
+    const Three<Pack> own = cones(y, k, nc);
+    const Three<Pack> back = soc::multiply(few_[at(k / few)].scaling.weight(), cones(left_, k, nc));
+    set_cones(Three<Pack>{-own[0], -own[1], -own[2]} - back, k, nc, target_);
+  });
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     target_[i] = (program.is_equality(r) ? 0 : -y[i]) - ray_weight_[r] * left_[i];
@@ -151,14 +198,13 @@ void InteriorPoint::direct(ConeProgram& program) {
   dv_ -= mass_ + aim_;
   program.face().solve(dv_);
   program.face().slack(dv_, ds_);
-  for (Index k = 0; k < nc; ++k) {
-    const double *D = &D_[at(9 * k)], *d = &ds_[3 * k];
-    for (Index i = 0; i < 3; ++i)
-      dy_[3 * k + i] = target_[3 * k + i] - (D[i] * d[0] + D[i + 3] * d[1] + D[i + 6] * d[2]);
-    dw_[3 * k] = left_[3 * k] + bend_[k] + d[0] + cone_[at(k)].slope1 * d[1] + cone_[at(k)].slope2 * d[2];
-    dw_[3 * k + 1] = left_[3 * k + 1] + d[1];
-    dw_[3 * k + 2] = left_[3 * k + 2] + d[2];
-  }
+  for_few(nc, [&](Index k) {
+    const Few& own = few_[at(k / few)];
+    const Three<Pack> d = cones(ds_, k, nc), left = cones(left_, k, nc);
+    set_cones(cones(target_, k, nc) - soc::multiply(own.weight(), d), k, nc, dy_);
+    const Pack normal = left[0] + Pack::load(&bend_[k]) + d[0] + own.slope1 * d[1] + own.slope2 * d[2];
+    set_cones({normal, left[1] + d[1], left[2] + d[2]}, k, nc, dw_);
+  });
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     dy_[i] = target_[i] - ray_weight_[r] * ds_[i];
@@ -196,29 +242,32 @@ double InteriorPoint::gap_after(const ConeProgram& program, double step) const {
 // Mehrotra's corrector: target_ += W^-1 (l \ (centre e - (W dy) o (W^-1 dw))), l = W y.
 void InteriorPoint::correct(const ConeProgram& program, double centre) {
   const Index nc = program.cones();
-  for (Index k = 0; k < nc; ++k) {
-    const soc::Scaling& W = cone_[at(k)].scaling;
-    const Vec3 product = soc::product(W.times(&dy_[3 * k]), W.inverse_times(&dw_[3 * k]));
-    const Vec3 x = soc::quotient(W.times(&y[3 * k]), Vec3(centre - product[0], -product[1], -product[2]));
-    target_.segment<3>(3 * k) += W.inverse_times(x.data());
-  }
+  for_few(nc, [&](Index k) {
+    const soc::Scaling<Pack>& W = few_[at(k / few)].scaling;
+    const Three<Pack> product =
+        soc::product(W.times(cones(dy_, k, nc).data()), W.inverse_times(cones(dw_, k, nc).data()));
+    const Three<Pack> x =
+        soc::quotient<Pack>(W.times(cones(y, k, nc).data()), {Pack(centre) - product[0], -product[1], -product[2]});
+    set_cones(cones(target_, k, nc) + W.inverse_times(x.data()), k, nc, target_);
+  });
   for (Index r = 0; r < program.rays(); ++r)
     if (const Index i = 3 * nc + r; !program.is_equality(r)) target_[i] += (centre - dy_[i] * dw_[i]) / w[i];
 }
 
 // What the shift is along that part of the predictor beyond its slope.
 void InteriorPoint::bend(const ConeProgram& program, double part) {
-  const double lift = program.law().lift;
-  for (Index k = 0; k < program.cones(); ++k) {
-    const double *own = &s[3 * k], *d = &ds_[3 * k], *D = &D_[at(9 * k)];
-    const double rounding = path_ > 0 ? rounding_[k] : tolerances::cone_slip_rounding * gap_;
-    const double end1 = own[1] + d[1], end2 = own[2] + d[2];
-    const double size = std::sqrt(own[1] * own[1] + own[2] * own[2] + rounding);
-    const double end = std::sqrt(end1 * end1 + end2 * end2 + rounding);
-    const Cone& cone = cone_[at(k)];
-    bend_[k] = part * (lift * (end - size) - (cone.slope1 * d[1] + cone.slope2 * d[2]) / coupling_);
-    for (Index i = 0; i < 3; ++i) target_[3 * k + i] -= D[i] * bend_[k];
-  }
+  const Index nc = program.cones();
+  for_few(nc, [&](Index k) {
+    const Few& own = few_[at(k / few)];
+    const Three<Pack> from = cones(s, k, nc), d = cones(ds_, k, nc);
+    const Pack rounding = path_ > 0 ? Pack::load(&rounding_[k]) : Pack(tolerances::cone_slip_rounding * gap_);
+    const Pack size = slip(from[1], from[2], rounding), end = slip(from[1] + d[1], from[2] + d[2], rounding);
+    const Pack beyond = Pack(part) * (Pack(program.law().lift) * (end - size) -
+                                      (own.slope1 * d[1] + own.slope2 * d[2]) / Pack(coupling_));
+    beyond.store(&bend_[k]);
+    const std::array<Pack, 9> D = own.weight();
+    set_cones(cones(target_, k, nc) - Three<Pack>{D[0] * beyond, D[1] * beyond, D[2] * beyond}, k, nc, target_);
+  });
 }
 
 // How far the iterate is from the path at that gap, in units of the way to the boundary.
@@ -226,13 +275,22 @@ double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
   constexpr double outside = std::numeric_limits<double>::infinity();
   double worst = 0;
   const auto left = [&](Index i) { return left_[i] - gap * left_share_[i]; };
-  for (Index k = 0; k < program.cones(); ++k) {
-    const double *Y = &y[3 * k], *W = &w[3 * k];
-    if (!(soc::smallest(Y) > 0 && soc::smallest(W) > 0)) return outside;
-    const soc::Scaling scaling = soc::Scaling::of(Y, W);
-    const Vec3 l = scaling.times(Y), off(left(3 * k), left(3 * k + 1), left(3 * k + 2));
-    const Vec3 product = soc::product(l, l) - Vec3(gap, 0, 0);
-    worst = std::max({worst, product.norm() / gap, scaling.inverse_times(off.data()).norm() / std::sqrt(gap)});
+  const Index nc = program.cones();
+  for (Index k = 0; k < nc; k += few) {
+    const Three<Pack> Y = cones(y, k, nc), W = cones(w, k, nc), share = cones(left_share_, k, nc);
+    const Pack least_y = soc::smallest(Y.data()), least_w = soc::smallest(W.data());
+    const soc::Scaling<Pack> scaling = soc::Scaling<Pack>::of(Y.data(), W.data());
+    const Three<Pack> l = scaling.times(Y.data());
+    const Three<Pack> off =
+        cones(left_, k, nc) - Three<Pack>{Pack(gap) * share[0], Pack(gap) * share[1], Pack(gap) * share[2]};
+    Three<Pack> product = soc::product(l, l);
+    product[0] -= Pack(gap);
+    const Pack of_gap = norm(product) / Pack(gap),
+               of_left = norm(scaling.inverse_times(off.data())) / Pack(std::sqrt(gap));
+    for (Index i = 0; i < std::min(few, nc - k); ++i) {
+      if (!(least_y.data()[i] > 0 && least_w.data()[i] > 0)) return outside;
+      worst = std::max({worst, of_gap.data()[i], of_left.data()[i]});
+    }
   }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * program.cones() + r;
@@ -244,16 +302,16 @@ double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
 }
 
 // |s_t| as the path at that gap has it.
-void InteriorPoint::round_off(double gap) {
-  for (Index k = 0; k < rounding_.size(); ++k) {
-    const double slip = path::rounding * gap / begun_y_[3 * k];
-    rounding_[k] = slip * slip;
+void InteriorPoint::round_off(const ConeProgram& program, double gap) {
+  for (Index k = 0; k < program.cones(); ++k) {
+    const double least = path::rounding * gap / begun_y_[3 * k];
+    rounding_[k] = least * least;
   }
 }
 
 // From where the step began to the path at that gap: Newton's direction, or one with the curvature along the last.
 void InteriorPoint::head_for(ConeProgram& program, double gap, bool curved) {
-  round_off(gap);
+  round_off(program, gap);
   move(program, 0);
   left_ -= gap * left_share_;
   aim_ = gap * force_share_;
@@ -308,7 +366,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
   begun_y_ = y;
   begun_w_ = w;
   begun_s_ = s;
-  round_off(path_);
+  round_off(program, path_);
   measure_rows(program);
   const double before = off_path(program, path_);
   weigh(program, true);

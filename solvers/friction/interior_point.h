@@ -5,6 +5,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/friction/cone_program.h>
 #include <zwang/solvers/law/second_order_cone.h>
+#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 
@@ -54,7 +55,7 @@ class InteriorPoint {
   bool weigh(const ConeProgram& program, bool couples);
   void aim(const ConeProgram& program);
   double off_path(const ConeProgram& program, double gap) const;
-  void round_off(double gap);
+  void round_off(const ConeProgram& program, double gap);
   void head_for(ConeProgram& program, double gap, bool curved);
   bool reaches(ConeProgram& program, double gap);
   void move(const ConeProgram& program, double step);
@@ -72,11 +73,14 @@ class InteriorPoint {
   bool sees_end_ = false;
   Vector left_share_, force_share_, aim_, rounding_, begun_y_, begun_w_, begun_s_;
   std::vector<double> D_;
-  struct Cone {
-    second_order_cone::Scaling scaling;
-    double slope1 = 0, slope2 = 0;  // of the shift
+  // Of as many cones as the processor takes numbers at once, one a lane; whatever behind the last one.
+  struct Few {
+    second_order_cone::Scaling<lanes::PackOf<1>> scaling;
+    lanes::PackOf<1> slope1, slope2;  // of the shift
+
+    std::array<lanes::PackOf<1>, 9> weight() const;  // D
   };
-  std::vector<Cone> cone_;
+  std::vector<Few> few_;
   Index degree_ = 1;
 };
 

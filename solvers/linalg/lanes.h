@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <zwang/solvers/linalg/line_matrix.h>
 #include <zwang/solvers/linalg/multiply_add.h>
@@ -20,20 +21,25 @@ inline Index round_up(Index size) { return (size + width - 1) / width * width; }
 inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
 inline auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
 
-// The same number of eight bodies or joints, one a lane. Eigen's array of eight would pass through memory between any
-// two operations where a vector of the processor is shorter.
-struct Pack {
-  static constexpr int parts = static_cast<int>(width / packets::width);
+// The same number of several bodies, joints or cones, one a lane, in as many of the processor's vectors. Eigen's array
+// of eight would pass through memory between any two operations where a vector of the processor is shorter.
+template <int count>
+struct PackOf {
+  static constexpr int parts = count;
+  static constexpr Index lanes = count * packets::width;
   packets::Packet part[parts];
 
-  Pack() = default;
-  explicit Pack(double x) {
+  PackOf() = default;
+  explicit PackOf(const packets::Packet& x)
+    requires(count == 1)
+      : part{x} {}
+  explicit PackOf(double x) {
     for (auto& own : part) own = packets::all(x);
   }
   const double* data() const { return reinterpret_cast<const double*>(part); }
   double* data() { return reinterpret_cast<double*>(part); }
-  static Pack load(const double* x) {
-    Pack out;
+  static PackOf load(const double* x) {
+    PackOf out;
     for (int v = 0; v < parts; ++v) out.part[v] = packets::load(x + v * packets::width);
     return out;
   }
@@ -42,37 +48,38 @@ struct Pack {
   }
 
   template <class Operation, class... Others>
-  static Pack each(Operation&& operation, const Others&... x) {
-    Pack out;
+  static PackOf each(Operation&& operation, const Others&... x) {
+    PackOf out;
     for (int v = 0; v < parts; ++v) out.part[v] = operation(x.part[v]...);
     return out;
   }
-  friend Pack operator+(const Pack& a, const Pack& b) {
+  friend PackOf operator+(const PackOf& a, const PackOf& b) {
     return each([](auto x, auto y) { return Eigen::internal::padd(x, y); }, a, b);
   }
-  friend Pack operator-(const Pack& a, const Pack& b) {
+  friend PackOf operator-(const PackOf& a, const PackOf& b) {
     return each([](auto x, auto y) { return Eigen::internal::psub(x, y); }, a, b);
   }
-  friend Pack operator*(const Pack& a, const Pack& b) {
+  friend PackOf operator*(const PackOf& a, const PackOf& b) {
     return each([](auto x, auto y) { return Eigen::internal::pmul(x, y); }, a, b);
   }
-  friend Pack operator/(const Pack& a, const Pack& b) {
+  friend PackOf operator/(const PackOf& a, const PackOf& b) {
     return each([](auto x, auto y) { return Eigen::internal::pdiv(x, y); }, a, b);
   }
-  Pack operator-() const {
+  PackOf operator-() const {
     return each([](auto x) { return Eigen::internal::pnegate(x); }, *this);
   }
-  friend Pack operator/(double a, const Pack& b) { return Pack(a) / b; }
-  Pack& operator+=(const Pack& b) { return *this = *this + b; }
-  Pack& operator-=(const Pack& b) { return *this = *this - b; }
-  Pack& operator*=(const Pack& b) { return *this = *this * b; }
-  friend Pack multiply_add(const Pack& a, const Pack& b, const Pack& c) {
+  friend PackOf operator/(double a, const PackOf& b) { return PackOf(a) / b; }
+  PackOf& operator+=(const PackOf& b) { return *this = *this + b; }
+  PackOf& operator-=(const PackOf& b) { return *this = *this - b; }
+  PackOf& operator*=(const PackOf& b) { return *this = *this * b; }
+  friend PackOf multiply_add(const PackOf& a, const PackOf& b, const PackOf& c) {
     return each([](auto x, auto y, auto z) { return Eigen::internal::pmadd(x, y, z); }, a, b, c);
   }
-  friend Pack abs(const Pack& a) {
+  friend PackOf abs(const PackOf& a) {
     return each([](auto x) { return Eigen::internal::pabs(x); }, a);
   }
 };
+using Pack = PackOf<static_cast<int>(width / packets::width)>;
 
 // Rows and columns of eight by eight change places.
 inline void transpose(std::array<Pack, width>& x) {
@@ -91,14 +98,51 @@ inline void transpose(std::array<Pack, width>& x) {
 }
 
 // The processor's own roots, where they set no errno: Eigen's of eight doubles are approximations, a digit short.
-inline Pack root(const Pack& x) {
-  double entries[width];
+template <int count>
+[[gnu::always_inline]] inline PackOf<count> root(const PackOf<count>& x) {
+  double entries[PackOf<count>::lanes];
   std::memcpy(entries, x.data(), sizeof entries);
   for (double& own : entries) own = std::sqrt(own);
-  Pack out;
+  PackOf<count> out;
   std::memcpy(out.data(), entries, sizeof entries);
   return out;
 }
+
+// Several times three numbers that stand side by side: the first of each, the second, the third.
+struct Threes {
+  using One = PackOf<1>;
+  std::array<One, 3> x;
+
+  static Threes load(const double* from) {
+    const packets::Packet a = packets::load(from), b = packets::load(from + side), c = packets::load(from + 2 * side);
+    return {{One{apart<0>(a, b, c, each)}, One{apart<1>(a, b, c, each)}, One{apart<2>(a, b, c, each)}}};
+  }
+  void store(double* to) const {
+    const packets::Packet a = x[0].part[0], b = x[1].part[0], c = x[2].part[0];
+    packets::store(to, together<0>(a, b, c, each));
+    packets::store(to + side, together<1>(a, b, c, each));
+    packets::store(to + 2 * side, together<2>(a, b, c, each));
+  }
+
+ private:
+  static constexpr int side = packets::width;
+  static constexpr auto each = std::make_integer_sequence<int, side>{};
+  // Entry 3 l + i of the three.
+  template <int i, int... l>
+  static packets::Packet apart(packets::Packet a, packets::Packet b, packets::Packet c,
+                               std::integer_sequence<int, l...>) {
+    const auto two = __builtin_shufflevector(a, b, (3 * l + i < 2 * side ? 3 * l + i : 0)...);
+    return __builtin_shufflevector(two, c, (3 * l + i < 2 * side ? l : 3 * l + i - side)...);
+  }
+  // Its inverse: entry j = i side + l is entry j / 3 of vector j % 3.
+  template <int i, int... l>
+  static packets::Packet together(packets::Packet a, packets::Packet b, packets::Packet c,
+                                  std::integer_sequence<int, l...>) {
+    const auto two =
+        __builtin_shufflevector(a, b, ((i * side + l) % 3 < 2 ? (i * side + l) % 3 * side + (i * side + l) / 3 : 0)...);
+    return __builtin_shufflevector(two, c, ((i * side + l) % 3 < 2 ? l : side + (i * side + l) / 3)...);
+  }
+};
 
 // part<vectors>(k) for four vectors of rows at a time from `begin` to `end`, and for the one, two or three that are
 // left: one vector after the other would wait for its own sums.

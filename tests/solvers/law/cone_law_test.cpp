@@ -9,6 +9,7 @@
 
 #include <zwang/core/referee/friction/law.h>
 #include <zwang/solvers/law/cone_law.h>
+#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 namespace {
@@ -155,6 +156,43 @@ TEST(LawEntries, SolversAndRefereeReadTheSameLaws) {
   }
   EXPECT_EQ(laws_that<has_cones>, (std::array{Law::convex, Law::coulomb}));
   EXPECT_EQ(laws_that<lifts>, std::array{Law::coulomb});
+}
+
+// Cones one a lane give what one cone after the other gives, to the bit, and come back to where they stood.
+TEST(SecondOrderCone, OfSeveralConesAtOnceIsThatOfEach) {
+  namespace soc = second_order_cone;
+  using Pack = lanes::PackOf<1>;
+  constexpr std::size_t few = Pack::lanes, numbers = 3 * few;
+  std::srand(1);
+  for (int round = 0; round < 200; ++round) {
+    std::array<std::array<double, numbers>, 3> at;  // y, w inside; d anywhere
+    for (auto& x : at)
+      for (double& own : x) own = Vec<double, 1>::Random()[0];
+    for (std::size_t i = 0; i < numbers; i += 3)
+      for (std::size_t x : {0, 1}) at[x][i] = soc::tangential(&at[x][i]) + std::abs(at[x][i]) + 1e-3;
+    const soc::Three<Pack> y = lanes::Threes::load(at[0].data()).x, w = lanes::Threes::load(at[1].data()).x,
+                           d = lanes::Threes::load(at[2].data()).x;
+    std::array<double, numbers> back;
+    lanes::Threes{d}.store(back.data());
+    EXPECT_EQ(back, at[2]);
+    const auto scaling = soc::Scaling<Pack>::of(y.data(), w.data());
+    const soc::Three<Pack> product = soc::product(scaling.times(d.data()), scaling.inverse_times(d.data())),
+                           quotient = soc::quotient(y, product), weighed = soc::multiply(scaling.weight(), product);
+    for (std::size_t k = 0; k < few; ++k) {
+      const double *Y = &at[0][3 * k], *W = &at[1][3 * k], *D = &at[2][3 * k];
+      const auto own = soc::Scaling<double>::of(Y, W);
+      const soc::Three<double> p = soc::product(own.times(D), own.inverse_times(D)),
+                               q = soc::quotient<double>({Y[0], Y[1], Y[2]}, p), r = soc::multiply(own.weight(), p);
+      for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(p[i], product[i].data()[k]);
+        EXPECT_EQ(q[i], quotient[i].data()[k]);
+        EXPECT_EQ(r[i], weighed[i].data()[k]);
+      }
+      // W y = W^-1 w.
+      const soc::Three<double> one = own.times(Y), other = own.inverse_times(W);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(one[i], other[i], 1e-9);
+    }
+  }
 }
 
 }  // namespace
