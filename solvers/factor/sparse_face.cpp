@@ -30,6 +30,8 @@ void SparseFace::reset(const Problem& problem, const SparseRows& rows, Index con
   scaled_ = rows;
   cones_ = cones;
   deadline_ = deadline;
+  couples_ = coupled_ = false;
+  sum_.forget();
   factor_.analyze(M_, rows_, options, deadline, static_cast<int>(cones));
   place_.resize(rows_.column.size());
   for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows_.column[e]);
@@ -59,10 +61,12 @@ void SparseFace::force(const Vector& l, Vector& f) const {
 
 void SparseFace::mass(const Vector& v, Vector& f) const {
   f.setZero();
-  for (const MassEntry& e : mass_) f[e.row] += e.value * v[e.column];
+  for (const auto& e : mass_) f[e.row] += e.value * v[e.column];
 }
 
-bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool) {
+bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
+  coupled_ = !symmetric;
+  if (coupled_) return sum_.factorize(static_cast<int>(unknowns()), mass_, rows_, place_, D, ray_weight);
   double L[9];
   for (Index k = 0; k < cones_; ++k) {
     const auto first = at(rows_.begin[at(3 * k)]);

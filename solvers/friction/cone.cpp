@@ -16,10 +16,17 @@ struct Rung {
   End (ConeStarts::*run)(const ConeStarts::Job&, double start);
   double start = ConeStarts::first_start;
 };
-constexpr Rung ladder[] = {
-    {&ConeStarts::from_rest},       {&ConeStarts::from_warm},        {&ConeStarts::from_few_steps},
-    {&ConeStarts::from_path, 10},   {&ConeStarts::from_path, 0.3},   {&ConeStarts::from_start},
-    {&ConeStarts::from_dense_rows}, {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems}};
+constexpr Rung ladder[] = {{&ConeStarts::from_rest},        {&ConeStarts::from_warm},
+                           {&ConeStarts::from_few_steps},   {&ConeStarts::from_path, 10},
+                           {&ConeStarts::from_path, 0.3},   {&ConeStarts::from_start},
+                           {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems}};
+
+End run_ladder(ConeStarts& starts, const ConeStarts::Job& job) {
+  End end = End::failed;
+  for (const auto& [run, start] : ladder)
+    if (end == End::failed) end = (starts.*run)(job, start);
+  return end;
+}
 
 // Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone; without
 // friction the solver that is handed the problem looks for parts itself.
@@ -72,9 +79,9 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
 void Cone::Work::climb(const ConeStarts::Job& job) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   if (!starts_.begin(job, ConeProgram::Want::any)) return;
-  End end = End::failed;
-  for (const auto& [run, start] : ladder)
-    if (end == End::failed) end = (starts_.*run)(job, start);
+  End end = run_ladder(starts_, job);
+  if (end == End::failed && starts_.can_couple(job))
+    end = starts_.couple(job) ? run_ladder(starts_, job) : End::written;
   if (end == End::written || (end == End::accepted && starts_.promises(job))) return;
   starts_.program().write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);

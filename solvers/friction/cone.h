@@ -18,9 +18,9 @@ namespace zwang {
 // together where one fails (fallback). A warm start goes to the modes at once, and to the interior point where they do
 // not settle.
 //
-// The sparse factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
-// redundant contacts that slide can stall. Up to 1000 unknowns it then starts again on dense rows, where the shift is
-// differentiated; Solution::fallback says so.
+// The sparse Cholesky factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
+// contacts that slide can stall. It then starts again on dense rows (up to 1000 unknowns) or with sparse LU, where the
+// shift is differentiated; Solution::fallback says so.
 //
 // Where no start leads to an answer of Coulomb's law, the convex problem of the slips at hand is solved again and
 // again, as by fixed_point, and Newton's method on the modes tried from each answer (up to 1000 unknowns; a fallback,

@@ -12,7 +12,8 @@ constexpr int most_coupled = 60;  // and, where the shift is differentiated, wit
 // and the central path costs several times as much a step. (20 send one frame of a hand in four along the path that
 // ends in 45 here.)
 constexpr int most_quick = 45;
-constexpr int most_modes = 8;  // Newton steps from an iterate inside the cones
+constexpr Index most_unknowns = 20'000;  // of sparse LU: of more a factor may take many seconds
+constexpr int most_modes = 8;            // Newton steps from an iterate inside the cones
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
 // they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
 // two frames of a hand in ten just before the answer.)
@@ -71,12 +72,13 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
 }
 
 ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
+  if (start != first_start && can_couple(job)) return End::failed;
   if (start == first_start || !is_near(job.best)) begun_ = job.solution.iterations;
   return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
 }
 
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  if (!program_.law().lifts() || !program_.face().takes_unsymmetric()) return End::failed;
   quick_ = true;
   const End end = from_start(job, start);
   quick_ = false;
@@ -84,9 +86,10 @@ ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
 }
 
 ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
-  if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  if (!program_.law().lifts() || !program_.face().takes_unsymmetric()) return End::failed;
   const double unit = program_.start();
-  if (inside_.follows() && inside_.gap() <= tolerances::cone_far_end * unit * unit) return End::failed;
+  if (inside_.follows() && (!program_.is_dense() || inside_.gap() <= tolerances::cone_far_end * unit * unit))
+    return End::failed;
   begun_ = job.solution.iterations;
   follows_ = true;
   const End end = from_inside(job, start);
@@ -94,14 +97,20 @@ ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
   return end;
 }
 
-ConeStarts::End ConeStarts::from_dense_rows(const Job& job, double start) {
-  if (!program_.law().lifts() || program_.is_dense() || !ConeProgram::can_be_dense(job.problem)) return End::failed;
+bool ConeStarts::can_couple(const Job& job) {
+  return program_.law().lifts() && !program_.face().takes_unsymmetric() &&
+         (ConeProgram::can_be_dense(job.problem) || program_.face().unknowns() <= most_unknowns);
+}
+
+bool ConeStarts::couple(const Job& job) {
   const int before = job.solution.iterations;
-  if (!begin(job, ConeProgram::Want::dense)) return End::written;
+  const bool dense = ConeProgram::can_be_dense(job.problem);
+  if (dense && !begin(job, ConeProgram::Want::dense)) return false;
+  if (!dense) program_.couple();
+  inside_.forget_path();
   job.solution.iterations = before;
   job.solution.fallback = true;
-  const End end = from_rest(job, 0);
-  return end == End::failed ? from_start(job, start) : end;
+  return true;
 }
 
 // Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there.
@@ -125,7 +134,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     inside_.begin(program_, start);
   else
     inside_.let_go(program_);
-  const bool couples = program_.law().lifts() && program_.is_dense();
+  const bool couples = program_.law().lifts() && program_.face().takes_unsymmetric();
   double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
   double near = tolerances::cone_near_end;

@@ -33,6 +33,10 @@ class ConeStarts {
     return program_.build(job.problem, want, job.options, job.deadline, job.solution);
   }
   ConeProgram& program() { return program_; }
+  // Sparse rows under Coulomb's law leave its shift undifferentiated, which walls do not mind. Where that leads nowhere
+  // they are taken again, dense or with sparse LU, and go all ways that differentiate it.
+  bool can_couple(const Job& job);
+  bool couple(const Job& job);  // false: the problem is decided
   bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
   Best best;
 
@@ -44,9 +48,8 @@ class ConeStarts {
   End from_start(const Job& job, double start);
   End from_few_steps(const Job& job, double start);  // Coulomb's law, where few steps of the interior point are enough
   // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
-  // end. Behind another path where that ended at a fold: the one from another size may have none.
+  // end. Behind another path where that ended at a fold, of dense rows: the one from another size may have none.
   End from_path(const Job& job, double start);
-  End from_dense_rows(const Job& job, double start);
   // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
   // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
   End from_convex_problems(const Job& job, double start);

@@ -1,7 +1,11 @@
 #include <zwang/solvers/friction/interior_point.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include <zwang/solvers/law/second_order_cone.h>
+#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 namespace {
@@ -55,6 +59,31 @@ constexpr Index few = Pack::lanes;
   Threes{from}.store(own.data());
   std::copy_n(own.begin(), 3 * (nc - k), &x[3 * k]);
 }
+// What weigh() knows of a few cones; whatever behind the last one.
+struct Few {
+  static constexpr Index numbers = 8 * few;
+
+  soc::Scaling<Pack> scaling;
+  Pack slope1, slope2;  // of the shift
+
+  [[gnu::always_inline]] static Few load(const double* x) {
+    const auto at = [x](Index i) { return Pack::load(x + i * few); };
+    return {{at(0), at(1), at(2), at(3), at(4), at(5)}, at(6), at(7)};
+  }
+  [[gnu::always_inline]] void store(double* x) const {
+    const auto& [a0, a1, a2, eta, inverse_eta, share] = scaling;
+    for (const Pack* own : {&a0, &a1, &a2, &eta, &inverse_eta, &share, &slope1, &slope2}) own->store(x), x += few;
+  }
+  // D.
+  [[gnu::always_inline]] std::array<Pack, 9> weight() const {
+    std::array<Pack, 9> D = scaling.weight();
+    for (std::size_t i = 0; i < 3; ++i) {
+      D[i + 3] += D[i] * slope1;
+      D[i + 6] += D[i] * slope2;
+    }
+    return D;
+  }
+};
 template <class Visit>
 void for_few(Index nc, const Visit& visit) {
   for (Index k = 0; k < nc; k += few) visit(k);
@@ -87,7 +116,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
-  few_.resize(at((nc + few - 1) / few));
+  scalings_.resize(at((nc + few - 1) / few * Few::numbers));
   degree_ = 2 * nc;
   const double first = size * program.start();
   program.slack(v, s);
@@ -138,24 +167,13 @@ void InteriorPoint::measure(ConeProgram& program) {
   gap_ = y.dot(w) / static_cast<double>(degree_);
 }
 
-[[gnu::always_inline]] inline std::array<Pack, 9> InteriorPoint::Few::weight() const {
-  std::array<Pack, 9> D = scaling.weight();
-  for (std::size_t i = 0; i < 3; ++i) {
-    D[i + 3] += D[i] * slope1;
-    D[i + 6] += D[i] * slope2;
-  }
-  return D;
-}
-
 // D and the slope of the shift. False where y or w is outside the cones.
 bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
   const double slope = coupling_ * program.law().lift;
   bool inside = true;
   for_few(nc, [&](Index k) {
-    Few& own = few_[at(k / few)];
-    own.scaling = soc::Scaling<Pack>::of(cones(y, k, nc).data(), cones(w, k, nc).data());
-    own.slope1 = own.slope2 = Pack(0);
+    Few own{soc::Scaling<Pack>::of(cones(y, k, nc).data(), cones(w, k, nc).data()), Pack(0), Pack(0)};
     if (couples) {
       const Three<Pack> slack = cones(s, k, nc);
       const Pack rounding = path_ > 0 ? Pack::load(&rounding_[k]) : Pack(tolerances::cone_slip_rounding * gap_);
@@ -163,6 +181,7 @@ bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
       own.slope1 = share * slack[1];
       own.slope2 = share * slack[2];
     }
+    own.store(&scalings_[at(k / few * Few::numbers)]);
     const std::array<Pack, 9> D = couples ? own.weight() : own.scaling.weight();
     for (Index l = 0; l < std::min(few, nc - k); ++l) {
       inside = inside && own.scaling.a0.data()[l] > 0 && own.scaling.eta.data()[l] > 0 &&
@@ -182,7 +201,8 @@ void InteriorPoint::aim(const ConeProgram& program) {
   const Index nc = program.cones();
   for_few(nc, [&](Index k) {
     const Three<Pack> own = cones(y, k, nc);
-    const Three<Pack> back = soc::multiply(few_[at(k / few)].scaling.weight(), cones(left_, k, nc));
+    const Three<Pack> back =
+        soc::multiply(Few::load(&scalings_[at(k / few * Few::numbers)]).scaling.weight(), cones(left_, k, nc));
     set_cones(Three<Pack>{-own[0], -own[1], -own[2]} - back, k, nc, target_);
   });
   for (Index r = 0; r < program.rays(); ++r) {
@@ -199,7 +219,7 @@ void InteriorPoint::direct(ConeProgram& program) {
   program.face().solve(dv_);
   program.face().slack(dv_, ds_);
   for_few(nc, [&](Index k) {
-    const Few& own = few_[at(k / few)];
+    const Few own = Few::load(&scalings_[at(k / few * Few::numbers)]);
     const Three<Pack> d = cones(ds_, k, nc), left = cones(left_, k, nc);
     set_cones(cones(target_, k, nc) - soc::multiply(own.weight(), d), k, nc, dy_);
     const Pack normal = left[0] + Pack::load(&bend_[k]) + d[0] + own.slope1 * d[1] + own.slope2 * d[2];
@@ -243,7 +263,7 @@ double InteriorPoint::gap_after(const ConeProgram& program, double step) const {
 void InteriorPoint::correct(const ConeProgram& program, double centre) {
   const Index nc = program.cones();
   for_few(nc, [&](Index k) {
-    const soc::Scaling<Pack>& W = few_[at(k / few)].scaling;
+    const soc::Scaling<Pack> W = Few::load(&scalings_[at(k / few * Few::numbers)]).scaling;
     const Three<Pack> product =
         soc::product(W.times(cones(dy_, k, nc).data()), W.inverse_times(cones(dw_, k, nc).data()));
     const Three<Pack> x =
@@ -258,7 +278,7 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
 void InteriorPoint::bend(const ConeProgram& program, double part) {
   const Index nc = program.cones();
   for_few(nc, [&](Index k) {
-    const Few& own = few_[at(k / few)];
+    const Few own = Few::load(&scalings_[at(k / few * Few::numbers)]);
     const Three<Pack> from = cones(s, k, nc), d = cones(ds_, k, nc);
     const Pack rounding = path_ > 0 ? Pack::load(&rounding_[k]) : Pack(tolerances::cone_slip_rounding * gap_);
     const Pack size = slip(from[1], from[2], rounding), end = slip(from[1] + d[1], from[2] + d[2], rounding);

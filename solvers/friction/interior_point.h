@@ -4,8 +4,6 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/friction/cone_program.h>
-#include <zwang/solvers/law/second_order_cone.h>
-#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 
@@ -73,14 +71,7 @@ class InteriorPoint {
   bool sees_end_ = false;
   Vector left_share_, force_share_, aim_, rounding_, begun_y_, begun_w_, begun_s_;
   std::vector<double> D_;
-  // Of as many cones as the processor takes numbers at once, one a lane; whatever behind the last one.
-  struct Few {
-    second_order_cone::Scaling<lanes::PackOf<1>> scaling;
-    lanes::PackOf<1> slope1, slope2;  // of the shift
-
-    std::array<lanes::PackOf<1>, 9> weight() const;  // D
-  };
-  std::vector<Few> few_;
+  std::vector<double> scalings_;  // and slopes of the shift, of a few cones at once
   Index degree_ = 1;
 };
 

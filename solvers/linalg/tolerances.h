@@ -150,6 +150,8 @@ inline constexpr double cone_runs_off = 1e4;
 inline constexpr double cone_pivot = 1e-15;
 // The rounding of the rows' push above which no answer is claimed, where less was not asked for.
 inline constexpr double cone_push = 1e-8;
+// A pivot of the sparse LU factors below this part of its column's largest gives way to that.
+inline constexpr double coupled_pivot = 1e-3;
 // A mu above this, or below its inverse, makes the rows N / mu and T of a cone so different that each has its own
 // weight.
 inline constexpr double cone_far = 0x1p10;

@@ -108,6 +108,15 @@ TEST_F(Faces, SparseRowsInTheOrderOfElimination) {
   std::vector<Index> order;
   for (Index u = 0; u < face.unknowns(); ++u) order.push_back(face.column(u));
   expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), true);
+  // By LU once it is asked for, and by Cholesky factors again.
+  EXPECT_FALSE(face.takes_unsymmetric());
+  face.couple();
+  ASSERT_TRUE(face.takes_unsymmetric());
+  const std::vector<double> symmetric = D_;
+  for (Index k = 0; k < cones; ++k) D_[at(9 * k + 1)] += 0.25;
+  expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), false);
+  D_ = symmetric;
+  expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), true);
 }
 
 }  // namespace

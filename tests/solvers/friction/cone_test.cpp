@@ -222,6 +222,22 @@ TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
   EXPECT_NE(solve(make_scenes("MRF(k=40)").at(0).problem, {}, {.tolerance = 1e-12}).status, Status::solved);
 }
 
+// More than a thousand unknowns: by sparse LU where Coulomb's shift has to be differentiated.
+TEST(Cone, SolvesLargePilesStacksAndWallsUnderCoulombsLaw) {
+  for (const char* scene :
+       {"pile(spheres=200,mu=0.5,seed=3)", "stack(boxes=200,push=1,mu=0.5)", "wall(boxes=300,mu=0.5,push=1,seed=2)"}) {
+    const Problem p = make_scenes(scene).at(0).problem;
+    ASSERT_GT(p.size(), 1000) << scene;
+    const Solution s = solve(p);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_TRUE(s.fallback) << scene;
+    const Metrics m = measure(p, s, nullptr, 1e-8);
+    EXPECT_NE(m.verdict, Verdict::wrong) << scene;
+    EXPECT_LE(m.natural, 1e-10) << scene;
+    EXPECT_LE(m.friction.eta, 1e-10) << scene;
+  }
+}
+
 // Fifteen contacts of one body, of rank 6 in 45 rows, that agree, or disagree by 1e-8. No hundred iterations on them.
 TEST(Cone, ContactsThatDependOnEachOtherEndSoonAndClaimOnlyWhatHolds) {
   int solved = 0;
