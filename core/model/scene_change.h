@@ -52,13 +52,14 @@ inline Pose<Number> pose(const Pose<double>& q, const Vec<double, 6>& twist) {
   return out;
 }
 
-// Row r of a value and of its Jacobian, along the change: automatic derivatives of automatic derivatives.
+// What a value and its Jacobian change by, along the change.
 template <int rows, int columns>
 struct Linear {
   Vec<double, rows> value;
   Mat<double, rows, columns> jacobian;
 };
 
+// By automatic derivatives of automatic derivatives. value(poses): `rows` numbers, for any scalar.
 template <int rows, std::size_t bodies, class Value>
 auto linear(const Value& value, const std::array<Pose<Number>, bodies>& q) {
   constexpr int N = 6 * static_cast<int>(bodies);
