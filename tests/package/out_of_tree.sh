@@ -30,7 +30,7 @@ if [ "$build" != sources ] && unshare --mount true 2>/dev/null; then
   work=/tmp/zwang-out-of-tree.$$ beads=$work/build/beads
   run() { (cd "$work" && unshare --mount bash -c 'mount -t tmpfs none "$0" && cd "$PWD" && exec env -u ZWANG_DATA "$@"' "$source" "$@"); }
 fi
-run "$work/build/check" >"$work/check.log" && [ "$(grep -c ' ok$' "$work/check.log")" -eq 6 ] || { cat "$work/check.log" >&2; exit 1; }
+run "$work/build/check" >"$work/check.log" && [ "$(grep -c ' ok$' "$work/check.log")" -eq 9 ] || { cat "$work/check.log" >&2; exit 1; }
 ! run "$work/build/check" wrong >"$work/wrong.log"
 grep -q 'on_wire.jacobian: analytic vs central differences, bodies 1 m apart: at row 1, body b, angular y it gives' "$work/wrong.log" ||
   { cat "$work/wrong.log" >&2; exit 1; }
