@@ -115,7 +115,7 @@ int league_command(std::vector<std::string> words) {
 int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }
 
 int compare_gradients(const std::vector<std::string>& words) {
-  return continue_as_script(gradients_script(), {}, words);
+  return continue_as_files({{"gradients.py", gradients_script()}}, words);
 }
 
 int write_junit(const std::filesystem::path& results, const std::string& file, int code) {

@@ -126,11 +126,11 @@ void lock_index_finger(Scene& scene, BodyId palm, const std::string& prefix) {
 
 }  // namespace
 
-Posed pose_hands(const Knobs& knobs) {
+SceneStep pose_hands(const Knobs& knobs) {
   const int count = knobs.contains("hands") ? static_cast<int>(knobs.at("hands")) : 1;
   const bool feasible = !knobs.contains("feasible") || knobs.at("feasible") > 0;
   Draw draw(knobs.at("seed"));
-  Posed posed{.options = {.dt = frame_dt}};
+  SceneStep posed{.options = {.dt = frame_dt}, .k_s = reaching_stiffness(frame_dt)};
   Scene& scene = posed.scene;
   std::vector<Pose<double>>& target = posed.target;
   target.resize(1);
@@ -148,17 +148,10 @@ Posed pose_hands(const Knobs& knobs) {
                     " on wall");
   }
   rub(scene, friction_of(knobs));
-  couple_to_targets(scene, target, reaching_stiffness(frame_dt), posed.z_u);
   return posed;
 }
 
-Instance hands(const Knobs& knobs) {
-  Posed posed = pose_hands(knobs);
-  return to_instance({.scene = std::move(posed.scene),
-                      .options = posed.options,
-                      .target = std::move(posed.target),
-                      .k_s = reaching_stiffness(frame_dt)});
-}
+Instance hands(const Knobs& knobs) { return to_instance(pose_hands(knobs)); }
 
 // 70 joint rows, 20 limits and 30 contacts a hand, on 96 unknowns. A family of the atlas: its numbers are rounded to
 // grids far coarser than rounding, so that every compiler and processor makes the same problem, and far finer than the

@@ -52,14 +52,6 @@ BodyId add_fixed(Scene& scene, const Vec3& position = Vec3::Zero());
 void add_corners(Scene& scene, BodyId a, BodyId b, std::span<const Vec3> corners, const Vec3& normal,
                  const std::string& label);
 
-// What assembly takes, and where the bodies would like to be.
-struct Posed {
-  Scene scene = {};
-  std::vector<Pose<double>> target = {};  // one per body; empty where nothing is tracked
-  Vector z_u = {};
-  AssembleOptions options = {};
-};
-
 // The scene's problem, its rows named.
 Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& options);
 // The same with z_u made of the step, which the instance keeps.
@@ -73,6 +65,6 @@ Problem scene_change(const Instance& instance, const SceneChange& change);
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {});
 
 // hands.cpp: `hands` of them (default 1), independent of each other.
-Posed pose_hands(const Knobs& knobs);
+SceneStep pose_hands(const Knobs& knobs);
 
 }  // namespace zwang

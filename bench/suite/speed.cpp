@@ -32,12 +32,13 @@ struct Assembly {
     for (int i = 0; i < times; ++i) {
       for (Body& body : posed.scene.bodies)
         if (body.motion == Motion::free) body.pose.position.x() += 1e-6;
-      assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+      assembler.assemble(posed.scene, z_u, posed.options, problem);
     }
   }
 
   int contacts;
-  Posed posed;
+  SceneStep posed;
+  Vector z_u = unconstrained(posed);
   Assembler assembler = {};
   Problem problem = {};
   Islands islands = {};

@@ -103,19 +103,20 @@ class Runner {
 }  // namespace
 
 Sequence hand_sequence(int contacts, int frames) {
-  Posed posed = pose_hands({{"hands", 1},
-                            {"contacts", static_cast<double>(contacts)},
-                            {"limits", 5},
-                            {"drift", 0x1p-13},
-                            {"feasible", 1},
-                            {"seed", 1}});
+  SceneStep posed = pose_hands({{"hands", 1},
+                                {"contacts", static_cast<double>(contacts)},
+                                {"limits", 5},
+                                {"drift", 0x1p-13},
+                                {"feasible", 1},
+                                {"seed", 1}});
   Sequence sequence{"hand of " + std::to_string(contacts) + " contacts", {}};
   AnySolver solver = make_solver("dual_active_set");
   Solution solution;
   const double dt = posed.options.dt;
+  Vector z_u;
   for (int f = 0; f < frames; ++f) {
-    couple_to_targets(posed.scene, moved(posed.target, wander(f)), share_per_frame * reaching_stiffness(dt), posed.z_u);
-    Instance instance = to_instance(posed.scene, posed.z_u, posed.options);
+    couple_to_targets(posed.scene, moved(posed.target, wander(f)), share_per_frame * reaching_stiffness(dt), z_u);
+    Instance instance = to_instance(posed.scene, z_u, posed.options);
     instance.problem.name = sequence.name + ", frame " + std::to_string(f);
     solver.solve(instance.problem, {}, solution);
     if (solution.z.size() == instance.problem.size()) integrate(posed.scene, solution.z, dt, posed.options.mode);

@@ -96,14 +96,17 @@ void Assembler::lay_out(const Scene& scene) {
   lay_out_mass();
 }
 
-// The two triangles of the inertia are made equal bit for bit: the referee asks for it.
+double* write_body_mass(double mass, const Mat3& inertia, double* value) {
+  value = std::fill_n(value, 3, mass);
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 3; ++i) *value++ = inertia(std::max(i, k), std::min(i, k));
+  return value;
+}
+
 void Assembler::write_mass(const Scene& scene, double* value) const {
   for (const Body& body : scene.bodies) {
     if (body.motion != Motion::free) continue;
-    const Mat3 world = body.pose.rotation * body.inertia * body.pose.rotation.transpose();
-    value = std::fill_n(value, 3, body.mass);
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 3; ++i) *value++ = world(std::max(i, k), std::min(i, k));
+    value = write_body_mass(body.mass, body.pose.rotation * body.inertia * body.pose.rotation.transpose(), value);
   }
 }
 

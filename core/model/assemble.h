@@ -16,6 +16,10 @@ struct AssembleOptions {
   Mode mode = Mode::quasi_static;  // quasi_static: velocities count as zero
 };
 
+// The entries of M of one body, mass and 3 x 3 inertia in the world, column by column: the inertia's two triangles are
+// made equal bit for bit, as the referee asks. Returns where the next body's begin.
+double* write_body_mass(double mass, const Mat3& inertia, double* value);
+
 // scene -> problem. Stacks every active constraint at the scene's poses so that one symplectic step of length dt lands
 // on it (docs/formulation.md):
 //

@@ -23,10 +23,8 @@ void change_masses(const SceneStep& step, const SceneChange& change, Problem& de
     if (body.motion != Motion::free) continue;
     const Mat3 world = body.pose.rotation * body.inertia * body.pose.rotation.transpose();
     const Mat3 turning = skew<double>(change.bodies[b].pose.tail<3>()) * world;
-    const Mat3 d = turning + turning.transpose() + change.bodies[b].mass / body.mass * world;
-    value = std::fill_n(value, 3, change.bodies[b].mass);
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 3; ++i) *value++ = d(std::max(i, k), std::min(i, k));
+    const double mass = change.bodies[b].mass;
+    value = write_body_mass(mass, turning + turning.transpose() + mass / body.mass * world, value);
   }
   std::fill(value, derivative.M.valuePtr() + derivative.M.nonZeros(), 0.);  // soft rows
 }

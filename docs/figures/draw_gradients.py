@@ -14,7 +14,6 @@ import zwang
 from zwang.usual_gradients import AMBER as amber, BLUE as blue, LAWS, MUTED as muted, RED as red, SCENES, Soft, bench, chart, path, sentence, svg, text
 
 
-
 def block(push):
     return zwang.Problem(numpy.eye(3), [push, 0, -1.0], [[0, 0, 1], [1, 0, 0], [0, 1, 0]], [0, 0, 0], tangent=[False, True, True],
                          mu=[0.5, 0, 0], law="coulomb")

@@ -21,7 +21,10 @@ class CoupledSum {
   ~CoupledSum();
   // A copy begins anew.
   CoupledSum(const CoupledSum&) : CoupledSum() {}
-  CoupledSum& operator=(const CoupledSum&) { return *this; }
+  CoupledSum& operator=(const CoupledSum&) {
+    forget();
+    return *this;
+  }
 
   // The next factorize() is for another pattern.
   void forget() { known_ = false; }

@@ -106,8 +106,7 @@ bool ConeStarts::couple(const Job& job) {
   const int before = job.solution.iterations;
   const bool dense = ConeProgram::can_be_dense(job.problem);
   if (dense && !begin(job, ConeProgram::Want::dense)) return false;
-  if (!dense) program_.couple();
-  inside_.forget_path();
+  if (!dense) program_.couple(), inside_.forget_path();
   job.solution.iterations = before;
   job.solution.fallback = true;
   return true;

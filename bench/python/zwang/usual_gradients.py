@@ -120,16 +120,16 @@ def bands(found, which, amounts):
 
 def sentence(found, kinks):
     """What the chart says, in words."""
-    if not found:
+    at, soft, width = bands(found, "differences", STEPS), bands(found, "soft", STEPS), sorted(row["width"] for row in found)
+    if not at:
         return "No problem has a derivative to compare with."
-    at = bands(found, "differences", STEPS)
     best = min(at, key=lambda h: at[h][0])
-    soft, width = bands(found, "soft", STEPS), sorted(row["width"] for row in found)
-    words = (f"On {len(found)} problems (kinks left out: {kinks}) central differences are off by {at[STEPS[0]][0]:.0e} in the median with a "
-             f"step of {STEPS[0]:.0e}, by {at[best][0]:.0e} with {best:.0e}, their best, and by {at[STEPS[-1]][0]:.0e} with {STEPS[-1]:.0e}.")
-    if soft:
-        words += (f" Rows made soft are off by {soft[1e-2][0]:.0e} where the smoothing is 1e-2 and {soft[1e-4][0]:.0e} at 1e-4, one in ten by more "
-                  f"than {soft[1e-2][1]:.0e} and {soft[1e-4][1]:.0e}.")
+    steps = [f"{at[h][0]:.0e} with a step of {h:.0e}{', their best' if h == best else ''}" for h in sorted({max(at), best, min(at)}, reverse=True)]
+    words = f"On {len(found)} problems (kinks left out: {kinks}) central differences are off by {', by '.join(steps)}, in the median."
+    for smoothing in (1e-2, 1e-4):
+        if smoothing in soft:
+            words += (f" Rows made soft are off by {soft[smoothing][0]:.0e} where the smoothing is {smoothing:.0e}, one in ten by more than "
+                      f"{soft[smoothing][1]:.0e}.")
     return words + (f" The enclosures of zwang.gradient are {width[len(width) // 2]:.0e} wide in the median, {width[-1]:.0e} at most. A row changes its "
                     f"mode within a step of 1e-2 for {sum(row['reach'] < 1e-2 for row in found)}.")
 

@@ -124,7 +124,7 @@ bool same_bits(const Problem& a, const Problem& b) {
 }
 
 // Every body of a posed scene moves a little, the same in every call.
-void move_bodies(Posed& posed, Draw& draw) {
+void move_bodies(SceneStep& posed, Draw& draw) {
   for (Body& body : posed.scene.bodies) {
     Vec<double, 6> twist;
     twist << draw.cube(1e-3), draw.cube(1e-2);
@@ -132,24 +132,25 @@ void move_bodies(Posed& posed, Draw& draw) {
   }
 }
 
-Posed posed_hands(double hands, double contacts) {
+SceneStep posed_hands(double hands, double contacts) {
   return pose_hands(
       {{"hands", hands}, {"contacts", contacts}, {"limits", 5}, {"drift", 1e-4}, {"feasible", 1}, {"seed", 1}});
 }
 
 TEST(Assembler, AllocatesNothingWhileTheRowsStay) {
-  Posed posed = posed_hands(2, 64);
+  SceneStep posed = posed_hands(2, 64);
+  const Vector z_u = unconstrained(posed);
   for (const Mode mode : {Mode::quasi_static, Mode::dynamic}) {
     posed.options.mode = mode;
     Assembler assembler;
     Problem problem;
-    assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
-    assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+    assembler.assemble(posed.scene, z_u, posed.options, problem);
+    assembler.assemble(posed.scene, z_u, posed.options, problem);
     ASSERT_EQ(problem.rows(), 2 * (70 + 5 + 64));
     const long before = allocations();
     for (int frame = 0; frame < 20; ++frame) {
       for (Body& body : posed.scene.bodies) body.pose.position += Vec3(1e-3, 0, 0);
-      assembler.assemble(posed.scene, posed.z_u, posed.options, problem);
+      assembler.assemble(posed.scene, z_u, posed.options, problem);
     }
     EXPECT_EQ(allocations() - before, 0);
   }
@@ -157,7 +158,8 @@ TEST(Assembler, AllocatesNothingWhileTheRowsStay) {
 
 // Limits come and go, contacts vanish, a body is held and let go: the kept pattern must notice.
 TEST(Assembler, KeepsNothingOfAFrameWhoseRowsHaveChanged) {
-  Posed posed = posed_hands(1, 12);
+  SceneStep posed = posed_hands(1, 12);
+  const Vector z_u = unconstrained(posed);
   auto& contacts = posed.scene.list_of<Contact>();
   Draw draw(7);
   Assembler kept;
@@ -172,8 +174,8 @@ TEST(Assembler, KeepsNothingOfAFrameWhoseRowsHaveChanged) {
     Problem fresh;
     Assembler anew;
     const Index unknowns = 6 * (hand::bodies - (frame % 13 == 6));
-    kept.assemble(posed.scene, posed.z_u.head(unknowns), posed.options, problem);
-    anew.assemble(posed.scene, posed.z_u.head(unknowns), posed.options, fresh);
+    kept.assemble(posed.scene, z_u.head(unknowns), posed.options, problem);
+    anew.assemble(posed.scene, z_u.head(unknowns), posed.options, fresh);
     ASSERT_TRUE(same_bits(problem, fresh)) << "frame " << frame;
     ASSERT_EQ(kept.origin(posed.scene, problem), anew.origin(posed.scene, fresh)) << "frame " << frame;
     ASSERT_EQ(kept.skipped(posed.scene), anew.skipped(posed.scene)) << "frame " << frame;
@@ -183,11 +185,12 @@ TEST(Assembler, KeepsNothingOfAFrameWhoseRowsHaveChanged) {
 }
 
 TEST(Assembler, WritesTheWholeOfAnyProblemItIsHanded) {
-  Posed posed = posed_hands(1, 4);
+  SceneStep posed = posed_hands(1, 4);
+  const Vector z_u = unconstrained(posed);
   Assembler assembler;
   Problem first, second = only("tower(boxes=3)").problem;
-  assembler.assemble(posed.scene, posed.z_u, posed.options, first);
-  assembler.assemble(posed.scene, posed.z_u, posed.options, second);
+  assembler.assemble(posed.scene, z_u, posed.options, first);
+  assembler.assemble(posed.scene, z_u, posed.options, second);
   EXPECT_TRUE(same_bits(first, second));
 }
 

@@ -16,8 +16,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Instance assembled_hand() {
-  Posed posed = pose_hands({{"hands", 1}, {"contacts", 4}, {"limits", 5}, {"drift", 0}, {"feasible", 1}, {"seed", 1}});
-  Instance instance = to_instance(posed.scene, posed.z_u, posed.options);
+  Instance instance = to_instance(
+      pose_hands({{"hands", 1}, {"contacts", 4}, {"limits", 5}, {"drift", 0}, {"feasible", 1}, {"seed", 1}}));
   instance.problem.name = "hand";
   return instance;
 }
