@@ -283,7 +283,7 @@ def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-
 
 
 def scene_change(problem, body=None, *, pose=None, velocity=None, mass=0.0, mu=0.0):
-    """How a scene's problem changes with its bodies: a dict of dM, dz_u, dJ, dc, dmu, exact to rounding, for gradient_of(...).jvp(**change).
+    """How a scene's problem changes with its bodies: a dict of dM, dz_u, dJ, dc, dmu, right to rounding, for gradient_of(...).jvp(**change).
 
     body: its number in problem.bodies, which has the first unknown of each, -1 for those that are not free. pose (6): a twist [m; rad] in
     the world's axes, about the centre of mass, that moves it with its contacts and joints; velocity (6) [m/s; rad/s]; mass [kg], by
