@@ -148,8 +148,9 @@ inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;
 inline constexpr double cone_runs_off = 1e4;
 // Of what a pivot of a 3 x 3 block was: what rounding leaves of nothing.
 inline constexpr double cone_pivot = 1e-15;
-// The rounding of the rows' push above which no answer is claimed, where less was not asked for.
-inline constexpr double cone_push = 1e-8;
+// The rounding of the rows' push above which no answer is claimed, where less was not asked for; and from which on
+// under the convex law the gap alone is believed.
+inline constexpr double cone_push = 1e-8, cone_blind = 1e-11;
 // A pivot of the sparse LU factors below this part of its column's largest gives way to that.
 inline constexpr double coupled_pivot = 1e-3;
 // A mu above this, or below its inverse, makes the rows N / mu and T of a cone so different that each has its own

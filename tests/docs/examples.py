@@ -51,6 +51,8 @@ shorter = [
     (r"./zwang experiment fig8", "./zwang experiment fig8 --seconds 0.05 --out questions"),
     (r"./zwang experiment laws.*", "./zwang experiment --help"),
     (r"(./zwang bench --scenes .* --law pyramid,convex,coulomb)", r"\1 --solvers cone,newton --tolerances 1e-6 --out laws"),
+    (r"./zwang conformance --engines all", None),
+    (r"./zwang judge", "./zwang judge --help"), (r"./zwang judge PACK .*", "./zwang judge --help"),
     (r"./zwang conformance", "./zwang conformance || test $? = 1"),  # 1: some are off
     (r"./zwang export --atlas DIR", "./zwang export --help"),
     (r"(./zwang fuzz --friction)", r"\1 --count 100 --solvers cone"), (r"./zwang live SCENE.*", None),

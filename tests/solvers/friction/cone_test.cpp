@@ -209,6 +209,17 @@ TEST(Cone, AJamWithoutAnswerIsNotSolved) {
   EXPECT_NE(solve(jam(1, -1)).status, Status::solved);
 }
 
+// Forces of 2^k times the motion hide slacks 1e5 times as far from the answer as the residual says.
+TEST(Cone, NoConvexAnswerIsClaimedThatTheForcesHide) {
+  for (const char* scene : {"JAM(k=11)", "JAM(k=20)", "JAM(k=22)", "JAM(k=24)", "HELD(k=38)"}) {
+    Problem p = make_scenes(scene).at(0).problem;
+    p.law = Law::convex;
+    const Solution s = solve(p);
+    EXPECT_TRUE(s.status != Status::solved || measure(p, s, nullptr, 1e-10).verdict == Verdict::solved) << scene;
+    EXPECT_EQ(s.status == Status::solved, scene == std::string("JAM(k=11)")) << scene;
+  }
+}
+
 // A box on one that is 2^24 times lighter, on four corners each: no start leads to an answer, convex problems do. From
 // 2^36 on rounding is too far from z for a claim.
 TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
