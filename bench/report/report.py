@@ -14,7 +14,7 @@ import subprocess
 from aggregation import HEADLINE, LEVELS, STABILITY, accuracy_headline, accuracy_matched
 from charts import chart_rows
 from results import BAD_FILE, BLANK, RIGHT, WRONG_USE, BadFile, by_class, counted, fail, merged, read_run
-from tables import class_tables, common_tables, comparison_table
+from tables import class_tables, common_tables, comparison_table, speed_change_table
 
 MOST_ROWS = 2000  # of a table on a page
 SHOWN = 8         # solvers that charts draw until a reader chooses
@@ -209,6 +209,8 @@ class Pages:
         text["title"] = f"zwang: {a.label} against {b.label}"
         text["headline"][0] = f"Run A is {a.label}, run B is {b.label}. {text['headline'][0]}"
         text["tables"].append(comparison_table(a, b))
+        if a.is_of_speed and b.is_of_speed:
+            text["tables"].append(speed_change_table(a, b))
         write(out, self.filled("run", page_data(text, by_class(both))))
 
     def figures(self, directory, asked):

@@ -409,10 +409,12 @@ class SpeedTimes:
         return cell(("> " if self.stopped else "") + text if math.isfinite(value) else "", value)
 
 
-def by_size(run):
-    """Of each family, knob and value of it, in order: the times by solver."""
+def by_size(run, identities=None):
+    """Of each family, knob and value of it, in order: the times by solver. identities: of these problems only."""
     sizes = {}
     for r in run.results:
+        if identities is not None and r.identity not in identities:
+            continue
         size = r.family, r.knob, 0 if math.isnan(r.knob_value) else r.knob_value
         sizes.setdefault(size, {}).setdefault(r.solver, []).append(r)
     return {size: {solver: SpeedTimes(runs) for solver, runs in sorted(sizes[size].items())} for size in sorted(sizes)}
@@ -430,6 +432,25 @@ def speed_table(run):
                        rounded(t.kernels, 2), t.at_least(ratio, ratio_text(ratio)),
                        cell(("<= " if t.bound else "") + scientific(t.error) if math.isfinite(t.error) else "", t.error), t.verdict_cell(),
                        rounded(t.allocations, 0)])
+    return table.explained()
+
+
+def speed_change_table(a, b):
+    """What each figure of the speed page was in run A and is in run B, on the problems both hold."""
+    table = Table("speed-changes")
+    same = {r.identity for r in a.results} & {r.identity for r in b.results}
+    before, after = by_size(a, same), by_size(b, same)
+    for size, solvers in before.items():
+        family, name, value = size
+        for solver, was in solvers.items():
+            if (now := after[size].get(solver)) is None:
+                continue
+            ratio = over(now.kernels, was.kernels)
+            table.add(solver, family,
+                      [family, cell(f"{knob_text(value)} {name}" if name else family, value), solver,
+                       *(t.at_least(t.kernels, fixed(t.kernels, 3)) for t in (was, now)),
+                       cell(fixed(ratio, 2) + "x", ratio, "warn" if ratio > 1.1 else tone_of(False, ratio < 0.9)) if ratio == ratio else "-",
+                       was.verdict_cell(), now.verdict_cell()])
     return table.explained()
 
 

@@ -36,7 +36,7 @@ from charts import chart_rows, drawn_as
 from report import dump, edit_distance, headline, page_data, page_text, single_run_scripts, split_solvers
 from results import BadFile, Result, Run, Solver, by_class, duration, merged, read_run, scientific
 from tables import (claim_counts_table, claims_table, class_tables, comparison_table, conformance_table, knob_text, law_table, means_table,
-                    phenomenon_table, recorded_table, sequence_table, speed_exponent_table, speed_table)
+                    phenomenon_table, recorded_table, sequence_table, speed_change_table, speed_exponent_table, speed_table)
 
 INF, NAN, NONE = math.inf, math.nan, None
 
@@ -374,6 +374,16 @@ class Tables(unittest.TestCase):
         self.assertEqual(value(row["cells"][1]), 1)                          # one problem in both
         self.assertAlmostEqual(value(row["cells"][4]), 0.25, delta=1e-12)  # B needs a quarter of the time
         self.assertIn("Only in run A: gone. Only in run B: new.", table.note)
+
+    def test_each_speed_figure_of_two_runs_in_kernels(self):
+        def run(seconds, kernel, *more):
+            shown = result("p", "s", 1e-10, 1e-12, seconds, problem_sha256="same", knob="contacts", knob_value=4, kernel_s=kernel, repetitions=3)
+            return run_of(shown, *more, solvers=["s"])
+        a = run(3, 2, result("alone", "s", 1e-10, 1e-12, 9, kernel_s=2))
+        [row] = speed_change_table(a, run(2, 4)).rows  # slower machine, faster solver
+        self.assertEqual([value(row["cells"][k]) for k in (1, 3, 4)], [4, 1.5, 0.5])
+        self.assertAlmostEqual(value(row["cells"][5]), 1 / 3, delta=1e-12)
+        self.assertEqual(speed_change_table(a, run_of(result("q", "s", 1e-10, 1e-12, 1, kernel_s=1), solvers=["s"])).rows, [])
 
     def test_a_page_holds_the_first_rows_of_a_long_table_and_a_figure_all(self):
         run = run_of(*(result(f"p{k}", "s", 1e-10, 1e-2, 1, "solved", "wrong") for k in range(12)))
