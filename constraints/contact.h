@@ -52,6 +52,15 @@ struct Contact {
 };
 static_assert(Constraint<Contact> && HasJacobian<Contact> && HasSlip<Contact>);
 
+// The same over a pad that gives way along the normal: gap + s >= 0, where s is the contact's force times the softness.
+struct PadContact : Contact {
+  static constexpr auto name = "pad_contact";
+  double softness = 0;  // [m/s^2 per N]; 0: hard
+
+  Vec<double, 1> compliance() const { return Vec<double, 1>(softness); }
+};
+static_assert(Constraint<PadContact> && HasCompliance<PadContact>);
+
 // A right-handed orthonormal frame [n, t_1, t_2] over a unit normal: the x and y axes, turned by the shortest way from
 // z to n (Frisvad, J. Graphics Tools 16, 2012), or from -z where n points down. No choice is continuous on the whole
 // sphere; this one jumps on one circle only, away from floors, walls and ceilings.

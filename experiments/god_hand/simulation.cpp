@@ -202,11 +202,19 @@ void Simulation::State::step_physics() {
       if (loose(o)) object[o] = physics->pose(o);
     pushes().carry(active(), object);
   }
-  god.clear();
-  for (const Cluster& c : active()) god.insert(god.end(), c.poses().begin(), c.poses().end());
   {
     const Lap lap(frame.times.resolution);
-    frame.returned = resolution->resolve(*physics, object_before, god).returned;
+    const auto resolve = [&] {
+      god.clear();
+      for (const Cluster& c : active()) god.insert(god.end(), c.poses().begin(), c.poses().end());
+      return resolution->resolve(*physics, object_before, god).returned;
+    };
+    // An object that goes back to where it was may there be in a hand that was carried on.
+    frame.returned = resolve();
+    if (frame.returned > 0) {
+      for (Cluster& c : active()) c.put_back();
+      frame.returned += resolve();
+    }
     for (std::size_t o = 0; o < object.size(); ++o) {
       if (!loose(o)) continue;
       object[o] = physics->pose(o);
@@ -293,7 +301,7 @@ void Simulation::State::each_number(bool reading, const Visit& visit) {
     each(m.target_velocity, visit), each(m.wrench, visit), each(m.part, visit);
     for (Grasp& g : c->grasps()) {
       Grasp::Hold h = g.hold();
-      each(h.motion, visit), each(h.objects, visit);
+      each(h.motion, visit), each(h.objects, visit), each(h.lead, visit);
       if (reading) g.take(h);
     }
   }

@@ -122,6 +122,8 @@ god::Record record_of(const CLI::App& app, const Choices& choices, const std::st
   asked.options.dt = 1 / choices.rate;
   const SolverEntry* solver = find_solver(asked.options.solver);
   if (app.get_option("--mu")->count() == 0 && solver && solver->laws.empty()) asked.options.mu = 0;
+  if (asked.options.pads > 0 && !(asked.options.mu > 0))
+    throw std::invalid_argument("--pads: what is held is held by friction; --mu should be above 0");
   if (choices.seconds > 0) {
     const long most = std::max(1l, std::lround(choices.seconds * choices.rate));
     asked.frames = asked.frames > 0 ? std::min(asked.frames, most) : most;

@@ -13,6 +13,7 @@
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/measure/columns.h>
+#include <zwang/experiments/god_hand/measure/disturbance.h>
 #include <zwang/experiments/god_hand/tools/play.h>
 #include <zwang/experiments/program/choices.h>
 #include <zwang/experiments/program/commands.h>
@@ -46,16 +47,18 @@ double farthest(const god::Frame& a, const god::Frame& b) {
 }  // namespace
 
 // The frames of a motion from the first step on. `-- OPTIONS`: each is also made under these, from the same state.
+// `withstands`: so many seconds apart, also the largest disturbance that what is held hardest would withstand [N].
 // Ends `contact` seconds after the first frame with contacts; the problems of the frames `times` are kept as KEEP/K.h5.
 int frames_part(const std::vector<std::string>& words) {
   std::string what, keep;
-  double contact = std::numeric_limits<double>::infinity(), seconds = 0;
+  double contact = std::numeric_limits<double>::infinity(), seconds = 0, withstands = 0;
   std::vector<long> times;
   const auto record_of_words = [&](std::vector<std::string> of) {
     CLI::App app;
     Choices choices;
     app.add_option("--what", what);
     app.add_option("--contact", contact);
+    app.add_option("--withstands", withstands);
     app.add_option("--keep", keep);
     app.add_option("--time", times)->delimiter(',');
     add_choices(app, "experiment", "", choices);
@@ -80,6 +83,10 @@ int frames_part(const std::vector<std::string>& words) {
     if (other) other->simulation().restore(play.simulation().checkpoint());
     const god::Frame& frame = play.step(k);
     json line = to_json(frame);
+    if (withstands > 0 && frame.grip > 0 && k % std::lround(withstands / options.dt) == 0) {
+      const god::Held held = god::held_hardest(frame, setup.surroundings);
+      line["withstands"] = god::largest_disturbance(held.contacts, held.weight, options.mu);
+    }
     if (other) line["apart"] = farthest(frame, other->step(k));
     std::printf("%s\n", line.dump().c_str());
     if (std::ranges::count(times, k) > 0)

@@ -546,6 +546,52 @@ def laws_of_friction(asked):
     return found
 
 
+# ---- Soft pads -------------------------------------------------------------------------------------------------------------------
+
+PADS = (0, 100_000, 10_000, 2_000)  # N/m, of each contact; 0: hard
+HOLDERS = (("coulomb", "cone"), ("convex", "cone"), ("coulomb", "alart_curnier"))  # others take minutes for a lift
+LIFTED = 0.15  # m: of the 0.2 m of the motion
+LIMITED = 6   # of the origins of a frame
+RESTS, GRASPED = 4.2, 3  # s into the motion: the targets stand still until 5 s; the box is up
+
+
+def soft_pads(asked):
+    charts = [Chart(f"pads-{key}", "A box lifted on soft finger pads", "stiffness of a contact's pad (N/m)", label, "points", "x", figure="pads")
+              for key, label in (("grip", "force of the grip (N)"), ("creep", "creep (um/s)"), ("withstands", "largest disturbance held (N)"))]
+    found = Findings("pads", "law, solver", "lifted", "grip", "creep, median and largest", "withstands", "slips below mu", "frames limited",
+                     "solve, median", charts=charts)
+    for law, solver in HOLDERS:
+        for stiffness in PADS:
+            name = f"{law}, {solver}"
+            pads = f"{number(stiffness)} N/m" if stiffness else "hard"
+
+            def lift(mu, length, *more):
+                return asked.play("box", "lift", f"--rate 500 --mu {mu:g} --law {law} --solver {solver} --pads {stiffness}", f"{pads}, {name}",
+                                  after=(*(() if asked.options.seconds else ("--seconds", f"{length:g}")), *more))
+
+            def height(frames):
+                return frames[-1]["loose"][0][2] - frames[0]["loose"][0][2]
+            frames = lift(0.8, 5, "--withstands", "0.1")
+            rests = [frame for frame in frames if frame["t"] >= RESTS]
+            creep = [1e6 * frame["creep"] for frame in rests if frame["creep"] > 0] or [0.0]
+            firm = [frame["withstands"] for frame in rests if "withstands" in frame] or [0.0]
+            slips, holds = 0, 80  # hundredths
+            while height(frames) > LIFTED and holds - slips > 1:
+                middle = (slips + holds) // 2
+                if height(lift(middle / 100, GRASPED)) > LIFTED:
+                    holds = middle
+                else:
+                    slips = middle
+            grip = median(frame["grip"] for frame in rests)
+            found.rows.append([pads, name, mm(height(frames)), number(grip) + " N", f"{number(median(creep))}, {number(max(creep))} um/s",
+                               number(median(firm)) + " N", number(holds / 100) if height(frames) > LIFTED else "",
+                               number(sum(frame["origin"] == LIMITED for frame in frames)), us(median(frame["stages"][SOLVE] for frame in frames))])
+            if stiffness:
+                for chart, value in zip(charts, (grip, median(creep), median(firm))):
+                    chart.add(name, stiffness, value)
+    return found
+
+
 # ---- All of them, in the order of the paper: the question; where the paper answers it, and how -------------------------------------
 
 QUESTIONS = {
@@ -564,6 +610,7 @@ QUESTIONS = {
     "friction": ("Does a hand stick to a frictionless plane?", "Section 7: no artificial friction", artificial_friction),
     "rates": ("Does the same push move a box equally at every rate?", "Section 6.2: forces are handed over", rate_of_a_push),
     "laws": ("What does a simpler law of friction cost?", "Section 7: friction is left out", laws_of_friction),
+    "pads": ("What do soft finger pads do to a grip?", "Section 6.2: bodies are rigid", soft_pads),
     "recordings": ("Do recorded hands stay out of the objects, whole and unstuck?", "Section 7: always non-penetrating", recordings),
 }
 

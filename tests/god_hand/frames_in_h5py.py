@@ -38,7 +38,7 @@ with tempfile.TemporaryDirectory() as folder:
         assert file["origin"].attrs["meaning"].endswith("5 held, 6 limited")
 
     # kill -9 in mid-run: the checkpoint's frames are there, and the resumed run has the numbers of one in one piece.
-    options = ["box", "--motion", "slide", "--frames", "2300", "--verify", "0"]
+    options = ["box", "--motion", "lift", "--pads", "5000", "--frames", "2300", "--verify", "0"]
     whole = simulate(*options, "--out", "whole")
     whole.communicate(timeout=300)
     assert whole.returncode == 0
@@ -63,15 +63,15 @@ with tempfile.TemporaryDirectory() as folder:
             assert name == "times" or np.array_equal(one[name][:], other[name][:], equal_nan=True), name
 
     # Solves of one iteration: frames that press are limited, and counted so.
-    limited = simulate(*options, "--iterations", "1", "--out", "limited")
+    limited = simulate("box", "--motion", "slide", "--frames", "2300", "--verify", "0", "--iterations", "1", "--out", "limited")
     out, error = limited.communicate(timeout=300)
     with h5py.File("limited/frames.h5") as file, open("limited/summary.json") as summary:
         count = int((file["origin"][:] == 6).sum())
         assert limited.returncode == 0 and count > 0, error
         assert file["gap"][:].min() >= 0 and file["joint"][:].max() <= 1e-9
         assert f"{count:,} limited" in out and json.load(summary)["origins"]["limited"] == count
-    for word in ["-1", "abc"]:
-        wrong = simulate("box", "--budget", word)
+    for words in [["--budget", "-1"], ["--budget", "abc"], ["--mu", "0", "--pads", "1000"]]:
+        wrong = simulate("box", *words)
         out, error = wrong.communicate(timeout=60)
-        assert wrong.returncode == 2 and out == "" and error.count("\n") == 1 and "--budget" in error, (out, error)
+        assert wrong.returncode == 2 and out == "" and error.count("\n") == 1 and words[-2] in error, (out, error)
     os.chdir("/")

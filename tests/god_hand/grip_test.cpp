@@ -20,10 +20,12 @@ constexpr double squeeze = k_f * pad_mass * (inside + 2e-4);  // N: rows keep 0.
 
 struct Pinched {
   double grip = 0, fallen = 0, creep = 0, error = 0;
+  long contacts = 0;  // that press, of one pad
+  int returned = 0;
 };
 
 // A box of 60 mm and 0.2 kg in the air between two pads, each on its spring; for so many seconds.
-Pinched pinch(double mu, double rate, bool apart, double seconds) {
+Pinched pinch(double mu, double rate, bool apart, double seconds, double stiffness = 0) {
   Surroundings air{.name = "air"};
   air.objects.push_back(loose_box(Vec3::Zero()));
   std::vector<GodObjects> clusters(apart ? 2 : 1);
@@ -36,14 +38,16 @@ Pinched pinch(double mu, double rate, bool apart, double seconds) {
   }
   Options o = rough(mu, rate);
   o.force_stiffness = k_f;
+  o.pads = stiffness;
   Simulation s(air, std::move(clusters), o);
   Pinched out;
   for (int k = 0; k < seconds * rate; ++k) {
     const Frame& f = s.step(target);
     EXPECT_GT(f.gap, 0) << k;
-    EXPECT_EQ(f.returned, 0) << k;
+    out.returned += f.returned;
     out.grip = f.grip, out.fallen = -f.loose[0].position.z(), out.creep = f.creep;
     out.error = std::max(out.error, f.impulse_error);
+    out.contacts = std::ranges::count_if(f.contacts, [](const FrameContact& c) { return c.push > 0; }) / 2;
   }
   return out;
 }
@@ -57,6 +61,7 @@ TEST(Grip, HoldsABoxWithTheForceOfTheSpringsAtAnyRate) {
       EXPECT_NEAR(p.fallen, weight / (2 * k_f * pad_mass), 1e-2 * p.fallen) << rate;  // the springs give
       EXPECT_LE(p.creep, 1e-7) << rate;                                               // m/s
       EXPECT_LE(p.error, 1e-12) << rate;
+      EXPECT_EQ(p.returned, 0) << rate;
     }
 }
 
@@ -68,6 +73,24 @@ TEST(Grip, SlipsBelowTheLeastFrictionThatHolds) {
   EXPECT_LT(holds.fallen, 1.2 * sag);
   EXPECT_LE(holds.creep, 1e-6);  // m/s
   EXPECT_GT(slips.fallen, 10 * sag);
+  EXPECT_EQ(holds.returned + slips.returned, 0);
+}
+
+// Pads that give way are springs in series with those of the god objects: force, and least friction that holds.
+TEST(Grip, SoftPadsPressAsSpringsInSeries) {
+  for (const double stiffness : {1e6, 1e4, 1e3})
+    for (const double rate : {250.0, 1000.0}) {
+      const Pinched p = pinch(0.8, rate, false, 1, stiffness);
+      ASSERT_EQ(p.contacts, 4);
+      const double press = (inside + 2e-4) / (1 / (k_f * pad_mass) + 1 / (4 * stiffness));
+      EXPECT_NEAR(p.grip, press, 1e-4 * press) << stiffness << " " << rate;
+      EXPECT_LE(p.creep, 1e-9) << stiffness << " " << rate;  // m/s
+      EXPECT_LE(p.error, 1e-12) << stiffness << " " << rate;
+      EXPECT_EQ(p.returned, 0) << stiffness << " " << rate;
+      const double least = weight / (2 * press);
+      EXPECT_LE(pinch(1.1 * least, rate, false, 1, stiffness).creep, 1e-6) << stiffness << " " << rate;
+      EXPECT_GT(pinch(0.95 * least, rate, false, 1, stiffness).fallen, 10 * p.fallen) << stiffness << " " << rate;
+    }
 }
 
 // The pads' targets go apart: nothing presses any more from the next frame on, at any rate. While they hold, and where

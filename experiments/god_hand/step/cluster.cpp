@@ -34,6 +34,7 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
   target_.resize(objects_.scene.bodies.size());
   step_.resize(size());
   swept_step_.resize(size());
+  lead_.assign(size(), Vec<double, 6>::Zero());
   place(pose_);
 }
 
@@ -73,6 +74,8 @@ void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
 
 void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
                     std::span<const Pose<double>> now) {
+  before_carried_ = pose_;
+  before_followed_ = followed_;
   for (std::size_t b = 0; b < size(); ++b) end_[b] = retract(pose_[b], motion[b]);
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
   const bool clear = way_is_clear_with(contacts_, pose_, end_, held, std::span(objects_.scene.bodies).subspan(size()),
@@ -82,6 +85,15 @@ void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std:
     contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
   for (const std::size_t o : held) followed_[o] = clear ? now[o] : followed_[o];
+}
+
+void Cluster::put_back() {
+  if (before_carried_.empty()) return;
+  for (std::size_t b = 0; b < size(); ++b) {
+    objects_.scene.bodies[b].pose = pose_[b] = before_carried_[b];
+    contacts_.place(static_cast<BodyId>(b), pose_[b]);
+  }
+  followed_ = before_followed_;
 }
 
 void Cluster::aim(std::span<const Pose<double>> targets) {
@@ -237,7 +249,7 @@ double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const 
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& body = objects_.scene.bodies[b];
-    const Vec<double, 6> left = twist_between(poses[b], target_[b]) - less[b];
+    const Vec<double, 6> left = twist_between(poses[b], target_[b]) - lead_[b] - less[b];
     const Vec3 turn = poses[b].rotation.transpose() * left.tail<3>();
     sum += (body.mass * left.head<3>().squaredNorm() + turn.dot(body.inertia * turn)) / 2;
   }
@@ -312,6 +324,8 @@ double Cluster::propose(Frame& frame) {
   {
     const Lap lap(frame.times.other);
     couple_to_targets(objects_.scene, target_, reaching_stiffness(options_.dt), z_u_);
+    for (std::size_t b = 0; b < size(); ++b)
+      z_u_.segment<6>(6 * static_cast<Index>(b)) -= reaching_stiffness(options_.dt) * lead_[b];
   }
   // Two bodies may each go so far toward the other: the sweep then asks for nothing new.
   find_rows(met() ? options_.gap : std::max(options_.activation, 2.3 * largest_step_), frame);

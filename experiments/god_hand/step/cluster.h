@@ -59,10 +59,18 @@ class Cluster {
   // Would the way straight to the targets be clear?
   bool way_is_clear();
 
+  // A frame's first word: by how much bones lead over the outsides of their pads (Grasp), and so would be nearer to
+  // the targets than the god objects are [m, rad; by god object].
+  void set_lead(std::span<const Vec<double, 6>> lead) {
+    std::copy(lead.begin(), lead.end(), lead_.begin());
+    before_carried_.clear();
+  }
   // Along with what it holds: one step of all of them [m, rad; by god object], while the engine has moved the objects
   // from where they are for the cluster to `now` (by object). Nothing where that way is not clear.
   void carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
              std::span<const Pose<double>> now);
+  // To where it was before it was carried, where it was in this frame.
+  void put_back();
 
   // A frame: where the god objects are tracked.
   void aim(std::span<const Pose<double>> targets);
@@ -123,12 +131,14 @@ class Cluster {
   std::vector<Index> row_at_;               // of each contact: its row in the problem
   std::vector<Vec<double, 6>> step_;        // m, rad: to the candidate
   std::vector<Vec<double, 6>> swept_step_;  // m, rad: to the present end, by god object
-  std::vector<Vec<double, 6>> last_step_;   // m, rad: that was gone last
-  std::vector<Pose<double>> met_at_;        // at the last time of contact, where rows are of what was met; else none
-  double largest_step_ = 0;                 // m, the most that a pressing cluster moves in a sub-step
-  double minimum_step_ = 0;                 // m, that it always may
-  double step_scale_ = 1;                   // part of it that it may after it turned back or was held
-  double share_ = 1;                        // of what the solve says: step_
+  std::vector<Pose<double>> before_carried_, before_followed_;  // empty: it was not, in this frame
+  std::vector<Vec<double, 6>> lead_;                            // m, rad
+  std::vector<Vec<double, 6>> last_step_;                       // m, rad: that was gone last
+  std::vector<Pose<double>> met_at_;  // at the last time of contact, where rows are of what was met; else none
+  double largest_step_ = 0;           // m, the most that a pressing cluster moves in a sub-step
+  double minimum_step_ = 0;           // m, that it always may
+  double step_scale_ = 1;             // part of it that it may after it turned back or was held
+  double share_ = 1;                  // of what the solve says: step_
   Way way_ = Way::none;
   Next next_ = Next::straight;
   Origin origin_ = Origin::free;          // of the sub-step

@@ -66,8 +66,10 @@ void Coupling::observe(std::size_t object, const Vec<double, 6>& before, const V
 }
 
 void Coupling::carry(std::span<Cluster> clusters, std::span<const Pose<double>> now) const {
-  for (std::size_t c = 0; c < grasps_.size(); ++c)
+  for (std::size_t c = 0; c < grasps_.size(); ++c) {
+    clusters[c].set_lead(grasps_[c].lead());
     if (!grasps_[c].held().empty()) clusters[c].carry(grasps_[c].motion(), grasps_[c].held(), now);
+  }
 }
 
 void Coupling::forget() {
@@ -129,8 +131,10 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
 // What grasp.h says, where it has an answer; else what the step of the god objects itself says.
 void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics, Frame& frame) {
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    grasps_[c].let_go();
-    if (std::none_of(pushes_.begin(), pushes_.end(), [&](const Push& p) { return p.cluster == c; })) continue;
+    if (std::none_of(pushes_.begin(), pushes_.end(), [&](const Push& p) { return p.cluster == c; })) {
+      grasps_[c].let_go();
+      continue;
+    }
     others_ = other_;
     for (std::size_t k = 0; k < clusters.size(); ++k)
       for (std::size_t o = 0; o < others_.size() && k != c; ++o) others_[o] += memory_.part[k][o];

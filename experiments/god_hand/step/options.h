@@ -29,6 +29,7 @@ struct Options {
   bool reduce_contacts = true, lazy_contacts = true;
   bool maximal = false;                  // no reduction of the equality rows, no islands, where the solver can
   double force_stiffness = -1;           // k_f [1/s^2]; below 0: chosen by mu
+  double pads = 0;                       // N/m, of each contact with what is held; 0: hard
   double force_cap = 60;                 // N, a hand's push on one object
   double gap = 2e-4, activation = 2e-3;  // m: what contact rows keep; from where they are written
   double fastest = 8;                    // m/s: targets that go faster are no hand's, tracking has jumped
@@ -118,6 +119,9 @@ void each_option(SomeOptions& o, const Visit& visit) {
       OptionText{"force_stiffness", "k-f",
                  "stiffness of the coupling to the engine; default: 10,000, without friction 1,000", from(0, "1/s^2")},
       o.force_stiffness);
+  visit(OptionText{"pads", "pads", "stiffness of a soft finger pad, of each contact's normal row; 0: hard; default: 0",
+                   from(0, "N/m")},
+        o.pads);
   visit(OptionText{"force_cap", "cap", "largest push on one object; default: 60", from(0, "N")}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep; default: 2e-4", between(0, 0.01, "m")}, o.gap);
   visit(OptionText{"activation", "activation", "distance from which contacts are rows; default: 2e-3",
