@@ -420,15 +420,26 @@ def by_size(run, identities=None):
     return {size: {solver: SpeedTimes(runs) for solver, runs in sorted(sizes[size].items())} for size in sorted(sizes)}
 
 
+def size_cell(size):
+    family, name, value = size
+    return cell(f"{knob_text(value)} {name}" if name else family, value)
+
+
+def change_cell(ratio):
+    """Of times, B over A."""
+    return cell(f"{fixed(ratio, 2)}x", ratio, "warn" if ratio > 1.1 else tone_of(False, ratio < 0.9)) if math.isfinite(ratio) else "-"
+
+
 def speed_table(run):
     """Time, kernels, ratios, error and verdict per size and solver."""
     table = Table("speed")
-    for (family, name, value), solvers in by_size(run).items():
+    for size, solvers in by_size(run).items():
+        family = size[0]
         reference = next((solvers[ours].time for ours in OURS if ours in solvers and solvers[ours].time == solvers[ours].time), NAN)
         for solver, t in sorted(solvers.items(), key=lambda item: (1e300 if math.isnan(item[1].time) else item[1].time, item[0])):
             ratio = over(t.time, reference)
             table.add(solver, family,
-                      [family, cell(f"{knob_text(value)} {name}" if name else family, value), solver, t.at_least(t.time, duration(t.time)),
+                      [family, size_cell(size), solver, t.at_least(t.time, duration(t.time)),
                        rounded(t.kernels, 2), t.at_least(ratio, ratio_text(ratio)),
                        cell(("<= " if t.bound else "") + scientific(t.error) if math.isfinite(t.error) else "", t.error), t.verdict_cell(),
                        rounded(t.allocations, 0)])
@@ -441,16 +452,11 @@ def speed_change_table(a, b):
     same = {r.identity for r in a.results} & {r.identity for r in b.results}
     before, after = by_size(a, same), by_size(b, same)
     for size, solvers in before.items():
-        family, name, value = size
         for solver, was in solvers.items():
-            if (now := after[size].get(solver)) is None:
-                continue
-            ratio = over(now.kernels, was.kernels)
-            table.add(solver, family,
-                      [family, cell(f"{knob_text(value)} {name}" if name else family, value), solver,
-                       *(t.at_least(t.kernels, fixed(t.kernels, 3)) for t in (was, now)),
-                       cell(fixed(ratio, 2) + "x", ratio, "warn" if ratio > 1.1 else tone_of(False, ratio < 0.9)) if ratio == ratio else "-",
-                       was.verdict_cell(), now.verdict_cell()])
+            if now := after.get(size, {}).get(solver):
+                table.add("", "",
+                          [size[0], size_cell(size), solver, *(t.at_least(t.kernels, fixed(t.kernels, 3)) for t in (was, now)),
+                           change_cell(over(now.kernels, was.kernels)), was.verdict_cell(), now.verdict_cell()])
     return table.explained()
 
 
@@ -548,9 +554,8 @@ def comparison_table(a, b):
         reached_a, reached_b = (sum(math.isfinite(pair[k]) for pair in times) for k in (0, 1))
         lies_a, lies_b = (sum(r.lies for pair in both for r in pair[k]) for k in (0, 1))
         ratios = [over(tb, ta) for ta, tb in times if math.isfinite(ta) and math.isfinite(tb)]
-        ratio = geometric_mean(ratios)
         table.add("", "", [solver, whole(len(both)), whole(reached_a), whole(reached_b, tone_of(reached_b < reached_a, reached_b > reached_a)),
-                           cell(f"{fixed(ratio, 2)}x", ratio, "warn" if ratio > 1.1 else tone_of(False, ratio < 0.9)) if ratios else "-",
+                           change_cell(geometric_mean(ratios)),
                            whole(lies_a), whole(lies_b, tone_of(lies_b > lies_a, lies_b < lies_a))])
     table.explained()
     for run, other, mark in ((a, b, "A"), (b, a, "B")):

@@ -6,6 +6,8 @@ import importlib.util
 import json
 import math
 import os
+import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -374,6 +376,12 @@ class Tables(unittest.TestCase):
         self.assertEqual(value(row["cells"][1]), 1)                          # one problem in both
         self.assertAlmostEqual(value(row["cells"][4]), 0.25, delta=1e-12)  # B needs a quarter of the time
         self.assertIn("Only in run A: gone. Only in run B: new.", table.note)
+
+    def test_each_table_has_its_place_on_a_page(self):
+        pages = pathlib.Path(source, "bench/report/page").glob("*.html")
+        places = {name for page in pages for name in re.findall(r'data-table="([\w-]+)"', page.read_text())}
+        named = set(json.loads(pathlib.Path(source, "bench/report/tables/tables.json").read_text()))
+        self.assertEqual(named - places, set())
 
     def test_each_speed_figure_of_two_runs_in_kernels(self):
         def run(seconds, kernel, *more):
