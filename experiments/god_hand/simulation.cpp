@@ -211,10 +211,10 @@ void Simulation::State::step_physics() {
     };
     // An object that goes back to where it was may there be in a hand that was carried on.
     frame.returned = resolve();
-    if (frame.returned > 0) {
-      for (Cluster& c : active()) c.put_back();
-      frame.returned += resolve();
-    }
+    bool back = false;
+    if (frame.returned > 0)
+      for (Cluster& c : active()) back = c.put_back() || back;
+    if (back) frame.returned += resolve();
     for (std::size_t o = 0; o < object.size(); ++o) {
       if (!loose(o)) continue;
       object[o] = physics->pose(o);

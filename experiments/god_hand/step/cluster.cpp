@@ -55,10 +55,7 @@ Cluster::Memory Cluster::memory() const {
 void Cluster::restore(const Memory& memory) {
   end_ = pose_ = memory.pose;
   std::copy(memory.target.begin(), memory.target.end(), target_.begin());
-  for (std::size_t b = 0; b < size(); ++b) {
-    objects_.scene.bodies[b].pose = pose_[b];
-    contacts_.place(static_cast<BodyId>(b), pose_[b]);
-  }
+  stand_at(pose_);
   last_step_ = memory.last_step;
   followed_ = memory.followed;
   next_ = memory.next;
@@ -74,26 +71,30 @@ void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
 
 void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
                     std::span<const Pose<double>> now) {
-  before_carried_ = pose_;
-  before_followed_ = followed_;
   for (std::size_t b = 0; b < size(); ++b) end_[b] = retract(pose_[b], motion[b]);
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
   const bool clear = way_is_clear_with(contacts_, pose_, end_, held, std::span(objects_.scene.bodies).subspan(size()),
                                        now, swept_step_, along_);
-  for (std::size_t b = 0; b < size(); ++b) {
-    if (clear) objects_.scene.bodies[b].pose = pose_[b] = end_[b];
-    contacts_.place(static_cast<BodyId>(b), pose_[b]);
+  if (clear) {
+    before_carried_ = pose_;
+    before_followed_ = followed_;
   }
+  stand_at(clear ? end_ : pose_);
   for (const std::size_t o : held) followed_[o] = clear ? now[o] : followed_[o];
 }
 
-void Cluster::put_back() {
-  if (before_carried_.empty()) return;
+bool Cluster::put_back() {
+  if (before_carried_.empty()) return false;
+  stand_at(before_carried_);
+  followed_ = before_followed_;
+  return true;
+}
+
+void Cluster::stand_at(std::span<const Pose<double>> poses) {
   for (std::size_t b = 0; b < size(); ++b) {
-    objects_.scene.bodies[b].pose = pose_[b] = before_carried_[b];
+    objects_.scene.bodies[b].pose = pose_[b] = poses[b];
     contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
-  followed_ = before_followed_;
 }
 
 void Cluster::aim(std::span<const Pose<double>> targets) {
@@ -424,12 +425,9 @@ void Cluster::commit(double toc, Frame& frame) {
   follow(followed_, objects_.scene.bodies, straight ? 1 : part * share_);
   frame.came_from(origin_);
   const Lap lap(frame.times.sweep);
-  for (std::size_t b = 0; b < size(); ++b) {
-    last_step_[b] = swept_step_[b];
-    objects_.scene.bodies[b].pose = pose_[b] = end_[b];
-    if (met() && !printed()) met_at_[b] = end_[b];
-    contacts_.place(static_cast<BodyId>(b), pose_[b]);
-  }
+  std::ranges::copy(swept_step_, last_step_.begin());
+  if (met() && !printed()) std::copy_n(end_.begin(), size(), met_at_.begin());
+  stand_at(end_);
 }
 
 }  // namespace zwang::god

@@ -69,8 +69,8 @@ class Cluster {
   // from where they are for the cluster to `now` (by object). Nothing where that way is not clear.
   void carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
              std::span<const Pose<double>> now);
-  // To where it was before it was carried, where it was in this frame.
-  void put_back();
+  // To where it was before it was carried. False where it was not, in this frame.
+  bool put_back();
 
   // A frame: where the god objects are tracked.
   void aim(std::span<const Pose<double>> targets);
@@ -96,6 +96,7 @@ class Cluster {
   // of that, with more to go; the linear step.
   enum class Way { none, straight, leg, linear };
 
+  void stand_at(std::span<const Pose<double>> poses);
   bool printed() const { return options_.commit == Options::Commit::printed; }
   bool met() const { return options_.rows == Options::Rows::met; }
   bool may_go_straight(bool pressing) const;
@@ -131,7 +132,7 @@ class Cluster {
   std::vector<Index> row_at_;               // of each contact: its row in the problem
   std::vector<Vec<double, 6>> step_;        // m, rad: to the candidate
   std::vector<Vec<double, 6>> swept_step_;  // m, rad: to the present end, by god object
-  std::vector<Pose<double>> before_carried_, before_followed_;  // empty: it was not, in this frame
+  std::vector<Pose<double>> before_carried_, before_followed_;  // empty: not carried, in this frame
   std::vector<Vec<double, 6>> lead_;                            // m, rad
   std::vector<Vec<double, 6>> last_step_;                       // m, rad: that was gone last
   std::vector<Pose<double>> met_at_;  // at the last time of contact, where rows are of what was met; else none

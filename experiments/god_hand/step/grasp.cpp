@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <zwang/core/problem/deadline.h>
 #include <zwang/core/problem/law.h>
 
 namespace zwang::god {
@@ -77,6 +78,7 @@ void Grasp::free_objects(const Cluster& cluster, const Physics& physics, std::sp
 
 bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target_velocity, const Physics& physics,
                   std::span<const Vec<double, 6>> others, double seconds) {
+  const Deadline deadline(seconds);
   const double dt = options_.dt, damper = coupling_time / dt;
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) scene_.bodies[b].pose = cluster.objects().scene.bodies[b].pose;
   write_contacts(cluster);
@@ -96,6 +98,7 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
   assembler.assemble(scene_, z_u_, {.dt = dt}, problem);
   if (options_.law == Options::Friction::convex) problem.law = without_lift(problem.law);
   solver.begin();
+  outside_.solver.begin();
   if (!solver.solve(problem, seconds, solution)) return false;
   first_rows(problem, cluster.rows().size(), row_at_);
   for (std::size_t b = 0; b < cluster.size(); ++b)
@@ -107,12 +110,13 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
     const auto object = static_cast<std::size_t>(o);
     if (std::find(held_.begin(), held_.end(), object) == held_.end()) held_.push_back(object);
   }
-  if (options_.pads > 0) stay_outside(cluster, seconds);
+  if (options_.pads > 0) stay_outside(cluster, deadline.left());
   return true;
 }
 
 // Across its normals the outside of a pad goes where its bone goes. Without that, or with the mu of the grip, which the
-// weak forces here would exhaust, the outsides slide off what the bones hold.
+// weak forces here would exhaust, the outsides slide off what the bones hold. Coulomb's law often has no answer within
+// the limit here, and the frame is limited; the convex one always had, but lifts the pads where they do slide.
 void Grasp::stay_outside(const Cluster& cluster, double seconds) {
   Index column = gods_;
   for (std::size_t b = cluster.size(); b < scene_.bodies.size(); ++b) {
@@ -138,7 +142,6 @@ void Grasp::stay_outside(const Cluster& cluster, double seconds) {
   z_u_ = grip_.solution.z.head(gods_);
   auto& [assembler, solver, problem, solution] = outside_;
   assembler.assemble(scene_, z_u_, {.dt = options_.dt}, problem);
-  solver.begin();
   if (!solver.solve(problem, seconds, solution)) return;
   for (std::size_t b = 0; b < cluster.size(); ++b) {
     const Vec<double, 6> bones = motion_[b];

@@ -41,7 +41,7 @@ class Grasp {
   // False where there is no answer.
   bool solve(const Cluster& cluster, std::span<const Vec<double, 6>> target_velocity, const Physics& physics,
              std::span<const Vec<double, 6>> others, double seconds);
-  bool limited() const { return grip_.solver.limited(); }
+  bool limited() const { return grip_.solver.limited() || outside_.solver.limited(); }
   // What the last solve says of the next step: the motion of the god objects [m, rad], and the objects they press on.
   // Empty where there was no answer.
   std::span<const Vec<double, 6>> motion() const { return motion_; }
