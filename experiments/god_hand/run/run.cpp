@@ -96,7 +96,8 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
   for (const ShownGod& god : gods) shapes.push_back(god.shapes);
   const std::vector<MetPart> parts = met_parts(setup.surroundings);
   std::vector<Obstacle> obstacles;
-  for (const MetPart& part : parts) obstacles.push_back(part.body);
+  if (record.asked.audit)  // FCL's tree of a million triangles takes seconds
+    for (const MetPart& part : parts) obstacles.push_back(part.body);
   Audit audit(shapes, obstacles);
   long first = -1;
   std::vector<Pose<double>> poses;
