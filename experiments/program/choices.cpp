@@ -122,6 +122,7 @@ god::Record record_of(const CLI::App& app, const Choices& choices, const std::st
   asked.options.dt = 1 / choices.rate;
   const SolverEntry* solver = find_solver(asked.options.solver);
   if (app.get_option("--mu")->count() == 0 && solver && solver->laws.empty()) asked.options.mu = 0;
+  SolveOptions().read_accuracy(asked.options.accuracy);
   if (asked.options.pads > 0 && !(asked.options.mu > 0))
     throw std::invalid_argument("--pads: what is held is held by friction; --mu should be above 0");
   if (choices.seconds > 0) {

@@ -214,7 +214,8 @@ double Promise::settle() {
     s_ -= h_;
     last = length;
     length = std::sqrt(std::max(0.0, force_.dot(dv_)));
-    if (!(length > eps * program_->scale(v_)) || length > last / 2) break;
+    if (!(length > rounding * program_->scale(v_))) return 2 * length;
+    if (length > last / 2) break;
   }
   return length < last ? length * length / (last - length) + length : infinity;
 }

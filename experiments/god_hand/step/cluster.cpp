@@ -155,8 +155,11 @@ bool Cluster::solve(Frame& frame) {
       const Lap lap(frame.times.solve);
       solved_ = solver_.solve(problem_, left_of(options_, frame.times.solve), solution_);
     }
-    if (frame.verified)
-      frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, options_.tolerance).verdict);
+    if (frame.verified) {
+      const double promised = std::isfinite(solution_.error_bound) ? solution_.error_bound / 10 : 0;
+      const double asked = std::max(options_.tolerance, promised);
+      frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, asked).verdict);
+    }
     if (solved_) break;
   }
   frame.claimed = worse(frame.claimed, solver_.claimed());

@@ -71,7 +71,11 @@ Law simpler(Law law) { return lifts(law) ? without_lift(law) : no_friction; }
 }  // namespace
 
 FrameSolver::FrameSolver(const Options& options)
-    : options_(options), solver_(solver_of(options)), plain_(plain_solver_of(options)), convex_(Cone()) {}
+    : options_(options), solver_(solver_of(options)), plain_(plain_solver_of(options)), convex_(Cone()) {
+  asked_.tolerance = options.tolerance;
+  asked_.read_accuracy(options.accuracy);
+  asked_.speed_accuracy /= options.dt;  // z is an acceleration
+}
 
 void FrameSolver::forget() { *this = FrameSolver(options_); }
 
@@ -84,7 +88,9 @@ bool FrameSolver::solve(Problem& problem, double seconds, Solution& solution) {
   if (law_) problem = under(*law_, problem);
   claimed_ = Status::unsolved;
   for (solution.status = Status::time_limit; !deadline.passed(); solution.status = Status::time_limit) {
-    SolveOptions asked{.tolerance = options_.tolerance, .time_limit = deadline.left() / 2, .warm_start = &warm_};
+    SolveOptions asked = asked_;
+    asked.time_limit = deadline.left() / 2;
+    asked.warm_start = &warm_;
     AnySolver& method = method_for(problem);
     if (problem.has_tangents() && method.name() == Cone::name) asked.max_iterations = options_.iterations;
     method.solve(problem, asked, solution);

@@ -33,6 +33,7 @@ class FrameSolver {
   bool is_answer(const Problem& problem, const Solution& solution) const;
 
   Options options_;
+  SolveOptions asked_;
   AnySolver solver_, plain_, convex_;  // plain: of what has no tangent rows; convex: of the law without lift
   WarmStart warm_;
   std::optional<Law> law_;  // of a frame that is limited

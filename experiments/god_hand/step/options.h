@@ -14,6 +14,7 @@ struct Options {
   double dt = 1e-3;                                                 // s, a simulated step
   std::string solver = {};                                          // with settings: "nnls:reduce=on"; "": chosen by mu
   double tolerance = 1e-10;                                         // that it is asked for, and checked to
+  std::string accuracy = {};                                        // that will do, "1e-4m/s" or "1e-4"; "": none
   double mu = 0.8;                                                  // of god objects on objects; 0: no friction
   enum class Friction { coulomb, convex } law = Friction::coulomb;  // how friction is read (core/problem/types.h)
   enum class Limits { predictive, violated } limits = Limits::predictive;  // violated: the paper's rows
@@ -84,6 +85,10 @@ void each_option(SomeOptions& o, const Visit& visit) {
         o.solver);
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", from_to(1e-16, 1)},
         o.tolerance);
+  visit(OptionText{"accuracy", "accuracy",
+                   "a solve may end once its error is proven to be this, of any body or relative to the motion: "
+                   "1e-4m/s, 1e-4; default: none"},
+        o.accuracy);
   visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none",
                    from(0)},
         o.mu);

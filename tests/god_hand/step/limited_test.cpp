@@ -76,5 +76,28 @@ TEST(Limited, ASmallBudgetIsTrueToItsWord) {
   EXPECT_GT(limited(frames), 0);
 }
 
+// From the same state each frame ends as near as was asked, a sub-step at a time.
+TEST(Accuracy, AFrameIsAsNearAsWasAsked) {
+  Surroundings scene = floor_of();
+  scene.objects.push_back(loose_box({0, 0.06, 0.031}));
+  Options exact = with_friction(), near = exact;
+  near.accuracy = "1e-4m/s";
+  near.verify = 1;
+  Simulation a = one_hand(scene, hand_at(at(0, 0, 0.2)), exact), b = one_hand(scene, hand_at(at(0, 0, 0.2)), near);
+  double most = 0;
+  for (int k = 0; k < frames_of_each; ++k) {
+    const double down = std::min(k, 200) * 1e-3, aside = std::max(k - 200, 0) * 5e-4;
+    b.restore(a.checkpoint());
+    const auto target = hand_at(at(aside, 0, 0.2 - down), 0.3);
+    const std::vector<Pose<double>> whole = go(a, target).god;
+    const Frame& f = go(b, target);
+    EXPECT_NE(f.verified, Verdict::wrong) << k;
+    for (std::size_t body = 0; body < hand::bodies; ++body)
+      most = std::max(most, (f.god[body].position - whole[body].position).norm());
+  }
+  EXPECT_GT(most, 0);
+  EXPECT_LE(most, near.sub_steps * 1e-4 * near.dt);
+}
+
 }  // namespace
 }  // namespace zwang::god
