@@ -145,17 +145,25 @@ template <class Scalar>
 bool KktCertificate<Scalar>::singular_values_exceed_delta(const std::vector<Index>& rows) const {
   if (rows.empty()) return true;
   const auto count = static_cast<Index>(rows.size());
-  std::vector<Eigen::Triplet<Scalar>> entries;
-  for (Index k = 0; k < count; ++k) {
+  // Gram matrix less delta on the diagonal, its lower half by columns. (Eigen's sparse product loses memory of scalars
+  // that own some.)
+  std::vector<std::vector<std::pair<Index, Scalar>>> of_unknown(static_cast<std::size_t>(G_.rows()));
+  std::vector<Eigen::Triplet<Scalar>> gram;
+  for (Index k = count - 1; k >= 0; --k) {
     const Index i = rows[static_cast<std::size_t>(k)];
-    for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(G_, i); it; ++it)
-      entries.emplace_back(it.row(), k, Scalar(it.value() / row_norm_[i]));
+    std::vector<Scalar> column(static_cast<std::size_t>(count), Scalar(0));
+    column[static_cast<std::size_t>(k)] = -Scalar(delta);
+    for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(G_, i); it; ++it) {
+      auto& others = of_unknown[static_cast<std::size_t>(it.row())];
+      others.emplace_back(k, Scalar(it.value() / row_norm_[i]));
+      for (const auto& [other, value] : others) column[static_cast<std::size_t>(other)] += others.back().second * value;
+    }
+    for (Index other = k; other < count; ++other)
+      if (other == k || column[static_cast<std::size_t>(other)] != 0)
+        gram.emplace_back(other, k, column[static_cast<std::size_t>(other)]);
   }
-  Eigen::SparseMatrix<Scalar> unit(G_.rows(), count), identity(count, count);
-  unit.setFromTriplets(entries.begin(), entries.end());
-  identity.setIdentity();
-  const Eigen::SparseMatrix<Scalar> gram = unit.transpose() * unit;
-  const Eigen::SparseMatrix<Scalar> shifted = gram - Scalar(delta) * identity;
+  Eigen::SparseMatrix<Scalar> shifted(count, count);
+  shifted.setFromTriplets(gram.begin(), gram.end());
   return Eigen::SimplicialLLT<Eigen::SparseMatrix<Scalar>>(shifted).info() == Eigen::Success;
 }
 
