@@ -272,8 +272,8 @@ bool Promise::is_independent() {
   return length <= vanished;
 }
 
-// What all forces of the answer add up to at the most, where no contact is pressed that v has more than `within` from.
-// Infinite where no motion is found that opens the others.
+// What all forces of the answer add up to at the most, where it is no farther than `within` from v, and no contact is
+// pressed that v has more than that from. Infinite where no motion is found that opens the others.
 double Promise::most_force(double within) {
   ConeFace& face = program_->face();
   const Index nc = program_->cones();
@@ -318,7 +318,7 @@ double Promise::most_force(double within) {
     if (x_[i] != 0) least = std::min(least, ds_[i]);
   face.mass(w_, force_);
   face.mass(v_, dv_);
-  return least > 0 ? std::sqrt(force_.dot(w_) * dv_.dot(v_)) / least : infinity;
+  return least > 0 ? std::sqrt(force_.dot(w_)) * (std::sqrt(dv_.dot(v_)) + within) / least : infinity;
 }
 
 // `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are

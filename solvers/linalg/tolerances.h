@@ -166,7 +166,7 @@ inline constexpr double cone_arrives = 1e-6;
 inline constexpr double promise_softness = 1e-8, promise_vanished = 1e-6, promise_least_share = 1e-4;
 // The slack with which a row is not touched whatever rounding does; and that of rows which the bound itself need not
 // reach.
-inline constexpr double promise_touching = 1e-9, promise_near = 1e-5;
+inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
 
 // Contradictions.
 

@@ -124,6 +124,27 @@ TEST(Promise, OfASpeedHoldsForEveryBody) {
   }
 }
 
+// Beside the equality row a, the row a + 2^-48 d says what d says. In the motions that a leaves it is all rounding.
+TEST(Promise, HoldsBesideARowThatEqualityRowsAllButImply) {
+  const Vector a{{1, 0, -2, 2, 3, -3}}, b{{-1, 1, 2, -2, -1, 3}}, d{{-1, 2, 2, 2, -1, -2}};
+  const auto problem = [&](const Vector& row, double c) {
+    Matrix J(3, 6);
+    J << a.transpose(), b.transpose(), row.transpose();
+    Problem p = make_problem(J, Vector{{-1, -4, c}}, Vector{{-4, -4, 0, -3, -4, 0}}, 2);
+    const double mass[] = {128, 0.25, 0.5, 0.00390625, 0.0625, 0.0625};
+    for (int k = 0; k < 6; ++k) p.M.coeffRef(k, k) = mass[k];
+    return p;
+  };
+  const double tiny = std::ldexp(1, -48);
+  const Problem told = problem(d, 3), hidden = problem(a + tiny * d, -1 + 3 * tiny);
+  const Vector truth = make_solver("dual_active_set").solve(told).z;
+  for (const char* solver : {"dual_active_set", "nnls", "cone", "newton"}) {
+    const Solution s = make_solver(solver).solve(hidden, {.accuracy = 1e-4});
+    if (s.z.size() == 0 || std::isnan(s.error_bound)) continue;
+    EXPECT_LE(apart(hidden, s.z, truth), s.error_bound + rounding) << solver;
+  }
+}
+
 TEST(Promise, NothingIsPromisedUnasked) {
   const Problem p = random_small_problem(1000);
   for (const SolverEntry& e : solvers())
