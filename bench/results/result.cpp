@@ -53,9 +53,7 @@ std::string kept(const Problem& problem, const Metrics& m, const Reference* refe
 void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.claimed = solution.status;
   const Reference* reference = instance.reference ? &*instance.reference : nullptr;
-  // What is promised is what is claimed: accepted_error() of this tolerance.
-  const double claimed = std::isfinite(solution.error_bound) ? solution.error_bound / 10 : r.tolerance;
-  r.metrics = measure(instance.problem, solution, reference, std::max(r.tolerance, claimed));
+  r.metrics = measure(instance.problem, solution, reference, claimed_tolerance(solution, r.tolerance));
   r.error_bound = solution.error_bound;
   if (std::isfinite(r.error_bound)) r.promise = kept(instance.problem, r.metrics, reference, r.error_bound);
   r.worst_row = row_name(instance, r.metrics.worst_row);

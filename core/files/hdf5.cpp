@@ -92,7 +92,7 @@ struct Group::Dataset {
   // Where types differ HDF5 zeroes a megabyte for the numbers on their way, unless it is told that fewer will do.
   herr_t read(hid_t as, void* into) const {
     if (attribute) return H5Aread(id, as, into);
-    constexpr std::size_t usual = 1 << 20, of_text_in_file = 16;  // bytes; a pointer here
+    constexpr std::size_t usual = 1 << 20, of_text_in_file = 16;  // bytes; of text here: a pointer
     const std::size_t width = std::max({H5Tget_size(type), H5Tget_size(as), of_text_in_file});
     const Handle way(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
     if (n < usual / width) H5Pset_buffer(way, std::max<std::size_t>(n, 1) * width, nullptr, nullptr);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <functional>
 #include <limits>
@@ -123,6 +124,11 @@ struct SolveOptions {
 // The error in z, relative to the motion, up to which an answer is right where `tolerance` is asked: what `solved`
 // says.
 inline double accepted_error(double tolerance) { return std::max(10 * tolerance, 1e-12); }
+
+// The tolerance by which to judge an answer that was asked for at `tolerance`: what is promised is what is claimed.
+inline double claimed_tolerance(const Solution& solution, double tolerance) {
+  return std::isfinite(solution.error_bound) ? std::max(tolerance, solution.error_bound / 10) : tolerance;
+}
 
 // Thrown by a solver that met a limit before there was an iterate to show. AnySolver makes a status of it.
 struct Stopped {

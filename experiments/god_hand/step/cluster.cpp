@@ -156,9 +156,8 @@ bool Cluster::solve(Frame& frame) {
       solved_ = solver_.solve(problem_, left_of(options_, frame.times.solve), solution_);
     }
     if (frame.verified) {
-      const double promised = std::isfinite(solution_.error_bound) ? solution_.error_bound / 10 : 0;
-      const double asked = std::max(options_.tolerance, promised);
-      frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, asked).verdict);
+      const double claimed = claimed_tolerance(solution_, options_.tolerance);
+      frame.verified = worse(*frame.verified, measure(problem_, solution_, nullptr, claimed).verdict);
     }
     if (solved_) break;
   }

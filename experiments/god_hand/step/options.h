@@ -86,8 +86,8 @@ void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", from_to(1e-16, 1)},
         o.tolerance);
   visit(OptionText{"accuracy", "accuracy",
-                   "a solve may end once its error is proven to be this, of any body or relative to the motion: "
-                   "1e-4m/s, 1e-4; default: none"},
+                   "a solve may end once a bound on its error is this, of any body or relative to the motion: 1e-4m/s, "
+                   "1e-4; default: none"},
         o.accuracy);
   visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none",
                    from(0)},

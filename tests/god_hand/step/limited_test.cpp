@@ -16,6 +16,12 @@ Options with_friction(int iterations = 100, double budget = 0) {
   return o;
 }
 
+// Goes down for 200 frames, then aside.
+auto target_of(int frame) {
+  const double down = std::min(frame, 200) * 1e-3, aside = std::max(frame - 200, 0) * 5e-4;
+  return hand_at(at(aside, 0, 0.2 - down), 0.3);
+}
+
 // A hand comes down on the floor and a loose box, goes on into both, and slides aside. No frame is not true to its
 // word.
 std::vector<Frame> slide(const Options& options) {
@@ -24,8 +30,7 @@ std::vector<Frame> slide(const Options& options) {
   Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.2)), options);
   std::vector<Frame> frames;
   for (int k = 0; k < frames_of_each; ++k) {
-    const double down = std::min(k, 200) * 1e-3, aside = std::max(k - 200, 0) * 5e-4;
-    const Frame& f = frames.emplace_back(go(simulation, hand_at(at(aside, 0, 0.2 - down), 0.3)));
+    const Frame& f = frames.emplace_back(go(simulation, target_of(k)));
     EXPECT_GE(f.gap, 0) << k;
     EXPECT_LE(f.separation, closed_within) << k;
     EXPECT_LE(f.limit, closed_within) << k;
@@ -86,11 +91,9 @@ TEST(Accuracy, AFrameIsAsNearAsWasAsked) {
   Simulation a = one_hand(scene, hand_at(at(0, 0, 0.2)), exact), b = one_hand(scene, hand_at(at(0, 0, 0.2)), near);
   double most = 0;
   for (int k = 0; k < frames_of_each; ++k) {
-    const double down = std::min(k, 200) * 1e-3, aside = std::max(k - 200, 0) * 5e-4;
     b.restore(a.checkpoint());
-    const auto target = hand_at(at(aside, 0, 0.2 - down), 0.3);
-    const std::vector<Pose<double>> whole = go(a, target).god;
-    const Frame& f = go(b, target);
+    const std::vector<Pose<double>> whole = go(a, target_of(k)).god;
+    const Frame& f = go(b, target_of(k));
     EXPECT_NE(f.verified, Verdict::wrong) << k;
     for (std::size_t body = 0; body < hand::bodies; ++body)
       most = std::max(most, (f.god[body].position - whole[body].position).norm());
