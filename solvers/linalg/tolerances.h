@@ -102,6 +102,8 @@ inline constexpr double horizon = 1e100;
 
 // The polish is tried once a step of the multipliers moves d by less than the first, and again after the second.
 inline constexpr double newton_close[] = {1e-5, 1e-9};
+// How near the interior point leads to the answer.
+inline constexpr double newton_inside = 1e-6;
 // An inner problem is solved when its step is this part of the last outer one, or nothing at all.
 inline constexpr double newton_inner = 1e-5, newton_nothing = 1e-13;
 // The line search ends where its derivative has fallen by this factor.

@@ -55,14 +55,42 @@ double AugmentedLagrangian::distance(const Vector& from) {
   return mass_norm(step_);
 }
 
-// In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out. Its
-// rows repeat each other: where the shortest l pulls on some, another of the same G'l mostly does not. A pass that
-// begins with those well above zero comes nearer to it, without another factor.
-bool AugmentedLagrangian::hold_near(const Deadline& deadline) {
-  constexpr double strong = tolerances::newton_hold, above = 3;
+// In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out.
+AugmentedLagrangian::Held AugmentedLagrangian::hold_near(const Deadline& deadline) {
+  for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? tolerances::newton_hold : 0;
+  const Held held = hold(deadline);
+  if (held != Held::none) return held;
+  d.setZero();
+  l.setZero();
+  rate = 1;
+  return held;
+}
+
+void AugmentedLagrangian::hold_pushing(const Vector& z, const Vector& lambda, const Deadline& deadline) {
+  const auto read = [&] {
+    for (Index j = 0; j < unknowns(); ++j) {
+      const Index column = factor_.column(static_cast<int>(j));
+      d[j] = std::ldexp(z[column] - problem_->z_u[column], -rows.exponent);
+    }
+    for (Index i = 0; i < rows.rows(); ++i) {
+      l[i] = rows.unit_multiplier(i, lambda[rows.row[at(i)]]);
+      if (!is_equality(i) && !(l[i] > -violation(i))) l[i] = 0;
+      weight[i] = is_equality(i) || l[i] > 0 ? tolerances::newton_hold : 0;
+    }
+  };
+  read();
+  if (hold(deadline) != Held::none) return;
+  read();
+  rate = 1;
+}
+
+// The rows that have weight, as if they were equality rows. They may repeat each other: where the shortest l pulls on
+// some, another of the same G'l mostly does not. A pass that begins with those well above zero comes nearer to it,
+// without another factor.
+AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
+  constexpr double above = 3;
   constexpr int passes = 4;
-  for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? strong : 0;
-  if (!factorize(deadline)) return false;
+  if (!factorize(deadline)) return Held::none;
   double length = infinity, pull = 0, push = 0;
   Index pulling = 0;
   bool settles = false;
@@ -73,14 +101,14 @@ bool AugmentedLagrangian::hold_near(const Deadline& deadline) {
       if (weight[i] == 0) continue;
       if (!is_equality(i) && l[i] < 0) l[i] *= -above;
       change_[i] = violation(i);
-      add(i, l[i] + strong * change_[i], step_);
+      add(i, l[i] + weight[i] * change_[i], step_);
     }
     solve(step_);
     d += step_;
     pull = push = 0;
     pulling = 0;
     for (Index i = 0; i < rows.rows(); ++i) {
-      if (weight[i] != 0) l[i] += strong * (change_[i] - dot(i, step_));
+      if (weight[i] != 0) l[i] += weight[i] * (change_[i] - dot(i, step_));
       push += std::max(l[i], 0.0);
       if (is_equality(i) || l[i] >= 0) continue;
       pull -= l[i];
@@ -88,20 +116,17 @@ bool AugmentedLagrangian::hold_near(const Deadline& deadline) {
     }
     const double last = length;
     length = mass_norm(step_);
-    rate = last > 0 ? length / last : 0;
-    settles = settles || (pass > 1 && rate <= tolerances::newton_slow);
+    settles = settles || (pass > 1 && length <= tolerances::newton_slow * last);
+    // What is left after a few passes tells the slowest direction, unless it is rounding.
+    if (last < infinity && last > tolerances::newton_telling * rows.free_norm) rate = length / last;
   }
-  if (!(pull <= tolerances::newton_few_pull * push)) {
-    d.setZero();
-    l.setZero();
-    rate = 1;
-    return false;
-  }
+  if (!(pull <= tolerances::newton_few_pull * push)) return Held::none;
   for (Index i = 0; i < rows.rows(); ++i)
     if (!is_equality(i)) l[i] = std::max(l[i], 0.0);
-  s = strong;
+  s = tolerances::newton_hold;
   scale = std::max(rows.free_norm, mass_norm(d));
-  return settles && 100 * pulling <= rows.rows();
+  if (100 * pulling > rows.rows()) return Held::many_left;
+  return settles ? Held::known : Held::few_left;
 }
 
 void AugmentedLagrangian::linearize() {

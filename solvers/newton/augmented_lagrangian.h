@@ -30,9 +30,13 @@ class AugmentedLagrangian {
 
   // d = 0, and l of an earlier frame. The problem is kept until the next begin().
   void begin(const Problem& problem, const SolveOptions& options, const Deadline& deadline, double penalty);
-  // From all rows near z_u held as if they were equality rows, where that pulls on few. True where these are so few
-  // that the rows with a force are all but known.
-  bool hold_near(const Deadline& deadline);
+  // What rows held as if they were equality rows tell of those that carry a force: all but known; known but for few, or
+  // the iterate far from them; or nothing, where they pull too much.
+  enum class Held { known, few_left, many_left, none };
+  // From all rows near z_u held; where that tells nothing, d = l = 0 as before.
+  Held hold_near(const Deadline& deadline);
+  // From another method's z and lambda: the rows held that push more than they stand off.
+  void hold_pushing(const Vector& z, const Vector& lambda, const Deadline& deadline);
   bool rests() const;  // z_u breaks no row
 
   void linearize();  // A, at d
@@ -78,6 +82,7 @@ class AugmentedLagrangian {
   std::size_t entries(Index i) const { return static_cast<std::size_t>(rows.g.begin[at(i)]); }
   Part& part_of(Index unknown) { return part_[at(factor_.part_of_position(static_cast<int>(unknown)))]; }
   void multiply_mass(const Vector& x, Vector& y) const;
+  Held hold(const Deadline& deadline);
   void search();
 
   const Problem* problem_ = nullptr;

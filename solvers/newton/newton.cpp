@@ -28,7 +28,15 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     s.status = Status::solved;
     return;
   }
-  const bool all_but_known = !options.warm_start && hold_all && L_.hold_near(deadline);
+  using enum AugmentedLagrangian::Held;
+  const bool cold = !options.warm_start;
+  const auto held = cold && hold_all ? L_.hold_near(deadline) : none;
+  bool all_but_known = held == known;
+  if (cold && inside && polish && (held == many_left || held == none) && p.size() > ConeProgram::few_unknowns) {
+    const ConeStarts::End end = from_inside(p, options, deadline, s);
+    if (end == ConeStarts::End::written || end == ConeStarts::End::limit) return;
+    all_but_known = end == ConeStarts::End::accepted;
+  }
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;
@@ -47,12 +55,34 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
                        : "the rows are too close to dependent for this method alone, or contradict each other";
 }
 
+// Written: the problem is decided, or a promise is kept. Limit: what there is stands in the solution.
+ConeStarts::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                    Solution& s) {
+  using enum ConeStarts::End;
+  SolveOptions rough = options;
+  rough.tolerance = tolerances::newton_inside;
+  const ConeStarts::Job job{p, rough, deadline, s, starts_.best, false};
+  if (!starts_.begin(job, ConeProgram::Want::normals)) return written;
+  starts_.best.natural = infinity;
+  const ConeStarts::End end = starts_.from_inside(job, ConeStarts::first_start);
+  const bool contradicts = end == written && s.status == Status::infeasible;
+  if (contradicts && !polish_.certify_again(L_, p, deadline, s)) {
+    s.spare.certificate.set_zero(s.certificate, 0);
+    return failed;
+  }
+  if (end == written || end == failed) return end;
+  starts_.program().write(p, starts_.best.v, starts_.best.y, s);
+  if (end == accepted) L_.hold_pushing(s.z, s.lambda, deadline);
+  if (end == limit) s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
+  return end;
+}
+
 // Solved: the solution is complete.
 Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
                    Solution& s) {
-  if (all_but_known && options.max_iterations > 0) {
+  if (all_but_known && s.iterations < options.max_iterations) {
     const double rate = L_.rate;
-    s.iterations = 1;  // all near rows held: a step like the others
+    ++s.iterations;  // rows held: a step like the others
     if (options.observe) {
       L_.write(L_.d, L_.l, s);
       options.observe(s.iterations, s.z, s.lambda);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/dual_active_set.h>
-#include <zwang/solvers/friction/promise.h>
+#include <zwang/solvers/friction/cone_starts.h>
 #include <zwang/solvers/newton/newton_polish.h>
 #include <zwang/solvers/setting.h>
 
@@ -17,6 +17,9 @@ namespace zwang {
 // 2018, SIAM J. Optim. 28). Redundant rows do no harm: M > 0 keeps the matrix definite, and l stays finite as long as
 // the rows agree. One iteration is one Newton step.
 //
+// From nothing that takes a step for each few rows that come or go. Of many unknowns the interior point of `cone`
+// (cone_starts.h) leads to where the rows with a force can be told, in about as many steps for a heap as for a hand.
+//
 // Where the speed of the polish (newton_polish.h) cannot be trusted (near-parallel rows, contradictions), a problem
 // small enough goes to the dual active-set method (Solution::handed_to, with its iterations); a larger one is reported
 // as what it is. With polish=off the method goes on alone until a step of l moves d by less than the tolerance.
@@ -25,12 +28,14 @@ struct Newton {
   static constexpr std::string_view name = "newton";
   double penalty = 100;  // s at the start
   bool hold_all = true;  // start from all near rows held
+  bool inside = true;    // and else by an interior point
   bool polish = true;    // off: d and l as Newton's method leaves them, and no other method
 
   static std::vector<Setting<Newton>> settings() {
     return {
         {"penalty", &Newton::penalty, "first weight of a violated unit row against M"},
         {"hold_all", &Newton::hold_all, "start from all rows near z_u held, where that pulls on few"},
+        {"inside", &Newton::inside, "else by an interior point: many unknowns, no warm start, polish on"},
         {"polish", &Newton::polish,
          "solve the active rows again in extended precision, go to dual_active_set where that fails (off: neither)"}};
   }
@@ -40,6 +45,8 @@ struct Newton {
  private:
   Status descend(const Problem& problem, double close, const SolveOptions& options, const Deadline& deadline,
                  Solution& solution);
+  ConeStarts::End from_inside(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                              Solution& solution);
   Status run(const Problem& problem, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
   Status run_alone(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
@@ -47,6 +54,7 @@ struct Newton {
   AugmentedLagrangian L_;
   NewtonPolish polish_;
   Promise promise_;
+  ConeStarts starts_;
   DualActiveSet exact_;
   Vector start_;  // d before the inner problem
 };

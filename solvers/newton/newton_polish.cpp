@@ -88,11 +88,21 @@ bool NewtonPolish::judge(AugmentedLagrangian& L, double tolerance, const Deadlin
 }
 
 bool NewtonPolish::certify(AugmentedLagrangian& L, const Problem& p, const Deadline& deadline, Solution& s) {
+  l_.setZero(L.rows.rows());
+  for (Index i = 0; i < l_.size(); ++i)
+    l_[i] = L.is_equality(i) ? L.violation(i) : L.weight[i] != 0 ? std::max(0.0, L.violation(i)) : 0;
+  return certify_rows(L, p, deadline, s);
+}
+
+bool NewtonPolish::certify_again(AugmentedLagrangian& L, const Problem& p, const Deadline& deadline, Solution& s) {
+  l_.setZero(L.rows.rows());
+  for (Index i = 0; i < l_.size(); ++i) l_[i] = Real(s.certificate[L.rows.row[at(i)]]) * Real(L.rows.row_norm[i]);
+  return certify_rows(L, p, deadline, s);
+}
+
+bool NewtonPolish::certify_rows(AugmentedLagrangian& L, const Problem& p, const Deadline& deadline, Solution& s) {
   const Index k = L.rows.rows();
   d_.setZero(L.unknowns());
-  l_.setZero(k);
-  for (Index i = 0; i < k; ++i)
-    l_[i] = L.is_equality(i) ? L.violation(i) : L.weight[i] != 0 ? std::max(0.0, L.violation(i)) : 0;
   const Real least = Real(tolerances::newton_part) * l_.lpNorm<Eigen::Infinity>();
   for (Index i = 0; i < k; ++i) {
     if (std::abs(l_[i]) <= least) l_[i] = 0;

@@ -21,10 +21,13 @@ class NewtonPolish {
   // vector: u >= 0 on inequality rows, G'u = 0, h'u > 0. What is left of G'u is taken out by the same contraction;
   // extended_polish.h then judges the vector as the referee will see it. Changes the weights of L.
   bool certify(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
+  // From another method's vector, in solution.certificate.
+  bool certify_again(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
 
  private:
   using Real = AugmentedLagrangian::Real;
 
+  bool certify_rows(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
   bool exchange(AugmentedLagrangian& L, double worst);
   double step(AugmentedLagrangian& L);
 

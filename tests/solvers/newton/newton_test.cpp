@@ -44,6 +44,24 @@ TEST(Newton, PushedWallsAgreeWithTheDualActiveSet) {
   }
 }
 
+// Rows that let go one by one take the method alone a step each few of them.
+TEST(Newton, AHeapTakesAsManyStepsAsAHandAndTheSameMotionWithoutTheInteriorPoint) {
+  for (const char* scene : {"pile(spheres=300)", "pile(spheres=300,mass_ratio=1024)", "wall(boxes=200,push=4)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    Newton without;
+    without.inside = false;
+    AnySolver newton = Newton(), alone = without;
+    const Solution s = solve(newton, problem), other = solve(alone, problem);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    ASSERT_EQ(other.status, Status::solved) << scene << ": " << other.message;
+    EXPECT_LE(s.iterations, 25) << scene;
+    EXPECT_LT(s.iterations, other.iterations) << scene;
+    EXPECT_LE(z_error(problem, s.z, other.z), 1e-13) << scene;
+    const Verdict verdict = measure(problem, s, nullptr, 1e-10).verdict;
+    EXPECT_EQ(verdict, Verdict::solved) << scene;
+  }
+}
+
 // Independent parts are searched apart: a hand takes the same point alone and among others.
 TEST(Newton, HandsDoNotDisturbEachOther) {
   const Problem both = make_scenes("hands(hands=6,contacts=16)").front().problem;
@@ -78,17 +96,20 @@ TEST(Newton, AWallThatCannotStandIsInfeasibleWithAProof) {
   EXPECT_EQ(measure(problem, s, nullptr, 1e-10).verdict, Verdict::infeasible_proven);
 }
 
-TEST(Newton, SecondSolveOfAWallAllocatesNothingAndGivesTheSameBits) {
-  const Problem problem = make_scenes("wall(boxes=200,push=1)").front().problem;
-  AnySolver solver = Newton();
-  Solution first, second;
-  solver.solve(problem, {}, first);
-  solver.solve(problem, {}, second);
-  const long before = allocations();
-  solver.solve(problem, {}, second);
-  EXPECT_EQ(allocations() - before, 0);
-  ASSERT_EQ(first.z.size(), second.z.size());
-  EXPECT_EQ(std::memcmp(first.z.data(), second.z.data(), sizeof(double) * static_cast<std::size_t>(first.z.size())), 0);
+TEST(Newton, SecondSolveOfAWallAndOfAPileAllocatesNothingAndGivesTheSameBits) {
+  for (const char* scene : {"wall(boxes=200,push=1)", "pile(spheres=100)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    AnySolver solver = Newton();
+    Solution first, second;
+    solver.solve(problem, {}, first);
+    solver.solve(problem, {}, second);
+    const long before = allocations();
+    solver.solve(problem, {}, second);
+    EXPECT_EQ(allocations() - before, 0) << scene;
+    ASSERT_EQ(first.z.size(), second.z.size());
+    const std::size_t bytes = sizeof(double) * at(first.z.size());
+    EXPECT_EQ(std::memcmp(first.z.data(), second.z.data(), bytes), 0) << scene;
+  }
 }
 
 // Opposed rows that hold as they are: earlier multipliers of both must not leave a trace of 1e-44 in z = 0.
