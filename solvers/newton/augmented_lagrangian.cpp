@@ -118,7 +118,7 @@ AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
     length = mass_norm(step_);
     settles = settles || (pass > 1 && length <= tolerances::newton_slow * last);
     // What is left after a few passes tells the slowest direction, unless it is rounding.
-    if (last < infinity && last > tolerances::newton_telling * rows.free_norm) rate = length / last;
+    if (last < infinity && last > tolerances::newton_nothing * rows.free_norm) rate = length / last;
   }
   if (!(pull <= tolerances::newton_few_pull * push)) return Held::none;
   for (Index i = 0; i < rows.rows(); ++i)

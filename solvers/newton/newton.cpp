@@ -20,6 +20,8 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   if (!begin(L_.rows, p, options, deadline, s)) return;
   L_.begin(p, options, deadline, penalty);
   promise_.begin(p, options);
+  const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
+  polish_.lets_go = !may_be_dense;
   if (L_.rests()) {
     // The answer to the last bit. An earlier frame's multipliers would be worked off to tiny numbers, not to 0.
     L_.l.setZero();
@@ -40,7 +42,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;
-  if (polish && !limited && !deadline.passed() && p.size() * L_.rows.rows() <= largest_dense) {
+  if (polish && !limited && !deadline.passed() && may_be_dense) {
     SolveOptions rest = options;
     rest.time_limit = deadline.left();
     exact_.solve(p, rest, s);

@@ -6,6 +6,7 @@
 namespace zwang {
 namespace {
 
+constexpr int most_passes = 40, most_let_go = 30;
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 
 }  // namespace
@@ -17,7 +18,8 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
   for (Index i = 0; i < k; ++i) L.weight[i] = L.is_equality(i) || L.l[i] > 0 ? L.s : 0;
   double last = infinity, length = infinity;
   bool changed = true;
-  for (int pass = 0; pass < 40; ++pass) {
+  int let_go_of = 0;
+  for (int pass = 0; pass < most_passes; ++pass) {
     if (deadline.passed()) return false;
     L.residuals(d_, l_, force_, violation_);
     const bool settled = !changed;
@@ -26,13 +28,20 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       if (L.weight[i] != 0)
         worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (L.rows.magnitude[i] + L.scale));
     changed = exchange(L, worst);
-    if (!changed && settled && length <= tolerances::newton_polished * L.scale &&
-        worst <= tolerances::violation * static_cast<double>(real_eps)) {
+    const bool stays = !changed && settled && length <= tolerances::newton_polished * L.scale;
+    const bool agrees = worst <= tolerances::violation * static_cast<double>(real_eps);
+    if (stays && !agrees && lets_go && let_go_of < most_let_go && let_go(L)) {
+      ++let_go_of;
+      changed = true;
+      pass = 0;
+    }
+    if (stays && agrees) {
       L.write(d_, l_, s);
       s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
       const double error = length + worst * L.scale / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
-      s.status = error <= accepted_error(tolerance) * L.scale ? Status::solved : Status::solved_ill_conditioned;
+      const bool sure = let_go_of == 0 && error <= accepted_error(tolerance) * L.scale;
+      s.status = sure ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
     if ((changed || pass == 0) && !L.factorize(deadline)) return false;
@@ -62,6 +71,25 @@ bool NewtonPolish::exchange(AugmentedLagrangian& L, double worst) {
     l_[i] = 0;
   }
   return changed;
+}
+
+// Where rows that repeat each other do not agree to the last digit no d meets them all. Each step of l then adds the
+// violations that no d can mend, which move no body; the row whose force they bring to zero first lets go.
+bool NewtonPolish::let_go(AugmentedLagrangian& L) {
+  Index first = -1;
+  Real longest = std::numeric_limits<Real>::infinity();
+  for (Index i = 0; i < L.rows.rows(); ++i) {
+    if (L.weight[i] == 0 || L.is_equality(i) || !(violation_[i] < 0)) continue;
+    const Real way = l_[i] / -violation_[i];
+    if (way < longest) longest = way, first = i;
+  }
+  if (first < 0) return false;
+  for (Index i = 0; i < L.rows.rows(); ++i)
+    if (L.weight[i] != 0) l_[i] += longest * violation_[i];
+  L.weight[first] = 0;
+  L.add(first, Real(-l_[first]), force_);
+  l_[first] = 0;
+  return true;
 }
 
 // One step of (d, l) on the rows that have weight. Returns the length of that of d.

@@ -11,6 +11,11 @@ namespace zwang {
 // converges tells whether mu can be trusted.
 class NewtonPolish {
  public:
+  // Where rows repeat each other and do not agree to the last digit, one lets go after the other. Which of them decide
+  // then hangs on rounding, and the answer says so (solved_ill_conditioned). Off: run() fails there, for a method that
+  // computes with more digits.
+  bool lets_go = false;
+
   // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
   // complete, and counts a step for each factorization that another active set asked for.
   bool run(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& solution);
@@ -29,6 +34,7 @@ class NewtonPolish {
 
   bool certify_rows(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
   bool exchange(AugmentedLagrangian& L, double worst);
+  bool let_go(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
 
   AugmentedLagrangian::RealVector d_, l_, force_, violation_;

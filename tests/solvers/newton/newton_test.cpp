@@ -62,6 +62,16 @@ TEST(Newton, AHeapTakesAsManyStepsAsAHandAndTheSameMotionWithoutTheInteriorPoint
   }
 }
 
+// Balls that touch: rows that repeat each other and agree but for the last digit. Too many for the dense method.
+TEST(Newton, WhereTouchingBallsDoNotAgreeToTheLastDigitRowsLetGoAndTheAnswerSaysSo) {
+  const Problem problem = make_scenes("pile(spheres=300,gap=0)").front().problem;
+  ASSERT_GT(problem.size() * problem.rows(), 2000000);
+  AnySolver solver = Newton();
+  const Solution s = solve(solver, problem);
+  EXPECT_EQ(s.status, Status::solved_ill_conditioned) << s.message;
+  EXPECT_EQ(measure(problem, s, nullptr, 1e-10).verdict, Verdict::solved);
+}
+
 // Independent parts are searched apart: a hand takes the same point alone and among others.
 TEST(Newton, HandsDoNotDisturbEachOther) {
   const Problem both = make_scenes("hands(hands=6,contacts=16)").front().problem;
