@@ -10,12 +10,22 @@ namespace zwang {
 // units of 2^exponent,
 //
 //   minimize 1/2 d'Md   subject to  g_i d = h_i  or  >= h_i,   g_i = J_i / row_norm_i.
+//
+// A contact of a sphere does not turn it, but its lever arm crossed with the normal leaves some 1e-17. Columns of such
+// entries alone, that M does not tie either, are left out of g: they add squares of rounding to G M^-1 G', and three
+// unknowns a sphere to a factor. Their own motion follows from the multipliers (faint).
 struct UnitRows : Whitened {
   using Real = long double;
 
   SparseRows g;           // k rows, columns of M
   VectorX<Real> exact_h;  // k: h from the stored doubles
   double free_norm = 0;   // |z_u|_M
+  struct Faint {
+    Index row;  // of the problem
+    int column;
+    double pull;  // J_ij / M_jj
+  };
+  std::vector<Faint> faint;  // what g leaves out
 
   bool build(const Problem& problem, const Deadline& deadline = Deadline(), const SolveOptions& options = {}) {
     if (!Whitened::build(problem, deadline, options, false)) return false;
@@ -43,13 +53,52 @@ struct UnitRows : Whitened {
     }
     g.column.resize(entries);
     g.value.resize(entries);
+    leave_out_faint(problem);
     return true;
+  }
+
+  void leave_out_faint(const Problem& p) {
+    constexpr double faintest = tolerances::faint_entry;
+    faint.clear();
+    is_faint_.assign(at(p.size()), 1);
+    mass_.resize(p.size());
+    for (Index j = 0; j < p.size(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) {
+        if (it.row() == j)
+          mass_[j] = it.value();
+        else if (it.value() != 0)
+          is_faint_[at(j)] = 0;
+      }
+    bool any = false;
+    for (std::size_t e = 0; e < g.column.size(); ++e)
+      if (g.value[e] * g.value[e] > faintest * faintest * mass_[g.column[e]]) is_faint_[at(g.column[e])] = 0;
+    for (const int j : g.column) any = any || is_faint_[at(j)] != 0;
+    if (!any) return;
+    std::size_t entries = 0, e = 0;
+    for (Index i = 0; i < rows(); ++i) {
+      for (const auto end = at(g.begin[at(i) + 1]); e < end; ++e) {
+        const int j = g.column[e];
+        if (is_faint_[at(j)]) {
+          faint.push_back({row[at(i)], j, g.value[e] * row_norm[i] / mass_[j]});
+          continue;
+        }
+        g.column[entries] = j;
+        g.value[entries++] = g.value[e];
+      }
+      g.begin[at(i) + 1] = static_cast<int>(entries);
+    }
+    g.column.resize(entries);
+    g.value.resize(entries);
   }
 
   // A multiplier of the problem's row from that of the unit row.
   double multiplier(Index i, Real unit) const {
     return static_cast<double>(std::ldexp(unit / Real(row_norm[i]), exponent));
   }
+
+ private:
+  std::vector<char> is_faint_;  // columns
+  Vector mass_;                 // diagonal of M
 };
 
 }  // namespace zwang

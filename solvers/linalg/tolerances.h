@@ -98,6 +98,10 @@ inline constexpr double outgrown = 8;
 // terms of a row, times a multiplier of zero.
 inline constexpr double horizon = 1e100;
 
+// In the M-norm on unit rows: a column of entries no larger is left out (unit_rows.h). Its square is far below the
+// rounding of long double.
+inline constexpr double faint_entry = 1e-12;
+
 // Newton's method (solvers/newton/newton.h); lengths relative to the motion.
 
 // The polish is tried once a step of the multipliers moves d by less than the first, and again after the second.

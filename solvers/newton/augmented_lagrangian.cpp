@@ -224,6 +224,7 @@ void AugmentedLagrangian::residuals(const RealVector& far_d, const RealVector& f
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows.row[at(i)]); it; ++it) {
       if (it.value() == 0) continue;
       const int j = factor_.position(static_cast<int>(it.col()));
+      if (j < 0) continue;  // faint
       sum += Real(it.value()) * far_d[j];
       force[j] += Real(it.value()) * factor;
     }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -198,6 +199,33 @@ TEST_P(Whitening, RowsOverTheColumnsOfMAreTheProblemsOwn) {
     EXPECT_LE(std::abs(unit * rows.exact_h[i] * rows.row_norm[i] - rest), 1e-17L);
     EXPECT_NEAR(rows.unit_multiplier(i, rows.multiplier(i, 0.3L)), 0.3, 1e-16);
   }
+}
+
+// Balls: lever arms crossed with their normals.
+TEST(FaintColumns, AreLeftOutOfTheRowsAndWhatTheyPullIsKept) {
+  const Problem p = make_scenes("pile(spheres=20)").front().problem;
+  UnitRows rows;
+  ASSERT_TRUE(rows.build(p));
+  for (const int j : rows.g.column) EXPECT_LT(j % 6, 3);
+  ASSERT_FALSE(rows.faint.empty());
+  for (const UnitRows::Faint& e : rows.faint) {
+    EXPECT_GE(e.column % 6, 3);
+    EXPECT_NEAR(e.pull * p.M.coeff(e.column, e.column), p.J.coeff(e.row, e.column), 1e-30);
+  }
+  // A column that M ties to another stays, and so does one with a single entry above rounding.
+  Problem tied = p, turned = p;
+  const UnitRows::Faint& first = rows.faint.front();
+  const int next = first.column % 6 == 5 ? first.column - 1 : first.column + 1;
+  tied.M.coeffRef(first.column, next) = tied.M.coeffRef(next, first.column) = 1e-3 * p.M.coeff(next, next);
+  turned.J.coeffRef(first.row, first.column) = 1e-9;
+  const auto stays = [](const Problem& own, int column) {
+    UnitRows other;
+    EXPECT_TRUE(other.build(own));
+    return std::ranges::find(other.g.column, column) != other.g.column.end();
+  };
+  EXPECT_TRUE(stays(tied, first.column));
+  EXPECT_TRUE(stays(turned, first.column));
+  EXPECT_FALSE(stays(p, first.column));
 }
 
 TEST_P(Whitening, ProgramIsTheSameInAnotherUnitOfLength) {
