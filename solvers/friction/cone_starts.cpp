@@ -201,6 +201,17 @@ bool ConeStarts::is_near(const Best& best) {
          left <= tolerances::cone_near;
 }
 
+// Does friction take next to nothing of the motion?
+bool ConeStarts::all_but_rests(const Best& best) {
+  s_.setZero(program_.rows());
+  program_.slack(best.v, s_);
+  double taken = 0;
+  for (Index k = 0; k < program_.cones(); ++k)
+    taken += std::max(0.0, best.y[3 * k]) * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
+  const double size = program_.scale(best.v);
+  return taken <= tolerances::cone_rests * size * size;
+}
+
 // Would another step leave the motion where it is? With very different masses a residual of rounding is far from z.
 bool ConeStarts::modes_stay(const SolveOptions& options) {
   move_ = modes_.v;
@@ -212,7 +223,9 @@ bool ConeStarts::modes_stay(const SolveOptions& options) {
 }
 
 ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
-  if (!program_.law().lifts() || !program_.is_dense()) return End::failed;
+  const bool dense = program_.is_dense();
+  if (!program_.law().lifts() || !(dense || (!program_.face().takes_unsymmetric() && all_but_rests(job.best))))
+    return End::failed;
   const auto& [p, options, deadline, solution, best, finish] = job;
   SolveOptions rest = options;
   rest.observe = nullptr;
@@ -221,7 +234,7 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
   const ConeLaw law = program_.law();
   slips_.setZero(program_.cones());
   s_.setZero(program_.rows());
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < (dense ? most_rounds : 1); ++round) {
     of_convex_.reset(p.size(), p.rows());
     rest.max_iterations = most - solution.iterations;
     program_.state({}, &slips_);
@@ -238,8 +251,9 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
       modes_.v = of_slips_.v;
       modes_.y = of_slips_.y;
       modes_.begin(program_);
-      run_modes(job, tolerances::cone_exact * program_.scale(modes_.v), 0, most_modes);
-      if (takes(job, modes_.residual, modes_.v, modes_.y) && modes_stay(options)) {
+      const double size = program_.scale(modes_.v);
+      run_modes(job, tolerances::cone_exact * size, options.tolerance * size, most_modes);
+      if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) && modes_stay(options)) {
         solution.fallback = true;
         return End::accepted;
       }

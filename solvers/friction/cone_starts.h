@@ -51,7 +51,8 @@ class ConeStarts {
   // end. Behind another path where that ended at a fold, of dense rows: the one from another size may have none.
   End from_path(const Job& job, double start);
   // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
-  // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere.
+  // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere. Of sparse rows the first
+  // round alone, where all but nothing slides: of a heap at rest it is the answer, which the refreshed shift misses.
   End from_convex_problems(const Job& job, double start);
   End from_inside(const Job& job, double start);  // by the interior point
 
@@ -60,6 +61,7 @@ class ConeStarts {
   void run_modes(const Job& job, double goal, double leaves, int most);
   bool modes_stay(const SolveOptions& options);
   bool is_near(const Best& best);
+  bool all_but_rests(const Best& best);
   bool takes(const Job& job, const ConeProgram::Residual& residual, const Vector& v, const Vector& y,
              bool settled = false);
 

@@ -147,6 +147,8 @@ inline constexpr double cone_to_boundary = 0.99, cone_least_centre = 1e-8, cone_
 inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften = 100;
 // Residuals from which no Newton step on the modes led on: of an earlier frame's answer, and after six steps.
 inline constexpr double cone_other_frame = 0.1, cone_lost = 3e-3;
+// Of the square of the motion: what friction takes where contacts all but rest.
+inline constexpr double cone_rests = 1e-3;
 // And across a slip, which may be 1e-9 of the motion beside loads of 1: at least the first, and the second times the
 // residual.
 inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;

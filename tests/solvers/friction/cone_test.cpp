@@ -249,6 +249,17 @@ TEST(Cone, SolvesLargePilesStacksAndWallsUnderCoulombsLaw) {
   }
 }
 
+// Balls at rest, whose rows agree to 1e-13: the convex answer is Coulomb's, where the refreshed shift stalls.
+TEST(Cone, HeapsAtRestStayAtRest) {
+  for (const char* scene : {"heap(balls=40)", "heap(balls=80)", "heap(balls=200)"}) {
+    const Problem p = make_scenes(scene).at(0).problem;
+    const Solution s = solve(p);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_LE((p.M * s.z).dot(s.z), 1e-24 * (p.M * p.z_u).dot(p.z_u)) << scene;
+    EXPECT_LE(measure(p, s, nullptr, 1e-8).natural, 1e-12) << scene;
+  }
+}
+
 // Fifteen contacts of one body, of rank 6 in 45 rows, that agree, or disagree by 1e-8. No hundred iterations on them.
 TEST(Cone, ContactsThatDependOnEachOtherEndSoonAndClaimOnlyWhatHolds) {
   int solved = 0;
