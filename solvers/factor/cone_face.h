@@ -21,6 +21,13 @@ class ConeFace {
   // blocks need not be. False on a breakdown.
   virtual bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) = 0;
   virtual void solve(Vector& x) = 0;
+
+  // For methods that move one row at a time, after divide_rows(), which is false where M ties many unknowns to each
+  // other: g_r v, v += M^-1 g_r' l, and g_r M^-1 g_q' of two rows of a cone.
+  virtual bool divide_rows() = 0;
+  virtual double along(Index r, const Vector& v) const = 0;
+  virtual void push(Index r, double l, Vector& v) const = 0;
+  virtual double delassus(Index r, Index q) const = 0;
 };
 
 }  // namespace zwang

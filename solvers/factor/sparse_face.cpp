@@ -1,5 +1,6 @@
 #include <zwang/solvers/factor/sparse_face.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -82,6 +83,102 @@ bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weigh
   for (Index r = 0; r < ray_weight.size(); ++r) weight_[at(3 * cones_ + r)] = ray_weight[r];
   factor_.invalidate();
   return factor_.factorize(M_, scaled_, weight_, deadline_);
+}
+
+// Bodies have six unknowns; what M ties beyond this many would make a row's image dense.
+bool SparseFace::invert_mass() {
+  constexpr Index most_tied = 48;
+  const Index n = unknowns();
+  tied_.reset(n);
+  for (const auto& e : mass_)
+    if (e.value != 0) tied_.join(e.row, e.column);
+  block_of_.assign(at(n), -1);
+  order_.assign(at(n), 0);
+  blocks_.clear();
+  for (Index j = 0; j < n; ++j) {
+    int& block = block_of_[at(tied_.find(j))];
+    if (block < 0) {
+      block = static_cast<int>(blocks_.size());
+      blocks_.push_back({0, 0});
+    }
+    block_of_[at(j)] = block;
+    order_[at(j)] = static_cast<int>(blocks_[at(block)].inverse++);  // counts
+  }
+  std::size_t members = 0, entries = 0;
+  for (Block& block : blocks_) {
+    const std::size_t size = block.inverse;
+    if (static_cast<Index>(size) > most_tied) return false;
+    block = {members, entries};
+    members += size;
+    entries += size * size;
+  }
+  blocks_.push_back({members, entries});
+  members_.assign(members, 0);
+  inverse_.assign(entries, 0);
+  const auto size_of = [&](const Block& block) { return static_cast<Index>((&block)[1].first - block.first); };
+  for (Index j = 0; j < n; ++j) members_[blocks_[at(block_of_[at(j)])].first + at(order_[at(j)])] = static_cast<int>(j);
+  for (const auto& e : mass_) {
+    if (e.value == 0) continue;
+    const Block& block = blocks_[at(block_of_[at(e.row)])];
+    inverse_[block.inverse + at(order_[at(e.column)] * size_of(block) + order_[at(e.row)])] = e.value;
+  }
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_tied, most_tied>;
+  for (std::size_t b = 0; b + 1 < blocks_.size(); ++b) {
+    const Index size = size_of(blocks_[b]);
+    Eigen::Map<Matrix> own(inverse_.data() + blocks_[b].inverse, size, size);
+    const Eigen::LLT<Small> factor{Small(own)};
+    own = factor.solve(Small::Identity(size, size));
+  }
+  return inverse_.empty() || Eigen::Map<const Vector>(inverse_.data(), std::ssize(inverse_)).allFinite();
+}
+
+bool SparseFace::divide_rows() {
+  if (!invert_mass()) return false;
+  scattered_.setZero(unknowns());
+  images_.begin.assign(1, 0);
+  images_.column.clear();
+  images_.value.clear();
+  for (int i = 0; i < rows_.rows(); ++i) {
+    row_blocks_.clear();
+    for (auto e = at(rows_.begin[at(i)]); e < at(rows_.begin[at(i) + 1]); ++e) {
+      scattered_[place_[e]] = rows_.value[e];
+      row_blocks_.push_back(block_of_[at(place_[e])]);
+    }
+    std::ranges::sort(row_blocks_);
+    row_blocks_.erase(std::unique(row_blocks_.begin(), row_blocks_.end()), row_blocks_.end());
+    for (const int b : row_blocks_) {
+      const std::size_t first = blocks_[at(b)].first, size = blocks_[at(b) + 1].first - first;
+      const double* column = inverse_.data() + blocks_[at(b)].inverse;
+      for (std::size_t q = 0; q < size; ++q, column += size) {
+        double sum = 0;
+        for (std::size_t r = 0; r < size; ++r) sum += column[r] * scattered_[members_[first + r]];
+        images_.column.push_back(members_[first + q]);
+        images_.value.push_back(sum);
+      }
+    }
+    images_.begin.push_back(static_cast<int>(images_.column.size()));
+    for (auto e = at(rows_.begin[at(i)]); e < at(rows_.begin[at(i) + 1]); ++e) scattered_[place_[e]] = 0;
+  }
+  return true;
+}
+
+double SparseFace::along(Index r, const Vector& v) const {
+  double sum = 0;
+  for (auto e = at(rows_.begin[at(r)]); e < at(rows_.begin[at(r) + 1]); ++e) sum += rows_.value[e] * v[place_[e]];
+  return sum;
+}
+
+void SparseFace::push(Index r, double l, Vector& v) const {
+  if (l == 0) return;
+  for (auto e = at(images_.begin[at(r)]); e < at(images_.begin[at(r) + 1]); ++e)
+    v[images_.column[e]] += images_.value[e] * l;
+}
+
+double SparseFace::delassus(Index r, Index q) const {
+  push(q, 1, scattered_);
+  const double product = along(r, scattered_);
+  for (auto e = at(images_.begin[at(q)]); e < at(images_.begin[at(q) + 1]); ++e) scattered_[images_.column[e]] = 0;
+  return product;
 }
 
 }  // namespace zwang

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <zwang/core/problem/disjoint_sets.h>
 #include <zwang/core/problem/problem.h>
 #include <zwang/solvers/factor/cone_face.h>
 #include <zwang/solvers/factor/coupled_sum.h>
@@ -26,8 +27,14 @@ class SparseFace final : public ConeFace {
   bool takes_unsymmetric() const override { return couples_; }
   bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) override;
   void solve(Vector& x) override { coupled_ ? sum_.solve(x) : factor_.solve(x); }
+  bool divide_rows() override;
+  double along(Index r, const Vector& v) const override;
+  void push(Index r, double l, Vector& v) const override;
+  double delassus(Index r, Index q) const override;
 
  private:
+  bool invert_mass();
+
   Eigen::SparseMatrix<double> M_;
   Index cones_ = 0;
   SparseRows rows_, scaled_;
@@ -37,6 +44,16 @@ class SparseFace final : public ConeFace {
   BlockCholesky factor_;
   bool couples_ = false, coupled_ = false;  // coupled_: the factors at hand are those of sum_
   CoupledSum sum_;
+  // Of divide_rows(): the blocks of M, their unknowns and inverses (dense, one after the other), and M^-1 G' by rows.
+  struct Block {
+    std::size_t first, inverse;  // into members_ and inverse_
+  };
+  DisjointSets tied_;
+  std::vector<Block> blocks_;
+  std::vector<int> block_of_, members_, order_, row_blocks_;
+  std::vector<double> inverse_;
+  SparseRows images_;
+  mutable Vector scattered_;
   Deadline deadline_;
 };
 

@@ -19,7 +19,8 @@ struct Rung {
 constexpr Rung ladder[] = {{&ConeStarts::from_rest},        {&ConeStarts::from_warm},
                            {&ConeStarts::from_few_steps},   {&ConeStarts::from_path, 10},
                            {&ConeStarts::from_path, 0.3},   {&ConeStarts::from_start},
-                           {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems}};
+                           {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems},
+                           {&ConeStarts::from_sweeps}};
 
 End run_ladder(ConeStarts& starts, const ConeStarts::Job& job) {
   End end = End::failed;

@@ -13,10 +13,12 @@ bool ConeIteration::begin() {
   work_.promise.begin(problem_, options_, &work_.program);
   work_.v.setZero(work_.program.face().unknowns());
   work_.s.setZero(work_.program.rows());
-  if (work_.program.warm(problem_, options_.warm_start, work_.y) && work_.program.is_dense())
+  if (work_.program.warm(problem_, options_.warm_start, work_.y)) {
     work_.program.face().force(work_.y, work_.v);
-  else
+    work_.program.divide_by_mass(work_.v);
+  } else {
     work_.y.setZero();
+  }
   work_.program.slack(work_.v, work_.s);
   residual_ = work_.program.residual(work_.y, work_.s).natural;
   solution_.status = residual_ == 0 ? Status::solved : Status::iteration_limit;

@@ -50,7 +50,7 @@ class ConeProgram {
   const Vector& h() const { return h_; }
   ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
   bool is_dense() const { return dense_; }
-  void couple() { sparse_face_.couple(); }  // of sparse rows: takes_unsymmetric() from now on
+  void couple() { sparse_face_.couple(); }         // of sparse rows: takes_unsymmetric() from now on
   DenseFace& dense_face() { return dense_face_; }  // where it is
   double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
   // A motion next to which the rows' right sides are nothing: rows that contradict each other are met so, not solved.

@@ -20,6 +20,8 @@ constexpr int most_modes = 8;            // Newton steps from an iterate inside 
 constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
+// Sweeps over the contacts of sparse rows, a few a factorization's time, and Newton steps from where they are.
+constexpr int most_sweeps = 5000, sweeps_a_look = 250, most_swept = 15;
 // The gap, in the program's unit, at which a promise is first asked for, and by what it falls until the next look.
 constexpr double promising_from = 0.001;
 
@@ -192,6 +194,31 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     if (stuck) return End::failed;
     target *= tolerances::cone_deeper;
   }
+}
+
+ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
+  if (!program_.law().lifts() || program_.is_dense() || !program_.face().takes_unsymmetric()) return End::failed;
+  if (!sweeps_.begin(program_)) return End::failed;
+  Vector &v = swept_.v, &y = swept_.y;
+  v.setZero(program_.face().unknowns());
+  y = job.best.y;
+  for (Index k = 0; k < program_.cones(); ++k) y.segment<3>(3 * k) = second_order_cone::projected(y.segment<3>(3 * k));
+  program_.face().force(y, v);
+  program_.divide_by_mass(v);
+  for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
+    if (job.deadline.passed()) return End::limit;
+    sweeps_.sweep(program_, v, y);
+    if (sweep % sweeps_a_look != 0) continue;
+    modes_.v = v;
+    modes_.y = y;
+    modes_.begin(program_);
+    const double size = program_.scale(v);
+    if (!(modes_.residual.natural <= tolerances::cone_swept * size)) continue;
+    run_modes(job, tolerances::cone_exact * size, job.options.tolerance * size, most_swept);
+    if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
+    if (job.solution.iterations >= job.options.max_iterations) return End::limit;
+  }
+  return End::failed;
 }
 
 // An answer that nothing certifies yet?

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <zwang/solvers/friction/mode_newton.h>
+#include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/friction/promise.h>
 
 namespace zwang {
@@ -54,6 +55,11 @@ class ConeStarts {
   // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere. Of sparse rows the first
   // round alone, where all but nothing slides: of a heap at rest it is the answer, which the refreshed shift misses.
   End from_convex_problems(const Job& job, double start);
+  // Sparse rows under Coulomb's law that are differentiated: from the best iterate by sweeps over the contacts
+  // (nsgs.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is blocked. (A
+  // path in the lift from the convex law, 0 to 1, folds at 0.8 to 0.9; slips accelerated after Anderson stall;
+  // alternating directions come as near, but later.)
+  End from_sweeps(const Job& job, double);
   End from_inside(const Job& job, double start);  // by the interior point
 
  private:
@@ -69,7 +75,8 @@ class ConeStarts {
   InteriorPoint inside_;
   ModeNewton modes_;
   Promise promise_;
-  Best of_slips_;
+  ContactSweeps sweeps_;
+  Best of_slips_, swept_;
   Vector proof_, slips_, s_, move_, pull_;
   bool follows_ = false, quick_ = false;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share

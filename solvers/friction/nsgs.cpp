@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include <zwang/solvers/law/second_order_cone.h>
-#include <zwang/solvers/linalg/lanes.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 namespace {
-
-constexpr Index most_unknowns = 1000;
 
 // y in the standard cone with W y + b under Coulomb's law.
 Vec3 solve_contact(const Mat3& W, const Vec3& b) {
@@ -44,48 +41,53 @@ Vec3 solve_contact(const Mat3& W, const Vec3& b) {
 
 }  // namespace
 
+bool ContactSweeps::begin(ConeProgram& program) {
+  ConeFace& face = program.face();
+  if (!face.divide_rows()) return false;
+  const Index nc = program.cones();
+  block_.resize(at(nc));
+  diagonal_.resize(program.rays());
+  for (Index k = 0; k < nc; ++k)
+    for (Index i = 0; i < 3; ++i)
+      for (Index j = 0; j < 3; ++j) block_[at(k)](i, j) = face.delassus(3 * k + i, 3 * k + j);
+  for (Index r = 0; r < program.rays(); ++r) diagonal_[r] = face.delassus(3 * nc + r, 3 * nc + r);
+  return true;
+}
+
+void ContactSweeps::sweep(ConeProgram& program, Vector& v, Vector& y) const {
+  const ConeFace& face = program.face();
+  const Index nc = program.cones();
+  for (Index k = 0; k < nc; ++k) {
+    const Mat3& W = block_[at(k)];
+    Vec3 slack;
+    for (Index i = 0; i < 3; ++i) slack[i] = face.along(3 * k + i, v) - program.h()[3 * k + i];
+    const Vec3 before = y.segment<3>(3 * k), after = solve_contact(W, slack - W * before);
+    y.segment<3>(3 * k) = after;
+    for (Index i = 0; i < 3; ++i) face.push(3 * k + i, after[i] - before[i], v);
+  }
+  for (Index r = 3 * nc; r < program.rows(); ++r) {
+    if (!(diagonal_[r - 3 * nc] > 0)) continue;
+    const double slack = face.along(r, v) - program.h()[r], before = y[r];
+    y[r] -= slack / diagonal_[r - 3 * nc];
+    if (!program.is_equality(r - 3 * nc)) y[r] = std::max(0.0, y[r]);
+    face.push(r, y[r] - before, v);
+  }
+}
+
 std::string Nsgs::supports(const Problem& problem) const {
-  if (!problem.has_tangents()) return "no contact with friction";
-  return problem.size() <= most_unknowns ? "" : "more than 1000 unknowns";
+  return problem.has_tangents() ? "" : "no contact with friction";
 }
 
 void Nsgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
-  ConeProgram& program = inner.program;
-  if (!program.is_dense()) {
+  if (!sweeps.begin(inner.program)) {
     solution.status = Status::unsupported;
-    solution.message = "more than 150 unknowns and sparse rows";
+    solution.message = "M ties more than 48 unknowns to each other";
     return;
   }
-  DenseFace& face = program.dense_face();
-  Vector &v = inner.v, &y = inner.y;
-  const Index nc = program.cones(), padded = face.padded();
-  block.resize(static_cast<std::size_t>(nc));
-  diagonal.resize(program.rays());
-  for (Index k = 0; k < nc; ++k)
-    for (Index i = 0; i < 3; ++i)
-      for (Index j = 0; j < 3; ++j)
-        block[static_cast<std::size_t>(k)](i, j) = lanes::dot(face.row(3 * k + i), face.row(3 * k + j), padded);
-  for (Index r = 0; r < program.rays(); ++r)
-    diagonal[r] = lanes::dot(face.row(3 * nc + r), face.row(3 * nc + r), padded);
   while (iteration.goes_on(max_sweeps)) {
-    for (Index k = 0; k < nc; ++k) {
-      const Mat3& W = block[static_cast<std::size_t>(k)];
-      Vec3 slack;
-      for (Index i = 0; i < 3; ++i)
-        slack[i] = lanes::dot(face.row(3 * k + i), v.data(), padded) - program.h()[3 * k + i];
-      const Vec3 before = y.segment<3>(3 * k), after = solve_contact(W, slack - W * before);
-      y.segment<3>(3 * k) = after;
-      for (Index i = 0; i < 3; ++i) lanes::add(after[i] - before[i], face.row(3 * k + i), v.data(), padded);
-    }
-    for (Index r = 3 * nc; r < program.rows(); ++r) {
-      if (!(diagonal[r - 3 * nc] > 0)) continue;
-      const double slack = lanes::dot(face.row(r), v.data(), padded) - program.h()[r], before = y[r];
-      y[r] -= slack / diagonal[r - 3 * nc];
-      if (!program.is_equality(r - 3 * nc)) y[r] = std::max(0.0, y[r]);
-      lanes::add(y[r] - before, face.row(r), v.data(), padded);
-    }
+    sweeps.sweep(inner.program, inner.v, inner.y);
     if (iteration.step_done()) break;
   }
   iteration.end();

@@ -149,6 +149,8 @@ inline constexpr double cone_softness = 1e-6, cone_softest = 1e-3, cone_soften =
 inline constexpr double cone_other_frame = 0.1, cone_lost = 3e-3;
 // Of the square of the motion: what friction takes where contacts all but rest.
 inline constexpr double cone_rests = 1e-3;
+// Of the motion: a natural residual of sweeps from which Newton's method on the modes is tried.
+inline constexpr double cone_swept = 1e-3;
 // And across a slip, which may be 1e-9 of the motion beside loads of 1: at least the first, and the second times the
 // residual.
 inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;

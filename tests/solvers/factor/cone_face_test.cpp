@@ -63,6 +63,22 @@ class Faces : public testing::Test {
     face.solve(f);
     EXPECT_LE((matrix(M, G) * f.head(G.cols()) - v.head(G.cols())).norm(), rounding);
     EXPECT_GT(f.norm(), 0.001);
+    expect_single_rows(face, M, G);
+  }
+  void expect_single_rows(ConeFace& face, const Matrix& M, const Matrix& G) {
+    ASSERT_TRUE(face.divide_rows());
+    const Matrix images = M.inverse() * G.transpose();
+    Vector v = Vector::Zero(face.unknowns());
+    v.head(G.cols()) = random(G.cols(), 1);
+    for (Index r = 0; r < rows; ++r) {
+      EXPECT_NEAR(face.along(r, v), G.row(r).dot(v.head(G.cols())), rounding);
+      const Vector before = v;
+      face.push(r, 0.7, v);
+      EXPECT_LE((v.head(G.cols()) - before.head(G.cols()) - 0.7 * images.col(r)).norm(), rounding);
+      const Index q = r < 3 * cones ? r / 3 * 3 : r;  // of the same cone
+      EXPECT_NEAR(face.delassus(r, q), G.row(r).dot(images.col(q)), rounding);
+      EXPECT_NEAR(face.delassus(q, r), G.row(r).dot(images.col(q)), rounding);
+    }
   }
 
   std::mt19937 generator_{3};
@@ -117,6 +133,27 @@ TEST_F(Faces, SparseRowsInTheOrderOfElimination) {
   expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), false);
   D_ = symmetric;
   expect_rows_and_factor(face, M_(order, order), G_(Eigen::all, order), true);
+}
+
+// Rows whose images under M^-1 would be dense.
+TEST_F(Faces, RowsAreNotDividedWhereMTiesManyUnknowns) {
+  constexpr Index n = 60;
+  for (const Index tied : {Index(48), n}) {
+    Problem problem;
+    Matrix M = Matrix::Identity(n, n);
+    for (Index j = 1; j < tied; ++j) M(j, j - 1) = M(j - 1, j) = 0.25;
+    problem.M = M.sparseView();
+    problem.z_u.setZero(n);
+    SparseRows sparse;
+    for (int j = 0; j + 1 < n; ++j) {
+      sparse.column.insert(sparse.column.end(), {j, j + 1});
+      sparse.value.insert(sparse.value.end(), {1, -1});
+      sparse.begin.push_back(static_cast<int>(sparse.column.size()));
+    }
+    SparseFace face;
+    face.reset(problem, sparse, 0, {}, Deadline());
+    EXPECT_EQ(face.divide_rows(), tied == 48);
+  }
 }
 
 }  // namespace

@@ -235,8 +235,8 @@ TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
 
 // More than a thousand unknowns: by sparse LU where Coulomb's shift has to be differentiated.
 TEST(Cone, SolvesLargePilesStacksAndWallsUnderCoulombsLaw) {
-  for (const char* scene :
-       {"pile(spheres=200,mu=0.5,seed=3)", "stack(boxes=200,push=1,mu=0.5)", "wall(boxes=300,mu=0.5,push=1,seed=2)"}) {
+  for (const char* scene : {"pile(spheres=200,mu=0.5,seed=3)", "pile(spheres=250,mu=0.5,seed=3)",
+                            "stack(boxes=200,push=1,mu=0.5)", "wall(boxes=300,mu=0.5,push=1,seed=2)"}) {
     const Problem p = make_scenes(scene).at(0).problem;
     ASSERT_GT(p.size(), 1000) << scene;
     const Solution s = solve(p);

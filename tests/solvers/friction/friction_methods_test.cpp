@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstring>
 
+#include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
@@ -97,8 +98,7 @@ INSTANTIATE_TEST_SUITE_P(All, FrictionMethods,
                                          Case{"fixed_point:inner=cone:finish=off,relaxation=0.5", Law::coulomb, 20}),
                          [](const auto& i) {
                            std::string name = i.param.name;
-                           std::ranges::replace_if(
-                               name, [](char c) { return std::isalnum(c) == 0; }, '_');
+                           std::ranges::replace_if(name, [](char c) { return std::isalnum(c) == 0; }, '_');
                            return name + (i.param.law == Law::convex ? "_convex" : "_coulomb");
                          });
 
@@ -119,6 +119,26 @@ TEST(FixedPoint, TakesSolversOfTheConvexLawAlone) {
   EXPECT_NE(refusal("fixed_point:relaxation=0").find("above 0"), std::string::npos);
   EXPECT_FALSE(runs_apart("fixed_point"));
   EXPECT_TRUE(runs_apart("fixed_point:max_rounds=3,inner=ipopt"));
+}
+
+// Sparse rows: a pile, with the answer that `cone` finds, from nothing and from that answer.
+TEST(Nsgs, TakesPilesAndWarmStarts) {
+  const Problem p = make_scenes("pile(spheres=60,mu=0.5)").at(0).problem;
+  const Solution truth = make_solver("cone").solve(p);
+  ASSERT_EQ(truth.status, Status::solved);
+  AnySolver solver = make_solver("nsgs");
+  Solution s, again;
+  solver.solve(p, {.tolerance = 1e-8}, s);
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_LE((s.z - truth.z).norm(), 1e-6 * truth.z.norm());
+  const WarmStart warm{.key = p.key, .lambda = truth.lambda};
+  solver.solve(p, {.tolerance = 1e-8, .warm_start = &warm}, again);
+  ASSERT_EQ(again.status, Status::solved) << again.message;
+  EXPECT_LT(again.iterations, s.iterations);
+  const long before = allocations();
+  solver.solve(p, {.tolerance = 1e-8}, again);
+  EXPECT_EQ(allocations() - before, 0);
+  EXPECT_EQ(again.z, s.z);
 }
 
 // A sliding block meets Coulomb's law in a few rounds: it stays on the ground, where the convex law lifts it.
