@@ -140,7 +140,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   index_.clear();
   front_of_.assign(column_.size(), -1);
   std::size_t panels = 0, rests = 0, largest = 0;
-  int tallest = 0;
+  int tallest = 0, widest = 0;
   for (std::size_t f = 0; f < ranges.size(); ++f) {
     Front& front = front_[f];
     front.first = first[at(ranges[f].begin)];
@@ -157,6 +157,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
     rests += at(rest) * at(rest + 1) / 2;
     largest = std::max(largest, at(front.stride) * at(front.size));
     tallest = std::max(tallest, front.size);
+    widest = std::max(widest, front.own);
     for (int p = front.first; p < front.first + front.own; ++p) front_of_[at(p)] = static_cast<int>(f);
   }
   front_.back().index = index_.size();
@@ -164,6 +165,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   panel_.assign(panels + DenseFront::lanes, 0);
   rest_.assign(rests, 0);
   work_.assign(largest, 0);
+  scratch_.assign(at(DenseFront::scratch_for(widest)), 0);
   gathered_.assign(at(tallest) + DenseFront::lanes, 0);
 
   const int count = static_cast<int>(ranges.size());
@@ -267,7 +269,7 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
       for (int r = c; r < rest; ++r) column[into[r]] += from[r - c];
     }
   }
-  if (!DenseFront::factorize(work, front.size, front.own, front.stride, deadline)) return false;
+  if (!DenseFront::factorize(work, front.size, front.own, front.stride, scratch_.data(), deadline)) return false;
   std::copy_n(work, at(front.stride) * at(front.own), panel_.data() + front.panel);
   double* into = rest_.data() + front.rest;
   for (int c = front.own; c < front.size; ++c) into = std::copy_n(work + c * front.stride + c, front.size - c, into);

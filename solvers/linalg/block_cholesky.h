@@ -83,7 +83,7 @@ class BlockCholesky {
   std::vector<int> index_, into_parent_, child_, row_list_, front_of_, front_of_row_, part_;
   std::vector<int> local_;  // of every entry of the rows: its row in the front
   std::vector<MassEntry> mass_;
-  std::vector<double> panel_, rest_, work_, weight_;
+  std::vector<double> panel_, rest_, work_, scratch_, weight_;
   std::vector<char> dirty_, tied_, tied_before_;
   mutable std::vector<double> gathered_;
   int parts_ = 0, triples_ = 0;

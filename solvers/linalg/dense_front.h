@@ -5,6 +5,7 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/linalg/multiply_add.h>
+#include <zwang/solvers/linalg/packets.h>
 
 namespace zwang {
 
@@ -13,8 +14,9 @@ namespace zwang {
 // multiple of `lanes` at least `size`; the strict upper triangle and the padding are scratch. False on a pivot that is
 // not positive, and past the deadline.
 //
-// Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers, which is
-// what decides at the sizes met here (6 to 200).
+// Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers. That
+// decides in small fronts. In large ones each of its reads is on another page, so there the columns before a block of
+// tiles are first copied to where they are read one after the other: the same products, in the same order.
 class DenseFront {
  public:
   // As the machine's vectors: wider ones are split in two, and the sums then no longer fit into registers.
@@ -24,12 +26,20 @@ class DenseFront {
   static constexpr int lanes = 4;
 #endif
 
-  static bool factorize(double* front, int size, int own, Index stride, const Deadline& deadline) {
-    for (int j = 0; j < size;) {
-      const int width = std::min(4, (j < own ? own : size) - j);
+  // `scratch`: at least that many numbers.
+  static Index scratch_for(int own) { return Index(own) * (block + band); }
+  static bool factorize(double* front, int size, int own, Index stride, double* scratch, const Deadline& deadline) {
+    int taken = 0;  // the first columns, already taken from those up to `ready`
+    for (int j = 0, ready = 0; j < size;) {
       const int behind = std::min(j, own);
       if (static_cast<double>(behind) * size > long_tile && deadline.passed()) return false;
-      by_width(width, [&]<int columns>() { subtract<columns>(front, size, stride, j, behind); });
+      if (j >= ready && behind >= worth_a_copy) {
+        taken = behind;
+        ready = std::min(j + block, size);
+        subtract_block(front, size, stride, j, ready, behind, scratch);
+      }
+      const int width = std::min({4, (j < own ? own : size) - j, j < ready ? ready - j : 4});
+      by_width(width, [&]<int columns>() { subtract<columns>(front, size, stride, j, j < ready ? taken : 0, behind); });
       if (j < own && !finish(front, size, stride, j, width)) return false;
       j += width;
     }
@@ -76,7 +86,9 @@ class DenseFront {
   }
 
  private:
-  static constexpr double long_tile = 1e5;  // products a column: far more than a look at the clock
+  static constexpr double long_tile = 1e5;            // products a column: far more than a look at the clock
+  static constexpr int block = 32, band = 2 * lanes;  // columns and rows that a copy serves
+  static constexpr int worth_a_copy = 128;            // columns before a tile
   using Pack = Vec<double, lanes>;
 
   // part<width>() for that many columns, four at most.
@@ -88,29 +100,54 @@ class DenseFront {
     part.template operator()<1>();
   }
 
-  // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the `behind` columns before.
+  // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the columns from `first` to
+  // `behind`.
   template <int width>
-  static void subtract(double* front, int size, Index stride, int j, int behind) {
-    if (behind == 0) return;
+  static void subtract(double* front, int size, Index stride, int j, int first, int behind) {
+    if (first >= behind) return;
+    const double* const from = front + first * stride;
     int i = j / lanes * lanes;
-    for (; i + lanes < size; i += 2 * lanes) tile<width, 2>(front, stride, i, j, behind);
-    if (i < size) tile<width, 1>(front, stride, i, j, behind);
+    for (; i + lanes < size; i += 2 * lanes)
+      tile<width, 2>(front + j * stride + i, stride, from + i, from + j, stride, stride, behind - first);
+    if (i < size) tile<width, 1>(front + j * stride + i, stride, from + i, from + j, stride, stride, behind - first);
   }
 
+  // The same of columns j .. end - 1, from copies.
+  static void subtract_block(double* front, int size, Index stride, int j, int end, int behind, double* scratch) {
+    double *const across = scratch, *const left = scratch + behind * Index(block);
+    for (int p = 0; p < behind; ++p) std::copy_n(front + p * stride + j, end - j, across + p * Index(block));
+    for (int i = j / lanes * lanes; i < size; i += band) {
+      const int packs = i + lanes < size ? 2 : 1;
+      for (int p = 0; p < behind; ++p) std::copy_n(front + p * stride + i, packs * lanes, left + p * Index(band));
+      for (int c = j; c < std::min(end, i + band); c += 4)
+        by_width(end - c, [&]<int width>() {
+          double* const into = front + c * stride + i;
+          if (packs == 2)
+            tile<width, 2>(into, stride, left, across + (c - j), band, block, behind);
+          else
+            tile<width, 1>(into, stride, left, across + (c - j), band, block, behind);
+        });
+    }
+  }
+
+  // Of `width` columns, minus the products of `count` columns of `left` with as many rows of `across`.
   template <int width, int packs>
-  static void tile(double* front, Index stride, int i, int j, int behind) {
-    Pack sum[packs][width];
+  static void tile(double* into, Index stride, const double* left, const double* across, Index left_stride,
+                   Index across_stride, int count) {
+    constexpr int vectors = packs * lanes / packets::width;
+    packets::Packet sum[vectors][width];
     for (int c = 0; c < width; ++c)
-      for (int r = 0; r < packs; ++r) sum[r][c] = Eigen::Map<const Pack>(front + (j + c) * stride + i + r * lanes);
-    const double *left = front + i, *across = front + j;
-    for (int p = 0; p < behind; ++p, left += stride, across += stride) {
-      Pack l[packs];
-      for (int r = 0; r < packs; ++r) l[r] = Eigen::Map<const Pack>(left + r * lanes);
-      for (int c = 0; c < width; ++c)
-        for (int r = 0; r < packs; ++r) sum[r][c] = multiply_add(-across[c], l[r], sum[r][c]);
+      for (int r = 0; r < vectors; ++r) sum[r][c] = packets::load(into + c * stride + r * packets::width);
+    for (int p = 0; p < count; ++p, left += left_stride, across += across_stride) {
+      packets::Packet l[vectors];
+      for (int r = 0; r < vectors; ++r) l[r] = packets::negative(packets::load(left + r * packets::width));
+      for (int c = 0; c < width; ++c) {
+        const packets::Packet x = packets::all_of(across + c);
+        for (int r = 0; r < vectors; ++r) sum[r][c] = packets::multiply_add(x, l[r], sum[r][c]);
+      }
     }
     for (int c = 0; c < width; ++c)
-      for (int r = 0; r < packs; ++r) Eigen::Map<Pack>(front + (j + c) * stride + i + r * lanes) = sum[r][c];
+      for (int r = 0; r < vectors; ++r) packets::store(into + c * stride + r * packets::width, sum[r][c]);
   }
 
   // The tile's own triangle, and the rows below it.

@@ -12,6 +12,8 @@ constexpr Index width = Eigen::internal::packet_traits<double>::size;
 inline Packet load(const double* x) { return Eigen::internal::ploadu<Packet>(x); }
 inline void store(double* x, const Packet& a) { Eigen::internal::pstoreu(x, a); }
 inline Packet all(double x) { return Eigen::internal::pset1<Packet>(x); }
+inline Packet all_of(const double* x) { return Eigen::internal::pload1<Packet>(x); }  // of *x
+inline Packet negative(const Packet& a) { return Eigen::internal::pnegate(a); }
 // a b + c.
 inline Packet multiply_add(const Packet& a, const Packet& b, const Packet& c) {
   return Eigen::internal::pmadd(a, b, c);

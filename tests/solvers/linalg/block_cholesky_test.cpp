@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <random>
+#include <utility>
 
 #include <zwang/bench/timing/allocations.h>
+#include <zwang/solvers/linalg/dense_front.h>
 
 namespace zwang {
 namespace {
@@ -139,6 +142,29 @@ TEST(BlockCholesky, SaysNoToAMatrixThatIsNotPositiveDefinite) {
   for (double& weight : s.weight) weight = 1;
   ASSERT_TRUE(factor.factorize(s.M, s.rows, s.weight));
   EXPECT_LE(residual(s, factor), 1e-14);
+}
+
+// Fronts of all sizes, those with copied columns among them: the factor of the first columns, and what they leave.
+TEST(DenseFront, FactorizesTheFirstColumnsAndLeavesTheSchurComplement) {
+  for (const auto& [size, own] :
+       {std::pair{7, 7}, {31, 13}, {150, 66}, {200, 200}, {301, 201}, {330, 130}, {260, 258}}) {
+    const Matrix B = Matrix::Random(size, size), A = B * B.transpose() + size * Matrix::Identity(size, size);
+    const Index stride = (size + DenseFront::lanes - 1) / DenseFront::lanes * DenseFront::lanes;
+    Matrix front = Matrix::Zero(stride, size + 1);
+    front.topLeftCorner(size, size) = A;
+    Vector scratch(DenseFront::scratch_for(own));
+    ASSERT_TRUE(DenseFront::factorize(front.data(), size, own, stride, scratch.data(), Deadline()));
+    const Index rest = size - own;
+    Matrix L = A.topLeftCorner(own, own).llt().matrixL();
+    const Matrix below = L.triangularView<Eigen::Lower>().solve(A.bottomLeftCorner(rest, own).transpose()).transpose();
+    const Matrix left = A.bottomRightCorner(rest, rest) - below * below.transpose();
+    L.diagonal() = L.diagonal().cwiseInverse().eval();
+    const Matrix off = (front.topLeftCorner(own, own) - L).triangularView<Eigen::Lower>();
+    EXPECT_LE(off.norm(), 1e-13 * A.norm()) << size << ", " << own;
+    EXPECT_LE((front.block(own, 0, rest, own) - below).norm(), 1e-13 * A.norm()) << size << ", " << own;
+    const Matrix off_left = (front.block(own, own, rest, rest) - left).triangularView<Eigen::Lower>();
+    EXPECT_LE(off_left.norm(), 1e-13 * A.norm()) << size << ", " << own;
+  }
 }
 
 }  // namespace
