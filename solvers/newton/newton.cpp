@@ -21,7 +21,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   L_.begin(p, options, deadline, penalty);
   promise_.begin(p, options);
   const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
-  polish_.lets_go = !may_be_dense;
+  polish_.alone = !may_be_dense;
   if (L_.rests()) {
     // The answer to the last bit. An earlier frame's multipliers would be worked off to tiny numbers, not to 0.
     L_.l.setZero();

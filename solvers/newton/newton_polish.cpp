@@ -19,6 +19,7 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
   double last = infinity, length = infinity;
   bool changed = true;
   int let_go_of = 0;
+  bool stronger = false;
   for (int pass = 0; pass < most_passes; ++pass) {
     if (deadline.passed()) return false;
     L.residuals(d_, l_, force_, violation_);
@@ -30,7 +31,7 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
     changed = exchange(L, worst);
     const bool stays = !changed && settled && length <= tolerances::newton_polished * L.scale;
     const bool agrees = worst <= tolerances::violation * static_cast<double>(real_eps);
-    if (stays && !agrees && lets_go && let_go_of < most_let_go && let_go(L)) {
+    if (stays && !agrees && alone && let_go_of < most_let_go && let_go(L)) {
       ++let_go_of;
       changed = true;
       pass = 0;
@@ -44,12 +45,15 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       s.status = sure ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
-    if ((changed || pass == 0) && !L.factorize(deadline)) return false;
-    if (changed) ++s.iterations;
+    if ((changed || pass == 0 || stronger) && !L.factorize(deadline)) return false;
+    if (changed || stronger) ++s.iterations;
+    stronger = false;
     last = length;
     length = step(L);
     if (!std::isfinite(length)) return false;
-    if (!changed && last < infinity && last > tolerances::newton_telling * L.scale) L.rate = length / last;
+    if (changed || !(last < infinity && last > tolerances::newton_telling * L.scale)) continue;
+    L.rate = length / last;
+    stronger = alone && L.rate > tolerances::newton_slow && strengthen(L);
   }
   return false;
 }
@@ -89,6 +93,18 @@ bool NewtonPolish::let_go(AugmentedLagrangian& L) {
   L.weight[first] = 0;
   L.add(first, Real(-l_[first]), force_);
   l_[first] = 0;
+  return true;
+}
+
+// Rows that all but repeat each other converge slowly under a small penalty.
+bool NewtonPolish::strengthen(AugmentedLagrangian& L) {
+  constexpr double more = 100;
+  const double before = L.s;
+  L.s = std::min(more * before, tolerances::newton_largest_penalty);
+  if (L.s == before) return false;
+  for (Index i = 0; i < L.rows.rows(); ++i)
+    if (L.weight[i] != 0) L.weight[i] = L.s;
+  L.rate = 1 / (1 + L.s / before * (1 / std::min(L.rate, 1.0) - 1));
   return true;
 }
 

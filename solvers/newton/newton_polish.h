@@ -11,10 +11,10 @@ namespace zwang {
 // converges tells whether mu can be trusted.
 class NewtonPolish {
  public:
-  // Where rows repeat each other and do not agree to the last digit, one lets go after the other. Which of them decide
-  // then hangs on rounding, and the answer says so (solved_ill_conditioned). Off: run() fails there, for a method that
-  // computes with more digits.
-  bool lets_go = false;
+  // There is no other method, one that computes with more digits. Where rows repeat each other and do not agree to the
+  // last digit, one then lets go after the other (which of them decide hangs on rounding, and the answer says so:
+  // solved_ill_conditioned), and the penalty grows where rows all but repeat each other. Else run() fails there.
+  bool alone = false;
 
   // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
   // complete, and counts a step for each factorization that another active set asked for.
@@ -35,6 +35,7 @@ class NewtonPolish {
   bool certify_rows(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
   bool exchange(AugmentedLagrangian& L, double worst);
   bool let_go(AugmentedLagrangian& L);
+  bool strengthen(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
 
   AugmentedLagrangian::RealVector d_, l_, force_, violation_;

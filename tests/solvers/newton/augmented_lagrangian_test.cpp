@@ -6,6 +6,7 @@
 #include <random>
 
 #include <zwang/bench/scenes/catalog.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/newton/newton_polish.h>
 
 #include "tests/parameter_name.h"
@@ -91,6 +92,28 @@ TEST_P(Lagrangians, ThePolishTakesTheResidualsDown) {
   EXPECT_EQ(s.status, Status::solved);
   const Vector left = problem_.J.transpose() * s.lambda - problem_.M * (s.z - problem_.z_u);
   EXPECT_LE(left.norm(), 1e-12 * (problem_.M * problem_.z_u).norm());
+}
+
+// Pairs of rows a and a + 2^-9 d: under the first penalty an error shrinks to 0.8 a pass.
+TEST(NewtonPolish, RaisesThePenaltyWhereRowsAllButRepeatEachOtherAndNoOtherMethodIsLeft) {
+  for (const char* scene : {"NPI(k=9)", "NPE(k=9)"}) {
+    const Problem p = make_scenes(scene).at(0).problem;
+    const Solution truth = AnySolver(DualActiveSet()).solve(p);
+    for (const bool alone : {false, true}) {
+      AugmentedLagrangian L;
+      ASSERT_TRUE(L.rows.build(p));
+      L.begin(p, {}, Deadline(), 100);
+      L.hold_pushing(truth.z, truth.lambda, Deadline());
+      NewtonPolish polish;
+      polish.alone = alone;
+      Solution s;
+      s.reset(p.size(), p.rows());
+      ASSERT_EQ(polish.run(L, 1e-10, Deadline(), s), alone) << scene;
+      if (!alone) continue;
+      EXPECT_EQ(s.status, Status::solved) << scene;
+      EXPECT_LE((s.z - truth.z).norm(), 1e-14 * truth.z.norm()) << scene;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Newton, Lagrangians,
