@@ -1,7 +1,7 @@
 #pragma once
 
+#include <zwang/solvers/friction/contact_sweeps.h>
 #include <zwang/solvers/friction/mode_newton.h>
-#include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/friction/promise.h>
 
 namespace zwang {
@@ -56,9 +56,9 @@ class ConeStarts {
   // round alone, where all but nothing slides: of a heap at rest it is the answer, which the refreshed shift misses.
   End from_convex_problems(const Job& job, double start);
   // Sparse rows under Coulomb's law that are differentiated: from the best iterate by sweeps over the contacts
-  // (nsgs.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is blocked. (A
-  // path in the lift from the convex law, 0 to 1, folds at 0.8 to 0.9; slips accelerated after Anderson stall;
-  // alternating directions come as near, but later.)
+  // (contact_sweeps.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is
+  // blocked. (A path in the lift from the convex law, 0 to 1, folds at 0.8 to 0.9; slips accelerated after Anderson
+  // stall; alternating directions come as near, but later.)
   End from_sweeps(const Job& job, double);
   End from_inside(const Job& job, double start);  // by the interior point
 

@@ -4,28 +4,13 @@
 #include <string_view>
 
 #include <zwang/solvers/friction/cone_iteration.h>
+#include <zwang/solvers/friction/contact_sweeps.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {
 
-// Over the contacts of a cone program, one after the other, each contact's 3 x 3 problem under Coulomb's law solved
-// exactly with the others as they are: a contact that slides has u_t = -a r_t with the one a >= 0 at which |r_t| = mu
-// r_n, a root in one unknown. Then over the single rows.
-class ContactSweeps {
- public:
-  bool begin(ConeProgram& program);  // false where M ties too many unknowns to each other (cone_face.h)
-  // v = M^-1 G'y stays so.
-  void sweep(ConeProgram& program, Vector& v, Vector& y) const;
-
- private:
-  std::vector<Mat3> block_;  // of the Delassus matrix
-  Vector diagonal_;          // of the single rows
-};
-
-// Nonsmooth Gauss-Seidel (Jourdan, Alart & Jean 1998; Jean 1999, Comput. Methods Appl. Mech. Eng. 177): one contact
-// after the other, its 3 x 3 problem under Coulomb's law solved exactly. A contact that slides has u_t = -a r_t with
-// the one a >= 0 at which |r_t| = mu r_n, a root in one unknown. One iteration is one sweep. M may tie bodies to each
-// other in small groups only.
+// Nonsmooth Gauss-Seidel (Jourdan, Alart & Jean 1998; Jean 1999, Comput. Methods Appl. Mech. Eng. 177), on the sweeps of
+// contact_sweeps.h: one iteration is one sweep. M may tie unknowns to each other in small groups only.
 struct Nsgs {
   static constexpr std::string_view name = "nsgs";
   static constexpr std::array laws{Law::coulomb};

@@ -7,10 +7,10 @@ import pathlib
 import sys
 
 MAKES = ("solvers/linalg/block_cholesky", "solvers/newton/augmented_lagrangian", "solvers/newton/newton_polish",
-         "solvers/newton/newton", "solvers/first_order/pgs", "solvers/friction/nsgs")
+         "solvers/newton/newton", "solvers/first_order/pgs", "solvers/friction/contact_sweeps", "solvers/friction/nsgs")
 NEWTON = ["BlockCholesky", "AugmentedLagrangian", "NewtonPolish", "Newton"]
 NAMES = {"block_cholesky": ["BlockCholesky"], "augmented_lagrangian": NEWTON, "newton_polish": NEWTON, "newton": NEWTON,
-         "pgs": ["Pgs"], "nsgs": ["Nsgs"]}
+         "pgs": ["Pgs"], "contact_sweeps": ["ContactSweeps"], "nsgs": ["ContactSweeps", "Nsgs"]}
 EDITS = {
     "block_cholesky": [(
         "    const Front& child = front_[at(child_[k])];\n",
@@ -76,7 +76,8 @@ Vector earlier;
         ("  program.motion(lambda, y);\n  program.write(",
          "  earlier = lambda;\n  if (mutant != Mutant::stale_warm_start) program.motion(lambda, y);\n  program.write("),
     ],
-    "nsgs": [(
+    "nsgs": [],
+    "contact_sweeps": [(
         "  Vec3 y = at(0);\n", """  if (mutant == Mutant::tangent_directions) {
     Vec3 box = Vec3::Zero();  // by Gauss-Seidel
     for (int sweep = 0; sweep < 200; ++sweep)

@@ -24,6 +24,7 @@
 #define NewtonPolish NewtonPolishCopy
 #define Newton NewtonCopy
 #define Pgs PgsCopy
+#define ContactSweeps ContactSweepsCopy
 #define Nsgs NsgsCopy
 #include <zwang/solvers/first_order/pgs.h>
 #include <zwang/solvers/friction/nsgs.h>
@@ -54,7 +55,11 @@ const std::vector<std::string> names = {"none",
 
 // The copy where there is one.
 AnySolver solver_of(const std::string& name, bool copy) {
-  if (copy && name == "newton") return Newton();
+  if (copy && name == "newton") {
+    Newton newton;
+    newton.inside = false;  // no steps but those with the defect
+    return newton;
+  }
   if (copy && name == "pgs") return Pgs();
   if (copy && name == "nsgs") return Nsgs();
   return make_solver(name);
