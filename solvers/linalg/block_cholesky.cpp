@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <zwang/solvers/linalg/dense_front.h>
 #include <zwang/solvers/linalg/elimination_order.h>
 
 namespace zwang {
@@ -155,7 +154,7 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
     front.rest = rests;
     panels += at(front.stride) * at(front.own);
     rests += at(rest) * at(rest + 1) / 2;
-    largest = std::max(largest, at(front.stride) * at(front.size));
+    largest = std::max(largest, at(front.stride) * at(rest));
     tallest = std::max(tallest, front.size);
     widest = std::max(widest, front.own);
     for (int p = front.first; p < front.first + front.own; ++p) front_of_[at(p)] = static_cast<int>(f);
@@ -225,12 +224,12 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
 }
 
 // g g' of three rows of one pattern, with weights of 1.
-void BlockCholesky::add_triple(const Front& front, const SparseRows& rows, int first) {
+void BlockCholesky::add_triple(const DenseFront::Columns& into, const SparseRows& rows, int first) {
   const int begin = rows.begin[at(first)], entries = rows.begin[at(first) + 1] - begin;
   const double *const x = rows.value.data() + begin, *const y = x + entries, *const z = y + entries;
   const int* const local = local_.data() + begin;
   for (int p = 0; p < entries; ++p) {
-    double* const column = work_.data() + local[p] * front.stride;
+    double* const column = into[local[p]];
     for (int q = 0; q < entries; ++q)
       if (local[q] >= local[p]) column[local[q]] += x[p] * x[q] + y[p] * y[q] + z[p] * z[q];
   }
@@ -239,22 +238,22 @@ void BlockCholesky::add_triple(const Front& front, const SparseRows& rows, int f
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,
                               std::span<const double> weight, const Deadline& deadline) {
   const Front &front = front_[f], &after = front_[f + 1];
-  double* const work = work_.data();
-  for (int c = 0; c < front.size; ++c) std::fill(work + c * front.stride + c, work + (c + 1) * front.stride, 0.0);
+  const DenseFront::Columns into{panel_.data() + front.panel, work_.data(), front.own, front.stride};
+  for (int c = 0; c < front.size; ++c) std::fill(into[c] + c, into[c] + front.stride, 0.0);
   for (std::size_t k = front.mass; k < after.mass; ++k)
-    work[mass_[k].column * front.stride + mass_[k].row] += M.valuePtr()[mass_[k].from];
+    into[mass_[k].column][mass_[k].row] += M.valuePtr()[mass_[k].from];
   for (std::size_t k = front.row; k < after.row; ++k) {
     const int i = row_list_[k];
     if (i < 3 * triples_) {
       if (i % 3 == 0 && (weight[at(i)] != 0 || weight[at(i) + 1] != 0 || weight[at(i) + 2] != 0))
-        add_triple(front, rows, i);
+        add_triple(into, rows, i);
       continue;
     }
     if (weight[at(i)] == 0) continue;
     const int begin = rows.begin[at(i)], end = rows.begin[at(i) + 1];
     for (int p = begin; p < end; ++p) {
       const double scaled = weight[at(i)] * rows.value[at(p)];
-      double* const column = work + local_[at(p)] * front.stride;
+      double* const column = into[local_[at(p)]];
       for (int q = begin; q < end; ++q)
         if (local_[at(q)] >= local_[at(p)]) column[local_[at(q)]] += scaled * rows.value[at(q)];
     }
@@ -262,17 +261,16 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
   for (std::size_t k = front.child; k < after.child; ++k) {
     const Front& child = front_[at(child_[k])];
     const int rest = child.size - child.own;
-    const int* const into = into_parent_.data() + child.index;
+    const int* const place = into_parent_.data() + child.index;
     const double* from = rest_.data() + child.rest;
     for (int c = 0; c < rest; from += rest - c, ++c) {
-      double* const column = work + into[c] * front.stride;
-      for (int r = c; r < rest; ++r) column[into[r]] += from[r - c];
+      double* const column = into[place[c]];
+      for (int r = c; r < rest; ++r) column[place[r]] += from[r - c];
     }
   }
-  if (!DenseFront::factorize(work, front.size, front.own, front.stride, scratch_.data(), deadline)) return false;
-  std::copy_n(work, at(front.stride) * at(front.own), panel_.data() + front.panel);
-  double* into = rest_.data() + front.rest;
-  for (int c = front.own; c < front.size; ++c) into = std::copy_n(work + c * front.stride + c, front.size - c, into);
+  if (!DenseFront::factorize(into, front.size, scratch_.data(), deadline)) return false;
+  double* rest = rest_.data() + front.rest;
+  for (int c = front.own; c < front.size; ++c) rest = std::copy_n(into[c] + c, front.size - c, rest);
   return true;
 }
 

@@ -5,6 +5,7 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/core/problem/sparsity_pattern.h>
+#include <zwang/solvers/linalg/dense_front.h>
 #include <zwang/solvers/linalg/dense_storage.h>
 
 namespace zwang {
@@ -69,7 +70,7 @@ class BlockCholesky {
   void group_columns();
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);
-  void add_triple(const Front& front, const SparseRows& rows, int first);
+  void add_triple(const DenseFront::Columns& into, const SparseRows& rows, int first);
   bool factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
                  const Deadline& deadline);
 

@@ -10,9 +10,9 @@
 namespace zwang {
 
 // The first `own` steps of Cholesky's factorization of a dense symmetric matrix, in place: columns 0 .. own - 1 of the
-// lower triangle become L, its diagonal as reciprocals, the rest becomes the Schur complement. Column-major, `stride` a
-// multiple of `lanes` at least `size`; the strict upper triangle and the padding are scratch. False on a pivot that is
-// not positive, and past the deadline.
+// lower triangle become L, its diagonal as reciprocals, the others the Schur complement. The first and the other
+// columns stand apart, each column-major, `stride` a multiple of `lanes` at least `size`; the strict upper triangle and
+// the padding are scratch. False on a pivot that is not positive, and past the deadline.
 //
 // Left-looking by tiles of four columns: a tile takes all earlier columns at once, so it stays in registers. That
 // decides in small fronts. In large ones each of its reads is on another page, so there the columns before a block of
@@ -28,7 +28,14 @@ class DenseFront {
 
   // `scratch`: at least that many numbers.
   static Index scratch_for(int own) { return Index(own) * (block + band); }
-  static bool factorize(double* front, int size, int own, Index stride, double* scratch, const Deadline& deadline) {
+  struct Columns {
+    double *first, *others;
+    int own;
+    Index stride;
+    double* operator[](int c) const { return c < own ? first + c * stride : others + (c - own) * stride; }
+  };
+  static bool factorize(const Columns& columns, int size, double* scratch, const Deadline& deadline) {
+    const int own = columns.own;
     int taken = 0;  // the first columns, already taken from those up to `ready`
     for (int j = 0, ready = 0; j < size;) {
       const int behind = std::min(j, own);
@@ -36,11 +43,11 @@ class DenseFront {
       if (j >= ready && behind >= worth_a_copy) {
         taken = behind;
         ready = std::min(j + block, size);
-        subtract_block(front, size, stride, j, ready, behind, scratch);
+        subtract_block(columns, size, j, ready, behind, scratch);
       }
       const int width = std::min({4, (j < own ? own : size) - j, j < ready ? ready - j : 4});
-      by_width(width, [&]<int columns>() { subtract<columns>(front, size, stride, j, j < ready ? taken : 0, behind); });
-      if (j < own && !finish(front, size, stride, j, width)) return false;
+      by_width(width, [&]<int count>() { subtract<count>(columns, size, j, j < ready ? taken : 0, behind); });
+      if (j < own && !finish(columns.first, size, columns.stride, j, width)) return false;
       j += width;
     }
     return true;
@@ -103,30 +110,36 @@ class DenseFront {
   // Columns j .. j + width - 1, from the row of the first diagonal on: minus L L' over the columns from `first` to
   // `behind`.
   template <int width>
-  static void subtract(double* front, int size, Index stride, int j, int first, int behind) {
+  static void subtract(const Columns& columns, int size, int j, int first, int behind) {
     if (first >= behind) return;
-    const double* const from = front + first * stride;
+    const Index stride = columns.stride;
+    const double* const from = columns.first + first * stride;
+    double* const into = columns[j];
     int i = j / lanes * lanes;
     for (; i + lanes < size; i += 2 * lanes)
-      tile<width, 2>(front + j * stride + i, stride, from + i, from + j, stride, stride, behind - first);
-    if (i < size) tile<width, 1>(front + j * stride + i, stride, from + i, from + j, stride, stride, behind - first);
+      tile<width, 2>(into + i, stride, from + i, from + j, stride, stride, behind - first);
+    if (i < size) tile<width, 1>(into + i, stride, from + i, from + j, stride, stride, behind - first);
   }
 
   // The same of columns j .. end - 1, from copies.
-  static void subtract_block(double* front, int size, Index stride, int j, int end, int behind, double* scratch) {
+  static void subtract_block(const Columns& columns, int size, int j, int end, int behind, double* scratch) {
+    const Index stride = columns.stride;
     double *const across = scratch, *const left = scratch + behind * Index(block);
-    for (int p = 0; p < behind; ++p) std::copy_n(front + p * stride + j, end - j, across + p * Index(block));
+    for (int p = 0; p < behind; ++p) std::copy_n(columns.first + p * stride + j, end - j, across + p * Index(block));
     for (int i = j / lanes * lanes; i < size; i += band) {
       const int packs = i + lanes < size ? 2 : 1;
-      for (int p = 0; p < behind; ++p) std::copy_n(front + p * stride + i, packs * lanes, left + p * Index(band));
-      for (int c = j; c < std::min(end, i + band); c += 4)
-        by_width(end - c, [&]<int width>() {
-          double* const into = front + c * stride + i;
+      for (int p = 0; p < behind; ++p)
+        std::copy_n(columns.first + p * stride + i, packs * lanes, left + p * Index(band));
+      for (int c = j, width = 0; c < std::min(end, i + band); c += width) {
+        width = std::min({4, end - c, c < columns.own ? columns.own - c : 4});
+        double* const into = columns[c] + i;
+        by_width(width, [&]<int count>() {
           if (packs == 2)
-            tile<width, 2>(into, stride, left, across + (c - j), band, block, behind);
+            tile<count, 2>(into, stride, left, across + (c - j), band, block, behind);
           else
-            tile<width, 1>(into, stride, left, across + (c - j), band, block, behind);
+            tile<count, 1>(into, stride, left, across + (c - j), band, block, behind);
         });
+      }
     }
   }
 

@@ -153,7 +153,7 @@ TEST(DenseFront, FactorizesTheFirstColumnsAndLeavesTheSchurComplement) {
     Matrix front = Matrix::Zero(stride, size + 1);
     front.topLeftCorner(size, size) = A;
     Vector scratch(DenseFront::scratch_for(own));
-    ASSERT_TRUE(DenseFront::factorize(front.data(), size, own, stride, scratch.data(), Deadline()));
+    ASSERT_TRUE(DenseFront::factorize({front.data(), front.col(own).data(), own, stride}, size, scratch.data(), Deadline()));
     const Index rest = size - own;
     Matrix L = A.topLeftCorner(own, own).llt().matrixL();
     const Matrix below = L.triangularView<Eigen::Lower>().solve(A.bottomLeftCorner(rest, own).transpose()).transpose();
