@@ -254,4 +254,10 @@ void DenseFace::solve_lu(Vector& x) {
   x = ordered_;
 }
 
+double DenseFace::along(Index r, const Vector& v) const { return lanes::dot(G_.col(r).data(), v.data(), padded_); }
+
+void DenseFace::push(Index r, double l, Vector& v) const { lanes::add(l, G_.col(r).data(), v.data(), padded_); }
+
+double DenseFace::delassus(Index r, Index q) const { return lanes::dot(G_.col(r).data(), G_.col(q).data(), padded_); }
+
 }  // namespace zwang

@@ -4,7 +4,6 @@
 
 #include <zwang/solvers/factor/cone_face.h>
 #include <zwang/solvers/factor/row_lanes.h>
-#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 
@@ -27,9 +26,9 @@ class DenseFace final : public ConeFace {
   bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) override;
   void solve(Vector& x) override;
   bool divide_rows() override { return true; }
-  double along(Index r, const Vector& v) const override { return lanes::dot(G_.col(r).data(), v.data(), padded_); }
-  void push(Index r, double l, Vector& v) const override { lanes::add(l, G_.col(r).data(), v.data(), padded_); }
-  double delassus(Index r, Index q) const override { return lanes::dot(G_.col(r).data(), G_.col(q).data(), padded_); }
+  double along(Index r, const Vector& v) const override;
+  void push(Index r, double l, Vector& v) const override;
+  double delassus(Index r, Index q) const override;
 
  private:
   // A contact's three rows, or a single one, and a bit for each part of the unknowns where they have entries.

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -89,19 +90,30 @@ bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weigh
 bool SparseFace::invert_mass() {
   constexpr Index most_tied = 48;
   const Index n = unknowns();
-  tied_.reset(n);
-  for (const auto& e : mass_)
-    if (e.value != 0) tied_.join(e.row, e.column);
-  block_of_.assign(at(n), -1);
+  // The first unknown of each block, handed from neighbour to neighbour; then the blocks in that order.
+  block_of_.resize(at(n));
+  std::iota(block_of_.begin(), block_of_.end(), 0);
+  bool moves = true;
+  for (Index pass = 0; pass <= most_tied && moves; ++pass) {
+    moves = false;
+    for (const auto& e : mass_) {
+      int &a = block_of_[at(e.row)], &b = block_of_[at(e.column)];
+      if (e.value == 0 || a == b) continue;
+      a = b = std::min(a, b);
+      moves = true;
+    }
+  }
+  if (moves) return false;
   order_.assign(at(n), 0);
   blocks_.clear();
   for (Index j = 0; j < n; ++j) {
-    int& block = block_of_[at(tied_.find(j))];
-    if (block < 0) {
+    int& block = block_of_[at(j)];
+    if (block == j) {
       block = static_cast<int>(blocks_.size());
       blocks_.push_back({0, 0});
+    } else {
+      block = block_of_[at(block)];
     }
-    block_of_[at(j)] = block;
     order_[at(j)] = static_cast<int>(blocks_[at(block)].inverse++);  // counts
   }
   std::size_t members = 0, entries = 0;

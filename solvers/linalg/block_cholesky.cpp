@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <zwang/solvers/linalg/dense_front.h>
 #include <zwang/solvers/linalg/elimination_order.h>
 
 namespace zwang {
@@ -12,6 +13,17 @@ constexpr int long_front = 500;  // rows: to fill it takes milliseconds, far mor
 
 int column_end(const BlockCholesky::SparseMatrix& M, Index j) {
   return M.isCompressed() ? M.outerIndexPtr()[j + 1] : M.outerIndexPtr()[j] + M.innerNonZeroPtr()[j];
+}
+
+// g g' of three rows of one pattern, with weights of 1. local: of their entries.
+void add_triple(const SparseRows& rows, int first, const int* local, const DenseFront::Columns& into) {
+  const int begin = rows.begin[at(first)], entries = rows.begin[at(first) + 1] - begin;
+  const double *const x = rows.value.data() + begin, *const y = x + entries, *const z = y + entries;
+  for (int p = 0; p < entries; ++p) {
+    double* const column = into[local[p]];
+    for (int q = 0; q < entries; ++q)
+      if (local[q] >= local[p]) column[local[q]] += x[p] * x[q] + y[p] * y[q] + z[p] * z[q];
+  }
 }
 
 }  // namespace
@@ -223,18 +235,6 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   dirty_.assign(ranges.size(), 1);
 }
 
-// g g' of three rows of one pattern, with weights of 1.
-void BlockCholesky::add_triple(const DenseFront::Columns& into, const SparseRows& rows, int first) {
-  const int begin = rows.begin[at(first)], entries = rows.begin[at(first) + 1] - begin;
-  const double *const x = rows.value.data() + begin, *const y = x + entries, *const z = y + entries;
-  const int* const local = local_.data() + begin;
-  for (int p = 0; p < entries; ++p) {
-    double* const column = into[local[p]];
-    for (int q = 0; q < entries; ++q)
-      if (local[q] >= local[p]) column[local[q]] += x[p] * x[q] + y[p] * y[q] + z[p] * z[q];
-  }
-}
-
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,
                               std::span<const double> weight, const Deadline& deadline) {
   const Front &front = front_[f], &after = front_[f + 1];
@@ -246,7 +246,7 @@ bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const Sparse
     const int i = row_list_[k];
     if (i < 3 * triples_) {
       if (i % 3 == 0 && (weight[at(i)] != 0 || weight[at(i) + 1] != 0 || weight[at(i) + 2] != 0))
-        add_triple(into, rows, i);
+        add_triple(rows, i, local_.data() + rows.begin[at(i)], into);
       continue;
     }
     if (weight[at(i)] == 0) continue;

@@ -5,7 +5,6 @@
 
 #include <zwang/core/problem/deadline.h>
 #include <zwang/core/problem/sparsity_pattern.h>
-#include <zwang/solvers/linalg/dense_front.h>
 #include <zwang/solvers/linalg/dense_storage.h>
 
 namespace zwang {
@@ -70,7 +69,6 @@ class BlockCholesky {
   void group_columns();
   void build_fronts(const SparseMatrix& M, const SparseRows& rows, const SolveOptions& options,
                     const Deadline& deadline);
-  void add_triple(const DenseFront::Columns& into, const SparseRows& rows, int first);
   bool factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows, std::span<const double> weight,
                  const Deadline& deadline);
 

@@ -35,9 +35,9 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const auto held = cold && hold_all ? L_.hold_near(deadline) : none;
   bool all_but_known = held == known;
   if (cold && inside && polish && (held == many_left || held == none) && p.size() > ConeProgram::few_unknowns) {
-    const ConeStarts::End end = from_inside(p, options, deadline, s);
-    if (end == ConeStarts::End::written || end == ConeStarts::End::limit) return;
-    all_but_known = end == ConeStarts::End::accepted;
+    const InsideStart::End end = from_inside(p, options, deadline, s);
+    if (end == InsideStart::End::written || end == InsideStart::End::limit) return;
+    all_but_known = end == InsideStart::End::near;
   }
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
@@ -57,26 +57,15 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
                        : "the rows are too close to dependent for this method alone, or contradict each other";
 }
 
-// Written: the problem is decided, or a promise is kept. Limit: what there is stands in the solution.
-ConeStarts::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                                    Solution& s) {
-  using enum ConeStarts::End;
-  SolveOptions rough = options;
-  rough.tolerance = tolerances::newton_inside;
-  const ConeStarts::Job job{p, rough, deadline, s, starts_.best, false};
-  if (!starts_.begin(job, ConeProgram::Want::normals)) return written;
-  starts_.best.natural = infinity;
-  const ConeStarts::End end = starts_.from_inside(job, ConeStarts::first_start);
-  const bool contradicts = end == written && s.status == Status::infeasible;
-  if (contradicts && !polish_.certify_again(L_, p, deadline, s)) {
-    s.spare.certificate.set_zero(s.certificate, 0);
-    return failed;
-  }
-  if (end == written || end == failed) return end;
-  starts_.program().write(p, starts_.best.v, starts_.best.y, s);
-  if (end == accepted) L_.hold_pushing(s.z, s.lambda, deadline);
-  if (end == limit) s.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
-  return end;
+// What is said to be infeasible is certified as this method certifies it, or left to it.
+InsideStart::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+                                     Solution& s) {
+  using enum InsideStart::End;
+  const InsideStart::End end = inside_.run(p, options, deadline, s);
+  if (end == near) L_.hold_pushing(s.z, s.lambda, deadline);
+  if (end != written || s.status != Status::infeasible || polish_.certify_again(L_, p, deadline, s)) return end;
+  s.spare.certificate.set_zero(s.certificate, 0);
+  return failed;
 }
 
 // Solved: the solution is complete.

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include <zwang/solvers/active_set/dual_active_set.h>
-#include <zwang/solvers/friction/cone_starts.h>
+#include <zwang/solvers/friction/promise.h>
+#include <zwang/solvers/newton/inside_start.h>
 #include <zwang/solvers/newton/newton_polish.h>
 #include <zwang/solvers/setting.h>
 
@@ -18,7 +19,7 @@ namespace zwang {
 // the rows agree. One iteration is one Newton step.
 //
 // From nothing that takes a step for each few rows that come or go. Of many unknowns the interior point of `cone`
-// (cone_starts.h) leads to where the rows with a force can be told, in about as many steps for a heap as for a hand.
+// (inside_start.h) leads to where the rows with a force can be told, in about as many steps for a heap as for a hand.
 //
 // Where the speed of the polish (newton_polish.h) cannot be trusted (near-parallel rows, contradictions), a problem
 // small enough goes to the dual active-set method (Solution::handed_to, with its iterations); a larger one is reported
@@ -45,8 +46,8 @@ struct Newton {
  private:
   Status descend(const Problem& problem, double close, const SolveOptions& options, const Deadline& deadline,
                  Solution& solution);
-  ConeStarts::End from_inside(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
-                              Solution& solution);
+  InsideStart::End from_inside(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+                               Solution& solution);
   Status run(const Problem& problem, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
   Status run_alone(const Problem& problem, const SolveOptions& options, const Deadline& deadline, Solution& solution);
@@ -54,7 +55,7 @@ struct Newton {
   AugmentedLagrangian L_;
   NewtonPolish polish_;
   Promise promise_;
-  ConeStarts starts_;
+  InsideStart inside_;
   DualActiveSet exact_;
   Vector start_;  // d before the inner problem
 };
