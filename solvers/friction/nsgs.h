@@ -9,8 +9,8 @@
 
 namespace zwang {
 
-// Nonsmooth Gauss-Seidel (Jourdan, Alart & Jean 1998; Jean 1999, Comput. Methods Appl. Mech. Eng. 177), on the sweeps of
-// contact_sweeps.h: one iteration is one sweep. M may tie unknowns to each other in small groups only.
+// Nonsmooth Gauss-Seidel (Jourdan, Alart & Jean 1998; Jean 1999, Comput. Methods Appl. Mech. Eng. 177), on the sweeps
+// of contact_sweeps.h: one iteration is one sweep. M may tie unknowns to each other in small groups only.
 struct Nsgs {
   static constexpr std::string_view name = "nsgs";
   static constexpr std::array laws{Law::coulomb};
