@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -47,11 +46,7 @@ void SparseFace::reset(const Problem& problem, const SparseRows& rows, Index con
 }
 
 void SparseFace::slack(const Vector& v, Vector& s) const {
-  for (int i = 0; i < rows_.rows(); ++i) {
-    double sum = 0;
-    for (auto e = at(rows_.begin[at(i)]); e < at(rows_.begin[at(i) + 1]); ++e) sum += rows_.value[e] * v[place_[e]];
-    s[i] = sum;
-  }
+  for (Index i = 0; i < rows_.rows(); ++i) s[i] = along(i, v);
 }
 
 void SparseFace::force(const Vector& l, Vector& f) const {
@@ -90,31 +85,19 @@ bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weigh
 bool SparseFace::invert_mass() {
   constexpr Index most_tied = 48;
   const Index n = unknowns();
-  // The first unknown of each block, handed from neighbour to neighbour; then the blocks in that order.
-  block_of_.resize(at(n));
-  std::iota(block_of_.begin(), block_of_.end(), 0);
-  bool moves = true;
-  for (Index pass = 0; pass <= most_tied && moves; ++pass) {
-    moves = false;
-    for (const auto& e : mass_) {
-      int &a = block_of_[at(e.row)], &b = block_of_[at(e.column)];
-      if (e.value == 0 || a == b) continue;
-      a = b = std::min(a, b);
-      moves = true;
-    }
-  }
-  if (moves) return false;
+  tied_.reset(n);
+  for (const auto& e : mass_)
+    if (e.value != 0) tied_.join(e.row, e.column);
+  block_of_.assign(at(n), -1);
   order_.assign(at(n), 0);
   blocks_.clear();
   for (Index j = 0; j < n; ++j) {
-    int& block = block_of_[at(j)];
-    if (block == j) {
-      block = static_cast<int>(blocks_.size());
+    const int block = block_of_[at(j)] = block_of_[at(tied_.find(j))];  // of the first one of them
+    if (block < 0) {
+      block_of_[at(j)] = static_cast<int>(blocks_.size());
       blocks_.push_back({0, 0});
-    } else {
-      block = block_of_[at(block)];
     }
-    order_[at(j)] = static_cast<int>(blocks_[at(block)].inverse++);  // counts
+    order_[at(j)] = static_cast<int>(blocks_[at(block_of_[at(j)])].inverse++);  // counts
   }
   std::size_t members = 0, entries = 0;
   for (Block& block : blocks_) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <zwang/core/problem/disjoint_sets.h>
 #include <zwang/core/problem/problem.h>
 #include <zwang/solvers/factor/cone_face.h>
 #include <zwang/solvers/factor/coupled_sum.h>
@@ -47,6 +48,7 @@ class SparseFace final : public ConeFace {
   struct Block {
     std::size_t first, inverse;  // into members_ and inverse_
   };
+  DisjointSets tied_;
   std::vector<Block> blocks_;
   std::vector<int> block_of_, members_, order_, row_blocks_;
   std::vector<double> inverse_;

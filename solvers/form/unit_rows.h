@@ -57,6 +57,17 @@ struct UnitRows : Whitened {
     return true;
   }
 
+  // z of the columns that g leaves out, which is z_u, moved as the multipliers say.
+  void move_faint(const Vector& lambda, Vector& z) const {
+    for (const Faint& e : faint) z[e.column] += e.pull * lambda[e.row];
+  }
+
+  // A multiplier of the problem's row from that of the unit row.
+  double multiplier(Index i, Real unit) const {
+    return static_cast<double>(std::ldexp(unit / Real(row_norm[i]), exponent));
+  }
+
+ private:
   void leave_out_faint(const Problem& p) {
     constexpr double faintest = tolerances::faint_entry;
     faint.clear();
@@ -91,12 +102,6 @@ struct UnitRows : Whitened {
     g.value.resize(entries);
   }
 
-  // A multiplier of the problem's row from that of the unit row.
-  double multiplier(Index i, Real unit) const {
-    return static_cast<double>(std::ldexp(unit / Real(row_norm[i]), exponent));
-  }
-
- private:
   std::vector<char> is_faint_;  // columns
   Vector mass_;                 // diagonal of M
 };

@@ -310,6 +310,10 @@ bool ConeProgram::warm(const Problem& p, const WarmStart* warm, Vector& y) {
 
 void ConeProgram::read(const Vector& lambda, Vector& y) const {
   scale_multipliers(lambda, y);
+  cut(y);
+}
+
+void ConeProgram::cut(Vector& y) const {
   for (Index k = 0; k < cones(); ++k) y.segment<3>(3 * k) = second_order_cone::projected(y.segment<3>(3 * k));
   for (Index r = 0; r < rays(); ++r)
     if (!is_equality(r)) y[3 * cones() + r] = std::max(0.0, y[3 * cones() + r]);
@@ -354,6 +358,7 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
   s.z = p.z_u;
   if (form_ == Form::sparse) {
     for (Index j = 0; j < v.size(); ++j) s.z[sparse_face_.column(j)] += std::ldexp(v[j], exponent());
+    unit_rows_.move_faint(s.lambda, s.z);
     return;
   }
   const BodyRows& rows_of = joints_.rows();

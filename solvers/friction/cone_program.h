@@ -79,6 +79,7 @@ class ConeProgram {
   // For promises (promise.h). Multipliers of the problem's rows, cut to the cones; f := M^-1 f; and max(|z_u|_M, |z|_M)
   // at the least.
   void read(const Vector& lambda, Vector& y) const;
+  void cut(Vector& y) const;  // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
   // A length in the M-norm in its unit.

@@ -202,7 +202,7 @@ ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
   Vector &v = swept_.v, &y = swept_.y;
   v.setZero(program_.face().unknowns());
   y = job.best.y;
-  for (Index k = 0; k < program_.cones(); ++k) y.segment<3>(3 * k) = second_order_cone::projected(y.segment<3>(3 * k));
+  program_.cut(y);
   program_.face().force(y, v);
   program_.divide_by_mass(v);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {

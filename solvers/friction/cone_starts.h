@@ -57,8 +57,8 @@ class ConeStarts {
   End from_convex_problems(const Job& job, double start);
   // Sparse rows under Coulomb's law that are differentiated: from the best iterate by sweeps over the contacts
   // (contact_sweeps.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is
-  // blocked. (A path in the lift from the convex law, 0 to 1, folds at 0.8 to 0.9; slips accelerated after Anderson
-  // stall; alternating directions come as near, but later.)
+  // blocked. (A path in the lift from the convex law to Coulomb's folds on the way; slips accelerated after Anderson
+  // stall; alternating directions come as near, but later: docs/notes/stability.md.)
   End from_sweeps(const Job& job, double);
   End from_inside(const Job& job, double start);  // by the interior point
 

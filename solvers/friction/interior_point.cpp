@@ -476,9 +476,7 @@ bool InteriorPoint::proves_infeasible(ConeProgram& program, double reach, Vector
     }
     for (Index r = 0; r < program.rays(); ++r) u[3 * nc + r] -= ray_weight_[r] * ds_[3 * nc + r];
   }
-  for (Index k = 0; k < nc; ++k) u.segment<3>(3 * k) = soc::projected(u.segment<3>(3 * k));
-  for (Index r = 0; r < program.rays(); ++r)
-    if (!program.is_equality(r)) u[3 * nc + r] = std::max(0.0, u[3 * nc + r]);
+  program.cut(u);
   // |G'u| in the metric of M^-1, with M between its value and that of the factor: f'H^-1 f <= f'M^-1 f.
   program.face().force(u, force_);
   std::fill(D_.begin(), D_.end(), 0.0);

@@ -107,7 +107,7 @@ void AugmentedLagrangian::write(const Unknowns& motion, const Multipliers& multi
     const Real own = is_equality(i) ? Real(multipliers[i]) : std::max(Real(multipliers[i]), Real(0));
     solution.lambda[rows.row[at(i)]] = rows.multiplier(i, own);
   }
-  for (const UnitRows::Faint& e : rows.faint) solution.z[e.column] += e.pull * solution.lambda[e.row];
+  rows.move_faint(solution.lambda, solution.z);
 }
 
 }  // namespace zwang

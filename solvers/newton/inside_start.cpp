@@ -13,7 +13,11 @@ InsideStart::End InsideStart::run(const Problem& p, const SolveOptions& options,
   SolveOptions rough = options;
   rough.tolerance = tolerances::newton_inside;
   const ConeStarts::Job job{p, rough, deadline, s, starts_->best, false};
-  if (!starts_->begin(job, ConeProgram::Want::normals)) return End::written;
+  try {
+    if (!starts_->begin(job, ConeProgram::Want::normals)) return End::written;
+  } catch (const Stopped&) {
+    return End::failed;  // no room for a factor beside that of the method, which goes on alone; or no time
+  }
   starts_->best.natural = infinity;
   const ConeStarts::End end = starts_->from_inside(job, ConeStarts::first_start);
   if (end == ConeStarts::End::written) return End::written;

@@ -212,6 +212,11 @@ TEST(FaintColumns, AreLeftOutOfTheRowsAndWhatTheyPullIsKept) {
     EXPECT_GE(e.column % 6, 3);
     EXPECT_NEAR(e.pull * p.M.coeff(e.column, e.column), p.J.coeff(e.row, e.column), 1e-30);
   }
+  const Vector lambda = Vector::LinSpaced(p.rows(), 1, 2), force = p.J.transpose() * lambda;
+  Vector z = Vector::Zero(p.size());
+  rows.move_faint(lambda, z);
+  for (const UnitRows::Faint& e : rows.faint)
+    EXPECT_NEAR(z[e.column] * p.M.coeff(e.column, e.column), force[e.column], 1e-28);
   // A column that M ties to another stays, and so does one with a single entry above rounding.
   Problem tied = p, turned = p;
   const UnitRows::Faint& first = rows.faint.front();
