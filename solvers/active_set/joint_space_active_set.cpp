@@ -172,8 +172,10 @@ bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& de
     point_.write(form_.rows(), solution.z, solution.lambda);
   } else {
     own_y_ -= y_;
+    last_change_ += own_y_.norm();
     if (!(own_y_.norm() <= limit * std::max(y_.norm(), form_.rows().free_norm))) return refuse("an inaccurate answer");
   }
+  if (options.has_accuracy()) solution.error_bound = error_bound();
   for (const Index i : form_.inequalities()) {
     double& own = solution.lambda[form_.rows().row[at(i)]];
     own = std::max(0.0, own);
@@ -265,7 +267,7 @@ bool JointSpaceActiveSet::refine() {
   constexpr int passes = 4;
   for (int pass = 0; pass < passes; ++pass) {
     compute_residuals();
-    const double change = correct();
+    const double change = last_change_ = correct();
     const double size = y_.norm() + form_.rows().free_norm;
     // The next correction would be about change^2 / size.
     if (change * change <= std::numeric_limits<double>::epsilon() * tolerances::refined * size * size) return true;
@@ -279,6 +281,7 @@ bool JointSpaceActiveSet::refine() {
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm);
+  doubt_ = 0;
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
     const Index i = form_.inequalities()[at(j)];
@@ -290,10 +293,23 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
-    if (most <= allowed * share || share * climb_.longest_step() <= allowed) continue;
+    double moves = most / share;
+    if (!(moves <= allowed)) moves = std::min(moves, share * climb_.longest_step());
+    doubt_ += share > tolerances::exact_share ? moves : std::numeric_limits<double>::infinity();
+    if (moves <= allowed) continue;
     if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }
   return true;
+}
+
+// In exact arithmetic the last correction ends at the answer. It is counted twice for what the factors' rounding leaves
+// of it; multipliers that pull, and are cut off, move y by no more than they are.
+double JointSpaceActiveSet::error_bound() const {
+  const auto mu = mu_.head(static_cast<Index>(climb_.active().size()));
+  const double length = y_.norm(), free = form_.rows().free_norm;
+  const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + doubt_ + DenseDualActiveSet::epsilon * (length + free);
+  const double motion = std::max(free, length - free) - most;
+  return most == 0 ? 0 : motion > 0 ? most / motion : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace zwang

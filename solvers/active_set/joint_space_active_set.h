@@ -53,6 +53,7 @@ class JointSpaceActiveSet {
   void compute_residuals();
   double correct();
   bool rest_holds(double limit);
+  double error_bound() const;
   bool is_active(Index j) const {
     const Index place = place_[at(j)];
     return place >= 0 && climb_.is_active(place);
@@ -71,6 +72,8 @@ class JointSpaceActiveSet {
   BodyPoint point_;
   Motion y_, own_y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, dmu_, s_v_;
+  double last_change_ = 0;  // of the refinement
+  double doubt_ = 0;        // by how much rows outside the active set may move y; infinite where they depend on others
   std::string_view reason_;
 };
 
