@@ -113,8 +113,11 @@ inline constexpr double newton_inner = 1e-5, newton_nothing = 1e-13;
 // The line search ends where its derivative has fallen by this factor.
 inline constexpr double newton_line_search = 1e-9;
 // The penalty grows tenfold where an outer step shrinks by less than this factor, up to a largest penalty; all near
-// rows held take a penalty of their own, and are kept where they pull with less than a quarter of what they push.
-inline constexpr double newton_slow = 0.1, newton_largest_penalty = 1e10, newton_hold = 1e6, newton_few_pull = 0.25;
+// rows held take a penalty of their own (many unknowns: the second), and are kept where they pull with less than a
+// quarter of what they push. Where steps choose rows after that they take the first: under more, slacks carry rounding
+// into the choice.
+inline constexpr double newton_slow = 0.1, newton_largest_penalty = 1e10, newton_hold = 1e6, newton_hold_many = 1e9,
+                        newton_few_pull = 0.25;
 // The polish ends with a correction this small; larger ones than the second tell the rate of convergence.
 inline constexpr double newton_polished = 1e-17, newton_telling = 1e-15;
 // Bounds that keep the estimate of the smallest eigenvalue finite.

@@ -80,6 +80,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
     }
     if (polish_.run(L_, options.tolerance, deadline, s)) return Status::solved;
     L_.rate = rate;
+    L_.s = tolerances::newton_hold;
   }
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
