@@ -138,7 +138,8 @@ inline constexpr double exact_products = 3e7;     // modular ones, of the exact 
 inline constexpr Index extended_rows = 400;       // of the interior point of jointed problems in double-double
 inline constexpr Index slopes_limit = 400;        // unknowns and forces together of the proof by slopes
 inline constexpr Index searched_rows = 120;       // the same in a search for solutions, from many starts
-inline constexpr double searched_products = 4e9;  // rows^3 of all its starts together; one is always tried
+// rows^3 of all factorizations of a search, and of one chase of modes: no start and no change of modes after them.
+inline constexpr double searched_products = 2e10;
 inline constexpr Index polished_rows = 600, self_rows = 1200;  // for Newton on the modes; for self_bound with joints
 inline constexpr int refinements = 60;                         // they halve the error or end; a right guess takes three
 inline constexpr int projections = 4;      // of a certificate: each gains 16 digits until rounding in double-double

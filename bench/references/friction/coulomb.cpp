@@ -40,11 +40,10 @@ class Search {
 
   void interior_points(const SolutionSearch& search) {
     static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
-    const double products = std::pow(static_cast<double>(p_.rows()), 3);  // of a factorization
     for (int k = 0; k < search.starts && more(search); ++k) {
-      if (k > 0 && (k + 1) * products > referee::searched_products) break;
       const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
       const auto found = interior_point<double>(p_, equalities_, nullptr, {.start = start});
+      work_ += static_cast<double>(found.size()) * std::pow(static_cast<double>(p_.size()), 3) / 3;
       if (found.empty() || take(found.back(), "interior point")) continue;
       if (p_.rows() > referee::searched_rows || !more(search)) continue;
       // In double-double where it is convex: by the slips that were found.
@@ -65,7 +64,7 @@ class Search {
                               : contact.rows() > 1 && p_.slip(contact, point.x).hi > touching   ? ContactMode::slide
                                                                                                 : ContactMode::stick);
       }
-      keep(prove_near(p_, scaled_, std::move(point)), "near a given motion");
+      keep(prove(std::move(point)), "near a given motion");
     }
   }
 
@@ -76,9 +75,8 @@ class Search {
     std::vector<ContactMode> modes(count, ContactMode::open);
     for (std::size_t k = 0; k < count;) {
       if (!more(search)) return;
-      keep(prove_near(p_, scaled_,
-                      {ExtendedVector(static_cast<std::size_t>(p_.size())),
-                       ExtendedVector(static_cast<std::size_t>(p_.rows())), modes}),
+      keep(prove({ExtendedVector(static_cast<std::size_t>(p_.size())),
+                  ExtendedVector(static_cast<std::size_t>(p_.rows())), modes}),
            "choice of modes");
       for (k = 0; k < count; ++k) {
         const bool last = modes[k] == ContactMode::stick || p_.contacts[k].unit == 0;
@@ -107,7 +105,7 @@ class Search {
       ModePoint point{p_.motion(scaled_.motion(end.z)), p_.multipliers(scaled_.multipliers(end.lambda)), {}};
       for (const double cut : {referee::mode_cut, referee::coarse_mode_cut}) {
         point.modes = modes_by_size(p_, point.x, point.lambda, cut);
-        if (keep(prove_near(p_, scaled_, point), "Gauss-Seidel")) break;
+        if (keep(prove(point), "Gauss-Seidel")) break;
       }
     }
   }
@@ -120,14 +118,16 @@ class Search {
   bool more(const SolutionSearch& search) const {
     const bool exact = std::ranges::count(found, 0.0, &CoulombSolution::delta) > 0;
     const bool enough = exact || (!found.empty() && p_.rows() > referee::searched_rows);
-    return (search.all || !enough) && !search.deadline.passed();
+    return (search.all || !enough) && work_ <= referee::searched_products && !search.deadline.passed();
   }
 
+  ModeProof prove(ModePoint guess) { return prove_near(p_, scaled_, std::move(guess), &work_); }
+
   bool take(const InteriorAnswer& answer, const char* method) {
-    if (keep(prove_near(p_, scaled_, {answer.x, answer.lambda, answer.modes}), method)) return true;
+    if (keep(prove({answer.x, answer.lambda, answer.modes}), method)) return true;
     // Modes by size instead, cut at the contact's own scale.
     ModePoint point{answer.x, answer.lambda, modes_by_size(p_, answer.x, answer.lambda, referee::mode_cut)};
-    return point.modes != answer.modes && keep(prove_near(p_, scaled_, point), method);
+    return point.modes != answer.modes && work_ <= referee::searched_products && keep(prove(point), method);
   }
 
   bool keep(const ModeProof& proof, const char* method) {
@@ -173,6 +173,7 @@ class Search {
   const Problem& problem_;
   const ScaledProblem& scaled_;
   ContactProblem p_;
+  double work_ = 0;
   std::vector<Index> equalities_;
   std::vector<ExtendedVector> points_;
   std::vector<double> radii_;

@@ -32,12 +32,21 @@ class ExtendedSymmetric {
     const auto i = static_cast<std::size_t>(row), j = static_cast<std::size_t>(column);
     put(i, j, entry(i, j) + value);
   }
+  // left right', symmetric, at the top left.
+  void add_product(const Matrix& left, const MatrixX<DoubleDouble>& right) {
+    const std::vector<double> nothing(n_);
+    for (Index k = 0; k < left.cols(); ++k)
+      for (Index j = 0; j < left.rows(); ++j)
+        subtract(left.col(k).data(), nothing.data(), -right(j, k), static_cast<std::size_t>(j),
+                 static_cast<std::size_t>(left.rows()));
+  }
 
   // In place. False where a pivot has the wrong sign.
   bool factorize() {
     for (std::size_t j = 0; j < n_; ++j) {
       for (std::size_t k = 0; k < j; ++k)
-        if (const DoubleDouble factor = entry(j, k); factor.hi != 0) subtract(k, k < positive_ ? factor : -factor, j);
+        if (const DoubleDouble factor = entry(j, k); factor.hi != 0)
+          subtract(&high_[k * n_], &low_[k * n_], k < positive_ ? factor : -factor, j, n_);
       const DoubleDouble pivot = signed_by(j, entry(j, j));
       if (!(pivot.hi > 0) || !std::isfinite(pivot.hi)) return false;
       const DoubleDouble root = sqrt(pivot);
@@ -68,12 +77,11 @@ class ExtendedSymmetric {
     high_[i + j * n_] = value.hi;
     low_[i + j * n_] = value.lo;
   }
-  // Column j from its diagonal on: -= column k of L times the factor.
-  void subtract(std::size_t k, const DoubleDouble& factor, std::size_t j) {
-    const double *b_high = &high_[k * n_], *b_low = &low_[k * n_];
+  // Column j from its diagonal to `end`: -= a column b times the factor.
+  void subtract(const double* b_high, const double* b_low, const DoubleDouble& factor, std::size_t j, std::size_t end) {
     double* __restrict high = &high_[j * n_];
     double* __restrict low = &low_[j * n_];
-    for (std::size_t i = j; i < n_; ++i) {
+    for (std::size_t i = j; i < end; ++i) {
       const double product = b_high[i] * -factor.hi, rest = std::fma(b_high[i], -factor.hi, -product);
       const double sum = high[i] + product, part = sum - high[i];
       low[i] += ((high[i] - (sum - part)) + (product - part)) + (rest - (b_high[i] * factor.lo + b_low[i] * factor.hi));

@@ -19,6 +19,9 @@ class DenseSystem {
   DenseSystem(Index positive, Index negative) : A_(positive + negative, positive + negative) {}
   void set_zero() { A_.setZero(); }
   void add(Index row, Index column, double value) { A_(row, column) += value; }
+  void add_product(const Matrix& left, const Matrix& right) {
+    A_.topLeftCorner(left.rows(), left.rows()).noalias() += left * right.transpose();
+  }
   bool factorize() {
     lu_.compute(A_);
     return true;
@@ -46,6 +49,7 @@ class InteriorPoint {
       VectorX<DoubleDouble> unit = VectorX<DoubleDouble>::Ones(contact.rows());
       if (contact.rows() > 1) unit[0] /= contact.mu;
       unit_.push_back(unit);
+      rows_ += contact.rows();
       lift_.push_back((sigma && contact.rows() > 1 ? (*sigma)[c] : DoubleDouble()) - unit[0] * (inward * contact.unit));
     }
   }
@@ -155,22 +159,47 @@ class InteriorPoint {
     for (std::size_t k = 0; k < s.size() && turns_; ++k) s[k][0] += turn_[k].dot(s[k]);
   }
 
+  // Rows of many entries, as of a large problem in Delassus form, are multiplied as a matrix.
+  bool is_full() {
+    constexpr Index few = 100, share = 4;
+    const Index n = p_.size();
+    if (n < few || share * p_.J.nonZeros() < p_.rows() * n) return false;
+    if (full_.cols() == rows_) return true;
+    full_.setZero(n, rows_);
+    weighted_.resize(n, rows_);
+    Index at = 0;
+    for (std::size_t k = 0; k < cones_.size(); ++k)
+      for (Index t = 0; t < contact_of(k).rows(); ++t, ++at)
+        for (SparseRow it(p_.J, contact_of(k).row + t); it; ++it) full_(it.col(), at) = it.value();
+    return true;
+  }
+
   bool factorize(const std::vector<NesterovTodd<Real>>& scaling) {
     system_.set_zero();
     for (Index j = 0; j < p_.size(); ++j)
       for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it) system_.add(it.row(), j, Real(it.value()));
+    const bool full = is_full();
+    Index first = 0;
     for (std::size_t k = 0; k < cones_.size(); ++k) {
       MatrixX<Real> weight = scaling[k].square();
       if (turns_) weight += (weight.col(0) * turn_[k].transpose()).eval();
       for (Index a = 0; a < weight.rows(); ++a)
+        for (Index b = 0; b < weight.cols(); ++b) weight(a, b) *= static_cast<Real>(unit_[k][a] * unit_[k][b]);
+      if (full) {
+        const auto own = full_.middleCols(first, weight.rows()).template cast<Real>();
+        weighted_.middleCols(first, weight.rows()).noalias() = own.lazyProduct(weight.transpose());
+        first += weight.rows();
+      }
+      for (Index a = 0; a < weight.rows() && !full; ++a)
         for (Index b = 0; b < weight.cols(); ++b) {
-          const Real factor = weight(a, b) * static_cast<Real>(unit_[k][a] * unit_[k][b]);
-          for (SparseRow i(p_.J, contact_of(k).row + a); i; ++i)
-            for (SparseRow j(p_.J, contact_of(k).row + b); j; ++j)
+          const Real factor = weight(a, b);
+          for (SparseRow j(p_.J, contact_of(k).row + b); j; ++j)
+            for (SparseRow i(p_.J, contact_of(k).row + a); i; ++i)
               system_.add(i.col(), j.col(),
                           factor * static_cast<Real>(DoubleDouble::exact_product(i.value(), j.value())));
         }
     }
+    if (full) system_.add_product(full_, weighted_);
     for (std::size_t e = 0; e < equalities_.size(); ++e)
       for (SparseRow it(p_.J, equalities_[e]); it; ++it) {
         const Index at = p_.size() + static_cast<Index>(e);
@@ -243,6 +272,9 @@ class InteriorPoint {
   const ContactProblem& p_;
   std::span<const Index> equalities_;
   bool turns_;
+  Index rows_ = 0;                           // of all cones
+  Matrix full_;                              // those by columns
+  MatrixX<Real> weighted_;                   // of C'P^2 T
   std::vector<std::size_t> cones_;           // contacts
   std::vector<VectorX<DoubleDouble>> unit_;  // what a row is multiplied by
   ExtendedVector lift_;                      // what is added to each first one

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/core/referee/tolerances.h>
@@ -23,13 +24,10 @@ struct Part {
   std::vector<Index> rows, columns, dropped_rows, frozen;
 };
 
-Part independent_part(const ModeSystem& system, const Eigen::LLT<Matrix>& mass, double threshold) {
+Part independent_part(Eigen::FullPivLU<Matrix>& lu, Index count, double threshold) {
   Part part;
-  const auto count = static_cast<Index>(system.active.size());
   if (count == 0) return part;
-  Eigen::FullPivLU<Matrix> lu;
   lu.setThreshold(threshold);
-  lu.compute(system.coupling(mass));
   const Index rank = lu.rank();
   for (Index k = 0; k < count; ++k) {
     // P A Q = L U: row k of P A is row i of A with P.indices()[i] = k.
@@ -42,15 +40,12 @@ Part independent_part(const ModeSystem& system, const Eigen::LLT<Matrix>& mass, 
 
 class Krawczyk {
  public:
-  Krawczyk(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point)
-      : p_(problem), scaled_(scaled), point_(point), system_(problem, point, nullptr) {}
+  Krawczyk(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point, const ModeSystem& system,
+           const Part& part)
+      : p_(problem), scaled_(scaled), point_(point), system_(system), part_(part) {}
 
-  ModeProof prove(double threshold) {
+  ModeProof prove() {
     ModeProof proof{.point = point_};
-    if (!system_.usable || !p_.exact) return proof;
-    const Eigen::LLT<Matrix> mass(system_.H);
-    if (mass.info() != Eigen::Success) return proof;
-    part_ = independent_part(system_, mass, threshold);
     const Index n = p_.size(), rank = static_cast<Index>(part_.rows.size()), N = n + rank;
     for (const Index k : part_.frozen) {  // a double, so that its value has a place among exact equations
       DoubleDouble& l = point_.lambda[static_cast<std::size_t>(system_.active[static_cast<std::size_t>(k)].row)];
@@ -442,14 +437,15 @@ class Krawczyk {
 
 }  // namespace
 
-ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess) {
+ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess, double* work) {
+  double own_work = 0;
   ModeProof best{.point = guess};
   std::vector<std::vector<ContactMode>> tried;
   int last_digits = mode_changes_by_last_digits;
-  for (int round = 0; round < mode_changes; ++round) {
+  for (int round = 0; round < mode_changes && own_work <= referee::searched_products; ++round) {
     if (std::ranges::find(tried, guess.modes) != tried.end()) break;
     tried.push_back(guess.modes);
-    const double left = polish(problem, guess);
+    const double left = polish(problem, guess, nullptr, &own_work);
     if (left < referee::polished) {
       ModeProof proof = prove_modes(problem, scaled, guess);
       if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
@@ -460,13 +456,24 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
     guess = best.point;
     if (!change_modes(problem, guess, 0)) break;
   }
+  if (work) *work += own_work;
   return best;
 }
 
 ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point) {
   ModeProof best{.point = point};
+  const ModeSystem system(problem, point, nullptr);
+  if (!system.usable || !problem.exact) return best;
+  const Eigen::LLT<Matrix> mass(system.H);
+  if (mass.info() != Eigen::Success) return best;
+  const auto count = static_cast<Index>(system.active.size());
+  Eigen::FullPivLU<Matrix> lu;
+  if (count > 0) lu.compute(system.coupling(mass));
+  std::size_t rank = static_cast<std::size_t>(count) + 1;
   for (const double threshold : referee::independent_pivots) {
-    ModeProof proof = Krawczyk(problem, scaled, point).prove(threshold);
+    const Part part = independent_part(lu, count, threshold);
+    if (part.rows.size() == std::exchange(rank, part.rows.size())) continue;
+    ModeProof proof = Krawczyk(problem, scaled, point, system, part).prove();
     if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
     if (best.proven && best.delta == 0) break;
   }

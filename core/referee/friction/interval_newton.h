@@ -27,8 +27,10 @@ struct ModeProof {
   bool continuum = false;  // proven: strict, delta = 0, and z moves as multipliers that are free to change do
 };
 
-// The same from a guess: polished first, and with the modes changed that do not hold.
-ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess);
+// The same from a guess: polished first, and with the modes changed that do not hold, as long as that takes less than
+// referee::searched_products. work: what it took is added.
+ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess,
+                     double* work = nullptr);
 
 ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <zwang/core/referee/tolerances.h>
 
@@ -108,12 +110,16 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     }
     if (contact.rows() < 3) continue;
     // (I - tau tau') = nu nu' in two dimensions, nu = (-tau_2, tau_1).
-    Eigen::RowVectorXd across = Eigen::RowVectorXd::Zero(p.size());
+    std::vector<std::pair<Index, double>> across;
     for (Index t = 1; t < 3; ++t)
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, contact.row + t); it; ++it)
-        across[it.col()] += (t == 1 ? -direction[c][1] : direction[c][0]) * it.value();
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, contact.row + t); it; ++it) {
+        const double part = (t == 1 ? -direction[c][1] : direction[c][0]) * it.value();
+        const auto own = std::ranges::find(across, it.col(), &std::pair<Index, double>::first);
+        own == across.end() ? void(across.emplace_back(it.col(), part)) : void(own->second += part);
+      }
     const double weight = contact.mu * std::max(0.0, point.lambda[static_cast<std::size_t>(contact.row)].hi) / slip.hi;
-    H += weight * across.transpose() * across;
+    for (const auto& [i, a] : across)
+      for (const auto& [j, b] : across) H(i, j) += weight * a * b;
   }
   N = columns.transpose();
   if (sigma) {
@@ -177,7 +183,7 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
   return changed;
 }
 
-double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* sigma) {
+double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* sigma, double* work) {
   double least = infinity, last = infinity;
   ModePoint best = point;
   std::optional<ModeSystem> system;
@@ -185,14 +191,16 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
   Eigen::CompleteOrthogonalDecomposition<Matrix> rows;
   rows.setThreshold(referee::mode_pivot);
   int without_gain = 0;
+  const bool turns = std::ranges::count(point.modes, ContactMode::slide) > 0;  // else the system is always the same
   for (int step = 0; step < newton_steps; ++step) {
     if (!settle_forces(p, point)) break;
-    if (!system || last > referee::refine_below) {
+    if (!system || (turns && last > referee::refine_below)) {
       system.emplace(p, point, sigma);
       if (!system->usable) break;
       mass.compute(system->H);
       if (mass.info() != Eigen::Success) break;
       if (!system->active.empty()) rows.compute(system->coupling(mass));
+      if (work) *work += std::pow(static_cast<double>(system->active.size()), 3);
     }
     const Residual r = residual_of(*system, point);
     if (!r.finite) break;

@@ -54,7 +54,8 @@ struct ModeSystem {
 
 // Newton's method with minimum-norm steps, residuals in double-double. Returns the largest residual that is left,
 // relative to the motion; infinity where it breaks down. Slide keeps l_t on the cone's edge against the slip.
-double polish(const ContactProblem& problem, ModePoint& point, const ExtendedVector* sigma = nullptr);
+double polish(const ContactProblem& problem, ModePoint& point, const ExtendedVector* sigma = nullptr,
+              double* work = nullptr);
 
 // Gives the contacts whose modes are off by more than `holds` at the point the modes that would hold; false where all
 // do.
