@@ -57,7 +57,7 @@ double AugmentedLagrangian::distance(const Vector& from) {
 
 // In a wall almost all rows push in the end, and from d = 0 the method takes ten steps and more to find that out.
 AugmentedLagrangian::Held AugmentedLagrangian::hold_near(const Deadline& deadline) {
-  for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? hold_penalty() : 0;
+  for (Index i = 0; i < rows.rows(); ++i) weight[i] = is_equality(i) || h_[i] > -1 ? hold_penalty : 0;
   const Held held = hold(deadline);
   if (held != Held::none) return held;
   d.setZero();
@@ -75,7 +75,7 @@ void AugmentedLagrangian::hold_pushing(const Vector& z, const Vector& lambda, co
     for (Index i = 0; i < rows.rows(); ++i) {
       l[i] = rows.unit_multiplier(i, lambda[rows.row[at(i)]]);
       if (!is_equality(i) && !(l[i] > -violation(i))) l[i] = 0;
-      weight[i] = is_equality(i) || l[i] > 0 ? hold_penalty() : 0;
+      weight[i] = is_equality(i) || l[i] > 0 ? hold_penalty : 0;
     }
   };
   read();
@@ -126,7 +126,7 @@ AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
     if (!is_equality(i)) l[i] = std::max(l[i], 0.0);
   scale = std::max(rows.free_norm, mass_norm(d));
   const bool many = 100 * pulling > rows.rows();
-  s = settles && !many ? hold_penalty() : tolerances::newton_hold;
+  s = settles && !many ? hold_penalty : tolerances::newton_hold;
   if (many) return Held::many_left;
   return settles ? Held::known : Held::few_left;
 }

@@ -25,8 +25,9 @@ class AugmentedLagrangian {
   Vector d, l;    // the iterate
   Vector weight;  // of the rows: s in A, else 0
   double s = 0;
-  double rate = 1;   // by which an exact step of l shrinks the error, as last seen
-  double scale = 0;  // max(|z_u|_M, |d|_M), as of the last step of d
+  double hold_penalty = tolerances::newton_hold;  // s while near rows are held
+  double rate = 1;                                // by which an exact step of l shrinks the error, as last seen
+  double scale = 0;                               // max(|z_u|_M, |d|_M), as of the last step of d
 
   // d = 0, and l of an earlier frame. The problem is kept until the next begin().
   void begin(const Problem& problem, const SolveOptions& options, const Deadline& deadline, double penalty);
@@ -82,10 +83,6 @@ class AugmentedLagrangian {
   std::size_t entries(Index i) const { return static_cast<std::size_t>(rows.g.begin[at(i)]); }
   Part& part_of(Index unknown) { return part_[at(factor_.part_of_position(static_cast<int>(unknown)))]; }
   void multiply_mass(const Vector& x, Vector& y) const;
-  double hold_penalty() const {
-    constexpr Index few = 150;
-    return unknowns() > few ? tolerances::newton_hold_many : tolerances::newton_hold;
-  }
   Held hold(const Deadline& deadline);
   void search();
 

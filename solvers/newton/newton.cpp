@@ -19,6 +19,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   if (!begin(L_.rows, p, options, deadline, s)) return;
   L_.begin(p, options, deadline, penalty);
+  L_.hold_penalty = L_.unknowns() > ConeProgram::few_unknowns ? tolerances::newton_hold_many : tolerances::newton_hold;
   promise_.begin(p, options);
   const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;

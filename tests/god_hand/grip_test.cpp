@@ -88,8 +88,9 @@ TEST(Grip, SoftPadsPressAsSpringsInSeries) {
       EXPECT_LE(p.error, 1e-12) << stiffness << " " << rate;
       EXPECT_EQ(p.returned, 0) << stiffness << " " << rate;
       const double least = weight / (2 * press);
-      // Nearer to the least friction contacts slide in turn before they rest, for how long depends on the last digits.
-      EXPECT_LE(pinch(1.3 * least, rate, false, 2, stiffness).creep, 1e-6) << stiffness << " " << rate;
+      // So near the least friction contacts slide in turn before they rest, for how long depends on the last digits.
+      EXPECT_LE(pinch(1.1 * least, rate, false, 5, stiffness).creep, 1e-6) << stiffness << " " << rate;
+      EXPECT_LE(pinch(1.3 * least, rate, false, 1, stiffness).creep, 1e-6) << stiffness << " " << rate;
       EXPECT_GT(pinch(0.95 * least, rate, false, 1, stiffness).fallen, 10 * p.fallen) << stiffness << " " << rate;
     }
 }

@@ -49,9 +49,9 @@ class InteriorPoint {
       VectorX<DoubleDouble> unit = VectorX<DoubleDouble>::Ones(contact.rows());
       if (contact.rows() > 1) unit[0] /= contact.mu;
       unit_.push_back(unit);
-      rows_ += contact.rows();
       lift_.push_back((sigma && contact.rows() > 1 ? (*sigma)[c] : DoubleDouble()) - unit[0] * (inward * contact.unit));
     }
+    take_full_rows();
   }
 
   std::vector<InteriorAnswer> solve(const InteriorOptions& options) {
@@ -95,6 +95,21 @@ class InteriorPoint {
  private:
   using Block = VectorX<Real>;  // of one contact: rows N / mu, T1, T2
   using Blocks = std::vector<Block>;
+
+  // Rows of many entries, as of a large problem in Delassus form, are multiplied as a matrix.
+  void take_full_rows() {
+    constexpr Index few = 100, share = 4;
+    const Index n = p_.size();
+    if (n < few || share * p_.J.nonZeros() < p_.rows() * n) return;
+    Index rows = 0;
+    for (const std::size_t c : cones_) rows += p_.contacts[c].rows();
+    full_.setZero(n, rows);
+    weighted_.resize(n, rows);
+    Index at = 0;
+    for (std::size_t k = 0; k < cones_.size(); ++k)
+      for (Index t = 0; t < contact_of(k).rows(); ++t, ++at)
+        for (SparseRow it(p_.J, contact_of(k).row + t); it; ++it) full_(it.col(), at) = it.value();
+  }
 
   const ContactRows& contact_of(std::size_t cone) const { return p_.contacts[cones_[cone]]; }
 
@@ -159,26 +174,11 @@ class InteriorPoint {
     for (std::size_t k = 0; k < s.size() && turns_; ++k) s[k][0] += turn_[k].dot(s[k]);
   }
 
-  // Rows of many entries, as of a large problem in Delassus form, are multiplied as a matrix.
-  bool is_full() {
-    constexpr Index few = 100, share = 4;
-    const Index n = p_.size();
-    if (n < few || share * p_.J.nonZeros() < p_.rows() * n) return false;
-    if (full_.cols() == rows_) return true;
-    full_.setZero(n, rows_);
-    weighted_.resize(n, rows_);
-    Index at = 0;
-    for (std::size_t k = 0; k < cones_.size(); ++k)
-      for (Index t = 0; t < contact_of(k).rows(); ++t, ++at)
-        for (SparseRow it(p_.J, contact_of(k).row + t); it; ++it) full_(it.col(), at) = it.value();
-    return true;
-  }
-
   bool factorize(const std::vector<NesterovTodd<Real>>& scaling) {
     system_.set_zero();
     for (Index j = 0; j < p_.size(); ++j)
       for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it) system_.add(it.row(), j, Real(it.value()));
-    const bool full = is_full();
+    const bool full = full_.size() > 0;
     Index first = 0;
     for (std::size_t k = 0; k < cones_.size(); ++k) {
       MatrixX<Real> weight = scaling[k].square();
@@ -272,8 +272,7 @@ class InteriorPoint {
   const ContactProblem& p_;
   std::span<const Index> equalities_;
   bool turns_;
-  Index rows_ = 0;                           // of all cones
-  Matrix full_;                              // those by columns
+  Matrix full_;                              // rows of all cones by columns, or none
   MatrixX<Real> weighted_;                   // of C'P^2 T
   std::vector<std::size_t> cones_;           // contacts
   std::vector<VectorX<DoubleDouble>> unit_;  // what a row is multiplied by
