@@ -82,8 +82,7 @@ class ConeProgram {
   void cut(Vector& y) const;  // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
-  // A length in the M-norm in its unit.
-  double in_own_unit(double length) const { return std::ldexp(length, -exponent()); }
+  int exponent() const;  // lengths are in units of 2^exponent
 
   // Multipliers of an earlier frame; false where there are none.
   bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
@@ -104,7 +103,6 @@ class ConeProgram {
   void scale_multipliers(const Vector& lambda, Vector& y) const;
   void joint_multipliers(Vector& lambda, int exponent);
   double row_norm(Index unit) const;
-  int exponent() const;
 
   Form form_ = Form::whitened;
   ConeLaw law_;

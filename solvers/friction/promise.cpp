@@ -47,6 +47,12 @@ void Promise::begin(const Problem& problem, const SolveOptions& options, ConePro
   next_look_ = share * price_;
 }
 
+double Promise::enough(double motion, int exponent) const {
+  if (failed_) return 0;
+  return options_->speed_accuracy > 0 ? std::ldexp(options_->speed_accuracy * std::sqrt(lightest_), -exponent)
+                                      : options_->accuracy * motion;
+}
+
 bool Promise::is_due(double work) {
   if (!options_->has_accuracy() || failed_ || work < next_look_) return false;
   if (!ready_ && (!prepare() || work < share * (spent_ + price_))) return false;
@@ -142,15 +148,13 @@ Promise::Bound Promise::look() {
     if (!met && !(missed <= before)) break;  // it runs away
     before = missed;
     if (!met || !distance()) continue;
-    const double enough = options_->speed_accuracy > 0
-                              ? program_->in_own_unit(options_->speed_accuracy * std::sqrt(lightest_))
-                              : options_->accuracy * program_->least_motion(v_);
     const double first = far(still + rounding * size, 0);
-    if (!(first <= enough)) continue;
+    if (!(first <= enough(program_->least_motion(v_), program_->exponent()))) continue;
     const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
     if (!(most < infinity && (motion > 0 || most == 0))) break;
     out.relative = most > 0 ? most / motion : 0;
-    out.is_enough = options_->speed_accuracy > 0 ? most <= enough : out.relative <= options_->accuracy;
+    out.is_enough = options_->speed_accuracy > 0 ? most <= enough(motion, program_->exponent())
+                                                 : out.relative <= options_->accuracy;
     break;
   }
   return out;

@@ -27,6 +27,8 @@ class Promise {
   // Costs nothing where no accuracy is asked for. `rows`: the program of this problem that a method works with; a look
   // leaves another factor in its face. Else one is built for the first look. All three are kept until the next begin().
   void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows = nullptr);
+  // What was asked for of a motion of that length, both in the M-norm in units of 2^exponent. 0: nothing, or not known.
+  double enough(double motion, int exponent) const;
   // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
   bool is_due(double work);
   // From the problem's multipliers, or those of `rows`. Where the bound is what was asked for, the solution is

@@ -50,6 +50,13 @@ double AugmentedLagrangian::mass_norm(const Vector& x) {
   return std::sqrt(std::max(0.0, work_.dot(x)));
 }
 
+double AugmentedLagrangian::force_norm(const Vector& f) {
+  columns_.setZero(problem_->size());
+  for (Index j = 0; j < unknowns(); ++j) columns_[factor_.column(static_cast<int>(j))] = f[j];
+  rows.factor.solve_lower(columns_);
+  return columns_.norm();
+}
+
 double AugmentedLagrangian::distance(const Vector& from) {
   step_ = d - from;
   return mass_norm(step_);

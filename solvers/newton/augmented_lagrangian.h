@@ -65,6 +65,7 @@ class AugmentedLagrangian {
   }
   void solve(Vector& x) const { factor_.solve(x); }
   double mass_norm(const Vector& x);
+  double force_norm(const Vector& f);  // |f|_(M^-1)
   // J'l - M d and h - G d, from the problem's stored doubles.
   void residuals(const RealVector& far_d, const RealVector& far_l, RealVector& force, RealVector& violation) const;
   // z and lambda of any d and l.
@@ -91,7 +92,7 @@ class AugmentedLagrangian {
   BlockCholesky factor_;
   std::vector<int> place_;       // of every entry of the rows: its column's position
   std::vector<MassEntry> mass_;  // of M, by position, both triangles
-  Vector step_, force_, product_, work_;
+  Vector step_, force_, product_, work_, columns_;
   Vector h_, term_, change_;  // rows: term_ = l + s (h - G d), change_ = G step
   std::vector<Part> part_;
 };

@@ -12,6 +12,7 @@ InsideStart::End InsideStart::run(const Problem& p, const SolveOptions& options,
                                   Solution& s) {
   SolveOptions rough = options;
   rough.tolerance = tolerances::newton_inside;
+  rough.accuracy = rough.speed_accuracy = 0;  // the polish promises for less
   const ConeStarts::Job job{p, rough, deadline, s, starts_->best, false};
   try {
     if (!starts_->begin(job, ConeProgram::Want::normals)) return End::written;

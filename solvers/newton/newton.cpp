@@ -21,6 +21,9 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   L_.begin(p, options, deadline, penalty);
   L_.hold_penalty = L_.unknowns() > ConeProgram::few_unknowns ? tolerances::newton_hold_many : tolerances::newton_hold;
   promise_.begin(p, options);
+  const bool bounds = options.has_accuracy() && L_.unknowns() > ConeProgram::few_unknowns &&
+                      std::ranges::find(L_.rows.equality, char(1)) == L_.rows.equality.end();
+  polish_.enough = bounds ? promise_.enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;
   if (L_.rests()) {
@@ -124,7 +127,7 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
     }
     const double gain = L_.step_multipliers(), move = L_.distance(start_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
-    if (options.has_accuracy() && move <= promising * L_.scale) {
+    if (options.has_accuracy() && polish_.enough == 0 && move <= promising * L_.scale) {
       L_.write(L_.d, L_.l, s);
       if (promise_.holds(s.lambda, s)) return Status::solved;
       promising = promising_from * move / L_.scale;

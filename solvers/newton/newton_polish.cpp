@@ -15,6 +15,7 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
   const Index k = L.rows.rows();
   d_ = L.d.cast<Real>();
   l_ = L.l.cast<Real>();
+  if (enough > 0) open(L);
   for (Index i = 0; i < k; ++i) L.weight[i] = L.is_equality(i) || L.l[i] > 0 ? L.s : 0;
   double last = infinity, length = infinity;
   bool changed = true;
@@ -29,6 +30,7 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       if (L.weight[i] != 0)
         worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (L.rows.magnitude[i] + L.scale));
     changed = exchange(L, worst);
+    const double most = enough > 0 ? bound(L) : infinity;
     const bool stays = !changed && settled && length <= tolerances::newton_polished * L.scale;
     const bool agrees = worst <= tolerances::violation * static_cast<double>(real_eps);
     if (stays && !agrees && alone && let_go_of < most_let_go && let_go(L)) {
@@ -36,12 +38,13 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       changed = true;
       pass = 0;
     }
-    if (stays && agrees) {
+    if (most <= enough || (stays && agrees)) {
       L.write(d_, l_, s);
       s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
       const double error = length + worst * L.scale / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
-      const bool sure = let_go_of == 0 && error <= accepted_error(tolerance) * L.scale;
+      const bool sure = most <= enough || (let_go_of == 0 && error <= accepted_error(tolerance) * L.scale);
+      if (most < infinity) s.error_bound = most / L.rows.free_norm;
       s.status = sure ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
@@ -118,6 +121,38 @@ double NewtonPolish::step(AugmentedLagrangian& L) {
   for (Index i = 0; i < L.rows.rows(); ++i)
     if (L.weight[i] != 0) l_[i] += Real(L.s) * (violation_[i] - Real(L.dot(i, step_)));
   return L.mass_norm(step_);
+}
+
+void NewtonPolish::open(AugmentedLagrangian& L) {
+  step_.setZero(L.unknowns());
+  for (Index i = 0; i < L.rows.rows(); ++i)
+    if (L.weight[i] != 0) L.add(i, L.weight[i], step_);
+  L.solve(step_);
+  open_.resize(L.rows.rows());
+  for (Index i = 0; i < open_.size(); ++i) open_[i] = L.dot(i, step_);
+  open_length_ = L.mass_norm(step_);
+}
+
+// |d - d*|_M at most, d* the answer, by the duality of Promise at a point that meets all rows: d moved along open_ as
+// far as any row is violated, or rounding hides. No force of the answer needs to be known for that, and rows may repeat
+// each other. Infinite where open_ does not open them.
+double NewtonPolish::bound(AugmentedLagrangian& L) {
+  const auto hidden = [&](Index i) {
+    return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
+  };
+  double way = 0, gap = 0;
+  for (Index i = 0; i < open_.size(); ++i)
+    if (const double most = hidden(i); most > 0) way = open_[i] > 0 ? std::max(way, most / open_[i]) : infinity;
+  step_ = force_.cast<double>();
+  for (Index i = 0; i < open_.size(); ++i) {
+    if (open_[i] < 0 && hidden(i) > way * open_[i]) return infinity;
+    const auto push = static_cast<double>(l_[i]);
+    if (push < 0) L.add(i, -push, step_);
+    if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
+  }
+  const double apart = way * open_length_, half = (L.force_norm(step_) + apart) / 2;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  return apart + half + std::sqrt(half * half + gap) + tolerances::rank * eps * L.scale;
 }
 
 bool NewtonPolish::judge(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& s) {

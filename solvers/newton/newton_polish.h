@@ -15,6 +15,8 @@ class NewtonPolish {
   // last digit, one then lets go after the other (which of them decide hangs on rounding, and the answer says so:
   // solved_ill_conditioned), and the penalty grows where rows all but repeat each other. Else run() fails there.
   bool alone = false;
+  // The error that is enough, in the M-norm in the unit of L; 0: the least. Only where no row is an equality row.
+  double enough = 0;
 
   // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
   // complete, and counts a step for each factorization that another active set asked for.
@@ -37,9 +39,13 @@ class NewtonPolish {
   bool let_go(AugmentedLagrangian& L);
   bool strengthen(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
+  void open(AugmentedLagrangian& L);
+  double bound(AugmentedLagrangian& L);
 
   AugmentedLagrangian::RealVector d_, l_, force_, violation_;
   Vector step_, unit_;
+  Vector open_;             // of the rows: how far a motion opens them that is to open all that are held by 1
+  double open_length_ = 0;  // of that motion
   ExtendedPolish<FactorReal> proof_;
 };
 

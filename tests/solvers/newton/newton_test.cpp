@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
@@ -41,6 +42,25 @@ TEST(Newton, PushedWallsAgreeWithTheDualActiveSet) {
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     ASSERT_EQ(truth.status, Status::solved) << scene << ": " << truth.message;
     EXPECT_LE(z_error(problem, s.z, truth.z), 1e-12) << scene;
+  }
+}
+
+// One factor serves the steps and the bound, so an accuracy is asked for without a price, and ends the polish earlier.
+TEST(Newton, PromisesOfManyUnknownsAreKeptAndEndThePolish) {
+  for (const char* scene :
+       {"wall(boxes=60,push=2)", "stack(boxes=60,push=2)", "tower(boxes=60)", "pile(spheres=60,mass_ratio=1024)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    AnySolver newton = Newton(), exact = DualActiveSet();
+    const Vector truth = solve(exact, problem).z;
+    int steps = std::numeric_limits<int>::max();
+    for (const double accuracy : {1e-9, 1e-6, 1e-3, 0.1}) {
+      const Solution s = newton.solve(problem, {.accuracy = accuracy});
+      ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+      EXPECT_LE(s.error_bound, std::max(accuracy, 1e-5)) << scene;
+      EXPECT_LE(z_error(problem, s.z, truth), s.error_bound) << scene << ", asked for " << accuracy;
+      EXPECT_LE(s.iterations, steps) << scene;
+      steps = s.iterations;
+    }
   }
 }
 
