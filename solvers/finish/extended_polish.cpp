@@ -46,7 +46,7 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   z_number_ = 0;
   share_.resize(at(k));
   for (Index i = 0; i < k; ++i) b_[i] = violation(p, w, i);
-  z_u_length_ = w.free.norm();
+  z_u_length_ = w.free_norm;
 }
 
 // What the residuals at (z_, l_) ask for: of y in r1_, of the multipliers in r2_. Returns its length: that of y, or of

@@ -19,7 +19,6 @@ struct UnitRows : Whitened {
 
   SparseRows g;           // k rows, columns of M
   VectorX<Real> exact_h;  // k: h from the stored doubles
-  double free_norm = 0;   // |z_u|_M
   struct Faint {
     Index row;  // of the problem
     int column;
@@ -30,7 +29,6 @@ struct UnitRows : Whitened {
   bool build(const Problem& problem, const Deadline& deadline = Deadline(), const SolveOptions& options = {}) {
     if (!Whitened::build(problem, deadline, options, false)) return false;
     const Preparation preparing;
-    free_norm = free.norm();
     magnitude = magnitude.cwiseMin(tolerances::horizon);
     exact_h.resize(rows());
     const Real unit = std::ldexp(Real(1), -exponent);

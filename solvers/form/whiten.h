@@ -43,6 +43,7 @@ struct BasicWhitened {
   std::vector<Index> idle;     // the problem's zero rows that hold trivially
   Index conflict = -1;         // a zero row that cannot hold, or -1
   VectorX<Scalar> free;        // n: Q z_u, in units of 2^exponent
+  Scalar free_norm{0};         // its length
   int exponent = 0;
   SparseCholesky<Scalar> factor;  // P M P' = L L', Q = L' P
 
@@ -296,7 +297,8 @@ bool BasicWhitened<Scalar>::build(const BasicProblem<Scalar>& p, const Deadline&
 
   if (n > 0) factor.multiply_upper(free);
   for (Index i = 0; i < n; ++i) free[i] = ldexp(free[i], z_exponent - exponent);
-  const Scalar free_norm = free.norm();
+  // Its squares may underflow, next to rows of 1e300. With a length of 0 any rounding in a row once was a proof.
+  free_norm = n > 0 ? std::max<Scalar>(free.norm(), free.template lpNorm<Eigen::Infinity>()) : Scalar(0);
   for (Index i = 0; i < k; ++i) {
     const PowerOfTwo shift(shift_[i] - exponent);
     h[i] = shift * h[i];

@@ -205,7 +205,7 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
     if (!begin(whitened_, p, options, deadline, solution) || !collect(p, whitened_, solution)) return false;
     const Preparation preparing;
     fill_dense();
-    free_norm_ = whitened_.free.norm();
+    free_norm_ = whitened_.free_norm;
   } else {
     if (!begin(unit_rows_, p, options, deadline, solution) || !collect(p, unit_rows_, solution)) return false;
     const Preparation preparing;

@@ -122,6 +122,11 @@ inline constexpr double newton_slow = 0.1, newton_largest_penalty = 1e10, newton
 inline constexpr double newton_polished = 1e-17, newton_telling = 1e-15;
 // Bounds that keep the estimate of the smallest eigenvalue finite.
 inline constexpr double newton_least_rate = 1e-16, newton_least_eigenvalue = 1e-300;
+// Of the motion: a bound on the error above which rows depend on each other so nearly that another method is asked.
+inline constexpr double newton_doubt = 1e-4;
+// A motion that was to open rows by 1 opens those that others do not all but determine by more; one that was to move
+// equality rows by up to 1 misses those that are clearly independent by less.
+inline constexpr double newton_unmoved = 1.0 / 32;
 // Of the largest: smaller violations have no part in a Farkas vector.
 inline constexpr double newton_part = 1e-9;
 

@@ -83,6 +83,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
       options.observe(s.iterations, s.z, s.lambda);
     }
     if (polish_.run(L_, options.tolerance, deadline, s)) return Status::solved;
+    if (polish_.doubtful) return Status::numerical_failure;
     L_.rate = rate;
     L_.s = tolerances::newton_hold;
   }
@@ -90,6 +91,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
     const Status end = descend(p, close, options, deadline, s);
     if (end != Status::solved || !std::isnan(s.error_bound)) return end;
     if (polish_.run(L_, options.tolerance, deadline, s)) return end;
+    if (polish_.doubtful) break;
   }
   return Status::numerical_failure;
 }

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/problem/mix_bits.h>
+
 namespace zwang {
 namespace {
 
 constexpr int most_passes = 40, most_let_go = 30;
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
+
+// In (-1, 1).
+double random_part(Index i) {
+  return std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -52) - 1;
+}
 
 }  // namespace
 
@@ -15,7 +22,8 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
   const Index k = L.rows.rows();
   d_ = L.d.cast<Real>();
   l_ = L.l.cast<Real>();
-  if (enough > 0) open(L);
+  doubtful = false;
+  if (enough > 0) open(L, false);
   for (Index i = 0; i < k; ++i) L.weight[i] = L.is_equality(i) || L.l[i] > 0 ? L.s : 0;
   double last = infinity, length = infinity;
   bool changed = true;
@@ -39,6 +47,10 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       pass = 0;
     }
     if (most <= enough || (stays && agrees)) {
+      if (!alone && enough == 0) {
+        doubtful = is_doubtful(L);
+        if (doubtful) return false;
+      }
       L.write(d_, l_, s);
       s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
@@ -123,36 +135,82 @@ double NewtonPolish::step(AugmentedLagrangian& L) {
   return L.mass_norm(step_);
 }
 
-void NewtonPolish::open(AugmentedLagrangian& L) {
+// A motion that is to open the rows that are held, or to move the equality rows at random.
+void NewtonPolish::open(AugmentedLagrangian& L, bool equality) {
+  aim_.setZero(L.rows.rows());
+  open_.resize(aim_.size());
   step_.setZero(L.unknowns());
-  for (Index i = 0; i < L.rows.rows(); ++i)
-    if (L.weight[i] != 0) L.add(i, L.weight[i], step_);
+  for (Index i = 0; i < aim_.size(); ++i) {
+    if (L.weight[i] == 0 || L.is_equality(i) != equality) continue;
+    aim_[i] = equality ? random_part(i) : 1;
+    L.add(i, L.weight[i] * aim_[i], step_);
+  }
   L.solve(step_);
-  open_.resize(L.rows.rows());
   for (Index i = 0; i < open_.size(); ++i) open_[i] = L.dot(i, step_);
   open_length_ = L.mass_norm(step_);
 }
 
+// What the row may be violated by, rounding in the widest scalar being what it is.
+double NewtonPolish::hidden(const AugmentedLagrangian& L, Index i) const {
+  return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
+}
+
 // |d - d*|_M at most, d* the answer, by the duality of Promise at a point that meets all rows: d moved along open_ as
 // far as any row is violated, or rounding hides. No force of the answer needs to be known for that, and rows may repeat
-// each other. Infinite where open_ does not open them.
+// each other. Infinite where open_ does not open them. Equality rows have no say: beside them it is no bound.
 double NewtonPolish::bound(AugmentedLagrangian& L) {
-  const auto hidden = [&](Index i) {
-    return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
-  };
+  constexpr double eps = std::numeric_limits<double>::epsilon();
   double way = 0, gap = 0;
   for (Index i = 0; i < open_.size(); ++i)
-    if (const double most = hidden(i); most > 0) way = open_[i] > 0 ? std::max(way, most / open_[i]) : infinity;
+    if (const double most = hidden(L, i); most > 0 && !L.is_equality(i))
+      way = open_[i] > 0 ? std::max(way, most / open_[i]) : infinity;
   step_ = force_.cast<double>();
   for (Index i = 0; i < open_.size(); ++i) {
-    if (open_[i] < 0 && hidden(i) > way * open_[i]) return infinity;
+    if (L.is_equality(i)) continue;
+    if (open_[i] < 0 && hidden(L, i) > way * open_[i]) return infinity;
     const auto push = static_cast<double>(l_[i]);
     if (push < 0) L.add(i, -push, step_);
     if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
   }
   const double apart = way * open_length_, half = (L.force_norm(step_) + apart) / 2;
-  constexpr double eps = std::numeric_limits<double>::epsilon();
   return apart + half + std::sqrt(half * half + gap) + tolerances::rank * eps * L.scale;
+}
+
+// Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the
+// rate of convergence does not tell: what it would be seen by is below rounding from the start. A motion that cannot
+// open the rows, or move equality rows at will, does tell; of equality rows that depend on each other exactly, which do
+// no harm, the combination that is zero is found then.
+bool NewtonPolish::is_doubtful(AugmentedLagrangian& L) {
+  open(L, false);
+  if (!(bound(L) <= tolerances::newton_doubt * L.scale)) return true;
+  for (Index i = 0; i < open_.size(); ++i)
+    if (!L.is_equality(i) && hidden(L, i) > 0 && !(open_[i] > tolerances::newton_unmoved)) return true;
+  open(L, true);
+  combination_.setZero(open_.size());
+  for (Index i = 0; i < open_.size(); ++i)
+    if (L.is_equality(i)) combination_[i] = aim_[i] - open_[i];
+  const auto is_there = [&] { return combination_.lpNorm<Eigen::Infinity>() > tolerances::newton_unmoved; };
+  if (!is_there()) return false;
+  contract(L, combination_);
+  if (!is_there()) return false;
+  step_ = force_.cast<double>();
+  if (L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps)) return true;
+  const Real terms = combination_.cwiseAbs().dot(violation_.cwiseAbs());
+  return std::abs(combination_.dot(violation_)) > real_eps * terms;
+}
+
+// What of u moves bodies is taken out of it; force_ = G'u then.
+void NewtonPolish::contract(AugmentedLagrangian& L, RealVector& u) {
+  constexpr int passes = 12;
+  nothing_.setZero(L.unknowns());
+  for (int pass = 0;; ++pass) {
+    L.residuals(nothing_, u, force_, violation_);
+    if (pass == passes) return;
+    step_ = force_.cast<double>();
+    L.solve(step_);
+    for (Index i = 0; i < u.size(); ++i)
+      if (L.weight[i] != 0) u[i] -= Real(L.s * L.dot(i, step_));
+  }
 }
 
 bool NewtonPolish::judge(AugmentedLagrangian& L, double tolerance, const Deadline& deadline, Solution& s) {
@@ -180,20 +238,13 @@ bool NewtonPolish::certify_again(AugmentedLagrangian& L, const Problem& p, const
 }
 
 bool NewtonPolish::certify_rows(AugmentedLagrangian& L, const Problem& p, const Deadline& deadline, Solution& s) {
-  const Index k = L.rows.rows();
-  d_.setZero(L.unknowns());
   const Real least = Real(tolerances::newton_part) * l_.lpNorm<Eigen::Infinity>();
-  for (Index i = 0; i < k; ++i) {
+  for (Index i = 0; i < l_.size(); ++i) {
     if (std::abs(l_[i]) <= least) l_[i] = 0;
     L.weight[i] = l_[i] != 0 ? L.s : 0;
   }
   if (!L.factorize(deadline)) return false;
-  for (int pass = 0; pass < 12; ++pass) {
-    L.residuals(d_, l_, force_, violation_);
-    violation_.setZero();  // what is left of G'l is all that counts
-    step(L);
-    d_.setZero();
-  }
+  contract(L, l_);
   unit_ = l_.cast<double>();
   return proof_.certify(p, L.rows, unit_, s);
 }

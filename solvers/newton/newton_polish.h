@@ -17,6 +17,7 @@ class NewtonPolish {
   bool alone = false;
   // The error that is enough, in the M-norm in the unit of L; 0: the least. Only where no row is an equality row.
   double enough = 0;
+  bool doubtful = false;  // run() has settled, but on rows which so nearly depend on each other that it may not be so
 
   // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
   // complete, and counts a step for each factorization that another active set asked for.
@@ -33,18 +34,22 @@ class NewtonPolish {
 
  private:
   using Real = AugmentedLagrangian::Real;
+  using RealVector = AugmentedLagrangian::RealVector;
 
   bool certify_rows(AugmentedLagrangian& L, const Problem& problem, const Deadline& deadline, Solution& solution);
   bool exchange(AugmentedLagrangian& L, double worst);
   bool let_go(AugmentedLagrangian& L);
   bool strengthen(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
-  void open(AugmentedLagrangian& L);
+  void open(AugmentedLagrangian& L, bool equality);
+  double hidden(const AugmentedLagrangian& L, Index i) const;
   double bound(AugmentedLagrangian& L);
+  bool is_doubtful(AugmentedLagrangian& L);
+  void contract(AugmentedLagrangian& L, RealVector& u);
 
-  AugmentedLagrangian::RealVector d_, l_, force_, violation_;
+  RealVector d_, l_, force_, violation_, combination_, nothing_;
   Vector step_, unit_;
-  Vector open_;             // of the rows: how far a motion opens them that is to open all that are held by 1
+  Vector aim_, open_;  // of the rows: how far the motion of open() should open them, and how far it does
   double open_length_ = 0;  // of that motion
   ExtendedPolish<FactorReal> proof_;
 };
