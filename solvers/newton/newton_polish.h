@@ -49,7 +49,7 @@ class NewtonPolish {
 
   RealVector d_, l_, force_, violation_, combination_, nothing_;
   Vector step_, unit_;
-  Vector aim_, open_;  // of the rows: how far the motion of open() should open them, and how far it does
+  Vector aim_, open_;       // of the rows: how far the motion of open() should open them, and how far it does
   double open_length_ = 0;  // of that motion
   ExtendedPolish<FactorReal> proof_;
 };

@@ -26,8 +26,8 @@ class Fuzz : public testing::Test {
   }
   static void expect_no_fault(const FuzzOutcome& o) {
     for (const Finding& f : o.findings)
-      ADD_FAILURE() << "problem " << f.number << ", " << f.solver << " " << f.what << "\n  ./zwang solve "
-                    << f.file << " --solver " << f.solver;
+      ADD_FAILURE() << "problem " << f.number << ", " << f.solver << " " << f.what << "\n  ./zwang solve " << f.file
+                    << " --solver " << f.solver;
   }
   void TearDown() override {
     if (!HasFailure()) std::filesystem::remove_all(directory);
