@@ -87,16 +87,13 @@ bool Promise::prepare() {
 bool Promise::holds(const Vector& lambda, Solution& solution) {
   if (!options_->has_accuracy() || !prepare()) return false;
   program_->read(lambda, y_);
-  return keep(look(), solution);
+  return holds_at(y_, solution);
 }
 
 bool Promise::holds_at(const Vector& y, Solution& solution) {
   if (!options_->has_accuracy() || !prepare()) return false;
   y_ = y;
-  return keep(look(), solution);
-}
-
-bool Promise::keep(const Bound& bound, Solution& solution) {
+  const Bound bound = look();
   if (!bound.is_enough) return false;
   program_->write(*problem_, v_, y_, solution);
   solution.error_bound = bound.relative;

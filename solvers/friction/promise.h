@@ -48,7 +48,6 @@ class Promise {
 
   bool prepare();
   Bound look();
-  bool keep(const Bound& bound, Solution& solution);
   bool choose();
   bool factorize();
   void linearize(Index k, double* D);

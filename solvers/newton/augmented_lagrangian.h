@@ -74,7 +74,8 @@ class AugmentedLagrangian {
 
  private:
   struct MassEntry {
-    int row, column, from;
+    int row, column;
+    double value;
   };
   struct Part {  // of the line search
     double zero = 0, linear = 0, quadratic = 0, step = 1, low = 0, high = 0, derivative = 0, slope = 0;

@@ -19,10 +19,11 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   if (!begin(L_.rows, p, options, deadline, s)) return;
   L_.begin(p, options, deadline, penalty);
-  L_.hold_penalty = L_.unknowns() > ConeProgram::few_unknowns ? tolerances::newton_hold_many : tolerances::newton_hold;
+  const bool many = L_.unknowns() > ConeProgram::few_unknowns;
+  L_.hold_penalty = many ? tolerances::newton_hold_many : tolerances::newton_hold;
   promise_.begin(p, options);
-  const bool bounds = options.has_accuracy() && L_.unknowns() > ConeProgram::few_unknowns &&
-                      std::ranges::find(L_.rows.equality, char(1)) == L_.rows.equality.end();
+  const bool bounds =
+      options.has_accuracy() && many && L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
   polish_.enough = bounds ? promise_.enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;

@@ -3,18 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/core/problem/mix_bits.h>
-
 namespace zwang {
 namespace {
 
 constexpr int most_passes = 40, most_let_go = 30;
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
-
-// In (-1, 1).
-double random_part(Index i) {
-  return std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -52) - 1;
-}
 
 }  // namespace
 
@@ -47,10 +40,8 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       pass = 0;
     }
     if (most <= enough || (stays && agrees)) {
-      if (!alone && enough == 0) {
-        doubtful = is_doubtful(L);
-        if (doubtful) return false;
-      }
+      doubtful = !alone && !(most <= enough) && is_doubtful(L);
+      if (doubtful) return false;
       L.write(d_, l_, s);
       s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
@@ -135,24 +126,22 @@ double NewtonPolish::step(AugmentedLagrangian& L) {
   return L.mass_norm(step_);
 }
 
-// A motion that is to open the rows that are held, or to move the equality rows at random.
+// A motion that is to open the rows that are held by 1, or to move the equality rows, by as many different parts of 1.
 void NewtonPolish::open(AugmentedLagrangian& L, bool equality) {
-  aim_.setZero(L.rows.rows());
-  open_.resize(aim_.size());
+  missed_.setZero(L.rows.rows());
   step_.setZero(L.unknowns());
-  for (Index i = 0; i < aim_.size(); ++i) {
+  for (Index i = 0; i < missed_.size(); ++i) {
     if (L.weight[i] == 0 || L.is_equality(i) != equality) continue;
-    aim_[i] = equality ? random_part(i) : 1;
-    L.add(i, L.weight[i] * aim_[i], step_);
+    missed_[i] = equality ? std::sin(static_cast<double>(i + 1)) : 1;
+    L.add(i, L.weight[i] * static_cast<double>(missed_[i]), step_);
   }
   L.solve(step_);
-  for (Index i = 0; i < open_.size(); ++i) open_[i] = L.dot(i, step_);
+  open_.resize(missed_.size());
+  for (Index i = 0; i < open_.size(); ++i) {
+    open_[i] = L.dot(i, step_);
+    if (missed_[i] != 0) missed_[i] -= open_[i];
+  }
   open_length_ = L.mass_norm(step_);
-}
-
-// What the row may be violated by, rounding in the widest scalar being what it is.
-double NewtonPolish::hidden(const AugmentedLagrangian& L, Index i) const {
-  return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
 }
 
 // |d - d*|_M at most, d* the answer, by the duality of Promise at a point that meets all rows: d moved along open_ as
@@ -160,14 +149,17 @@ double NewtonPolish::hidden(const AugmentedLagrangian& L, Index i) const {
 // each other. Infinite where open_ does not open them. Equality rows have no say: beside them it is no bound.
 double NewtonPolish::bound(AugmentedLagrangian& L) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
+  const auto hidden = [&](Index i) {
+    return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
+  };
   double way = 0, gap = 0;
   for (Index i = 0; i < open_.size(); ++i)
-    if (const double most = hidden(L, i); most > 0 && !L.is_equality(i))
-      way = open_[i] > 0 ? std::max(way, most / open_[i]) : infinity;
+    if (const double most = hidden(i); most > 0 && !L.is_equality(i))
+      way = open_[i] > tolerances::newton_unmoved ? std::max(way, most / open_[i]) : infinity;
   step_ = force_.cast<double>();
   for (Index i = 0; i < open_.size(); ++i) {
     if (L.is_equality(i)) continue;
-    if (open_[i] < 0 && hidden(L, i) > way * open_[i]) return infinity;
+    if (open_[i] < 0 && hidden(i) > way * open_[i]) return infinity;
     const auto push = static_cast<double>(l_[i]);
     if (push < 0) L.add(i, -push, step_);
     if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
@@ -183,23 +175,18 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
 bool NewtonPolish::is_doubtful(AugmentedLagrangian& L) {
   open(L, false);
   if (!(bound(L) <= tolerances::newton_doubt * L.scale)) return true;
-  for (Index i = 0; i < open_.size(); ++i)
-    if (!L.is_equality(i) && hidden(L, i) > 0 && !(open_[i] > tolerances::newton_unmoved)) return true;
   open(L, true);
-  combination_.setZero(open_.size());
-  for (Index i = 0; i < open_.size(); ++i)
-    if (L.is_equality(i)) combination_[i] = aim_[i] - open_[i];
-  const auto is_there = [&] { return combination_.lpNorm<Eigen::Infinity>() > tolerances::newton_unmoved; };
+  const auto is_there = [&] { return missed_.lpNorm<Eigen::Infinity>() > tolerances::newton_unmoved; };
   if (!is_there()) return false;
-  contract(L, combination_);
+  contract(L, missed_);
   if (!is_there()) return false;
   step_ = force_.cast<double>();
   if (L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps)) return true;
-  const Real terms = combination_.cwiseAbs().dot(violation_.cwiseAbs());
-  return std::abs(combination_.dot(violation_)) > real_eps * terms;
+  const Real terms = missed_.cwiseAbs().dot(violation_.cwiseAbs());
+  return std::abs(missed_.dot(violation_)) > real_eps * terms;
 }
 
-// What of u moves bodies is taken out of it; force_ = G'u then.
+// What of u moves bodies is taken out of it; then force_ = G'u, violation_ = h.
 void NewtonPolish::contract(AugmentedLagrangian& L, RealVector& u) {
   constexpr int passes = 12;
   nothing_.setZero(L.unknowns());
@@ -209,7 +196,7 @@ void NewtonPolish::contract(AugmentedLagrangian& L, RealVector& u) {
     step_ = force_.cast<double>();
     L.solve(step_);
     for (Index i = 0; i < u.size(); ++i)
-      if (L.weight[i] != 0) u[i] -= Real(L.s * L.dot(i, step_));
+      if (L.weight[i] != 0) u[i] -= Real(L.s) * Real(L.dot(i, step_));
   }
 }
 

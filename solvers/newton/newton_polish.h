@@ -42,15 +42,16 @@ class NewtonPolish {
   bool strengthen(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
   void open(AugmentedLagrangian& L, bool equality);
-  double hidden(const AugmentedLagrangian& L, Index i) const;
   double bound(AugmentedLagrangian& L);
   bool is_doubtful(AugmentedLagrangian& L);
   void contract(AugmentedLagrangian& L, RealVector& u);
 
-  RealVector d_, l_, force_, violation_, combination_, nothing_;
+  RealVector d_, l_, force_, violation_, nothing_;
   Vector step_, unit_;
-  Vector aim_, open_;       // of the rows: how far the motion of open() should open them, and how far it does
-  double open_length_ = 0;  // of that motion
+  // Of the rows: how far the motion of open() opens them, and by how much it misses its aim. Its length.
+  Vector open_;
+  RealVector missed_;
+  double open_length_ = 0;
   ExtendedPolish<FactorReal> proof_;
 };
 

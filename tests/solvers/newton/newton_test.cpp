@@ -64,6 +64,19 @@ TEST(Newton, PromisesOfManyUnknownsAreKeptAndEndThePolish) {
   }
 }
 
+// What is promised of a speed is returned relative to the motion, of which z_u is no measure here.
+TEST(Newton, PromisesOfASpeedHoldFromRest) {
+  Problem problem = make_scenes("stack(boxes=60)").front().problem;
+  problem.z_u.setZero();
+  problem.c.setConstant(1);
+  AnySolver newton = Newton(), exact = DualActiveSet();
+  const Solution s = newton.solve(problem, {.speed_accuracy = 1e-3});
+  ASSERT_EQ(s.status, Status::solved) << s.message;
+  EXPECT_FALSE(std::isinf(s.error_bound));
+  const Vector truth = solve(exact, problem).z;
+  for (Index b = 0; b < problem.size(); b += 6) EXPECT_LE((s.z - truth).segment<3>(b).norm(), 1e-3);
+}
+
 // Rows that let go one by one take the method alone a step each few of them.
 TEST(Newton, AHeapTakesAsManyStepsAsAHandAndTheSameMotionWithoutTheInteriorPoint) {
   for (const char* scene : {"pile(spheres=300)", "pile(spheres=300,mass_ratio=1024)", "wall(boxes=200,push=4)"}) {
