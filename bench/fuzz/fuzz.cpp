@@ -61,14 +61,19 @@ std::string shown(const char* what, double value) {
 
 }  // namespace
 
-Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number) {
-  if (options.friction) return frictional_problem(options.seed, number);
-  return options.near ? near_problem(options.seed, number) : small_problem(options.seed, number);
-}
-
-std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem) {
-  if (options.friction) return {};  // there may be several answers, or none
-  return options.near ? multiprecision_reference(problem) : exact_answer(problem);
+Instance fuzzed(const FuzzOptions& options, std::uint64_t number) {
+  if (options.friction && !options.accuracy.empty())
+    return planted_problem(options.seed, number, without_lift(stored_law));
+  Instance out;
+  if (options.friction) {
+    out.problem = frictional_problem(options.seed, number);  // there may be several answers, or none
+    return out;
+  }
+  out.problem = options.near ? near_problem(options.seed, number) : small_problem(options.seed, number);
+  out.reference = options.near ? multiprecision_reference(out.problem) : exact_answer(out.problem);
+  // Numbers of this size always fit, and 100 digits decide; if they did not, the problem would be no test.
+  if (!out.reference) throw std::logic_error(out.problem.name + " has no exact answer");
+  return out;
 }
 
 // Native solvers; one that sees no infeasibility only on request.
@@ -76,8 +81,9 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
   std::vector<std::string> names;
   if (options.referee) return {referee_classes.begin(), referee_classes.end()};
   if (!options.solvers.empty()) return split(options.solvers);
+  const Law law = options.accuracy.empty() ? stored_law : without_lift(stored_law);
   for (const SolverEntry& e : among)
-    if (!e.foreign && (options.friction ? e.reads(stored_law) : e.sees_infeasibility)) names.push_back(e.name);
+    if (!e.foreign && (options.friction ? e.reads(law) : e.sees_infeasibility)) names.push_back(e.name);
   return names;
 }
 
@@ -314,16 +320,14 @@ void Fuzzer::look(std::uint64_t number) {
     tally_[i].seconds += wall_seconds() - start;
     return;
   }
-  const Problem problem = fuzzed_problem(options_, number);
-  if (options_.friction) {
+  const Instance asked = fuzzed(options_, number);
+  const Problem& problem = asked.problem;
+  if (!asked.reference) {
     under_friction(number, problem);
     if (number % spoil_every == 0) with_spoilt_friction(number, problem);
     return;
   }
-  // Numbers of this size always fit, and 100 digits decide; if they did not, the problem would be no test.
-  const std::optional<Reference> truth = fuzzed_truth(options_, problem);
-  if (!truth) throw std::logic_error(problem.name + " has no exact answer");
-  against_truth(number, problem, *truth);
+  against_truth(number, problem, *asked.reference);
   // Answers that are good enough differ from start to start by what is promised.
   if (options_.near || !options_.accuracy.empty()) return;
   if (number % warm_every == 0) from_random_multipliers(number, problem);

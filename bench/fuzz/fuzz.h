@@ -54,9 +54,8 @@ struct Fault {
   Instance instance = {};  // with its exact answer, where there is one
 };
 
-// The problem with that number of a run, and its truth: in integers, or of near-dependent rows in 100 digits.
-Problem fuzzed_problem(const FuzzOptions& options, std::uint64_t number);
-std::optional<Reference> fuzzed_truth(const FuzzOptions& options, const Problem& problem);
+// The problem with that number of a run, and its truth: in integers, of near-dependent rows in 100 digits, planted.
+Instance fuzzed(const FuzzOptions& options, std::uint64_t number);
 
 std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among);
 
@@ -69,7 +68,8 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
 //   every 2000th        a sequence of 256 frames of the FLIP family, each warm-started from the frame before
 //
 // With friction, solvers of Coulomb's law claim answers that the referee must not refute, and that are among all there
-// are where the problem is planar; every eighth has a spoilt entry, mu among them.
+// are where the problem is planar; every eighth has a spoilt entry, mu among them. Promises are asked under the convex
+// law, of planted answers: those under Coulomb's are on the convex answer of z's own slips, which nobody knows exactly.
 //
 // Asked about the referee, it looks at no solver: referee_classes stand in their place.
 //

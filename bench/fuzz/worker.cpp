@@ -76,8 +76,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
   if (outcome.solvers.size() > most_solvers) throw std::invalid_argument("at most 32 solvers are fuzzed at once");
   std::vector<FuzzTally> unused(outcome.solvers.size());
   // Throws here, before any process starts, where a name is mistyped.
-  Fuzzer(
-      options, among, unused, [](std::size_t) {}, [](const Fault&) {});
+  Fuzzer(options, among, unused, [](std::size_t) {}, [](const Fault&) {});
   const std::uint64_t end = options.first + options.count, step = static_cast<std::uint64_t>(jobs);
   const double start = wall_seconds();
   std::map<std::string, std::size_t> files, same_name;  // by solver; of further faults of one solver on one problem
@@ -92,8 +91,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
       }
       send_message(socket, pack(finding));
     };
-    Fuzzer fuzzer(
-        options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
+    Fuzzer fuzzer(options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
     while (shared.next < end) {
       fuzzer.look(shared.next);
       ++shared.done;
@@ -109,9 +107,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     Shared& shared = *worker.shared;
     const std::string solver = outcome.solvers[shared.solver];
     ++shared.tally[shared.solver].faults;
-    Fault fault{.number = shared.next, .solver = solver, .what = how};
-    fault.instance.problem = fuzzed_problem(options, shared.next);
-    fault.instance.reference = fuzzed_truth(options, fault.instance.problem);
+    const Fault fault{shared.next, solver, how, fuzzed(options, shared.next)};
     outcome.findings.push_back({fault.number, solver, how, write(directory, name_of(fault) + "-died", fault)});
     shared.next += step;
     ++shared.done;

@@ -32,7 +32,8 @@ int fuzz_command(std::vector<std::string> words) {
   within(from(0), options.add_option("--seed", fuzz.seed, "of all draws; default: 1"));
   within(from(0), options.add_option("--first", fuzz.first, "number of the first problem; default: 0"));
   options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
-  options.add_flag("--friction", fuzz.friction, "contacts with friction instead, under Coulomb's law");
+  options.add_flag("--friction", fuzz.friction,
+                   "contacts with friction instead, under Coulomb's law; with --accuracy the convex one");
   options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
   options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
   options.add_option("--accuracy", fuzz.accuracy, "asked of all, as of ./zwang solve: checks what they promise")
@@ -45,8 +46,7 @@ int fuzz_command(std::vector<std::string> words) {
   if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
 
   SolveOptions().read_accuracy(fuzz.accuracy);
-  if (!fuzz.accuracy.empty() && (fuzz.friction || fuzz.referee))
-    throw std::invalid_argument("--accuracy goes with neither --friction nor --referee");
+  if (!fuzz.accuracy.empty() && fuzz.referee) throw std::invalid_argument("--referee asks for no accuracy");
 
   Progress bar(isatty(STDERR_FILENO) == 1);
   const double start = wall_seconds();

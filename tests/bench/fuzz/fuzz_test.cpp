@@ -71,6 +71,15 @@ TEST_F(Fuzz, NoClaimUnderFrictionIsRefuted) {
   EXPECT_EQ(o.tally[0].spoilt, 125u);
 }
 
+TEST_F(Fuzz, PromisesAreKeptWithFrictionAndWithout) {
+  for (const bool friction : {false, true}) {
+    const FuzzOutcome o = run({.count = 1000, .accuracy = "1e-4", .friction = friction});
+    expect_no_fault(o);
+    ASSERT_GE(o.tally.size(), 3u);
+    EXPECT_GT(o.tally[0].promised, friction ? 900u : 300u) << "ties have none";
+  }
+}
+
 // All that measure() and judge() say of invented answers, and all references, against rationals; and most of what is
 // right is called right.
 TEST_F(Fuzz, TheRefereeSaysNothingFalse) {
