@@ -64,11 +64,9 @@ std::string shown(const char* what, double value) {
 Instance fuzzed(const FuzzOptions& options, std::uint64_t number) {
   if (options.friction && !options.accuracy.empty())
     return planted_problem(options.seed, number, without_lift(stored_law));
+  if (options.friction)  // there may be several answers, or none
+    return {.problem = frictional_problem(options.seed, number)};
   Instance out;
-  if (options.friction) {
-    out.problem = frictional_problem(options.seed, number);  // there may be several answers, or none
-    return out;
-  }
   out.problem = options.near ? near_problem(options.seed, number) : small_problem(options.seed, number);
   out.reference = options.near ? multiprecision_reference(out.problem) : exact_answer(out.problem);
   // Numbers of this size always fit, and 100 digits decide; if they did not, the problem would be no test.

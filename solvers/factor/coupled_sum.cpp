@@ -10,7 +10,7 @@ namespace {
 
 // Calls visit(row, column, value) for each term of M + G'D G, in one order.
 template <class Visit>
-void for_each_term(const std::vector<CoupledSum::Entry>& mass, const SparseRows& rows, const std::vector<int>& place,
+void for_each_term(const std::vector<MatrixEntry>& mass, const SparseRows& rows, const std::vector<int>& place,
                    const std::vector<double>& D, const Vector& ray_weight, const Visit& visit) {
   for (const auto& [row, column, value] : mass) visit(row, column, value);
   const Index cones = std::ssize(D) / 9;
@@ -41,7 +41,7 @@ struct CoupledSum::Lu : Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::Natu
 CoupledSum::CoupledSum() = default;
 CoupledSum::~CoupledSum() = default;
 
-bool CoupledSum::factorize(int unknowns, const std::vector<Entry>& mass, const SparseRows& rows,
+bool CoupledSum::factorize(int unknowns, const std::vector<MatrixEntry>& mass, const SparseRows& rows,
                            const std::vector<int>& place, const std::vector<double>& D, const Vector& ray_weight) {
   if (!known_) {
     known_ = true;

@@ -12,11 +12,6 @@ namespace zwang {
 // diagonal where they are not much smaller than others.
 class CoupledSum {
  public:
-  struct Entry {
-    int row, column;
-    double value;
-  };
-
   CoupledSum();
   ~CoupledSum();
   // A copy begins anew.
@@ -29,8 +24,8 @@ class CoupledSum {
   // The next factorize() is for another pattern.
   void forget() { known_ = false; }
   // `place`: of each entry of the rows, its unknown. D, ray_weight as ConeFace::factorize. False on a breakdown.
-  bool factorize(int unknowns, const std::vector<Entry>& mass, const SparseRows& rows, const std::vector<int>& place,
-                 const std::vector<double>& D, const Vector& ray_weight);
+  bool factorize(int unknowns, const std::vector<MatrixEntry>& mass, const SparseRows& rows,
+                 const std::vector<int>& place, const std::vector<double>& D, const Vector& ray_weight);
   void solve(Vector& x);
 
  private:

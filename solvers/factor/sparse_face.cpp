@@ -37,12 +37,7 @@ void SparseFace::reset(const Problem& problem, const SparseRows& rows, Index con
   place_.resize(rows_.column.size());
   for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows_.column[e]);
   weight_.assign(at(rows_.rows()), 1);
-  mass_.clear();
-  for (Index j = 0; j < M_.cols(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(M_, j); it; ++it)
-      if (const int r = factor_.position(static_cast<int>(it.row())), c = factor_.position(static_cast<int>(j));
-          r >= 0 && c >= 0)
-        mass_.push_back({r, c, it.value()});
+  factor_.list(M_, mass_);
 }
 
 void SparseFace::slack(const Vector& v, Vector& s) const {

@@ -39,7 +39,7 @@ class SparseFace final : public ConeFace {
   Index cones_ = 0;
   SparseRows rows_, scaled_;
   std::vector<int> place_;
-  std::vector<CoupledSum::Entry> mass_;
+  std::vector<MatrixEntry> mass_;
   std::vector<double> weight_;
   BlockCholesky factor_;
   bool couples_ = false, coupled_ = false;  // coupled_: the factors at hand are those of sum_

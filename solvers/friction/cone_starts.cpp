@@ -22,6 +22,9 @@ constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
 constexpr int most_rounds = 40, whole_rounds = 24;
 // Sweeps over the contacts of sparse rows, a few a factorization's time, and Newton steps from where they are.
 constexpr int most_sweeps = 5000, sweeps_a_look = 250, most_swept = 15;
+// Of the motion: a natural residual at which one more step tells whether the motion stays, where no way is left. (On
+// the way it leaves answers a few digits short that another start would have had.)
+constexpr double nearly_exact = 100 * tolerances::cone_exact;
 // The gap, in the program's unit, at which a promise is first asked for, and by what it falls until the next look.
 constexpr double promising_from = 0.001;
 
@@ -51,8 +54,10 @@ ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
   return modes_.residual.natural == 0 ? End::accepted : End::failed;
 }
 
-void ConeStarts::run_modes(const Job& job, double goal, double leaves, int most) {
-  modes_.run(program_, goal, leaves, std::min(most, job.options.max_iterations - job.solution.iterations), job.deadline,
+void ConeStarts::run_modes(const Job& job, int most) {
+  const double size = program_.scale(modes_.v);
+  modes_.run(program_, tolerances::cone_exact * size, job.options.tolerance * size,
+             std::min(most, job.options.max_iterations - job.solution.iterations), job.deadline,
              job.solution.iterations);
 }
 
@@ -63,13 +68,11 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_);
   if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
-  const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-  const auto run = [&](int most) { run_modes(job, goal, job.options.tolerance * program_.scale(modes_.v), most); };
   const bool lifts = program_.law().lifts();
-  run(lifts ? few_warm : most_warm);
-  const double left = modes_.residual.natural;
-  if (lifts && !modes_.settled && left > goal && left <= tolerances::cone_arrives * program_.scale(modes_.v))
-    run(more_warm);
+  run_modes(job, lifts ? few_warm : most_warm);
+  const double left = modes_.residual.natural / program_.scale(modes_.v);
+  if (lifts && !modes_.settled && left > tolerances::cone_exact && left <= tolerances::cone_arrives)
+    run_modes(job, more_warm);
   return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) ? End::accepted : End::failed;
 }
 
@@ -117,10 +120,8 @@ bool ConeStarts::couple(const Job& job) {
 // Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there.
 bool ConeStarts::end_is_near(const Job& job, double& near) {
   if (!inside_.sees_end()) return false;
-  modes_.v = inside_.v_end;
-  modes_.y = inside_.y_end;
-  if (!modes_.v.allFinite() || !modes_.y.allFinite()) return false;
-  modes_.begin(program_);
+  if (!inside_.v_end.allFinite() || !inside_.y_end.allFinite()) return false;
+  modes_.begin(program_, inside_.v_end, inside_.y_end);
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   const double left = modes_.residual.natural / program_.scale(modes_.v);
   if (!(left <= near)) return false;
@@ -185,14 +186,15 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     if ((follows_ || quick_) && !in_regime) return End::failed;
     if (finish) {
       if (!follows_) modes_.begin(program_, inside_);
-      const double goal = tolerances::cone_exact * program_.scale(modes_.v);
-      run_modes(job, goal, options.tolerance * program_.scale(modes_.v), most_modes);
+      run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
     } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
       return End::accepted;
     }
     if (stuck) return End::failed;
-    target *= tolerances::cone_deeper;
+    do  // the same iterate has the same modes
+      target *= tolerances::cone_deeper;
+    while (inside_.gap() <= target * unit * unit && target >= tolerances::cone_deepest);
   }
 }
 
@@ -209,12 +211,9 @@ ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
     if (job.deadline.passed()) return End::limit;
     sweeps_.sweep(program_, v, y);
     if (sweep % sweeps_a_look != 0) continue;
-    modes_.v = v;
-    modes_.y = y;
-    modes_.begin(program_);
-    const double size = program_.scale(v);
-    if (!(modes_.residual.natural <= tolerances::cone_swept * size)) continue;
-    run_modes(job, tolerances::cone_exact * size, job.options.tolerance * size, most_swept);
+    modes_.begin(program_, v, y);
+    if (!(modes_.residual.natural <= tolerances::cone_swept * program_.scale(v))) continue;
+    run_modes(job, most_swept);
     if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
     if (job.solution.iterations >= job.options.max_iterations) return End::limit;
   }
@@ -249,6 +248,13 @@ bool ConeStarts::modes_stay(const SolveOptions& options) {
   return std::sqrt(std::max(0.0, pull_.dot(move_))) <= accepted_error(options.tolerance) * program_.scale(modes_.v);
 }
 
+bool ConeStarts::best_stays(const Job& job) {
+  const bool asked = job.finish && program_.law().lifts() && !job.deadline.passed();
+  if (!asked || !(job.best.natural <= nearly_exact * program_.scale(job.best.v))) return false;
+  modes_.begin(program_, job.best.v, job.best.y);
+  return program_.accepts(modes_.residual, modes_.v, job.options, true) && modes_stay(job.options);
+}
+
 ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
   const bool dense = program_.is_dense();
   if (!program_.law().lifts() || !(dense || (!program_.face().takes_unsymmetric() && all_but_rests(job.best))))
@@ -275,11 +281,8 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
     if (none) of_slips_.v.setZero();  // the slips of z_u lift the cones enough
     program_.slack(of_slips_.v, s_);
     if (!none) {
-      modes_.v = of_slips_.v;
-      modes_.y = of_slips_.y;
-      modes_.begin(program_);
-      const double size = program_.scale(modes_.v);
-      run_modes(job, tolerances::cone_exact * size, options.tolerance * size, most_modes);
+      modes_.begin(program_, of_slips_.v, of_slips_.y);
+      run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) && modes_stay(options)) {
         solution.fallback = true;
         return End::accepted;

@@ -38,6 +38,8 @@ class ConeStarts {
   // they are taken again, dense or with sparse LU, and go all ways that differentiate it.
   bool can_couple(const Job& job);
   bool couple(const Job& job);  // false: the problem is decided
+  // Where no way led to an answer: contacts that depend on each other may hand load to and fro, and the motion stay.
+  bool best_stays(const Job& job);
   bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
   Best best;
 
@@ -64,7 +66,7 @@ class ConeStarts {
 
  private:
   bool end_is_near(const Job& job, double& near);
-  void run_modes(const Job& job, double goal, double leaves, int most);
+  void run_modes(const Job& job, int most);
   bool modes_stay(const SolveOptions& options);
   bool is_near(const Best& best);
   bool all_but_rests(const Best& best);

@@ -26,11 +26,15 @@ void ModeNewton::begin(ConeProgram& program) {
   best_s_ = s;
 }
 
+void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector& from_y) {
+  v = from_v;
+  y = from_y;
+  begin(program);
+}
+
 // An iterate inside the cones tells the modes by which of two paired eigenvalues is the larger.
 void ModeNewton::begin(ConeProgram& program, const InteriorPoint& from) {
-  v = from.v;
-  y = from.y;
-  begin(program);
+  begin(program, from.v, from.y);
   last_ = 0;
   const Index nc = program.cones();
   for (Index k = 0; k < nc; ++k) {
@@ -189,6 +193,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
   y = best_y_;
   s = best_s_;
   residual = best;
+  last_ = best.natural;
 }
 
 }  // namespace zwang

@@ -26,6 +26,7 @@ class ModeNewton {
   // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
   void begin(ConeProgram& program, const InteriorPoint& from);
   void begin(ConeProgram& program);
+  void begin(ConeProgram& program, const Vector& from_v, const Vector& from_y);
   // Until the natural residual is at `goal`, or settled with a residual of at most `leaves`, or the residual
   // does not fall any more; keeps the best iterate. Counts its steps.
   void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);

@@ -11,10 +11,6 @@ namespace {
 constexpr int group_size = 6;
 constexpr int long_front = 500;  // rows: to fill it takes milliseconds, far more than a look at the clock
 
-int column_end(const BlockCholesky::SparseMatrix& M, Index j) {
-  return M.isCompressed() ? M.outerIndexPtr()[j + 1] : M.outerIndexPtr()[j] + M.innerNonZeroPtr()[j];
-}
-
 // g g' of three rows of one pattern, with weights of 1. local: of their entries.
 void add_triple(const SparseRows& rows, int first, const int* local, const DenseFront::Columns& into) {
   const int begin = rows.begin[at(first)], entries = rows.begin[at(first) + 1] - begin;
@@ -226,13 +222,21 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
     row_list_.insert(row_list_.end(), rows_of[at(f)].begin(), rows_of[at(f)].end());
     for (int c = 0; c < front.own; ++c) {
       const int j = column_[at(front.first + c)];
-      for (int p = M.outerIndexPtr()[j]; p < column_end(M, j); ++p)
-        if (const int row = position_[at(M.innerIndexPtr()[p])]; row >= front.first + c)
-          mass_.push_back({local(f, row), c, p});
+      for (SparseMatrix::InnerIterator it(M, j); it; ++it)
+        if (const int row = position_[at(it.row())]; row >= front.first + c)
+          mass_.push_back({local(f, row), c, static_cast<int>(&it.value() - M.valuePtr())});
     }
   }
   weight_.assign(at(rows.rows()), 0);
   dirty_.assign(ranges.size(), 1);
+}
+
+void BlockCholesky::list(const SparseMatrix& M, std::vector<MatrixEntry>& entries) const {
+  entries.clear();
+  for (Index j = 0; j < M.cols(); ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it)
+      if (const int row = position_[at(it.row())], column = position_[at(j)]; row >= 0 && column >= 0)
+        entries.push_back({row, column, it.value()});
 }
 
 bool BlockCholesky::factorize(std::size_t f, const SparseMatrix& M, const SparseRows& rows,

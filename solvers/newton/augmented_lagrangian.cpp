@@ -12,12 +12,7 @@ void AugmentedLagrangian::begin(const Problem& p, const SolveOptions& options, c
   const Index n = factor_.size(), k = rows.rows();
   place_.resize(rows.g.column.size());
   for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows.g.column[e]);
-  mass_.clear();
-  for (Index j = 0; j < p.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it)
-      if (const int row = factor_.position(static_cast<int>(it.row())), column = factor_.position(static_cast<int>(j));
-          row >= 0 && column >= 0)
-        mass_.push_back({row, column, it.value()});
+  factor_.list(p.M, mass_);
   for (Vector* v : {&d, &step_, &force_, &product_, &work_}) v->setZero(n);
   for (Vector* v : {&term_, &change_, &weight}) v->setZero(k);
   h_ = rows.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
@@ -39,7 +34,7 @@ bool AugmentedLagrangian::factorize(const Deadline& deadline) {
 
 void AugmentedLagrangian::multiply_mass(const Vector& x, Vector& y) const {
   y.setZero();
-  for (const MassEntry& e : mass_) y[e.row] += e.value * x[e.column];
+  for (const MatrixEntry& e : mass_) y[e.row] += e.value * x[e.column];
 }
 
 double AugmentedLagrangian::mass_norm(const Vector& x) {
@@ -223,7 +218,7 @@ void AugmentedLagrangian::residuals(const RealVector& far_d, const RealVector& f
   const Problem& p = *problem_;
   force.setZero(unknowns());
   violation.resize(rows.rows());
-  for (const MassEntry& e : mass_) force[e.row] -= Real(e.value) * far_d[e.column];
+  for (const MatrixEntry& e : mass_) force[e.row] -= Real(e.value) * far_d[e.column];
   for (Index i = 0; i < rows.rows(); ++i) {
     const Real norm = rows.row_norm[i], factor = far_l[i] / norm;
     Real sum = 0;

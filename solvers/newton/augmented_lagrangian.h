@@ -73,10 +73,6 @@ class AugmentedLagrangian {
   void write(const Unknowns& motion, const Multipliers& multipliers, Solution& solution) const;
 
  private:
-  struct MassEntry {
-    int row, column;
-    double value;
-  };
   struct Part {  // of the line search
     double zero = 0, linear = 0, quadratic = 0, step = 1, low = 0, high = 0, derivative = 0, slope = 0;
     bool done = false;
@@ -91,8 +87,8 @@ class AugmentedLagrangian {
   const Problem* problem_ = nullptr;
   WarmRows warm_rows_;
   BlockCholesky factor_;
-  std::vector<int> place_;       // of every entry of the rows: its column's position
-  std::vector<MassEntry> mass_;  // of M, by position, both triangles
+  std::vector<int> place_;  // of every entry of the rows: its column's position
+  std::vector<MatrixEntry> mass_;
   Vector step_, force_, product_, work_, columns_;
   Vector h_, term_, change_;  // rows: term_ = l + s (h - G d), change_ = G step
   std::vector<Part> part_;
