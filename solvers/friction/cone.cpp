@@ -34,11 +34,10 @@ End run_ladder(ConeStarts& starts, const ConeStarts::Job& job) {
 Index unit_of(const Problem& problem) {
   constexpr Index body = 6;
   if (!problem.has_tangents()) return body;
-  if (problem.size() % body != 0) return 1;
   const auto& M = problem.M;
-  if (M.nonZeros() != M.cols()) return body;
-  const bool identity = std::all_of(M.valuePtr(), M.valuePtr() + M.nonZeros(), [](double mass) { return mass == 1; });
-  return identity ? 1 : body;
+  const bool identity = M.nonZeros() == M.cols() &&
+                        std::all_of(M.valuePtr(), M.valuePtr() + M.nonZeros(), [](double mass) { return mass == 1; });
+  return identity || problem.size() % body != 0 ? 1 : body;
 }
 
 }  // namespace
@@ -114,10 +113,7 @@ bool Cone::Work::contradicts_itself(ConeStarts& normals, const ConeStarts::Job& 
 
 void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& options, Solution& solution) {
   const bool few = p.size() <= ConeProgram::few_unknowns;
-  if (few)
-    active_set_.solve(p, options, solution);
-  else
-    newton_.solve(p, options, solution);
+  few ? active_set_.solve(p, options, solution) : newton_.solve(p, options, solution);
   if (solution.handed_to.empty()) solution.handed_to = few ? DualActiveSet::name : Newton::name;
 }
 

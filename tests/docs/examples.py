@@ -52,12 +52,12 @@ shorter = [
     (r"./zwang experiment laws.*", "./zwang experiment --help"),
     (r"(./zwang bench --scenes .* --law pyramid,convex,coulomb)", r"\1 --solvers cone,newton --tolerances 1e-6 --out laws"),
     (r"./zwang conformance --engines all", None),
-    (r"./zwang judge", "./zwang judge --help"), (r"./zwang judge PACK .*", "./zwang judge --help"),
+    (r"./zwang (guard|league) [A-Z].*", r"./zwang \1 --help"), (r"./zwang judge", "./zwang judge --help"), (r"./zwang judge PACK .*", "./zwang judge --help"),
     (r"./zwang conformance", "./zwang conformance || test $? = 1"),  # 1: some are off
     (r"./zwang export --atlas DIR", "./zwang export --help"),
-    (r"(./zwang fuzz --friction)", r"\1 --count 100 --solvers cone"), (r"./zwang live SCENE.*", None),
+    (r"(./zwang fuzz --friction(?: --accuracy \S+)?).*", r"\1 --count 100 --solvers cone"), (r"./zwang live SCENE.*", None),
     (r"(./zwang fuzz --referee).*", r"\1 --count 50"),
-    (r"(./zwang fuzz) --near", r"\1 --near --count 5 || test $? = 1"),  # 1: it found something
+    (r"(./zwang fuzz --near.*)", r"\1 --count 5 || test $? = 1"),  # 1: it found something
     (r"(./zwang solve FILE --solver) NAME (.*)", r"./zwang solve first.h5 --solver nnls \2"),
     (r"./zwang solve", "./zwang solve first.h5 --solver nnls"), (r"./zwang solve FILE", "./zwang solve first.h5 --solver nnls"),
     (r"./zwang export", "./zwang export tower --out tower.h5"), (r"./zwang report", "./zwang report DIR"),
@@ -232,6 +232,8 @@ class Page:
 
 root = pathlib.Path(__file__).resolve().parents[2]
 program, module, *pages = sys.argv[1:]
+if module == "-":  # what asks the Python module
+    shorter.insert(0, (r"./zwang bench --gradients.*", None))
 pages = [pathlib.Path(name).resolve() for name in pages]
 program, module = os.path.abspath(program), module if module == "-" else os.path.abspath(module)
 faults = 0
