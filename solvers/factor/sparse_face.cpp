@@ -34,10 +34,8 @@ void SparseFace::reset(const Problem& problem, const SparseRows& rows, Index con
   couples_ = coupled_ = false;
   sum_.forget();
   factor_.analyze(M_, rows_, options, deadline, static_cast<int>(cones));
-  place_.resize(rows_.column.size());
-  for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows_.column[e]);
   weight_.assign(at(rows_.rows()), 1);
-  factor_.list(M_, mass_);
+  factor_.list(M_, rows_, mass_, place_);
 }
 
 void SparseFace::slack(const Vector& v, Vector& s) const {
@@ -49,11 +47,6 @@ void SparseFace::force(const Vector& l, Vector& f) const {
   for (int i = 0; i < rows_.rows(); ++i)
     if (l[i] != 0)
       for (auto e = at(rows_.begin[at(i)]); e < at(rows_.begin[at(i) + 1]); ++e) f[place_[e]] += rows_.value[e] * l[i];
-}
-
-void SparseFace::mass(const Vector& v, Vector& f) const {
-  f.setZero();
-  for (const auto& e : mass_) f[e.row] += e.value * v[e.column];
 }
 
 bool SparseFace::factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {

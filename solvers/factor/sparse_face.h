@@ -21,7 +21,7 @@ class SparseFace final : public ConeFace {
   Index unknowns() const override { return factor_.size(); }
   void slack(const Vector& v, Vector& s) const override;
   void force(const Vector& l, Vector& f) const override;
-  void mass(const Vector& v, Vector& f) const override;
+  void mass(const Vector& v, Vector& f) const override { multiply(mass_, v, f); }
   // From now on, until reset().
   void couple() { couples_ = true; }
   bool takes_unsymmetric() const override { return couples_; }

@@ -231,7 +231,10 @@ void BlockCholesky::build_fronts(const SparseMatrix& M, const SparseRows& rows, 
   dirty_.assign(ranges.size(), 1);
 }
 
-void BlockCholesky::list(const SparseMatrix& M, std::vector<MatrixEntry>& entries) const {
+void BlockCholesky::list(const SparseMatrix& M, const SparseRows& rows, std::vector<MatrixEntry>& entries,
+                         std::vector<int>& place) const {
+  place.resize(rows.column.size());
+  for (std::size_t e = 0; e < place.size(); ++e) place[e] = position(rows.column[e]);
   entries.clear();
   for (Index j = 0; j < M.cols(); ++j)
     for (SparseMatrix::InnerIterator it(M, j); it; ++it)

@@ -24,6 +24,12 @@ struct MatrixEntry {
   double value;
 };
 
+// y := M x
+inline void multiply(const std::vector<MatrixEntry>& M, const Vector& x, Vector& y) {
+  y.setZero();
+  for (const MatrixEntry& e : M) y[e.row] += e.value * x[e.column];
+}
+
 // H = M + sum of weight_i g_i g_i' = L L', factorized by fronts (Duff & Reid 1983, ACM TOMS 9), for rows that come and
 // go: the symbolic part covers all rows and is kept while the patterns of M and of the rows stay, and a front is
 // factorized again only when a row of its own, or of a front below it, has changed.
@@ -47,7 +53,9 @@ class BlockCholesky {
   int parts() const { return parts_; }                              // H decomposes into that many diagonal blocks
   int part_of_row(int row) const { return part_[at(front_of_row_[at(row)])]; }
   int part_of_position(int position) const { return part_[at(front_of_[at(position)])]; }
-  void list(const SparseMatrix& M, std::vector<MatrixEntry>& entries) const;  // by position, both triangles
+  // By position: M, both triangles, and the column of every entry of the rows.
+  void list(const SparseMatrix& M, const SparseRows& rows, std::vector<MatrixEntry>& entries,
+            std::vector<int>& place) const;
   long fill() const { return static_cast<long>(panel_.size()); }
 
   // Forgets the factor: values of M or of the rows have changed.

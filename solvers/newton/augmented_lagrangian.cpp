@@ -10,9 +10,7 @@ void AugmentedLagrangian::begin(const Problem& p, const SolveOptions& options, c
   problem_ = &p;
   factor_.analyze(p.M, rows.g, options, deadline);
   const Index n = factor_.size(), k = rows.rows();
-  place_.resize(rows.g.column.size());
-  for (std::size_t e = 0; e < place_.size(); ++e) place_[e] = factor_.position(rows.g.column[e]);
-  factor_.list(p.M, mass_);
+  factor_.list(p.M, rows.g, mass_, place_);
   for (Vector* v : {&d, &step_, &force_, &product_, &work_}) v->setZero(n);
   for (Vector* v : {&term_, &change_, &weight}) v->setZero(k);
   h_ = rows.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
@@ -32,13 +30,8 @@ bool AugmentedLagrangian::factorize(const Deadline& deadline) {
   return factor_.factorize(problem_->M, rows.g, {weight.data(), at(weight.size())}, deadline);
 }
 
-void AugmentedLagrangian::multiply_mass(const Vector& x, Vector& y) const {
-  y.setZero();
-  for (const MatrixEntry& e : mass_) y[e.row] += e.value * x[e.column];
-}
-
 double AugmentedLagrangian::mass_norm(const Vector& x) {
-  multiply_mass(x, work_);
+  multiply(mass_, x, work_);
   return std::sqrt(std::max(0.0, work_.dot(x)));
 }
 
@@ -94,7 +87,7 @@ AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
   Index pulling = 0;
   bool settles = false;
   for (int pass = 0; pass < passes; ++pass) {
-    multiply_mass(d, product_);
+    multiply(mass_, d, product_);
     step_ = -product_;
     for (Index i = 0; i < rows.rows(); ++i) {
       if (weight[i] == 0) continue;
@@ -131,7 +124,7 @@ AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
 }
 
 void AugmentedLagrangian::linearize() {
-  multiply_mass(d, product_);
+  multiply(mass_, d, product_);
   force_ = -product_;
   for (Index i = 0; i < rows.rows(); ++i) {
     term_[i] = l[i] + s * violation(i);
@@ -144,7 +137,7 @@ double AugmentedLagrangian::step() {
   step_ = force_;
   solve(step_);
   for (Index i = 0; i < rows.rows(); ++i) change_[i] = dot(i, step_);
-  multiply_mass(step_, product_);
+  multiply(mass_, step_, product_);
   const double length = std::sqrt(std::max(0.0, product_.dot(step_)));
   search();
   for (Index j = 0; j < step_.size(); ++j) step_[j] *= part_of(j).step;

@@ -80,7 +80,6 @@ class AugmentedLagrangian {
 
   std::size_t entries(Index i) const { return static_cast<std::size_t>(rows.g.begin[at(i)]); }
   Part& part_of(Index unknown) { return part_[at(factor_.part_of_position(static_cast<int>(unknown)))]; }
-  void multiply_mass(const Vector& x, Vector& y) const;
   Held hold(const Deadline& deadline);
   void search();
 
