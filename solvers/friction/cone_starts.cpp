@@ -12,6 +12,8 @@ constexpr int most_coupled = 60;  // and, where the shift is differentiated, wit
 // and the central path costs several times as much a step. (20 send one frame of a hand in four along the path that
 // ends in 45 here.)
 constexpr int most_quick = 45;
+// And behind modes that failed: contacts that depend on each other keep the gap from falling to where they show again.
+constexpr int most_behind_modes = 5;
 constexpr Index most_unknowns = 20'000;  // of sparse LU: of more a factor may take many seconds
 constexpr int most_modes = 8;            // Newton steps from an iterate inside the cones
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
@@ -51,7 +53,7 @@ ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
   modes_.y.setZero(program_.rows());
   modes_.begin(program_);
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
-  return modes_.residual.natural == 0 ? End::accepted : End::failed;
+  return modes_.residual.natural <= tolerances::cone_exact * program_.scale(modes_.v) ? End::accepted : End::failed;
 }
 
 void ConeStarts::run_modes(const Job& job, int most) {
@@ -84,10 +86,8 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
 
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
   if (!program_.law().lifts() || !program_.face().takes_unsymmetric()) return End::failed;
-  quick_ = true;
-  const End end = from_start(job, start);
-  quick_ = false;
-  return end;
+  begun_ = job.solution.iterations;
+  return from_inside(job, start, Way::quick);
 }
 
 ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
@@ -96,10 +96,7 @@ ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
   if (inside_.follows() && (!program_.is_dense() || inside_.gap() <= tolerances::cone_far_end * unit * unit))
     return End::failed;
   begun_ = job.solution.iterations;
-  follows_ = true;
-  const End end = from_inside(job, start);
-  follows_ = false;
-  return end;
+  return from_inside(job, start, Way::path);
 }
 
 bool ConeStarts::can_couple(const Job& job) {
@@ -129,32 +126,34 @@ bool ConeStarts::end_is_near(const Job& job, double& near) {
   return true;
 }
 
-ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
+ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   const double unit = program_.start();
-  if (follows_ || start != first_start || !inside_.follows())
+  const bool follows = way == Way::path, quick = way == Way::quick;
+  if (follows || start != first_start || !inside_.follows())
     inside_.begin(program_, start);
   else
     inside_.let_go(program_);
   const bool couples = program_.law().lifts() && program_.face().takes_unsymmetric();
-  double target = couples ? tolerances::cone_coupled_regime : tolerances::cone_regime;
+  double target = follows   ? tolerances::cone_path_regime
+                  : couples ? tolerances::cone_coupled_regime
+                            : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
   double near = tolerances::cone_near_end;
-  for (int step = 0;;) {
+  for (int step = 0, last = most_steps;;) {  // last: a quick one
+    const bool sees = follows && end_is_near(job, near);
     const bool in_regime =
-        follows_ ? end_is_near(job, near)
-                 : inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit;
+        sees || (inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit);
     const bool close = inside_.gap() <= tolerances::cone_in_sight * unit * unit;
-    bool stuck =
-        (couples ? solution.iterations - begun_ >= (quick_ ? most_quick : most_coupled) : step >= most_steps) ||
-        (quick_ && inside_.last_step() < (close ? tolerances::cone_blocked_close : tolerances::cone_blocked)) ||
-        target < tolerances::cone_deepest;
+    bool stuck = (couples ? solution.iterations - begun_ >= (quick ? most_quick : most_coupled) : step >= most_steps) ||
+                 (quick && inside_.last_step() < (close ? tolerances::cone_blocked_close : tolerances::cone_blocked)) ||
+                 target < tolerances::cone_deepest || step > last;
     if (!in_regime && !stuck) {
       if (deadline.passed() || solution.iterations >= options.max_iterations) {
         best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
         return End::limit;
       }
-      stuck = !(follows_ ? inside_.follow(program_) : inside_.step(program_));
+      stuck = !(follows ? inside_.follow(program_) : inside_.step(program_));
       if (!stuck) {
         ++step;
         ++solution.iterations;
@@ -183,15 +182,16 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start) {
     }
     best.keep(inside_.v, inside_.y, program_.residual(inside_.y, inside_.s).natural);
     if (deadline.passed()) return End::limit;
-    if ((follows_ || quick_) && !in_regime) return End::failed;
+    if (way != Way::free && !in_regime) return End::failed;
     if (finish) {
-      if (!follows_) modes_.begin(program_, inside_);
+      if (!sees) modes_.begin(program_, inside_);
       run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
     } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
       return End::accepted;
     }
     if (stuck) return End::failed;
+    if (quick) last = step + most_behind_modes;
     do  // the same iterate has the same modes
       target *= tolerances::cone_deeper;
     while (inside_.gap() <= target * unit * unit && target >= tolerances::cone_deepest);

@@ -11,6 +11,8 @@ namespace zwang {
 class ConeStarts {
  public:
   enum class End { accepted, failed, limit, written };  // written: the answer is in the solution
+  // Of an interior point: `quick` is given up where the problem is hard, `path` keeps to the central path.
+  enum class Way { free, quick, path };
   // The best iterate there is, by its natural residual.
   struct Best {
     Vector v = {}, y = {};
@@ -44,7 +46,7 @@ class ConeStarts {
   Best best;
 
   // Each fails, too, where it does not apply. `start`: the size of an interior point's.
-  End from_rest(const Job& job, double);
+  End from_rest(const Job& job, double);  // z_u, where it meets the rows to rounding
   End from_warm(const Job& job, double);
   // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
   // and all of them together get the iterations of one.
@@ -62,7 +64,7 @@ class ConeStarts {
   // blocked. (A path in the lift from the convex law to Coulomb's folds on the way; slips accelerated after Anderson
   // stall; alternating directions come as near, but later: docs/notes/stability.md.)
   End from_sweeps(const Job& job, double);
-  End from_inside(const Job& job, double start);  // by the interior point
+  End from_inside(const Job& job, double start, Way way = Way::free);  // by the interior point
 
  private:
   bool end_is_near(const Job& job, double& near);
@@ -80,7 +82,6 @@ class ConeStarts {
   ContactSweeps sweeps_;
   Best of_slips_, swept_;
   Vector proof_, slips_, s_, move_, pull_;
-  bool follows_ = false, quick_ = false;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
   Solution of_convex_;
 };

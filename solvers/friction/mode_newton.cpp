@@ -156,7 +156,9 @@ void ModeNewton::shift(ConeProgram& program) {
 
 void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline,
                      int& iterations) {
-  constexpr int patience = 12;  // steps for which the residual need not halve
+  constexpr int patience = 12;    // steps for which the residual need not halve
+  constexpr double thrown = 200;  // what multiplies the best residual of modes that an iterate told has left them
+  const bool told = chosen_;
   ConeProgram::Residual best = residual;
   if (chosen_) best.natural = std::numeric_limits<double>::infinity();
   settled = false;
@@ -183,6 +185,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
       break;
     }
     if (settled || (taken >= 5 && last_ > tolerances::cone_lost * program.scale(v))) break;
+    if (told && last_ > thrown * best.natural) break;
     since = last_ < 0.5 * halved ? 0 : since + 1;
     halved = since == 0 ? last_ : halved;
     if (since > patience) break;

@@ -137,6 +137,8 @@ inline constexpr double newton_part = 1e-9;
 inline constexpr double cone_regime = 1e-7, cone_deeper = 1e-3, cone_deepest = 1e-45;
 // The same where the shift of Coulomb's law is differentiated: at larger gaps its modes mislead.
 inline constexpr double cone_coupled_regime = 1e-10;
+// And along the central path, where its end is not near an answer before.
+inline constexpr double cone_path_regime = 1e-16;
 // A step of the first try that is shorter is blocked: the problem is a hard one. Close to an answer, where modes show
 // next, only much shorter ones are.
 inline constexpr double cone_blocked = 0.3, cone_blocked_close = 0.03;
