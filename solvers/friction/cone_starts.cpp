@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace zwang {
 namespace {
@@ -142,8 +143,9 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
   double near = tolerances::cone_near_end;
   for (int step = 0, last = most_steps;;) {  // last: a quick one
     const bool sees = follows && end_is_near(job, near);
-    const bool in_regime =
-        sees || (inside_.gap() <= target * unit * unit && inside_.residual() <= std::sqrt(target) * unit);
+    const double rounding = std::numeric_limits<double>::epsilon() * inside_.s.lpNorm<Eigen::Infinity>();
+    const bool in_regime = sees || (inside_.gap() <= target * unit * unit &&
+                                    inside_.residual() <= std::max(std::sqrt(target) * unit, rounding));
     const bool close = inside_.gap() <= tolerances::cone_in_sight * unit * unit;
     bool stuck = (couples ? solution.iterations - begun_ >= (quick ? most_quick : most_coupled) : step >= most_steps) ||
                  (quick && inside_.last_step() < (close ? tolerances::cone_blocked_close : tolerances::cone_blocked)) ||
