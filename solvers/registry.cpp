@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/islands.h>
 #include <zwang/solvers/active_set/cholesky.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/active_set/nnls.h>
@@ -58,103 +59,101 @@ AnySolver convex_solver(const std::string& text) {
 
 std::vector<SolverEntry> always() {
   return {
-    entry<DualActiveSet>({.method = "Goldfarb-Idnani by orthogonal updates, refined",
-                          .limits = "dense: slow beyond 1000 unknowns",
-                          .exact = true,
-                          .largest_island = 2000}),
-        entry<Ipopt>({.method = "Ipopt 3.11.9: interior point with MUMPS, KKT-checked",
-                      .limits = "weakly active rows; near-dependent rows; contacts with friction: 1000 unknowns",
-                      .foreign = true,
-                      .yardstick = true,
-                      .accuracy = iterative}),
-        entry<Nnls>(
-            {.method = "Lawson-Hanson NNLS on the scaled least-distance form",
-             .limits = "dense: time grows with rows x unknowns x active rows; meant for up to a few thousand rows",
-             .exact = true,
-             .largest_island = 700}),
+      entry<DualActiveSet>({.method = "Goldfarb-Idnani by orthogonal updates, refined",
+                            .limits = "dense: slow beyond 1000 unknowns",
+                            .exact = true,
+                            .largest_island = 2000}),
+      entry<Ipopt>({.method = "Ipopt 3.11.9: interior point with MUMPS, KKT-checked",
+                    .limits = "weakly active rows; near-dependent rows; contacts with friction: 1000 unknowns",
+                    .foreign = true,
+                    .yardstick = true,
+                    .accuracy = iterative}),
+      entry<Nnls>(
+          {.method = "Lawson-Hanson NNLS on the scaled least-distance form",
+           .limits = "dense: time grows with rows x unknowns x active rows; meant for up to a few thousand rows",
+           .exact = true,
+           .largest_island = 700}),
 #if ZWANG_HAS_CHOLMOD
-        entry<Cholesky>(
-            {.method = "dual active set on the Delassus form, CHOLMOD factor with row updates",
-             .limits = "squares the condition number: near-dependent rows go to orthogonal factors (fallback)",
-             .exact = true,
-             .largest_island = 700}),
+      entry<Cholesky>(
+          {.method = "dual active set on the Delassus form, CHOLMOD factor with row updates",
+           .limits = "squares the condition number: near-dependent rows go to orthogonal factors (fallback)",
+           .exact = true,
+           .largest_island = 700}),
 #endif
-        entry<Newton>(
-            {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
-             .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
-             .exact = true}),
-        entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
-                     .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
-                     .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
-        entry<Nsgs>(
-            {.method = "nonsmooth Gauss-Seidel, each contact solved exactly (Coulomb's law)",
-             .limits =
-                 "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
-             .sees_infeasibility = false,
-             .accuracy = iterative}),
-        FixedPoint::entry(
-            convex_solver,
-            {.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
-             .limits = "contacts with friction only; no convergence where the slips' map does not contract",
-             .sees_infeasibility = false,
-             .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
-        entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
-                             .limits = "contacts with friction only; does not converge from everywhere, and says so",
-                             .sees_infeasibility = false,
-                             .accuracy = iterative}),
-        entry<Admm>(
-            {.method = "alternating directions, one factorization for as long as the penalty stays",
-             .limits = "contacts with friction only; slow beyond a few digits; may not converge under Coulomb's law",
-             .sees_infeasibility = false,
-             .accuracy = iterative}),
-        // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the method fails.
-        entry<NnlsPaper>(
-            {.method = "the paper's Eq. 6-11: k with J k = c, then NNLS",
-             .limits = "wrong where c is outside range(J), and blind to infeasibility; the message gives the range gap",
-             .exact = true,
-             .sees_infeasibility = false,
-             .needs_range = true}),
-        entry<NloptSlsqp>({.method = "NLopt 2.7.1 SLSQP (contains Lawson-Hanson)",
-                           .limits = "dense; no multipliers; 1000 unknowns",
-                           .foreign = true,
+      entry<Newton>(
+          {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
+           .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
+           .exact = true}),
+      entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
+                   .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
+                   .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      entry<Nsgs>(
+          {.method = "nonsmooth Gauss-Seidel, each contact solved exactly (Coulomb's law)",
+           .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
+           .sees_infeasibility = false,
+           .accuracy = iterative}),
+      FixedPoint::entry(convex_solver,
+                        {.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
+                         .limits = "contacts with friction only; no convergence where the slips' map does not contract",
+                         .sees_infeasibility = false,
+                         .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
+                           .limits = "contacts with friction only; does not converge from everywhere, and says so",
                            .sees_infeasibility = false,
-                           .accuracy = pivoting}),
-        entry<NloptMma>({.method = "NLopt 2.7.1 MMA, equality rows eliminated",
+                           .accuracy = iterative}),
+      entry<Admm>(
+          {.method = "alternating directions, one factorization for as long as the penalty stays",
+           .limits = "contacts with friction only; slow beyond a few digits; may not converge under Coulomb's law",
+           .sees_infeasibility = false,
+           .accuracy = iterative}),
+      // k with J k = c replaces c (docs/formulation.md, gap 2): kept on purpose, to show where the method fails.
+      entry<NnlsPaper>(
+          {.method = "the paper's Eq. 6-11: k with J k = c, then NNLS",
+           .limits = "wrong where c is outside range(J), and blind to infeasibility; the message gives the range gap",
+           .exact = true,
+           .sees_infeasibility = false,
+           .needs_range = true}),
+      entry<NloptSlsqp>({.method = "NLopt 2.7.1 SLSQP (contains Lawson-Hanson)",
+                         .limits = "dense; no multipliers; 1000 unknowns",
+                         .foreign = true,
+                         .sees_infeasibility = false,
+                         .accuracy = pivoting}),
+      entry<NloptMma>({.method = "NLopt 2.7.1 MMA, equality rows eliminated",
+                       .limits = "no multipliers; 1000 unknowns",
+                       .foreign = true,
+                       .sees_infeasibility = false,
+                       .creeps = true,
+                       .accuracy = creeping}),
+      entry<NloptCcsaq>({.method = "NLopt 2.7.1 CCSAQ, equality rows eliminated",
                          .limits = "no multipliers; 1000 unknowns",
                          .foreign = true,
                          .sees_infeasibility = false,
                          .creeps = true,
                          .accuracy = creeping}),
-        entry<NloptCcsaq>({.method = "NLopt 2.7.1 CCSAQ, equality rows eliminated",
-                           .limits = "no multipliers; 1000 unknowns",
-                           .foreign = true,
-                           .sees_infeasibility = false,
-                           .creeps = true,
-                           .accuracy = creeping}),
-        entry<NloptCobyla>({.method = "NLopt 2.7.1 COBYLA, derivative-free, equality rows eliminated",
-                            .limits = "no multipliers; slow beyond a few unknowns; 30 unknowns",
+      entry<NloptCobyla>({.method = "NLopt 2.7.1 COBYLA, derivative-free, equality rows eliminated",
+                          .limits = "no multipliers; slow beyond a few unknowns; 30 unknowns",
+                          .foreign = true,
+                          .sees_infeasibility = false,
+                          .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      entry<ProjectedGradient>({.method = "projected gradient on the dual: the example of docs/add-a-solver.md",
+                                .limits = "slow; no infeasibility certificates; stops at 20000 steps",
+                                .accuracy = iterative}),
+      entry<Pgs>({.method = "projected Gauss-Seidel on the dual",
+                  .limits = "slow on mass ratios and tall stacks; stops at its sweep limit",
+                  .accuracy = iterative}),
+      entry<Apgd>({.method = "accelerated projected gradient on the dual, restarted",
+                   .limits = "slow on mass ratios; stops at its step limit",
+                   .accuracy = iterative}),
+      entry<BulletDantzig>({.method = "Bullet 3.24's Dantzig MLCP solver on the Delassus form",
+                            .limits = "redundant rows; claims what it did not reach; 2000 rows",
                             .foreign = true,
                             .sees_infeasibility = false,
-                            .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
-        entry<ProjectedGradient>({.method = "projected gradient on the dual: the example of docs/add-a-solver.md",
-                                  .limits = "slow; no infeasibility certificates; stops at 20000 steps",
-                                  .accuracy = iterative}),
-        entry<Pgs>({.method = "projected Gauss-Seidel on the dual",
-                    .limits = "slow on mass ratios and tall stacks; stops at its sweep limit",
-                    .accuracy = iterative}),
-        entry<Apgd>({.method = "accelerated projected gradient on the dual, restarted",
-                     .limits = "slow on mass ratios; stops at its step limit",
-                     .accuracy = iterative}),
-        entry<BulletDantzig>({.method = "Bullet 3.24's Dantzig MLCP solver on the Delassus form",
-                              .limits = "redundant rows; claims what it did not reach; 2000 rows",
-                              .foreign = true,
-                              .sees_infeasibility = false,
-                              .needs_rank = true,
-                              .accuracy = {.tolerance = 1e-8, .z_error = 1e-10, .solved_share = 0.95}}),
-        entry<BulletPgs>({.method = "Bullet 3.24's projected Gauss-Seidel on the Delassus form",
-                          .limits = "as pgs, with step length as its only test; 2000 rows",
-                          .foreign = true,
-                          .accuracy = {.tolerance = 1e-8, .z_error = 1e-6, .solved_share = 0.95}}),
+                            .needs_rank = true,
+                            .accuracy = {.tolerance = 1e-8, .z_error = 1e-10, .solved_share = 0.95}}),
+      entry<BulletPgs>({.method = "Bullet 3.24's projected Gauss-Seidel on the Delassus form",
+                        .limits = "as pgs, with step length as its only test; 2000 rows",
+                        .foreign = true,
+                        .accuracy = {.tolerance = 1e-8, .z_error = 1e-6, .solved_share = 0.95}}),
   };
 }
 
@@ -252,6 +251,17 @@ void add_solver(SolverEntry entry) {
 const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntry> among) {
   const auto found = std::ranges::find(among, text.substr(0, text.find(':')), &SolverEntry::name);
   return found == among.end() ? nullptr : &*found;
+}
+
+std::string_view usual_solver(const Problem& problem) {
+  if (problem.has_tangents()) return "cone";
+  constexpr Index many = 1000;
+  const auto inequalities = [](const Problem& p) { return std::ranges::count(p.kind, RowKind::inequality); };
+  if (inequalities(problem) <= many) return "dual_active_set";
+  Islands islands;
+  islands.split(problem);
+  const auto large = [&](const Island& island) { return inequalities(island.problem) > many; };
+  return std::ranges::any_of(islands.all(), large) ? "newton" : "dual_active_set";
 }
 
 bool runs_apart(std::string_view text, std::span<const SolverEntry> among) {

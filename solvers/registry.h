@@ -28,6 +28,10 @@ const SolverEntry* find_solver(std::string_view text, std::span<const SolverEntr
 // or with how to add one that is absent.
 AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among = solvers());
 
+// The solver to begin with, by the table of docs/performance.md: cone where there is friction; newton where more than a
+// thousand rows of contacts and limits hang together, for it is sparse; else dual_active_set.
+std::string_view usual_solver(const Problem& problem);
+
 // Does it run in a child process? As its entry says, or that of the solver that it is to use (inner=NAME).
 bool runs_apart(std::string_view text, std::span<const SolverEntry> among = solvers());
 

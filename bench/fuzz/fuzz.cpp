@@ -209,24 +209,12 @@ void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
   // The last normal row: mu is read nowhere else.
   Index row = problem.rows() - 1;
   while (problem.is_tangent(row)) --row;
-  std::string what;
-  switch (draw.integer(0, 3)) {
-    case 0:
-      problem.mu[row] = -1;
-      what = "mu = -1";
-      break;
-    case 1:
-      problem.mu[row] = std::numeric_limits<double>::quiet_NaN();
-      what = "mu = nan";
-      break;
-    case 2:
-      problem.kind[0] = RowKind::tangent;
-      what = "a tangent row without its contact";
-      break;
-    default:
-      problem.mu.conservativeResize(problem.rows() - 1);
-      what = "mu is short";
-  }
+  constexpr const char* ways[] = {"mu = -1", "mu = nan", "a tangent row without its contact", "mu is short"};
+  const auto way = static_cast<std::size_t>(draw.integer(0, 3));
+  if (way == 0) problem.mu[row] = -1;
+  if (way == 1) problem.mu[row] = std::numeric_limits<double>::quiet_NaN();
+  if (way == 2) problem.kind[0] = RowKind::tangent;
+  if (way == 3) problem.mu.conservativeResize(problem.rows() - 1);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     std::string claim;
     try {
@@ -236,7 +224,7 @@ void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
       claim = to_string(Status::bad_input);
     }
     ++tally_[i].spoilt;
-    if (claim != to_string(Status::bad_input)) fault(i, number, what + ": says " + claim, problem);
+    if (claim != to_string(Status::bad_input)) fault(i, number, ways[way] + (": says " + claim), problem);
   }
 }
 

@@ -13,7 +13,6 @@
 #include <zwang/bench/suite/trace.h>
 #include <zwang/core/problem/did_you_mean.h>
 #include <zwang/solvers/registry.h>
-#include <zwang/solvers/usual_solver.h>
 
 namespace zwang {
 namespace {

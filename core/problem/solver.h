@@ -125,6 +125,13 @@ struct SolveOptions {
 // says.
 inline double accepted_error(double tolerance) { return std::max(10 * tolerance, 1e-12); }
 
+// Solution::error_bound of an answer that is at most `error` from the right one and `step` from z_u, whose length is
+// `free`, all in the M-norm.
+inline double relative_bound(double error, double step, double free) {
+  const double motion = std::max(free, step - free) - error;
+  return error == 0 ? 0 : motion > 0 ? error / motion : std::numeric_limits<double>::quiet_NaN();
+}
+
 // The tolerance by which to judge an answer that was asked for at `tolerance`: what is promised is what is claimed.
 inline double claimed_tolerance(const Solution& solution, double tolerance) {
   return std::isfinite(solution.error_bound) ? std::max(tolerance, solution.error_bound / 10) : tolerance;

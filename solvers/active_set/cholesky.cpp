@@ -158,7 +158,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
     polish_.judge(p, w_, active, options.tolerance, s);
     return s.status == Status::solved;
   }
-  return polish_.run(p, w_, active, options.tolerance, s) != Polish::Outcome::failed &&
+  return polish_.run(p, w_, active, options, s) != Polish::Outcome::failed &&
          s.status != Status::solved_ill_conditioned;
 }
 

@@ -308,8 +308,7 @@ double JointSpaceActiveSet::error_bound() const {
   const auto mu = mu_.head(static_cast<Index>(climb_.active().size()));
   const double length = y_.norm(), free = form_.rows().free_norm;
   const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + doubt_ + DenseDualActiveSet::epsilon * (length + free);
-  const double motion = std::max(free, length - free) - most;
-  return most == 0 ? 0 : motion > 0 ? most / motion : std::numeric_limits<double>::quiet_NaN();
+  return relative_bound(most, length, free);
 }
 
 }  // namespace zwang

@@ -34,7 +34,7 @@ void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOpti
   if (!settings.polish) write(p, s);
   for (const Index i : nearest_.pushing()) active.append(i);
   if (settings.polish)
-    polish_.run(p, rows_, active, options.tolerance, s);
+    polish_.run(p, rows_, active, options, s);
   else
     polish_.judge(p, rows_, active, options.tolerance, s);
   // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).

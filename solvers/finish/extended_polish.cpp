@@ -305,13 +305,15 @@ template <class Real>
 Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
   constexpr double rank_rounding = tolerances::rank * std::numeric_limits<double>::epsilon();
   const Index a = active.size();
-  const double needless = tolerances::needless * scale_;
+  const double needless = tolerances::needless * scale_, touch = std::numeric_limits<double>::epsilon() * scale_;
   const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
   share_.assign(at(w.rows()), unknown);
+  touching_ = 0;
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
+    if (most > -touch && ++touching_ == 1) touched_ = {i, std::max(0.0, static_cast<double>(most))};
     if (!(most > needless * rank_rounding)) continue;
     const double share = share_[at(i)] = express(active, i);
     if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
@@ -347,6 +349,24 @@ void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& 
     const Real own = w.equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
     s.lambda[w.row[at(i)]] = static_cast<double>(ldexp(own, w.exponent));
   }
+}
+
+// z_u - z is in the span of the active rows. So a point that meets all rows, at a distance across that span, is as far
+// as the answer can be: one row that touches is met at what it may be short of, over its share. Of several that all but
+// depend on each other no such point may be near. Multipliers that pull, and are cut off, move y by no more than they
+// are, and z is rounded to double.
+template <class Real>
+double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) {
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const double share = touching_ == 1 ? express(active, touched_.row) : 1;
+  const double across = touching_ == 1 ? touched_.step / share : 0;
+  const bool clear = std::min(share, active.smallest_pivot()) > tolerances::clear_pivot;
+  if (touching_ > 1 || !clear || !(error_ + across <= epsilon * scale_))
+    return std::numeric_limits<double>::quiet_NaN();
+  double most = 2 * error_ + across + epsilon * (length_ + z_u_length_);
+  for (const Index i : active.rows())
+    if (!w.equality[at(i)]) most += std::max(0.0, -static_cast<double>(unit(w, i)));
+  return relative_bound(most, length_, z_u_length_);
 }
 
 // Rows outside that hold with equality all the same are ignored; those that the active ones determine are redundant.
@@ -418,7 +438,7 @@ void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& acti
 }
 
 template <class Real>
-PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance,
+PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
                                         Solution& s) {
   // Where the refinement does not converge, a contact this near to a combination of the others gives way: its
   // neighbours do what it did, and where they do not, it is found violated again and judged as dependent.
@@ -441,7 +461,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       continue;
     }
 
-    const double limit = accepted_error(tolerance) * scale_;
+    const double limit = accepted_error(options.tolerance) * scale_;
     Real worst = tolerances::wide_violation * real_eps;
     Index entering = violated_row(p, w, worst);
     if (entering < 0) {
@@ -452,6 +472,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       write(p, w, s);
       name_redundant(p, w, active, s);
       s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
+      if (options.has_accuracy()) s.error_bound = bound(w, active);
       return Outcome::solved;
     }
     const double share = active.append(entering);

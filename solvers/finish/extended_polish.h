@@ -36,8 +36,9 @@ class ExtendedPolish {
   using Outcome = PolishOutcome;
 
   // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
-  // holds the last point and a message.
-  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+  // holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear.
+  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
+              Solution& solution);
 
   // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
   // holds it. Changes active.
@@ -82,6 +83,7 @@ class ExtendedPolish {
   Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
   Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
+  double bound(const Whitened& w, ActiveRows& active);
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
   Real violation(const Problem& p, const Whitened& w, Index i) { return rest(p, w, i).violation; }
@@ -105,7 +107,9 @@ class ExtendedPolish {
   double length_ = 0;  // |y|
   double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent
   double z_u_length_ = 0;
-  double error_ = 0;  // estimate of |z - z*|_M for the active set at hand
+  double error_ = 0;          // estimate of |z - z*|_M for the active set at hand
+  int touching_ = 0;          // rows outside that are not open by more than rounding in double
+  Blocking<double> touched_;  // the first of them, and by how much at the most
 };
 
 }  // namespace zwang

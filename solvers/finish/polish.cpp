@@ -14,12 +14,13 @@ bool in_range(const Whitened& w) {
 
 }  // namespace
 
-Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
-  const Outcome first = extended_.run(p, w, active, tolerance, s);
+Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
+                            Solution& s) {
+  const Outcome first = ExtendedPolish::run(p, w, active, options, s);
   if (first == Outcome::infeasible || s.status == Status::solved || w.rows() == 0 || !in_range(w)) return first;
   first_ = s;
   s.message.clear();
-  const Outcome second = double_double_.run(p, w, active, tolerance, s);
+  const Outcome second = double_double_.run(p, w, active, options, s);
   if (second == Outcome::failed) {
     s = first_;
     return first;

@@ -8,27 +8,12 @@ namespace zwang {
 // long double, and again, from the rows that these end with, in double-double, where rounding in long double leaves z
 // in doubt or decides nothing. Joints 2^-27 apart lose 2^-64 / 2^-27 in long double and are right to the last bit of a
 // double in double-double, as long as the double factors contract: to 2^-45.
-class Polish {
+class Polish : public ExtendedPolish<FactorReal> {
  public:
-  using Outcome = PolishOutcome;
-
-  // As extended_polish.h has them.
-  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
-
-  bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
-               Solution& solution) {
-    return extended_.certify(problem, rows, active, support, solution);
-  }
-
-  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution) {
-    extended_.judge(problem, rows, active, tolerance, solution);
-  }
-  bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution) {
-    return extended_.certify(problem, rows, unit, solution);
-  }
+  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
+              Solution& solution);
 
  private:
-  ExtendedPolish<FactorReal> extended_;
   ExtendedPolish<DoubleDouble> double_double_;
   Solution first_;
 };

@@ -1,7 +1,6 @@
 #include <zwang/solvers/friction/cone.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
 #include <zwang/solvers/solver_entry.h>
@@ -95,9 +94,8 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
     const double left = best.natural / starts_.program().scale(best.v);
     const char* const reason = left <= options.tolerance ? "the natural residual is %.1e of the motion, and proves no z"
                                                          : "the natural residual stays at %.1e of the motion";
-    std::array<char, 80> text;
-    std::snprintf(text.data(), text.size(), reason, left);
-    solution.message = text.data();
+    solution.message.resize(80);  // a string of its own would be allocated anew
+    solution.message.resize(at(std::snprintf(solution.message.data(), solution.message.size(), reason, left)));
   }
 }
 

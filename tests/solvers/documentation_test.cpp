@@ -8,7 +8,6 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/solvers/registry.h>
-#include <zwang/solvers/usual_solver.h>
 
 #include "tests/folders.h"
 
