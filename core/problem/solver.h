@@ -126,7 +126,7 @@ struct SolveOptions {
 inline double accepted_error(double tolerance) { return std::max(10 * tolerance, 1e-12); }
 
 // Solution::error_bound of an answer that is at most `error` from the right one and `step` from z_u, whose length is
-// `free`, all in the M-norm.
+// `free`, all in the M-norm. NaN where the motion may be nothing.
 inline double relative_bound(double error, double step, double free) {
   const double motion = std::max(free, step - free) - error;
   return error == 0 ? 0 : motion > 0 ? error / motion : std::numeric_limits<double>::quiet_NaN();

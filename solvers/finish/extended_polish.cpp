@@ -351,16 +351,21 @@ void ExtendedPolish<Real>::write(const Problem& p, const Whitened& w, Solution& 
   }
 }
 
-// z_u - z is in the span of the active rows. So a point that meets all rows, at a distance across that span, is as far
-// as the answer can be: one row that touches is met at what it may be short of, over its share. Of several that all but
-// depend on each other no such point may be near. Multipliers that pull, and are cut off, move y by no more than they
-// are, and z is rounded to double.
 template <class Real>
-double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) {
+double ExtendedPolish<Real>::share(ActiveRows& active, Index row) const {
+  return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
+}
+
+// z is the projection of z_u onto the active rows, so z_u - z is in their span. A point that meets all rows, away from
+// z across that span, is as far as the answer can be: the projection lies no farther. One row that touches is met at
+// what it may be short of, over its share. Of several that all but depend on each other no such point may be near.
+// Multipliers that pull, and are cut off, move y by no more than they are, and z is rounded to double.
+template <class Real>
+double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) const {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double share = touching_ == 1 ? express(active, touched_.row) : 1;
-  const double across = touching_ == 1 ? touched_.step / share : 0;
-  const bool clear = std::min(share, active.smallest_pivot()) > tolerances::clear_pivot;
+  const double rest = touching_ == 1 ? share(active, touched_.row) : 1;
+  const double across = touching_ == 1 ? (touched_.step + error_) / rest : 0;
+  const bool clear = std::min(rest, active.smallest_pivot()) > tolerances::clear_pivot;
   if (touching_ > 1 || !clear || !(error_ + across <= epsilon * scale_))
     return std::numeric_limits<double>::quiet_NaN();
   double most = 2 * error_ + across + epsilon * (length_ + z_u_length_);
@@ -383,11 +388,11 @@ void ExtendedPolish<Real>::name_redundant(const Problem& p, const Whitened& w, A
   if (active.size() > 0) s.margins.smallest_accepted = active.smallest_pivot();
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] != State::ignored) continue;
-    const double share = share_[at(i)] >= 0 ? share_[at(i)] : active.share(i);
-    if (share > tolerances::redundant_share) continue;
+    const double rest = share(active, i);
+    if (rest > tolerances::redundant_share) continue;
     s.redundant.push_back(w.row[at(i)]);
     s.margins.largest_rejected =
-        std::isnan(s.margins.largest_rejected) ? share : std::max(s.margins.largest_rejected, share);
+        std::isnan(s.margins.largest_rejected) ? rest : std::max(s.margins.largest_rejected, rest);
   }
   std::sort(s.redundant.begin(), s.redundant.end());
 }

@@ -83,7 +83,8 @@ class ExtendedPolish {
   Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
   Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
-  double bound(const Whitened& w, ActiveRows& active);
+  double share(ActiveRows& active, Index row) const;  // of a row outside
+  double bound(const Whitened& w, ActiveRows& active) const;
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
   Real violation(const Problem& p, const Whitened& w, Index i) { return rest(p, w, i).violation; }

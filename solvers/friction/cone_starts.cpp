@@ -141,7 +141,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
                             : tolerances::cone_regime;
   double looked_at = tolerances::cone_runs_off * unit, promising = promising_from * unit * unit;
   double near = tolerances::cone_near_end;
-  for (int step = 0, last = most_steps;;) {  // last: a quick one
+  for (int step = 0, last = most_steps;;) {  // last: sooner behind modes that failed, where it is to be quick
     const bool sees = follows && end_is_near(job, near);
     const double rounding = std::numeric_limits<double>::epsilon() * inside_.s.lpNorm<Eigen::Infinity>();
     const bool in_regime = sees || (inside_.gap() <= target * unit * unit &&

@@ -157,7 +157,7 @@ void ModeNewton::shift(ConeProgram& program) {
 void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline,
                      int& iterations) {
   constexpr int patience = 12;    // steps for which the residual need not halve
-  constexpr double thrown = 200;  // what multiplies the best residual of modes that an iterate told has left them
+  constexpr double thrown = 200;  // times the best residual: modes that were told by an iterate have been left
   const bool told = chosen_;
   ConeProgram::Residual best = residual;
   if (chosen_) best.natural = std::numeric_limits<double>::infinity();
