@@ -307,7 +307,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
 double JointSpaceActiveSet::error_bound() const {
   const auto mu = mu_.head(static_cast<Index>(climb_.active().size()));
   const double length = y_.norm(), free = form_.rows().free_norm;
-  const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + doubt_ + DenseDualActiveSet::epsilon * (length + free);
+  const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + doubt_ + fine * form_.rows().tied() * (length + free);
   return relative_bound(most, length, free);
 }
 

@@ -359,7 +359,7 @@ double ExtendedPolish<Real>::share(ActiveRows& active, Index row) const {
 // z is the projection of z_u onto the active rows, so z_u - z is in their span. A point that meets all rows, away from
 // z across that span, is as far as the answer can be: the projection lies no farther. One row that touches is met at
 // what it may be short of, over its share. Of several that all but depend on each other no such point may be near.
-// Multipliers that pull, and are cut off, move y by no more than they are, and z is rounded to double.
+// Multipliers that pull, and are cut off, move y by no more than they are.
 template <class Real>
 double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) const {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -368,7 +368,7 @@ double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) const 
   const bool clear = std::min(rest, active.smallest_pivot()) > tolerances::clear_pivot;
   if (touching_ > 1 || !clear || !(error_ + across <= epsilon * scale_))
     return std::numeric_limits<double>::quiet_NaN();
-  double most = 2 * error_ + across + epsilon * (length_ + z_u_length_);
+  double most = 2 * error_ + across + tolerances::violation * real_eps * static_cast<double>(w.factor.tied()) * scale_;
   for (const Index i : active.rows())
     if (!w.equality[at(i)]) most += std::max(0.0, -static_cast<double>(unit(w, i)));
   return relative_bound(most, length_, z_u_length_);

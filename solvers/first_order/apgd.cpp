@@ -1,6 +1,5 @@
 #include <zwang/solvers/first_order/apgd.h>
 
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -62,7 +61,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
     if (iteration.step_done()) return;
 
     const double to_go = std::sqrt(curvature) * longest * length;
-    if (to_go <= options.tolerance * program.scale(y) && natural_residual(program, y, lambda) <= options.tolerance) {
+    if (to_go <= options.tolerance * program.scale(y) && program.natural_residual(y, lambda) <= options.tolerance) {
       solution.status = Status::solved;
       break;
     }

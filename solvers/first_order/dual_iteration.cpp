@@ -24,11 +24,8 @@ bool DualIteration::goes_on(int limit) {
     return false;
   }
   if (solution_.iterations >= std::min(limit, options_.max_iterations)) return false;
-  if (deadline_.passed()) {
-    solution_.status = Status::time_limit;
-    return false;
-  }
-  return true;
+  if (deadline_.passed()) solution_.status = Status::time_limit;
+  return solution_.status == Status::iteration_limit;
 }
 
 // On a problem without a solution lambda runs off along a Farkas vector, while y settles. Looked for after 16, 32, 64,

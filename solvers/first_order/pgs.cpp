@@ -1,6 +1,5 @@
 #include <zwang/solvers/first_order/pgs.h>
 
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
 
 namespace zwang {
@@ -29,7 +28,7 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
     if (largest <= tolerance && contraction.distance_to_go(rounding * scale) <= tolerance) {
       program.motion(lambda, y);
-      if (natural_residual(program, y, lambda) <= options.tolerance) {
+      if (program.natural_residual(y, lambda) <= options.tolerance) {
         solution.status = Status::solved;
         break;
       }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/form/unit_program.h>
 
 namespace zwang {
 
@@ -27,7 +27,7 @@ struct ProjectedGradient {
       program.motion(lambda, y);
       steps.record((y - before).norm());
       if (steps.distance_to_go(1e-15 * program.scale(y)) > options.tolerance * program.scale(y)) continue;
-      if (natural_residual(program, y, lambda) <= options.tolerance) solution.status = Status::solved;
+      if (program.natural_residual(y, lambda) <= options.tolerance) solution.status = Status::solved;
     }
     program.write(problem, y, lambda, solution);
   }

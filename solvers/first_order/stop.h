@@ -13,8 +13,7 @@ namespace zwang {
 class LinearConvergenceEstimate {
  public:
   void record(double step) {
-    steps_[count_ % window] = step;
-    ++count_;
+    steps_[count_++ % window] = step;
   }
   // Steps no longer than `rounding` have arrived: they shrink no more.
   double distance_to_go(double rounding) const {

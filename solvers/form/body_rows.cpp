@@ -96,6 +96,13 @@ bool BodyRows::factorize(Index base, Index first) {
   return true;
 }
 
+double BodyRows::tied() const {
+  double most = 1;
+  for (const Mass& m : mass)
+    for (Index j = 0; j < 6; ++j) most = std::max(most, m.M(j, j) * m.L_inverse.col(j).squaredNorm());
+  return most;
+}
+
 bool BodyRows::factorize(const Problem& p) {
   free.setZero(lanes, bodies());
   z_u.setZero(lanes, bodies());

@@ -70,6 +70,7 @@ struct BodyRows {
     if (own[1] >= 0) y.col(own[1]) += scale * part(i, 1);
   }
 
+  double tied() const;  // as SparseCholesky's: the largest M_jj (M^-1)_jj
   // False where the problem is of another kind; nothing can be read then.
   bool build(const Problem& problem);
 

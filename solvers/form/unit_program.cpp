@@ -59,6 +59,20 @@ double UnitProgram::scale(const Vector& y) const {
   return std::max({free_.norm(), (free_ + y).norm(), std::numeric_limits<double>::min()});
 }
 
+double UnitProgram::natural_residual(const Vector& y, const Vector& lambda) const {
+  double worst = 0;
+  for (Index i = 0; i < rows(); ++i) {
+    const double slack = dot(i, y) - h_[i];
+    worst = std::max(worst, std::abs(is_equality(i) ? slack : std::min(lambda[i], slack)));
+  }
+  return worst / scale(y);
+}
+
+double UnitProgram::kkt_residual(const Vector& y, const Vector& lambda) const {
+  const double stationarity = (y - G().transpose() * lambda).norm() / scale(y);
+  return std::max(stationarity, natural_residual(y, lambda));  // NaN where y or lambda has one
+}
+
 double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
 
 void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {

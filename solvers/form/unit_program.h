@@ -35,6 +35,12 @@ class UnitProgram {
   double scale(const Vector& y) const;  // max(|z_u|_M, |z|_M), in units of sigma
 
   double reach() const;  // max(|z_u|_M, worst |h|), likewise
+  // Worst |slack_i| (equality) or |min(lambda_i, slack_i)| (inequality) over scale(y): violation, sign and
+  // complementarity in one, without the square root that lambda_i slack_i hides.
+  double natural_residual(const Vector& y, const Vector& lambda) const;
+  // The larger of that and |y - G'lambda|, before a rival's answer is claimed solved. It is not the referee:
+  // core/referee/measure.h trusts nothing from here.
+  double kkt_residual(const Vector& y, const Vector& lambda) const;
 
   // Multipliers of an earlier frame on the unit rows, matched by key; zero where there is none.
   void warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda);

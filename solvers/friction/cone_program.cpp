@@ -224,6 +224,11 @@ double ConeProgram::scale(const Vector& v) {
   return std::max({free_norm_, own, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
 }
 
+double ConeProgram::tied() const {
+  if (form_ == Form::joints) return joints_.rows().tied();
+  return (form_ == Form::whitened ? whitened_.factor : unit_rows_.factor).tied();
+}
+
 bool ConeProgram::is_out_of_reach(const Vector& v) {
   const double known = form_ == Form::joints ? std::max(free_norm_, joints_.y_E().norm()) : free_norm_;
   return scale(v) > tolerances::out_of_reach * std::max(known, start_);

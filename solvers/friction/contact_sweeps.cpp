@@ -35,8 +35,7 @@ Vec3 solve_contact(const Mat3& W, const Vec3& b) {
     (f > 0 ? low : high) = a;
     (f > 0 ? f_low : f_high) = f;
   }
-  y = at(high);
-  return second_order_cone::projected(y);
+  return second_order_cone::projected(at(high));
 }
 
 }  // namespace

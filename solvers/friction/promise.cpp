@@ -30,6 +30,12 @@ double lightest(const Problem& p) {
   return std::isfinite(least) ? least : 0;
 }
 
+// By how much z may be off, relative to the motion, for being a vector of doubles.
+double rounding_of(const Problem& p, const Vector& z) {
+  const double motion = std::max(z.dot(p.M * z), p.z_u.dot(p.M * p.z_u));
+  return z == p.z_u ? 0 : eps / 2 * std::sqrt(z.cwiseAbs().dot(p.M.cwiseAbs() * z.cwiseAbs()) / motion);
+}
+
 }  // namespace
 
 void Promise::begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows) {
@@ -80,6 +86,8 @@ bool Promise::prepare() {
   ray_weight_.setZero(program_->rays());
   for (Vector* x : {&y_, &s_, &next_, &ds_, &x_, &t_}) x->setZero(program_->rows());
   for (Vector* x : {&v_, &dv_, &force_}) x->setZero(program_->face().unknowns());
+  factor_rounding_ = std::max(rounding, program_->tied() * tolerances::violation * eps);
+  row_rounding_ = std::sqrt(program_->tied()) * rounding;
   failed_ = false;
   return ready_ = true;
 }
@@ -103,7 +111,7 @@ bool Promise::holds_at(const Vector& y, Solution& solution) {
 
 void Promise::judge(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const bool is_solved = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
-  if (!options.has_accuracy() || !std::isnan(solution.error_bound) || !is_solved) return;
+  if (!options.has_accuracy() || !is_solved) return;
   if (solution.lambda.size() != problem.rows() || solution.z.size() != problem.size()) return;
   SolveOptions any = options;
   any.accuracy = infinity;
@@ -137,7 +145,6 @@ Promise::Bound Promise::look() {
   reach_ = 0;
   for (Index i = 0; i < h_.size(); ++i)
     if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
-  Bound out;
   double before = infinity;
   for (int round = 0; round < most_rounds && (choose() || round == 0) && factorize(); ++round) {
     const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
@@ -145,16 +152,13 @@ Promise::Bound Promise::look() {
     if (!met && !(missed <= before)) break;  // it runs away
     before = missed;
     if (!met || !distance()) continue;
-    const double first = far(still + rounding * size, 0);
+    const double first = far(still + factor_rounding_ * size, 0);
     if (!(first <= enough(program_->least_motion(v_), program_->exponent()))) continue;
     const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
     if (!(most < infinity && (motion > 0 || most == 0))) break;
-    out.relative = most > 0 ? most / motion : 0;
-    out.is_enough = options_->speed_accuracy > 0 ? most <= enough(motion, program_->exponent())
-                                                 : out.relative <= options_->accuracy;
-    break;
+    return {most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())};
   }
-  return out;
+  return {};
 }
 
 // Who carries force at (v, y). Is that another choice than the last?
@@ -273,69 +277,62 @@ bool Promise::is_independent() {
   return length <= vanished;
 }
 
-// What all forces of the answer add up to at the most, where it is no farther than `within` from v, and no contact is
-// pressed that v has more than that from. Infinite where no motion is found that opens the others.
-double Promise::most_force(double within) {
+// `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
+// met exactly near v.
+double Promise::with_rounding(double first, double still, double size) {
+  double least = infinity;  // slack of those that carry no force
+  for (Index k = 0; k < program_->cones(); ++k)
+    if (mode_[at(k)] == Mode::open) least = std::min(least, opened(k));
+  for (Index r = 0; r < program_->rays(); ++r)
+    if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
+  if (!(least > tolerances::promise_touching * size && is_independent())) return inside(still, size);
+  constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
+  return first + (left() + part * row_rounding_ * size) / tolerances::promise_least_share;
+}
+
+// The bound at a point that meets all rows whatever rounding hides: v moved along w, which opens those near v. No force
+// of the answer needs to be known for that, and rows may repeat each other. Infinite where no motion opens them; beside
+// equality rows none is looked for.
+double Promise::inside(double still, double size) {
   ConeFace& face = program_->face();
   const Index nc = program_->cones();
-  constexpr double weight = 1 / tolerances::promise_softness;
-  std::ranges::fill(D_, 0.0);
-  ray_weight_.setZero();
-  x_.setZero(program_->rows());
+  const double near = tolerances::promise_near * size, rest = row_rounding_ * size;
+  x_.setZero(program_->rows());  // what is to be opened, by how much
   for (Index k = 0; k < nc; ++k) {
-    const double* s = &s_[3 * k];
-    if (mode_[at(k)] == Mode::open && s[0] - program_->law().opening() * second_order_cone::tangential(s) > within)
-      continue;
-    Eigen::Map<Mat3>(&D_[at(9 * k)]).diagonal().setConstant(weight);
+    if (mode_[at(k)] == Mode::open && opened(k) > near) continue;
+    mode_[at(k)] = Mode::stick;
     x_[3 * k] = 1;
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     if (program_->is_equality(r)) return infinity;
-    if (!active_[at(r)] && s_[3 * nc + r] > within) continue;
-    ray_weight_[r] = weight;
+    if (!active_[at(r)] && s_[3 * nc + r] > near) continue;
+    active_[at(r)] = 1;
     x_[3 * nc + r] = 1;
   }
-  if (!face.factorize(D_, ray_weight_, true)) return infinity;
   w_.setZero(v_.size());
-  t_.setZero(program_->rows());
-  constexpr int passes = 4;
-  double least = infinity;
-  for (int pass = 0; pass <= passes; ++pass) {
-    face.slack(w_, ds_);
-    next_ = x_ - ds_;
-    for (Index k = 0; k < nc; ++k) next_.segment<3>(3 * k) *= D_[at(9 * k)];
-    next_.tail(program_->rays()).array() *= ray_weight_.array();
-    t_ += next_;
-    if (pass == passes) break;
-    face.force(t_, dv_);
-    face.mass(w_, force_);
-    dv_ -= force_;
-    face.solve(dv_);
-    w_ += dv_;
-  }
-  for (Index k = 0; k < nc; ++k)
-    if (x_[3 * k] != 0) least = std::min(least, second_order_cone::smallest(&ds_[3 * k]));
-  for (Index i = 3 * nc; i < program_->rows(); ++i)
-    if (x_[i] != 0) least = std::min(least, ds_[i]);
+  t_.setZero(y_.size());
+  const auto swap = [&] { v_.swap(w_), y_.swap(t_), h_.swap(x_); };
+  swap();
+  s_ = -h_;
+  const bool found = factorize() && settle() < infinity;
+  swap();
+  if (!found) return infinity;
+  program_->slack(v_, s_);
+  face.slack(w_, ds_);
+  double way = 0, least = 0;  // of w; what it leaves of any row
+  const auto rows = [&](const auto& visit) {
+    for (Index k = 0; k < nc; ++k) visit(opened(k) - rest, second_order_cone::smallest(&ds_[3 * k]));
+    for (Index i = 3 * nc; i < s_.size(); ++i) visit(s_[i] - rest, ds_[i]);
+  };
+  rows([&](double slack, double opens) {
+    if (slack < 0) way = opens > 0 ? std::max(way, -slack / opens) : infinity;
+  });
+  rows([&](double slack, double opens) { least = std::min(least, slack + way * opens); });
+  if (!(least >= -rest)) return infinity;
   face.mass(w_, force_);
-  face.mass(v_, dv_);
-  return least > 0 ? std::sqrt(force_.dot(w_)) * (std::sqrt(dv_.dot(v_)) + within) / least : infinity;
-}
-
-// `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
-// met exactly near v. Otherwise the forces have to be bounded.
-double Promise::with_rounding(double first, double still, double size) {
-  double least = infinity;  // slack of those that carry no force
-  for (Index k = 0; k < program_->cones(); ++k)
-    if (const double* s = &s_[3 * k]; mode_[at(k)] == Mode::open)
-      least = std::min(least, s[0] - program_->law().opening() * second_order_cone::tangential(s));
-  for (Index r = 0; r < program_->rays(); ++r)
-    if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
-  if (least > tolerances::promise_touching * size && is_independent())
-    return first + (left() + tolerances::violation * eps * size) / tolerances::promise_least_share;
-  const double within = std::max(4 * first, tolerances::promise_near * size), force = most_force(within);
-  const double most = far(still + rounding * size, 4 * rounding * size * force);
-  return most <= within ? most : infinity;
+  const double apart = way * std::sqrt(force_.dot(w_));
+  half_ += apart / 2;
+  return far(still + factor_rounding_ * size + apart, way * std::max(0.0, y_.dot(ds_)) + rest * y_.lpNorm<1>());
 }
 
 double Promise::far(double apart, double more) const { return apart + half_ + std::sqrt(half_ * half_ + gap_ + more); }
@@ -343,7 +340,6 @@ double Promise::far(double apart, double more) const { return apart + half_ + st
 // The terms of the bound above, y_ being cut to the cones. False where a row without force is violated.
 bool Promise::distance() {
   ConeFace& face = program_->face();
-  const ConeLaw law = program_->law();
   const Index nc = program_->cones();
   const double size = rounding * std::max(program_->scale(v_), reach_);
   gap_ = 0;
@@ -351,7 +347,7 @@ bool Promise::distance() {
   for (Index k = 0; k < nc; ++k) {
     const double *s = &s_[3 * k], slip = second_order_cone::tangential(s);
     auto y = y_.segment<3>(3 * k);
-    const double open = s[0] - law.opening() * slip;  // of the cones lifted by what slips
+    const double open = opened(k);
     if (mode_[at(k)] == Mode::open && -open > size) return false;
     if (mode_[at(k)] == Mode::slide && slip > size) {
       const double push = std::max(0.0, y[0]);
@@ -376,7 +372,8 @@ bool Promise::distance() {
 }
 
 void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  Promise().judge(problem, options, solution);
+  if (std::isnan(solution.error_bound)) Promise().judge(problem, options, solution);
+  if (std::isfinite(solution.error_bound)) solution.error_bound += rounding_of(problem, solution.z);
 }
 
 }  // namespace zwang

@@ -19,9 +19,10 @@ namespace zwang {
 // at v, whose answer v* is then: the self bound.
 //
 // Rows that depend on each other, or nearly, hide how far v is from meeting them all, in y*' times what is left of the
-// rows. Where they are clearly independent there is a point near v that meets them. Else a motion w that opens all rows
-// near v bounds the forces, sum of y* <= |w| |v*| / (the least that w opens), and the promise ends at 1e-7, the square
-// root of rounding. Tried before: right sides moved at random tell rows 1e-12 from dependent, and none that are nearer.
+// rows. Where they are clearly independent there is a point near v that meets them. Else v is moved to where it does,
+// along a motion that opens all rows near it, and the promise ends at 1e-7, the square root of rounding. Tried before:
+// right sides moved at random tell rows 1e-12 from dependent, and none that are nearer; a bound on the answer's forces
+// by the length of that motion ends at the same square root.
 class Promise {
  public:
   // Costs nothing where no accuracy is asked for. `rows`: the program of this problem that a method works with; a look
@@ -55,8 +56,12 @@ class Promise {
   double left() const;
   void pull(const Vector& missed, Vector& force) const;
   bool is_independent();
-  double most_force(double within);
   double with_rounding(double first, double still, double size);
+  double inside(double still, double size);
+  // Of a contact: what its lifted cone leaves of s.
+  double opened(Index k) const {
+    return s_[3 * k] - program_->law().opening() * second_order_cone::tangential(&s_[3 * k]);
+  }
   double far(double apart, double more) const;
   bool distance();
 
@@ -65,6 +70,7 @@ class Promise {
   ConeProgram own_;
   ConeProgram* program_ = nullptr;
   bool ready_ = false, failed_ = false;
+  double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
   double reach_ = 0;           // the right sides that rounding in a slack comes from

@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include <zwang/solvers/finish/farkas.h>
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/ipopt/ipopt_session.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
@@ -55,7 +54,7 @@ bool certificate(const UnitProgram& program, const Vector& y, const Vector& lamb
 void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer& answer, double tolerance,
            Solution& solution) {
   const double enough = std::max(tolerance, tolerances::kkt_floor);
-  const double residual = answer.claims_success ? kkt_residual(program, answer.y, answer.lambda) : 0;
+  const double residual = answer.claims_success ? program.kkt_residual(answer.y, answer.lambda) : 0;
   if (answer.claims_success && residual <= enough) {
     solution.status = Status::solved;
   } else if (answer.stuck && answer.best.residual <= enough) {
@@ -163,7 +162,7 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
   question.h = program.h()(rows);
   for (const Index i : rows) question.equality.push_back(program.is_equality(i));
   question.residual = [&](const Vector& y, const Vector& multipliers) {
-    return kkt_residual(program, y, of_all(multipliers));
+    return program.kkt_residual(y, of_all(multipliers));
   };
   Vector lambda;
   program.warm_multipliers(problem, options.warm_start, lambda);

@@ -32,6 +32,9 @@ class SparseCholesky {
   // Whether its column of L is zero below the pivot: x := L^-1 x divides an entry there by the pivot, no more.
   bool is_alone(int position) const { return alone_[position]; }
   const Scalar& pivot(int position) const { return value_[first_[position]]; }
+  // The largest of M_jj over the square of its pivot: near cond(M) of a unit diagonal, large where M ties unknowns to
+  // each other.
+  const Scalar& tied() const { return tied_; }
 
   // x := L^-1 x, where x (in P's order) has its entries at `start`; on return at `touched`, ascending.
   template <class Column>
@@ -110,6 +113,7 @@ class SparseCholesky {
   std::vector<int> upper_first_, upper_index_, upper_from_;  // upper triangle of P M P', and where it stands in M
   std::vector<int> first_, index_, fill_;                    // L by columns, diagonal first
   std::vector<Scalar> value_;
+  Scalar tied_{1};
   std::vector<char> alone_;
   std::vector<int> mark_, row_, path_;
   mutable VectorX<Scalar> scratch_;
@@ -178,9 +182,11 @@ bool SparseCholesky<Scalar>::compute(const Scalar* entry) {
   const int n = static_cast<int>(size());
   fill_.assign(first_.begin(), first_.end());
   scratch_.setZero();
+  tied_ = Scalar(1);
   for (int k = 0; k < n; ++k) {
     for (int p = upper_first_[k]; p < upper_first_[k + 1]; ++p) scratch_[upper_index_[p]] += entry[upper_from_[p]];
-    Scalar diagonal = scratch_[k];
+    const Scalar own = scratch_[k];
+    Scalar diagonal = own;
     scratch_[k] = Scalar(0);
     for (int t = reach(k); t < n; ++t) {
       const int i = row_[t];
@@ -192,6 +198,7 @@ bool SparseCholesky<Scalar>::compute(const Scalar* entry) {
       value_[fill_[i]++] = l;
     }
     if (!(diagonal > Scalar(0))) return false;
+    if (own > tied_ * diagonal) tied_ = own / diagonal;
     index_[fill_[k]] = k;
     value_[fill_[k]++] = sqrt(diagonal);
   }

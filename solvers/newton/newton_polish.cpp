@@ -165,7 +165,8 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
     if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
   }
   const double apart = way * open_length_, half = (L.force_norm(step_) + apart) / 2;
-  return apart + half + std::sqrt(half * half + gap) + tolerances::rank * eps * L.scale;
+  return apart + half + std::sqrt(half * half + gap) +
+         (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
 }
 
 // Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the

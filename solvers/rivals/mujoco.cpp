@@ -8,7 +8,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/rivals/peer_rows.h>
 
@@ -171,7 +170,7 @@ void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, So
   }
   program.write(problem, y, lambda, solution);
   if (solution.status != Status::solved) return;
-  const double residual = kkt_residual(program, y, lambda);
+  const double residual = program.kkt_residual(y, lambda);
   std::ostringstream text;
   text << "MuJoCo: converged; its soft rows give way by " << residual << " of the motion";
   solution.message = text.str();

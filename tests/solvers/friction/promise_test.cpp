@@ -146,6 +146,38 @@ TEST(Promise, HoldsBesideARowThatEqualityRowsAllButImply) {
   }
 }
 
+// M = 1 + 2^34 ww', and one row: z_u, the row and so the answer z_u + l row are across w. What M ties is not in them,
+// but in the rounding of its factors and of z.
+TEST(Promise, HoldsWhereMassesTieUnknowns) {
+  std::mt19937 random(1);
+  const auto pick = [&](int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+  };
+  const Index n = 4;
+  int promised = 0;
+  for (int k = 0; k < 40; ++k) {
+    Vector w(n), z_u = Vector::Zero(n), row = Vector::Zero(n);
+    for (double& a : w) a = pick(1, 5);
+    for (Index j = 1; j < n; ++j)
+      for (Vector* x : {&z_u, &row}) {
+        const int times = pick(1, 4);
+        (*x)[0] += times * w[j];
+        (*x)[j] -= times * w[0];
+      }
+    const Vector truth = z_u + pick(1, 9) * row;
+    Problem p = make_problem(row.transpose(), Vector::Constant(1, row.dot(truth)), z_u, 0);
+    p.M = (Matrix::Identity(n, n) + std::ldexp(1, 34) * w * w.transpose()).sparseView();
+    for (const char* solver : {"dual_active_set", "nnls", "cholesky", "cone", "newton", "pgs", "apgd", "admm"}) {
+      const Solution s = make_solver(solver).solve(p, {.accuracy = 1e-2});
+      if (std::isnan(s.error_bound)) continue;
+      ++promised;
+      // What w ties of the error is whole numbers and their rounding: no digit of it is lost.
+      EXPECT_LE(apart(p, s.z, truth), s.error_bound) << solver << ", " << k;
+    }
+  }
+  EXPECT_GE(promised, 250);
+}
+
 TEST(Promise, NothingIsPromisedUnasked) {
   const Problem p = random_small_problem(1000);
   for (const SolverEntry& e : solvers())

@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include <zwang/core/problem/cpu_clock.h>
-#include <zwang/solvers/finish/kkt_check.h>
 #include <zwang/solvers/ipopt/ipopt_method.h>
 #include "tests/solvers/friction/friction_problems.h"
 #include "tests/solvers/small_problems.h"
@@ -172,8 +171,8 @@ TEST(KktResidual, SeesWhatAProductOfMultiplierAndSlackHides) {
   Solution solution;
   ASSERT_TRUE(program.build(p, {}, solution));
   const Vector small = test::vec({1e-5});
-  EXPECT_GT(kkt_residual(program, small, small), 1e-6);      // lambda slack = 1e-10, yet both are 1e-5
-  EXPECT_GT(kkt_residual(program, small, 2 * small), 1e-6);  // y is not G'lambda
+  EXPECT_GT(program.kkt_residual(small, small), 1e-6);      // lambda slack = 1e-10, yet both are 1e-5
+  EXPECT_GT(program.kkt_residual(small, 2 * small), 1e-6);  // y is not G'lambda
 }
 
 // Contacts with friction as squares. Where contacts stick the squares have no gradient: what is claimed still holds.

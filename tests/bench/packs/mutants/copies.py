@@ -70,9 +70,9 @@ Vector earlier;
       solution.status = Status::solved;
       break;
     }"""),
-        ("      if (natural_residual(program, y, lambda) <= options.tolerance) {\n",
+        ("      if (program.natural_residual(y, lambda) <= options.tolerance) {\n",
          "      if (mutant == Mutant::gap_as_residual ? residual(program, y, lambda) <= options.tolerance\n"
-         "          : natural_residual(program, y, lambda) * scale <= tolerance) {\n"),
+         "          : program.natural_residual(y, lambda) * scale <= tolerance) {\n"),
         ("  program.motion(lambda, y);\n  program.write(",
          "  earlier = lambda;\n  if (mutant != Mutant::stale_warm_start) program.motion(lambda, y);\n  program.write("),
     ],
