@@ -9,7 +9,7 @@
 #include <cstring>
 #include <sstream>
 
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::collision {
 namespace {

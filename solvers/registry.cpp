@@ -5,8 +5,8 @@
 #include <type_traits>
 #include <vector>
 
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/islands.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/active_set/cholesky.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/active_set/nnls.h>

@@ -3,7 +3,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/wording.h>
 
 namespace zwang {

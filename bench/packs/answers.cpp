@@ -16,7 +16,7 @@
 #include <zwang/core/files/npz.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/files/stored_file.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -29,8 +29,7 @@ constexpr int format = 1;
 std::string plain(const std::exception& wrong) {
   std::string line = one_line(wrong.what());
   if (line.starts_with("[json")) line = line.substr(line.find("] ") + 2);
-  std::ranges::replace_if(
-      line, [](char ch) { return static_cast<unsigned char>(ch) > 126; }, '?');
+  std::ranges::replace_if(line, [](char ch) { return static_cast<unsigned char>(ch) > 126; }, '?');
   return line;
 }
 

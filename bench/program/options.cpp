@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include <zwang/bench/suite/plan.h>
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/wording.h>
 
 namespace zwang {

@@ -21,7 +21,7 @@
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/bench/timing/instruction_set.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/process/other_program.h>
 #include <zwang/solvers/linalg/library_memory.h>
 

@@ -11,7 +11,7 @@
 #include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {

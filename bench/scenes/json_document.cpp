@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/wording.h>
 
 namespace zwang {

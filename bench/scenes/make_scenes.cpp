@@ -5,7 +5,6 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/scenes/scene_file.h>
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/wording.h>
 
 namespace zwang {

@@ -19,7 +19,7 @@
 #include <zwang/constraints/weld.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/model/motion.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {

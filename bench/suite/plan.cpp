@@ -10,7 +10,6 @@
 #include <zwang/bench/results/measured_files.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/files/embedded.h>
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/problem/wording.h>
 #include <zwang/solvers/registry.h>

@@ -59,6 +59,9 @@ std::optional<T> number_in(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
+// "; did you mean 'tower'?" for the name with the smallest edit distance, or "" when none is near.
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& names);
+
 // For a shell: 'as it is'.
 inline std::string quoted(const std::string& text) {
   std::string out = "'";

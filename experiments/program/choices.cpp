@@ -6,7 +6,6 @@
 
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/results/record_file.h>
-#include <zwang/core/problem/did_you_mean.h>
 #include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>

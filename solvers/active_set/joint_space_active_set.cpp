@@ -277,10 +277,12 @@ bool JointSpaceActiveSet::refine() {
 
 // The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
 // be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
-// the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself.
+// the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself. Of two
+// that touch no bound is had: a point that meets one of them may be far from the other.
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
-  const double length = y_.norm(), far = std::max(length, rows.free_norm);
+  const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
+  int touching = 0;
   doubt_ = 0;
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
@@ -290,12 +292,13 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     const double violation = point_.violation(rows, i);
     if (violation > rounding * size) return false;
     const double most = violation + fine * size;
+    if (most > -touch && ++touching > 1) doubt_ = std::numeric_limits<double>::infinity();
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
     double moves = most / share;
     if (!(moves <= allowed)) moves = std::min(moves, share * climb_.longest_step());
-    doubt_ += share > tolerances::exact_share ? moves : std::numeric_limits<double>::infinity();
+    doubt_ += share > tolerances::exact_share && moves <= touch ? moves : std::numeric_limits<double>::infinity();
     if (moves <= allowed) continue;
     if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
   }

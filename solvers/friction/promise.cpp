@@ -256,16 +256,18 @@ void Promise::pull(const Vector& missed, Vector& force) const {
   force.tail(program_->rays()) = ray_weight_.cwiseProduct(missed.segment(first, program_->rays()));
 }
 
-// Is no combination of the rows that carry force nearly nothing? What passes leave of multipliers then vanishes:
-// t := (I + S / softness)^-1 t.
-bool Promise::is_independent() {
+// The least that any combination of the rows that carry force is of them, for certain; 0 where it may be nearly
+// nothing. Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do
+// of the part along that combination.
+double Promise::least_share() {
   ConeFace& face = program_->face();
   for (Index i = 0; i < ds_.size(); ++i)
     ds_[i] = 0.5 + std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -53);
   pull(ds_, next_);
   const double start = next_.norm(), vanished = tolerances::promise_vanished * start;
   double before = infinity, length = start;
-  for (int pass = 0; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
+  int pass = 0;
+  for (; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
     face.force(next_, dv_);
     face.solve(dv_);
     face.slack(dv_, ds_);
@@ -274,20 +276,31 @@ bool Promise::is_independent() {
     before = length;
     length = next_.norm();
   }
-  return length <= vanished;
+  if (!(length <= vanished)) return 0;
+  if (length == 0) return 1;
+  const double kept = std::pow(length / (tolerances::promise_part * start), 1.0 / pass);
+  return std::sqrt(tolerances::promise_softness * std::clamp(1 / kept - 1, 1.0, 1 / tolerances::promise_softness));
 }
 
 // `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
-// met exactly near v.
+// met exactly near v; of a contact that hardly slides all three, as no plane is its cone's there.
 double Promise::with_rounding(double first, double still, double size) {
+  const double touching = tolerances::promise_touching * size;
   double least = infinity;  // slack of those that carry no force
-  for (Index k = 0; k < program_->cones(); ++k)
-    if (mode_[at(k)] == Mode::open) least = std::min(least, opened(k));
+  bool changed = false;
+  for (Index k = 0; k < program_->cones(); ++k) {
+    Mode& mode = mode_[at(k)];
+    if (mode == Mode::open) least = std::min(least, opened(k));
+    if (mode != Mode::slide || second_order_cone::tangential(&s_[3 * k]) > touching) continue;
+    mode = Mode::stick;
+    changed = true;
+  }
   for (Index r = 0; r < program_->rays(); ++r)
     if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
-  if (!(least > tolerances::promise_touching * size && is_independent())) return inside(still, size);
+  if (changed && !factorize()) return infinity;
+  const double share = least > touching ? least_share() : 0;
   constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
-  return first + (left() + part * row_rounding_ * size) / tolerances::promise_least_share;
+  return share > 0 ? first + (left() + part * row_rounding_ * size) / share : inside(still, size);
 }
 
 // The bound at a point that meets all rows whatever rounding hides: v moved along w, which opens those near v. No force

@@ -55,7 +55,7 @@ class Promise {
   double settle();
   double left() const;
   void pull(const Vector& missed, Vector& force) const;
-  bool is_independent();
+  double least_share();
   double with_rounding(double first, double still, double size);
   double inside(double still, double size);
   // Of a contact: what its lifted cone leaves of s.

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang::god {
 namespace {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/motion/recording.h>
 
 namespace zwang::god {

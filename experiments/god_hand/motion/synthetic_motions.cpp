@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/scenes/physical.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/motion/grips.h>
 #include <zwang/experiments/god_hand/motion/keyframes.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
@@ -172,8 +172,7 @@ std::vector<Track> two_hands(const Site& s) {
       return palm;
     };
     while (lift < most && !s.clear(place(0.015), {}, model)) lift += 0.005;
-    const double high = s.clear_height(
-        0.1, [&](double h) { return place(0.03, h); }, {}, model);
+    const double high = s.clear_height(0.1, [&](double h) { return place(0.03, h); }, {}, model);
     Keyframes keys(model, place(0.03, high), {});
     keys.stay(0.1).to(0.8, place(0.02)).to(1.2, place(-0.015)).stay(1.5).to(2, place(-0.015, 0.05)).stay(2.4);
     keys.to(2.8, place(-0.015)).to(3.1, place(0.03)).to(3.6, place(0.03, high));

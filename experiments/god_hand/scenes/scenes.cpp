@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/collision/meshes.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/scenes/scene_parts.h>
 

@@ -6,7 +6,7 @@
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/weld.h>
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/scenes/scene_parts.h>
 #include <zwang/experiments/god_hand/tools/hull.h>
 #include <zwang/experiments/god_hand/tools/mechanism.h>

@@ -1,4 +1,4 @@
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
 #include <gtest/gtest.h>
 

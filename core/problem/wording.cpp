@@ -1,6 +1,5 @@
-#include <zwang/core/problem/did_you_mean.h>
+#include <zwang/core/problem/wording.h>
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
