@@ -129,8 +129,13 @@ class Page:
 
     def command(self, line, expected, must_succeed=False):
         self.run += 1
-        done = subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.env, text=True, timeout=300,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        limit = 600  # seconds; the longest takes some two minutes alone
+        try:
+            done = subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.env, text=True, timeout=limit,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        except subprocess.TimeoutExpired:
+            self.faults.append(f"{self.page.name}: {line}: not done after {limit} s")
+            return
         printed = re.sub(r"^ *\d+ %(?:.* left| *)\n", "", done.stdout.replace("\r", "\n"), flags=re.M)
         if must_succeed and done.returncode:
             self.faults.append(f"{self.page.name}: {line}: exit code {done.returncode}\n{printed}")
