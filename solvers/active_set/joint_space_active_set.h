@@ -73,7 +73,7 @@ class JointSpaceActiveSet {
   Motion y_, own_y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, dmu_, s_v_;
   double last_change_ = 0;  // of the refinement
-  double doubt_ = 0;        // by how much rows outside the active set may move y; infinite where they depend on others
+  double doubt_ = 0;        // by how much rows outside the active set may move y; infinite: unknown
   std::string_view reason_;
 };
 

@@ -359,7 +359,7 @@ double ExtendedPolish<Real>::share(ActiveRows& active, Index row) const {
 // z is the projection of z_u onto the active rows, so z_u - z is in their span. A point that meets all rows, away from
 // z across that span, is as far as the answer can be: the projection lies no farther. One row that touches is met at
 // what it may be short of, over its share. Of several that all but depend on each other no such point may be near.
-// Multipliers that pull, and are cut off, move y by no more than they are.
+// Multipliers that pull, and are cut off, move y by no more than they are. What M ties enlarges rounding in residuals.
 template <class Real>
 double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) const {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();

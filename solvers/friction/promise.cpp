@@ -86,8 +86,9 @@ bool Promise::prepare() {
   ray_weight_.setZero(program_->rays());
   for (Vector* x : {&y_, &s_, &next_, &ds_, &x_, &t_}) x->setZero(program_->rows());
   for (Vector* x : {&v_, &dv_, &force_}) x->setZero(program_->face().unknowns());
-  factor_rounding_ = std::max(rounding, program_->tied() * tolerances::violation * eps);
-  row_rounding_ = std::sqrt(program_->tied()) * rounding;
+  const double tied = program_->tied();
+  factor_rounding_ = std::max(rounding, tied * tolerances::violation * eps);
+  row_rounding_ = std::sqrt(tied) * rounding;
   failed_ = false;
   return ready_ = true;
 }
@@ -256,9 +257,9 @@ void Promise::pull(const Vector& missed, Vector& force) const {
   force.tail(program_->rays()) = ray_weight_.cwiseProduct(missed.segment(first, program_->rays()));
 }
 
-// The least that any combination of the rows that carry force is of them, for certain; 0 where it may be nearly
-// nothing. Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do
-// of the part along that combination.
+// An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly nothing.
+// Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do of the
+// part along the shortest, which is taken to be promise_part of them or more: a choice, not a theorem.
 double Promise::least_share() {
   ConeFace& face = program_->face();
   for (Index i = 0; i < ds_.size(); ++i)
@@ -291,9 +292,8 @@ double Promise::with_rounding(double first, double still, double size) {
   for (Index k = 0; k < program_->cones(); ++k) {
     Mode& mode = mode_[at(k)];
     if (mode == Mode::open) least = std::min(least, opened(k));
-    if (mode != Mode::slide || second_order_cone::tangential(&s_[3 * k]) > touching) continue;
-    mode = Mode::stick;
-    changed = true;
+    if (mode == Mode::slide && second_order_cone::tangential(&s_[3 * k]) <= touching)
+      mode = Mode::stick, changed = true;
   }
   for (Index r = 0; r < program_->rays(); ++r)
     if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
@@ -341,7 +341,7 @@ double Promise::inside(double still, double size) {
     if (slack < 0) way = opens > 0 ? std::max(way, -slack / opens) : infinity;
   });
   rows([&](double slack, double opens) { least = std::min(least, slack + way * opens); });
-  if (!(least >= -rest)) return infinity;
+  if (!(least >= -eps * size)) return infinity;
   face.mass(w_, force_);
   const double apart = way * std::sqrt(force_.dot(w_));
   half_ += apart / 2;

@@ -182,8 +182,8 @@ inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
 inline constexpr double cone_arrives = 1e-6;
 
 // A promise (solvers/friction/promise.h), lengths relative to the motion. The proximal term at which active rows are
-// met; what a dozen passes leave of multipliers, of rows that are independent; and the part that any one combination of
-// rows has in multipliers drawn at random, at the least.
+// met; what a dozen passes leave of multipliers, of rows that are independent; and the part that the shortest
+// combination of rows is taken to have, at the least, in multipliers drawn at random.
 inline constexpr double promise_softness = 1e-8, promise_vanished = 1e-6, promise_part = 1e-4;
 // The slack with which a row is not touched whatever rounding does; and that of rows which the bound itself need not
 // reach.

@@ -129,7 +129,7 @@ class Page:
 
     def command(self, line, expected, must_succeed=False):
         self.run += 1
-        limit = 600  # seconds; the longest takes some two minutes alone
+        limit = 300  # seconds
         try:
             done = subprocess.run(["bash", "-c", line], cwd=self.folder, env=self.env, text=True, timeout=limit,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
