@@ -2,7 +2,6 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>

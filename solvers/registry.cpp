@@ -43,6 +43,7 @@ constexpr Accuracy iterative{.tolerance = 1e-8, .z_error = 1e-7, .certificate = 
 // What NLopt and Bullet return is claimed as it is, right as far as stated. SLSQP's subproblem and Dantzig's pivots are
 // exact, yet Dantzig returns false on some redundant rows; the others stop on a step length.
 constexpr Accuracy pivoting{.tolerance = 1e-8, .z_error = 1e-10};
+constexpr Accuracy exact_step{.tolerance = 1e-8, .z_error = 1e-7};
 // MMA and CCSAQ crawl along degenerate rows. Steps of 1e-8 end up to 2.2e-6 away, by the compiler's rounding.
 constexpr Accuracy creeping{.tolerance = 1e-8, .z_error = 1e-5, .solved_share = 0.75};
 
@@ -55,6 +56,16 @@ AnySolver convex_solver(const std::string& text) {
     if (reads_it(e)) names += (names.empty() ? "" : ", ") + e.name;
   throw std::invalid_argument("solver 'fixed_point': setting inner=" + text +
                               " should be a solver of the convex law: " + names);
+}
+
+template <Solver S>
+SolverEntry nlopt(const std::string& method, const std::string& limits, const Accuracy& accuracy) {
+  return entry<S>({.method = "NLopt 2.7.1 " + method,
+                   .limits = limits,
+                   .foreign = true,
+                   .sees_infeasibility = false,
+                   .creeps = accuracy.solved_share < 1,
+                   .accuracy = accuracy});
 }
 
 std::vector<SolverEntry> always() {
@@ -86,7 +97,7 @@ std::vector<SolverEntry> always() {
            .exact = true}),
       entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
                    .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
-                   .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+                   .accuracy = exact_step}),
       entry<Nsgs>(
           {.method = "nonsmooth Gauss-Seidel, each contact solved exactly (Coulomb's law)",
            .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
@@ -96,7 +107,7 @@ std::vector<SolverEntry> always() {
                         {.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
                          .limits = "contacts with friction only; no convergence where the slips' map does not contract",
                          .sees_infeasibility = false,
-                         .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+                         .accuracy = exact_step}),
       entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
                            .limits = "contacts with friction only; does not converge from everywhere, and says so",
                            .sees_infeasibility = false,
@@ -113,28 +124,11 @@ std::vector<SolverEntry> always() {
            .exact = true,
            .sees_infeasibility = false,
            .needs_range = true}),
-      entry<NloptSlsqp>({.method = "NLopt 2.7.1 SLSQP (contains Lawson-Hanson)",
-                         .limits = "dense; no multipliers; 1000 unknowns",
-                         .foreign = true,
-                         .sees_infeasibility = false,
-                         .accuracy = pivoting}),
-      entry<NloptMma>({.method = "NLopt 2.7.1 MMA, equality rows eliminated",
-                       .limits = "no multipliers; 1000 unknowns",
-                       .foreign = true,
-                       .sees_infeasibility = false,
-                       .creeps = true,
-                       .accuracy = creeping}),
-      entry<NloptCcsaq>({.method = "NLopt 2.7.1 CCSAQ, equality rows eliminated",
-                         .limits = "no multipliers; 1000 unknowns",
-                         .foreign = true,
-                         .sees_infeasibility = false,
-                         .creeps = true,
-                         .accuracy = creeping}),
-      entry<NloptCobyla>({.method = "NLopt 2.7.1 COBYLA, derivative-free, equality rows eliminated",
-                          .limits = "no multipliers; slow beyond a few unknowns; 30 unknowns",
-                          .foreign = true,
-                          .sees_infeasibility = false,
-                          .accuracy = {.tolerance = 1e-8, .z_error = 1e-7}}),
+      nlopt<NloptSlsqp>("SLSQP (contains Lawson-Hanson)", "dense; no multipliers; 1000 unknowns", pivoting),
+      nlopt<NloptMma>("MMA, equality rows eliminated", "no multipliers; 1000 unknowns", creeping),
+      nlopt<NloptCcsaq>("CCSAQ, equality rows eliminated", "no multipliers; 1000 unknowns", creeping),
+      nlopt<NloptCobyla>("COBYLA, derivative-free, equality rows eliminated",
+                         "no multipliers; slow beyond a few unknowns; 30 unknowns", exact_step),
       entry<ProjectedGradient>({.method = "projected gradient on the dual: the example of docs/add-a-solver.md",
                                 .limits = "slow; no infeasibility certificates; stops at 20000 steps",
                                 .accuracy = iterative}),

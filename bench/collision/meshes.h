@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include <zwang/collision/mesh.h>
 
 namespace zwang::meshes {

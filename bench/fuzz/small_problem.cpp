@@ -5,8 +5,6 @@
 #include <limits>
 #include <sstream>
 
-#include <zwang/bench/scenes/dyadic.h>
-
 namespace zwang {
 
 std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number) {

@@ -1,6 +1,5 @@
 #include <zwang/bench/packs/judge_pack.h>
 
-#include <algorithm>
 #include <fstream>
 #include <memory>
 #include <set>

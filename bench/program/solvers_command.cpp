@@ -3,7 +3,6 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/bench/report/wording.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/registry.h>
 

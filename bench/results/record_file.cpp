@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/timing/conditions.h>
-#include <zwang/core/files/problem_file.h>
 
 namespace zwang {
 

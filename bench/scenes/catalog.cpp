@@ -1,14 +1,12 @@
 #include <zwang/bench/scenes/catalog.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/friction/families.h>
 #include <zwang/bench/scenes/friction/friction.h>
-#include <zwang/bench/scenes/physical.h>
 #include <zwang/core/files/embedded.h>
 
 ZWANG_EMBEDDED(catalog_json, ZWANG_CATALOG)

@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/row_by_row.h>

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 
-#include <zwang/bench/scenes/json_document.h>
 #include <zwang/collision/load.h>
 #include <zwang/collision/world.h>
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/distance.h>
-#include <zwang/constraints/joint_limit.h>
 #include <zwang/constraints/prismatic_joint.h>
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/rope.h>

@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include <zwang/bench/conformance/conformance.h>
 #include <zwang/bench/results/records.h>
 #include <zwang/bench/results/result.h>
 #include <zwang/core/problem/law.h>

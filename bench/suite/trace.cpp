@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include <zwang/bench/references/reference.h>
-#include <zwang/bench/results/records.h>
 #include <zwang/bench/results/result.h>
 #include <zwang/bench/suite/schedule.h>
 

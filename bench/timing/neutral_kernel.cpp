@@ -2,8 +2,6 @@
 
 #include <Eigen/QR>
 
-#include <zwang/bench/timing/solve_service.h>
-
 namespace zwang {
 
 double neutral_kernel_seconds() {

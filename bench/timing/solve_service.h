@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/problem/preparation.h>
 #include <zwang/core/problem/solver.h>
 #include <zwang/core/process/wire.h>

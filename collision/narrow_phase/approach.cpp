@@ -1,6 +1,5 @@
 #include <zwang/collision/narrow_phase/approach.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <span>
 
 #include <zwang/collision/narrow_phase/closest.h>
 

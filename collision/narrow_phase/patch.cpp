@@ -1,7 +1,5 @@
 #include <zwang/collision/narrow_phase/patch.h>
 
-#include <limits>
-
 namespace zwang::collision {
 namespace {
 

@@ -59,15 +59,16 @@ class DenseDualActiveSet {
   const Vector& u() const { return u_; }  // first active().size()
   // The dv and dmu with dv - A'dmu = s and A dv = sigma over the active rows; all of padded().
   void solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu);
-  // The length of row j outside the active ones; then how far its multiplier can grow until an active row leaves for it
-  // (infinity: none does).
+  // The length of row j outside the active ones; then how far v moves when it is obeyed and an active one gives way:
+  // until that leaves, then by the violation over the share that leaving gave it (infinity: none gives way).
   double share(Index j) {
     bring_in();
     return split(j);
   }
-  double longest_step() {
+  double detour(double share, double violation) {
     const Blocking<double> block = blocking();
-    return block.row < 0 ? std::numeric_limits<double>::infinity() : block.step;
+    return block.row < 0 ? std::numeric_limits<double>::infinity()
+                         : share * block.step + violation / (r()[block.row] * smallest_accepted);
   }
   double smallest_accepted = 1, largest_rejected = 0;
 

@@ -1,14 +1,17 @@
 #include <zwang/solvers/active_set/joint_space_active_set.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
+
+#include <zwang/core/number/double_double.h>
 
 namespace zwang {
 namespace {
 
 constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
+// What sums of twice the digits lose of their terms.
+constexpr double twice = tolerances::wide_violation * static_cast<double>(std::numeric_limits<DoubleDouble>::epsilon());
 
 }  // namespace
 
@@ -277,12 +280,13 @@ bool JointSpaceActiveSet::refine() {
 
 // The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
 // be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
-// the careful path's leaves_in_doubt(). A row that the joints and active rows determine has to hold by itself. Of two
-// that touch no bound is had: a point that meets one of them may be far from the other.
+// the careful path's doubt_others(). A row that the joints and active rows determine has to hold by itself. Of two
+// that touch no bound is had: a point that meets one may be far from the other, and is where they are all but opposed.
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
-  int touching = 0;
+  const auto left = [&](Index i) { return last_change_ * last_change_ / far + twice * point_.terms(rows, i); };
+  listed_.clear();
   doubt_ = 0;
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
@@ -292,15 +296,24 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     const double violation = point_.violation(rows, i);
     if (violation > rounding * size) return false;
     const double most = violation + fine * size;
-    if (most > -touch && ++touching > 1) doubt_ = std::numeric_limits<double>::infinity();
+    if (most > -touch) listed_.push_back(i);
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
     double moves = most / share;
-    if (!(moves <= allowed)) moves = std::min(moves, share * climb_.longest_step());
+    if (!(moves <= allowed)) moves = std::min(moves, climb_.detour(share, most));
     doubt_ += share > tolerances::exact_share && moves <= touch ? moves : std::numeric_limits<double>::infinity();
     if (moves <= allowed) continue;
-    if (share > tolerances::exact_share || violation > rounding * point_.terms(rows, i)) return false;
+    if (share > tolerances::exact_share || violation > std::min(left(i), rounding * point_.terms(rows, i)))
+      return false;
+  }
+  if (listed_.size() > 1) doubt_ = std::numeric_limits<double>::infinity();
+  for (const Index i : listed_) {
+    if (!(point_.violation(rows, i) > left(i))) continue;
+    rest_.setZero();
+    rows.add(i, 1, rest_);
+    for (const Index k : listed_)
+      if (rows.dot(k, rest_) < tolerances::clear_pivot - 1) return false;
   }
   return true;
 }

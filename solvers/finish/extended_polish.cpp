@@ -45,6 +45,7 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   rest_.assign(at(k), Rest{});
   z_number_ = 0;
   share_.resize(at(k));
+  touching_.reserve(at(k));
   for (Index i = 0; i < k; ++i) b_[i] = violation(p, w, i);
   z_u_length_ = w.free_norm;
 }
@@ -251,6 +252,17 @@ Blocking<Real> ExtendedPolish<Real>::blocking(const Whitened& w, const ActiveRow
   return first;
 }
 
+// How far z moves when a row with that share, violated by so much, is obeyed and another gives way to it: until that
+// leaves, and then by what is left of the violation over the share that leaving gave it.
+template <class Real>
+double ExtendedPolish<Real>::detour(const Whitened& w, const ActiveRows& active, Real sign, double share,
+                                    double violation) const {
+  const Blocking<Real> first = blocking(w, active, sign);
+  if (first.row < 0) return std::numeric_limits<double>::infinity();
+  const double rate = std::abs(static_cast<double>(mu_[first.row]));
+  return share * static_cast<double>(first.step) + violation / (rate * active.smallest_pivot());
+}
+
 // The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
 template <class Real>
 bool ExtendedPolish<Real>::exchange(const Whitened& w, ActiveRows& active, Index row) {
@@ -278,11 +290,13 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, ActiveRows& ac
   return false;
 }
 
+// What rounding in Real hides in the active rows' violations, over the smallest pivot, and in the sum of their forces.
 template <class Real>
 void ExtendedPolish<Real>::doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active) {
-  double square = 0;
-  for (const Index i : active.rows()) square += hidden(p, w, i) * hidden(p, w, i);
-  error_ += tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot();
+  double square = 0, forces = 0;
+  for (const Index i : active.rows())
+    square += hidden(p, w, i) * hidden(p, w, i), forces += std::abs(static_cast<double>(unit(w, i)));
+  error_ += tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot() + real_eps * forces;
 }
 
 // What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
@@ -302,42 +316,60 @@ double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, cons
 // and its parts in the combination explain, however little, has to be obeyed: it is returned, and where it could not
 // enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
 template <class Real>
-Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit) {
-  constexpr double rank_rounding = tolerances::rank * std::numeric_limits<double>::epsilon();
+Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit,
+                                         bool passes_on) {
   const Index a = active.size();
-  const double needless = tolerances::needless * scale_, touch = std::numeric_limits<double>::epsilon() * scale_;
+  const double needless = tolerances::needless * scale_, touch = epsilon * scale_;
   const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
   share_.assign(at(w.rows()), unknown);
-  touching_ = 0;
+  touching_.clear();
+  is_blurred_ = false;
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
-    if (most > -touch && ++touching_ == 1) touched_ = {i, std::max(0.0, static_cast<double>(most))};
-    if (!(most > needless * rank_rounding)) continue;
+    if (most > -touch && touching_.empty()) touched_ = std::max(0.0, static_cast<double>(most));
+    if (most > -touch) touching_.push_back(i);
+    if (!(most > needless * tolerances::rank * real_eps)) continue;
     const double share = share_[at(i)] = express(active, i);
     if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
     const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
     if (!(over > 0) && clear) {  // as double sees it
-      const double rest = share + rank_rounding * (1 + t_.head(a).template lpNorm<1>());
-      const double far = rest * static_cast<double>(blocking(w, active, sign).step);
+      const double rest = share + tolerances::rank * epsilon * (1 + t_.head(a).template lpNorm<1>());
+      const double far = detour(w, active, sign, rest, static_cast<double>(most));
       if (far <= limit) {
         error_ = std::max(error_, far);
         continue;
       }
     }
+    is_blurred_ = is_blurred_ || !(over > 0 || share > tolerances::clear_share);
+    if (is_blurred_ && passes_on) return -1;
     const double rho = express_again(p, w, active, i);
     const double weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
     const bool combination = !(rho > tolerances::rank * real_eps * weight);
     const bool violated =
         over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(p, w, active);
     if (violated && state_[at(i)] == State::outside) return i;
+    is_blurred_ = is_blurred_ || (combination && !violated);
     if (combination && !violated) continue;
     double far = static_cast<double>(most) / rho;
-    if (!violated) far = std::min(far, rho * static_cast<double>(blocking(w, active, sign).step));
+    if (!violated) far = std::min(far, detour(w, active, sign, rho, static_cast<double>(most)));
     error_ = std::max(error_, std::min(scale_, far));
   }
+  is_blurred_ = is_blurred_ || wedge(w);
   return -1;
+}
+
+// Whether rows that touch are all but opposed. What rounding hides of one, over their opening, may be any motion.
+template <class Real>
+bool ExtendedPolish<Real>::wedge(const Whitened& w) {
+  for (std::size_t i = 0; i + 1 < touching_.size(); ++i) {
+    r1_.setZero();
+    w.add(touching_[i], 1.0, r1_);
+    for (const Index k : std::span(touching_).subspan(i + 1))
+      if (w.dot(k, r1_) < tolerances::clear_pivot - 1) return true;
+  }
+  return false;
 }
 
 template <class Real>
@@ -362,11 +394,10 @@ double ExtendedPolish<Real>::share(ActiveRows& active, Index row) const {
 // Multipliers that pull, and are cut off, move y by no more than they are. What M ties enlarges rounding in residuals.
 template <class Real>
 double ExtendedPolish<Real>::bound(const Whitened& w, ActiveRows& active) const {
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double rest = touching_ == 1 ? share(active, touched_.row) : 1;
-  const double across = touching_ == 1 ? (touched_.step + error_) / rest : 0;
+  const double rest = touching_.size() == 1 ? share(active, touching_[0]) : 1;
+  const double across = touching_.size() == 1 ? (touched_ + error_) / rest : 0;
   const bool clear = std::min(rest, active.smallest_pivot()) > tolerances::clear_pivot;
-  if (touching_ > 1 || !clear || !(error_ + across <= epsilon * scale_))
+  if (touching_.size() > 1 || !clear || !(error_ + across <= epsilon * scale_))
     return std::numeric_limits<double>::quiet_NaN();
   double most = 2 * error_ + across + tolerances::violation * real_eps * static_cast<double>(w.factor.tied()) * scale_;
   for (const Index i : active.rows())
@@ -413,9 +444,8 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, const Vector& 
 // is an error over the row's share.
 template <class Real>
 void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
-  using std::abs;
+  using std::abs, std::ldexp;
   prepare(p, w);
-  using std::ldexp;
   z_ = s.z.cast<Real>();
   ++z_number_;
   for (Index i = 0; i < w.rows(); ++i) l_[i] = ldexp(Real(s.lambda[w.row[at(i)]]), -w.exponent);
@@ -444,7 +474,7 @@ void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& acti
 
 template <class Real>
 PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
-                                        Solution& s) {
+                                        Solution& s, bool passes_on) {
   // Where the refinement does not converge, a contact this near to a combination of the others gives way: its
   // neighbours do what it did, and where they do not, it is found violated again and judged as dependent.
   prepare(p, w);
@@ -471,12 +501,14 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
     Index entering = violated_row(p, w, worst);
     if (entering < 0) {
       doubt_active(p, w, active);
-      entering = doubt_others(p, w, active, limit);
+      entering = doubt_others(p, w, active, limit, passes_on);
     }
     if (entering < 0) {
       write(p, w, s);
+      const bool left_to_others = passes_on && is_blurred_;
+      s.status = left_to_others || error_ > limit ? Status::solved_ill_conditioned : Status::solved;
+      if (left_to_others) return Outcome::solved;
       name_redundant(p, w, active, s);
-      s.status = error_ > limit ? Status::solved_ill_conditioned : Status::solved;
       if (options.has_accuracy()) s.error_bound = bound(w, active);
       return Outcome::solved;
     }

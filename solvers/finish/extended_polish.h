@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cmath>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include <zwang/core/number/double_double.h>
@@ -37,8 +35,9 @@ class ExtendedPolish {
 
   // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
   // holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear.
+  // passes_on: more digits follow, and what is blurred in these is left to them at once.
   Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
-              Solution& solution);
+              Solution& solution, bool passes_on = false);
 
   // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
   // holds it. Changes active.
@@ -49,6 +48,7 @@ class ExtendedPolish {
   // The status that the z and lambda in `solution` deserve with these active rows. The first correction of the
   // refinement is computed, not made: its length is the error of z.
   void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
+  bool is_blurred() const { return is_blurred_; }  // a row is taken for a combination of others, or makes a wedge
   // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
   bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
 
@@ -61,6 +61,7 @@ class ExtendedPolish {
     Real violation, terms;
     int at_z = -1;
   };
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
   void prepare(const Problem& p, Whitened& w);
@@ -80,9 +81,11 @@ class ExtendedPolish {
   void remove(ActiveRows& active, Index position);
   double inherited(const Problem& p, const Whitened& w, const ActiveRows& active);
   void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
-  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit);
+  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit, bool passes_on = false);
   Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
+  double detour(const Whitened& w, const ActiveRows& active, Real sign, double share, double violation) const;
   void write(const Problem& p, const Whitened& w, Solution& s) const;
+  bool wedge(const Whitened& w);
   double share(ActiveRows& active, Index row) const;  // of a row outside
   double bound(const Whitened& w, ActiveRows& active) const;
   void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
@@ -108,9 +111,10 @@ class ExtendedPolish {
   double length_ = 0;  // |y|
   double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent
   double z_u_length_ = 0;
-  double error_ = 0;          // estimate of |z - z*|_M for the active set at hand
-  int touching_ = 0;          // rows outside that are not open by more than rounding in double
-  Blocking<double> touched_;  // the first of them, and by how much at the most
+  double error_ = 0;  // estimate of |z - z*|_M for the active set at hand
+  bool is_blurred_ = false;
+  std::vector<Index> touching_;  // rows outside that are not open by more than rounding in double
+  double touched_ = 0;           // by how much the first of them is violated, at the most
 };
 
 }  // namespace zwang

@@ -16,17 +16,16 @@ bool in_range(const Whitened& w) {
 
 Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
                             Solution& s) {
-  const Outcome first = ExtendedPolish::run(p, w, active, options, s);
-  if (first == Outcome::infeasible || s.status == Status::solved || w.rows() == 0 || !in_range(w)) return first;
+  const bool passes_on = w.rows() > 0 && in_range(w);
+  const Outcome first = ExtendedPolish::run(p, w, active, options, s, passes_on);
+  if (!passes_on || first == Outcome::infeasible || s.status == Status::solved) return first;
   first_ = s;
   s.message.clear();
   const Outcome second = double_double_.run(p, w, active, options, s);
-  if (second == Outcome::failed) {
-    s = first_;
-    return first;
-  }
-  s.fallback = true;
-  return second;
+  s.fallback = s.fallback || first_.status != Status::solved_ill_conditioned || !is_blurred();
+  if (second != Outcome::failed) return second;
+  s = first_;
+  return first;
 }
 
 }  // namespace zwang

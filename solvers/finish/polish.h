@@ -5,9 +5,9 @@
 namespace zwang {
 
 // From a guess of the active set to an answer that holds in extended precision: extended_polish.h with residuals in
-// long double, and again, from the rows that these end with, in double-double, where rounding in long double leaves z
-// in doubt or decides nothing. Joints 2^-27 apart lose 2^-64 / 2^-27 in long double and are right to the last bit of a
-// double in double-double, as long as the double factors contract: to 2^-45.
+// long double, and again, from the rows that these end with, in double-double, where long double decides nothing or
+// leaves z in doubt. Joints 2^-27 apart lose 2^-64 / 2^-27 in long double and are right to the last bit of a double in
+// double-double, as long as the double factors contract: to 2^-45.
 class Polish : public ExtendedPolish<FactorReal> {
  public:
   Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,

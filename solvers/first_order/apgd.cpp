@@ -1,6 +1,5 @@
 #include <zwang/solvers/first_order/apgd.h>
 
-#include <zwang/solvers/first_order/stop.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {

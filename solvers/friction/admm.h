@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <string_view>
 
 #include <zwang/solvers/friction/cone_iteration.h>

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/friction/cone_program.h>
 
 namespace zwang {

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include <zwang/solvers/linalg/line_matrix.h>
 #include <zwang/solvers/linalg/multiply_add.h>

@@ -146,7 +146,8 @@ void NewtonPolish::open(AugmentedLagrangian& L, bool equality) {
 
 // |d - d*|_M at most, d* the answer, by the duality of Promise at a point that meets all rows: d moved along open_ as
 // far as any row is violated, or rounding hides. No force of the answer needs to be known for that, and rows may repeat
-// each other. Infinite where open_ does not open them. Equality rows have no say: beside them it is no bound.
+// each other. Infinite where open_ does not open them, or not without moving equality rows; beside these it is no
+// bound.
 double NewtonPolish::bound(AugmentedLagrangian& L) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const auto hidden = [&](Index i) {
@@ -158,6 +159,7 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
       way = open_[i] > tolerances::newton_unmoved ? std::max(way, most / open_[i]) : infinity;
   step_ = force_.cast<double>();
   for (Index i = 0; i < open_.size(); ++i) {
+    if (L.is_equality(i) && way > 0 && std::abs(open_[i]) > tolerances::newton_unmoved) return infinity;
     if (L.is_equality(i)) continue;
     if (open_[i] < 0 && hidden(i) > way * open_[i]) return infinity;
     const auto push = static_cast<double>(l_[i]);

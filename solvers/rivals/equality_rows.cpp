@@ -6,7 +6,6 @@
 
 #include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/finish/farkas.h>
-#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 

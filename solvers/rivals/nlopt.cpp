@@ -3,7 +3,6 @@
 #include <nlopt.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 
 #include <zwang/solvers/finish/farkas.h>

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/bench/scenes/row_by_row.h>

@@ -1,7 +1,6 @@
 #include <zwang/experiments/god_hand/scenes/depth.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include <zwang/bench/collision/hull_faces.h>

@@ -1,6 +1,5 @@
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <zwang/bench/collision/meshes.h>

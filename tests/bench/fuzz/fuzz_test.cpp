@@ -63,6 +63,34 @@ TEST_F(Fuzz, NearDependentRowsAreNotCalledSolvedWrongly) {
   }
 }
 
+// Each was called solved with another z by one of these: rows less than 2^-60 apart, found violated by less than long
+// double shows; wedges of rows that touch, which a single row's violation hides; multipliers of 1e13 whose rounding
+// moves z; an inequality that repeats an equality row, which a motion was thought to open.
+TEST_F(Fuzz, WhatWasOnceCalledSolvedWronglyIsNot) {
+  struct Found {
+    std::uint64_t seed, number;
+  };
+  for (const auto& [seed, number] : {Found{51, 1178},
+                                     {51, 5632},
+                                     {51, 6574},
+                                     {51, 20492},
+                                     {51, 24235},
+                                     {51, 29513},
+                                     {51, 30191},
+                                     {51, 39406},
+                                     {51, 44738},
+                                     {51, 47881},
+                                     {53, 39356},
+                                     {54, 5166},
+                                     {54, 37774},
+                                     {54, 56221}})
+    expect_no_fault(run({.seed = seed,
+                         .first = number,
+                         .count = 1,
+                         .solvers = "dual_active_set,nnls,cholesky,newton,cone",
+                         .near = true}));
+}
+
 TEST_F(Fuzz, NoClaimUnderFrictionIsRefuted) {
   const FuzzOutcome o = run({.count = 1000, .solvers = "cone", .friction = true});
   expect_no_fault(o);
