@@ -225,7 +225,7 @@ double ConeProgram::scale(const Vector& v) {
 }
 
 double ConeProgram::tied() const {
-  if (form_ == Form::joints) return joints_.rows().tied();
+  if (form_ == Form::joints) return joints_.rows().tied() / joints_.smallest_pivot();
   return (form_ == Form::whitened ? whitened_.factor : unit_rows_.factor).tied();
 }
 

@@ -82,7 +82,7 @@ class ConeProgram {
   void cut(Vector& y) const;  // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
-  double tied() const;   // as SparseCholesky's
+  double tied() const;   // as SparseCholesky's, over the smallest pivot of joints
   int exponent() const;  // lengths are in units of 2^exponent
 
   // Multipliers of an earlier frame; false where there are none.
