@@ -301,8 +301,8 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
     double moves = most / share;
-    if (!(moves <= allowed)) moves = std::min(moves, climb_.detour(share, most));
     doubt_ += share > tolerances::exact_share && moves <= touch ? moves : std::numeric_limits<double>::infinity();
+    if (!(moves <= allowed)) moves = std::min(moves, climb_.detour(share, most));
     if (moves <= allowed) continue;
     if (share > tolerances::exact_share || violation > std::min(left(i), rounding * point_.terms(rows, i)))
       return false;

@@ -83,23 +83,29 @@ TEST_F(Fuzz, WhatWasOnceCalledSolvedWronglyIsNot) {
                                      {53, 39356},
                                      {54, 5166},
                                      {54, 37774},
-                                     {54, 56221}})
-    expect_no_fault(run({.seed = seed,
-                         .first = number,
-                         .count = 1,
-                         .solvers = "dual_active_set,nnls,cholesky,newton,cone",
-                         .near = true}));
+                                     {54, 56221}}) {
+    const FuzzOutcome o = run({.seed = seed,
+                               .first = number,
+                               .count = 1,
+                               .solvers = "dual_active_set,nnls,cholesky,newton,cone",
+                               .near = true});
+    expect_no_fault(o);
+    for (const FuzzTally& t : o.tally) EXPECT_EQ(t.runs, 1u) << seed << " " << number;
+  }
 }
 
 // Joints that all but depend on each other lose digits where they are eliminated: a bound of the rest did not see it.
 TEST_F(Fuzz, PromisesBesideJointsThatAllButRepeatEachOther) {
-  for (const std::uint64_t number : {2115, 22790})
-    expect_no_fault(run({.seed = 61,
-                         .first = number,
-                         .count = 1,
-                         .solvers = "newton,cone,dual_active_set",
-                         .accuracy = "1e-4",
-                         .near = true}));
+  for (const std::uint64_t number : {2115, 22790}) {
+    const FuzzOutcome o = run({.seed = 61,
+                               .first = number,
+                               .count = 1,
+                               .solvers = "newton,cone,dual_active_set",
+                               .accuracy = "1e-4",
+                               .near = true});
+    expect_no_fault(o);
+    EXPECT_EQ(o.tally[0].promised, 1u) << "there is a promise to keep";
+  }
 }
 
 TEST_F(Fuzz, NoClaimUnderFrictionIsRefuted) {
