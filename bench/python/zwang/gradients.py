@@ -55,8 +55,10 @@ class Change:
 
     def __init__(self, p, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
         def matrix(value, name, shape):
+            if value is None:
+                return scipy.sparse.csr_matrix(shape)
             try:
-                A = scipy.sparse.csr_matrix(shape) if value is None else scipy.sparse.csr_matrix(value, dtype=float, copy=True)
+                A = scipy.sparse.csr_matrix(value, dtype=float, copy=True)
             except (TypeError, ValueError) as bad:
                 raise ValueError(f"{name} should be a matrix of numbers: {str(bad).splitlines()[0]}") from None
             if A.shape != shape:
@@ -80,7 +82,7 @@ class Change:
             return v
         self.dM, self.dJ = matrix(dM, "dM", (p.n, p.n)), matrix(dJ, "dJ", (p.m, p.n))
         self.dz_u, self.dc, self.dmu = vector(dz_u, "dz_u", p.n), vector(dc, "dc", p.m), vector(dmu, "dmu", p.m)
-        if abs(self.dM - self.dM.T).max() != 0:
+        if self.dM.nnz and abs(self.dM - self.dM.T).max() != 0:
             raise ValueError("dM is not symmetric")
         reading = [c.row for c in p.contacts if c.tangents]
         for i in numpy.flatnonzero(self.dmu):
@@ -205,10 +207,10 @@ class Gradient:
         nothing = numpy.zeros(len(b.constants))
         full, low = numpy.r_[b.high, b.constants], numpy.r_[b.low, nothing]
         off = numpy.r_[b.radius, nothing]
-        rest = scipy.sparse.csr_matrix((n, b.size - n - len(b.pushing)))
         first, second, bound = p.mass.times(change.dz_u, numpy.zeros(n))
         t, t_low, t_off = -change.dc, numpy.zeros(p.m), numpy.zeros(p.m)
         if change.dM.nnz or change.dJ.nnz:
+            rest = scipy.sparse.csr_matrix((n, b.size - n - len(b.pushing)))
             D = scipy.sparse.hstack([-change.dM, change.dJ[b.pushing].T, rest, change.dM, change.dJ[b.frozen].T], format="csr")
             pushed_off = bound
             first, second, bound = Rows(D).times(full, low, (first, second))

@@ -8,8 +8,10 @@ import unittest
 from fractions import Fraction
 
 import numpy
+import scipy.sparse
 
 import zwang
+from zwang.enclosure import Rows
 
 MANY = "thorough" in sys.argv[1:]
 PLANTED, TIED = (1200, 500) if MANY else (120, 60)
@@ -230,6 +232,32 @@ def contained(test, derivative, dz, dlambda, width=True):
         size = max((abs(float(e)) for e in [*dz, *dlambda]), default=0)
         if width:
             test.assertLessEqual(max(off, default=0), 1e-10 * size)
+
+
+class Products(unittest.TestCase):
+    def test_a_product_is_within_its_bound(self):
+        random_ = numpy.random.default_rng(3)
+
+        def spread(size):
+            return random_.normal(size=size) * 2.0**random_.integers(-30, 30, size)
+
+        for trial in range(100):
+            A = scipy.sparse.random(trial % 8, 1 + trial % 37, density=trial / 99, random_state=random_, format="csr")
+            A.data = spread(A.nnz)
+            high = spread(A.shape[1])
+            low, plus = high * 2.0**-40 * spread(len(high)), [-(A @ high), spread(A.shape[0])][:trial % 3]
+            first, second, off = Rows(A).times(high, low, plus)
+            for i, row in enumerate(A):
+                exact = sum((Fraction(a) * (Fraction(high[j]) + Fraction(low[j])) for a, j in zip(row.data, row.indices)),
+                            sum(Fraction(p[i]) for p in plus))
+                terms = abs(row) @ (abs(high) + 2.0**53 * abs(low)) + sum(abs(p[i]) for p in plus)
+                self.assertLessEqual(abs(exact - Fraction(first[i]) - Fraction(second[i])), Fraction(off[i]))
+                self.assertLessEqual(off[i], 2.0**-100 * terms + 2.0**-1000)
+
+    def test_where_nothing_is_rounded_the_bound_is_of_underflow_alone(self):
+        first, second, off = Rows(numpy.array([[1.0, 2.0**60, 3.0], [0, 0, 0]])).times(numpy.array([5.0, 1.0, -1.0]), numpy.zeros(3))
+        self.assertEqual((list(first), list(second)), ([2.0**60, 0], [2.0, 0]))
+        self.assertLess(max(off), 2.0**-1000)
 
 
 class Strict(unittest.TestCase):
