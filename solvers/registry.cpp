@@ -30,11 +30,11 @@
 namespace zwang {
 
 // Compiled beside their solvers.
-extern template SolverEntry entry<Cholesky>(SolverEntry);
-extern template SolverEntry entry<Cone>(SolverEntry);
-extern template SolverEntry entry<DualActiveSet>(SolverEntry);
-extern template SolverEntry entry<Newton>(SolverEntry);
-extern template SolverEntry entry<Nnls>(SolverEntry);
+extern template SolverEntry entry<Cholesky>(SolverEntry, Cholesky);
+extern template SolverEntry entry<Cone>(SolverEntry, Cone);
+extern template SolverEntry entry<DualActiveSet>(SolverEntry, DualActiveSet);
+extern template SolverEntry entry<Newton>(SolverEntry, Newton);
+extern template SolverEntry entry<Nnls>(SolverEntry, Nnls);
 
 namespace {
 
@@ -56,6 +56,13 @@ AnySolver convex_solver(const std::string& text) {
     if (reads_it(e)) names += (names.empty() ? "" : ", ") + e.name;
   throw std::invalid_argument("solver 'fixed_point': setting inner=" + text +
                               " should be a solver of the convex law: " + names);
+}
+
+// Problems without friction are quadratic programs, and so are such parts of others.
+Cone cone() {
+  Cone cone;
+  cone.without_friction = {DualActiveSet(), Newton()};
+  return cone;
 }
 
 template <Solver S>
@@ -95,19 +102,20 @@ std::vector<SolverEntry> always() {
           {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
            .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
            .exact = true}),
-      entry<Cone>({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
-                   .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
-                   .accuracy = always_solved}),
+      entry({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
+             .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
+             .accuracy = always_solved},
+            cone()),
       entry<Nsgs>(
           {.method = "nonsmooth Gauss-Seidel, each contact solved exactly (Coulomb's law)",
            .limits = "contacts with friction only; slow on hyperstatic contacts and mass ratios; dense: 1000 unknowns",
            .sees_infeasibility = false,
            .accuracy = iterative}),
-      FixedPoint::entry(convex_solver,
-                        {.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
-                         .limits = "contacts with friction only; no convergence where the slips' map does not contract",
-                         .sees_infeasibility = false,
-                         .accuracy = always_solved}),
+      entry({.method = "Coulomb's law by convex problems: a fixed point of the slips, solved by inner=NAME",
+             .limits = "contacts with friction only; no convergence where the slips' map does not contract",
+             .sees_infeasibility = false,
+             .accuracy = always_solved},
+            FixedPoint{.make = convex_solver}),
       entry<AlartCurnier>({.method = "semismooth Newton on Alart-Curnier's equations, whole steps",
                            .limits = "contacts with friction only; does not converge from everywhere, and says so",
                            .sees_infeasibility = false,

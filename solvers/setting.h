@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -9,7 +10,7 @@ namespace zwang {
 template <class S>
 struct Setting {
   std::string_view name;
-  std::variant<double S::*, int S::*, bool S::*> member;
+  std::variant<double S::*, int S::*, bool S::*, std::string S::*> member;
   std::string_view help;
 };
 

@@ -27,12 +27,22 @@ void set_from(const std::string& text, SettingValue value) {
     **v = number<double>(text, "a number");
   else if (int** i = std::get_if<int*>(&value))
     **i = number<int>(text, "an integer");
+  else if (std::string** word = std::get_if<std::string*>(&value))
+    **word = text;
   else if (text == "on" || text == "true" || text == "1")
     *std::get<bool*>(value) = true;
   else if (text == "off" || text == "false" || text == "0")
     *std::get<bool*>(value) = false;
   else
     throw std::invalid_argument("on or off");
+}
+
+std::string too_large(const Problem& problem, Index most_unknowns, Index most_rows) {
+  const auto limited = [](Index most, const char* what) {
+    return "its matrices are dense; limited to " + std::to_string(most) + ' ' + what;
+  };
+  if (problem.size() > most_unknowns) return limited(most_unknowns, "unknowns");
+  return problem.rows() > most_rows ? limited(most_rows, "rows") : "";
 }
 
 void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,

@@ -57,7 +57,7 @@ void read_settings(std::string_view solver, std::string_view text, std::span<con
 
 // A setting of one solver: its value as text, and set from text. The latter throws std::invalid_argument with what was
 // expected.
-using SettingValue = std::variant<double*, int*, bool*>;
+using SettingValue = std::variant<double*, int*, bool*, std::string*>;
 std::string text_of(SettingValue value);
 void set_from(const std::string& text, SettingValue value);
 template <class S>
@@ -65,34 +65,47 @@ SettingValue value_in(S& solver, const Setting<S>& setting) {
   return std::visit([&](auto member) -> SettingValue { return &(solver.*member); }, setting.member);
 }
 
+// "" or by what the problem is beyond a solver of dense matrices.
+std::string too_large(const Problem& problem, Index most_unknowns, Index most_rows);
 // The bound on its error with which an answer ends that has none yet (solvers/friction/promise.h).
 void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution);
+
+// What the registry adds to a solver: its limits, `most_unknowns` and `most_rows`, where it states them, and the bound.
 template <Solver S>
-struct Promising : S {
+struct Registered : S {
+  std::string supports(const Problem& problem) const {
+    Index most_unknowns = SolverEntry::any_size, most_rows = most_unknowns;
+    if constexpr (requires { S::most_unknowns; }) most_unknowns = S::most_unknowns;
+    if constexpr (requires { S::most_rows; }) most_rows = S::most_rows;
+    std::string reason = too_large(problem, most_unknowns, most_rows);
+    if constexpr (requires(const S& s) { s.supports(problem); })
+      if (reason.empty()) reason = S::supports(problem);
+    return reason;
+  }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
     S::solve(problem, options, solution);
     if (options.has_accuracy()) promise_at_the_end(problem, options, solution);
   }
 };
 
-// The entry of a solver of type S, whose name, settings and laws are read from it:
+// The entry of a solver of type S, whose name, settings and laws are read from it; each that it makes begins as
+// `first`:
 //
 //   entry<Mine>({.method = "...", .limits = "..."})
 template <Solver S>
-SolverEntry entry(SolverEntry e) {
+SolverEntry entry(SolverEntry e, S first = S()) {
   e.name = S::name;
   if constexpr (requires { S::laws; }) e.laws.assign(S::laws.begin(), S::laws.end());
-  if constexpr (requires { S::settings(); }) {
-    S defaults;
+  if constexpr (requires { S::settings(); })
     for (const Setting<S>& s : S::settings())
-      e.settings.push_back({std::string(s.name), std::string(s.help), text_of(value_in(defaults, s))});
-  }
-  e.make = [known = e.settings](std::string_view text) -> AnySolver {
-    S solver;
+      e.settings.push_back({std::string(s.name), std::string(s.help), text_of(value_in(first, s))});
+  e.make = [known = e.settings, first](std::string_view text) -> AnySolver {
+    S solver = first;
     read_settings(S::name, text, known, [&]([[maybe_unused]] std::size_t k, [[maybe_unused]] const std::string& value) {
       if constexpr (requires { S::settings(); }) set_from(value, value_in(solver, S::settings()[k]));
     });
-    return Promising<S>{std::move(solver)};
+    if constexpr (requires { solver.complete(); }) solver.complete();  // throws as read_settings
+    return Registered<S>{std::move(solver)};
   };
   return e;
 }

@@ -184,6 +184,6 @@ void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const S
   s.fallback = true;
 }
 
-template SolverEntry entry<Cholesky>(SolverEntry);
+template SolverEntry entry<Cholesky>(SolverEntry, Cholesky);
 
 }  // namespace zwang

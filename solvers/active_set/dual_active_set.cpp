@@ -89,6 +89,6 @@ void DualActiveSet::Careful::write(const Problem& p, Solution& s) {
   rows_.multipliers(p, climb_.unit(), s.lambda);
 }
 
-template SolverEntry entry<DualActiveSet>(SolverEntry);
+template SolverEntry entry<DualActiveSet>(SolverEntry, DualActiveSet);
 
 }  // namespace zwang

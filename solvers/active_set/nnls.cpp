@@ -71,6 +71,6 @@ void Nnls::Method::write(const Problem& p, Solution& s) {
   rows_.multipliers(p, unit_, s.lambda);
 }
 
-template SolverEntry entry<Nnls>(SolverEntry);
+template SolverEntry entry<Nnls>(SolverEntry, Nnls);
 
 }  // namespace zwang

@@ -1,6 +1,5 @@
 #include <zwang/solvers/friction/cone.h>
 
-#include <algorithm>
 #include <cstdio>
 
 #include <zwang/solvers/solver_entry.h>
@@ -34,8 +33,7 @@ Index unit_of(const Problem& problem) {
   constexpr Index body = 6;
   if (!problem.has_tangents()) return body;
   const auto& M = problem.M;
-  const bool identity = M.nonZeros() == M.cols() &&
-                        std::all_of(M.valuePtr(), M.valuePtr() + M.nonZeros(), [](double mass) { return mass == 1; });
+  const bool identity = M.nonZeros() == M.cols() && M.coeffs().isOnes(0);
   return identity || problem.size() % body != 0 ? 1 : body;
 }
 
@@ -62,7 +60,7 @@ void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& 
 }
 
 void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
-  if (!p.has_tangents()) return solve_without_friction(p, options, solution);
+  if (!p.has_tangents()) return hand_on(cone, p, options, solution);
   const Deadline deadline(options.time_limit);
   const ConeStarts::Job job{p, options, deadline, solution, starts_.best, cone.finish};
   climb(job);
@@ -85,12 +83,11 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
   if (end == End::written || (end == End::accepted && starts_.promises(job))) return;
   starts_.program().write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
-  if (end == End::accepted) {
-    solution.status = Status::solved;
-  } else if (end == End::limit || deadline.passed()) {
-    solution.status = deadline.passed() ? Status::time_limit : Status::iteration_limit;
-  } else {
-    solution.status = Status::numerical_failure;
+  solution.status = end == End::accepted ? Status::solved
+                    : deadline.passed()  ? Status::time_limit
+                    : end == End::limit  ? Status::iteration_limit
+                                         : Status::numerical_failure;
+  if (solution.status == Status::numerical_failure) {
     const double left = best.natural / starts_.program().scale(best.v);
     const char* const reason = left <= options.tolerance ? "the natural residual is %.1e of the motion, and proves no z"
                                                          : "the natural residual stays at %.1e of the motion";
@@ -109,12 +106,14 @@ bool Cone::Work::contradicts_itself(ConeStarts& normals, const ConeStarts::Job& 
   return normals.from_inside(of_normals, ConeStarts::first_start) == End::written;
 }
 
-void Cone::Work::solve_without_friction(const Problem& p, const SolveOptions& options, Solution& solution) {
-  const bool few = p.size() <= ConeProgram::few_unknowns;
-  few ? active_set_.solve(p, options, solution) : newton_.solve(p, options, solution);
-  if (solution.handed_to.empty()) solution.handed_to = few ? DualActiveSet::name : Newton::name;
+void Cone::Work::hand_on(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
+  if (!cone.without_friction) throw Stopped{Status::unsupported, "no solver was given for parts without friction"};
+  if (!quadratic_) quadratic_ = cone.without_friction;
+  AnySolver& solver = p.size() <= ConeProgram::few_unknowns ? quadratic_->few : quadratic_->many;
+  solver.solve(p, options, solution);
+  if (solution.handed_to.empty()) solution.handed_to = solver.name();
 }
 
-template SolverEntry entry<Cone>(SolverEntry);
+template SolverEntry entry<Cone>(SolverEntry, Cone);
 
 }  // namespace zwang

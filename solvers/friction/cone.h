@@ -1,12 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include <zwang/core/problem/islands.h>
 #include <zwang/core/problem/shape_cache.h>
 #include <zwang/solvers/friction/cone_starts.h>
-#include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {
@@ -27,9 +27,9 @@ namespace zwang {
 // too). Near an answer that nothing certifies, as where contacts depend on each other, all starts share the iterations
 // of one: the status is then `numerical failure`, and z the best that was found.
 //
-// Without friction the problem is a quadratic program: the dual active-set method solves it, or newton where it is
-// large (Solution::handed_to). They judge rows that almost depend on others in extended precision; an interior point
-// of its own, tried first, claimed answers to rows that contradict each other by 1e-10.
+// What has no friction, a problem or a part of one, is a quadratic program and handed on (Solution::handed_to), to a
+// solver that judges rows which almost depend on others in extended precision: an interior point of its own, tried
+// first, claimed answers to rows that contradict each other by 1e-10.
 //
 // One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
 // residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
@@ -41,6 +41,10 @@ struct Cone {
   static constexpr auto laws = laws_that<has_cones>;
 
   bool finish = true;
+  struct Quadratic {
+    AnySolver few, many;  // up to ConeProgram::few_unknowns, and beyond
+  };
+  std::optional<Quadratic> without_friction = {};  // the registry's
 
   static std::vector<Setting<Cone>> settings() {
     return {{"finish", &Cone::finish, "Newton's method on the modes behind the interior point"}};
@@ -54,14 +58,13 @@ struct Cone {
     void solve(Cone& cone, const Problem& problem, const SolveOptions& options, Solution& solution);
 
    private:
-    void solve_without_friction(const Problem& problem, const SolveOptions& options, Solution& solution);
+    void hand_on(Cone& cone, const Problem& problem, const SolveOptions& options, Solution& solution);
     void climb(const ConeStarts::Job& job);
     bool contradicts_itself(ConeStarts& normals, const ConeStarts::Job& job);
 
     ConeStarts starts_;
     Solution of_normals_;
-    DualActiveSet active_set_;
-    Newton newton_;
+    std::optional<Quadratic> quadratic_;
   };
 
   Islands islands_;

@@ -34,29 +34,13 @@ bool has_answer(const Problem& p, const Solution& s) {
   return s.z.size() == p.size() && s.lambda.size() == p.rows() && s.z.allFinite() && s.lambda.allFinite();
 }
 
-void check(double relaxation) {
-  if (!(relaxation > 0 && relaxation <= 1)) throw std::invalid_argument("above 0 and at most 1");
-}
-
 }  // namespace
 
-SolverEntry FixedPoint::entry(std::function<AnySolver(const std::string&)> make, SolverEntry e) {
-  e = zwang::entry<FixedPoint>(std::move(e));
-  e.settings.insert(e.settings.begin(),
-                    {"inner", "the solver of the convex law, with its own settings: inner=cone:finish=off", "cone"});
-  e.make = [known = e.settings, make](std::string_view text) -> AnySolver {
-    FixedPoint solver{.inner = known[0].value};
-    read_settings(name, text, known, [&](std::size_t k, const std::string& value) {
-      if (k == 0)
-        solver.inner = value;
-      else
-        set_from(value, value_in(solver, settings()[k - 1]));
-      check(solver.relaxation);
-    });
-    solver.solver = make(solver.inner);
-    return Promising<FixedPoint>{std::move(solver)};
-  };
-  return e;
+void FixedPoint::complete() {
+  if (!(relaxation > 0 && relaxation <= 1))
+    throw std::invalid_argument("solver 'fixed_point': setting relaxation=" + text_of(&relaxation) +
+                                " should be above 0 and at most 1");
+  solver = make(inner);
 }
 
 std::string FixedPoint::supports(const Problem& problem) const {

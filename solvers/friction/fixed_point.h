@@ -25,17 +25,18 @@ struct FixedPoint {
   static constexpr std::string_view name = "fixed_point";
   static constexpr auto laws = laws_that<lifts>;
 
-  std::string inner = {};
+  std::function<AnySolver(const std::string&)> make = {};  // a solver of the convex law from `inner`, or throws
+  std::string inner = "cone";
   std::optional<AnySolver> solver = {};  // that `inner` names
   int max_rounds = 500;
   double relaxation = 1;
 
   static std::vector<Setting<FixedPoint>> settings() {
-    return {{"max_rounds", &FixedPoint::max_rounds, "convex problems before giving up"},
+    return {{"inner", &FixedPoint::inner, "the solver of the convex law, with its own settings: inner=cone:finish=off"},
+            {"max_rounds", &FixedPoint::max_rounds, "convex problems before giving up"},
             {"relaxation", &FixedPoint::relaxation, "how far the slips go to the new ones, above 0 up to 1"}};
   }
-  // With the setting `inner`, a word from which `make` builds a solver of the convex law, or throws.
-  static SolverEntry entry(std::function<AnySolver(const std::string&)> make, SolverEntry e);
+  void complete();
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 

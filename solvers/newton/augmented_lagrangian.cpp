@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace zwang {
+namespace {
+
+constexpr int least_patience = 300;  // steps, or as many as there are rows: a heap of 3,000 may need a thousand
+
+}  // namespace
 
 void AugmentedLagrangian::begin(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                                 double penalty) {
@@ -24,6 +29,21 @@ bool AugmentedLagrangian::rests() const {
   for (Index i = 0; i < rows.rows(); ++i)
     if (is_equality(i) ? rows.exact_h[i] != 0 : rows.exact_h[i] > 0) return false;
   return true;
+}
+
+// To the last bit. An earlier frame's multipliers would be worked off to tiny numbers, not to 0.
+void AugmentedLagrangian::write_rest(Solution& solution) {
+  l.setZero();
+  write(d, l, solution);
+  solution.redundant.assign(rows.idle.begin(), rows.idle.end());
+  solution.status = Status::solved;
+}
+
+void AugmentedLagrangian::count(const Vector& multipliers, const SolveOptions& options, Solution& solution) const {
+  ++solution.iterations;
+  if (!options.observe) return;
+  write(d, multipliers, solution);
+  options.observe(solution.iterations, solution.z, solution.lambda);
 }
 
 bool AugmentedLagrangian::factorize(const Deadline& deadline) {
@@ -121,6 +141,25 @@ AugmentedLagrangian::Held AugmentedLagrangian::hold(const Deadline& deadline) {
   s = settles && !many ? hold_penalty : tolerances::newton_hold;
   if (many) return Held::many_left;
   return settles ? Held::known : Held::few_left;
+}
+
+Status AugmentedLagrangian::minimize(double last_move, const SolveOptions& options, const Deadline& deadline,
+                                     Solution& solution) {
+  const int most_steps = std::max(least_patience, static_cast<int>(rows.rows()));
+  for (bool settled = false; !settled;) {
+    linearize();
+    const bool may_go_on = solution.iterations < most_steps && solution.iterations < options.max_iterations;
+    const bool factorized = may_go_on && factorize(deadline);
+    if (deadline.passed()) return Status::time_limit;
+    if (solution.iterations >= options.max_iterations) return Status::iteration_limit;
+    if (!factorized) return Status::numerical_failure;
+    const double length = step();
+    if (!std::isfinite(length)) return Status::numerical_failure;
+    settled = length <= tolerances::newton_inner * std::min(last_move, scale) ||
+              length <= tolerances::newton_nothing * scale || keeps_rows();
+    count(term_, options, solution);
+  }
+  return Status::solved;
 }
 
 void AugmentedLagrangian::linearize() {

@@ -44,11 +44,12 @@ class AugmentedLagrangian {
   bool factorize(const Deadline& deadline);
   // Newton's step of d, in each part that shares no unknown as far as it leads down. Returns its length before that.
   double step();
-  bool keeps_rows() const;              // A is as before the step, which was taken whole
+  bool keeps_rows() const;  // A is as before the step, which was taken whole
+  // Such steps until one is short beside `last_move`, that of the d before, or beside rounding, or takes the
+  // same rows whole; solved then. Counts them.
+  Status minimize(double last_move, const SolveOptions& options, const Deadline& deadline, Solution& solution);
   double step_multipliers();            // l := max(0, l + s (h - G d)), by the step u; returns h'u
   double distance(const Vector& from);  // |d - from|_M
-
-  const Vector& term() const { return term_; }  // of the rows: l + s (h - G d), at the d before the step
 
   // For steps of other kinds by the same factor.
   Index unknowns() const { return factor_.size(); }
@@ -71,6 +72,9 @@ class AugmentedLagrangian {
   // z and lambda of any d and l.
   template <class Unknowns, class Multipliers>
   void write(const Unknowns& motion, const Multipliers& multipliers, Solution& solution) const;
+  void write_rest(Solution& solution);  // z_u is the answer
+  // One more iteration, shown with these multipliers to who observes.
+  void count(const Vector& multipliers, const SolveOptions& options, Solution& solution) const;
 
  private:
   struct Part {  // of the line search

@@ -9,9 +9,7 @@ namespace zwang {
 namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
-constexpr int least_patience = 300;       // steps, or as many as there are rows: a heap of 3,000 may need a thousand
-// The step of the multipliers at which a promise is first asked for, of the motion, and by what it falls likewise.
-constexpr double promising_from = 0.01;
+constexpr double promising_from = 0.01;   // step of l, of the motion, where a promise is first asked for; it falls so
 
 }  // namespace
 
@@ -27,20 +25,13 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   polish_.enough = bounds ? promise_.enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;
-  if (L_.rests()) {
-    // The answer to the last bit. An earlier frame's multipliers would be worked off to tiny numbers, not to 0.
-    L_.l.setZero();
-    L_.write(L_.d, L_.l, s);
-    s.redundant.assign(L_.rows.idle.begin(), L_.rows.idle.end());
-    s.status = Status::solved;
-    return;
-  }
+  if (L_.rests()) return L_.write_rest(s);
   using enum AugmentedLagrangian::Held;
   const bool cold = !options.warm_start;
   const auto held = cold && hold_all ? L_.hold_near(deadline) : none;
   bool all_but_known = held == known;
   if (cold && inside && polish && (held == many_left || held == none) && p.size() > ConeProgram::few_unknowns) {
-    const InsideStart::End end = from_inside(p, options, deadline, s);
+    const auto end = from_inside(p, options, deadline, s);
     if (end == InsideStart::End::written || end == InsideStart::End::limit) return;
     all_but_known = end == InsideStart::End::near;
   }
@@ -66,7 +57,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 InsideStart::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                                      Solution& s) {
   using enum InsideStart::End;
-  const InsideStart::End end = inside_.run(p, options, deadline, s);
+  const auto end = inside_.run(p, options, deadline, s);
   if (end == near) L_.hold_pushing(s.z, s.lambda, deadline);
   if (end != written || s.status != Status::infeasible || polish_.certify_again(L_, p, deadline, s)) return end;
   s.spare.certificate.set_zero(s.certificate, 0);
@@ -78,11 +69,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
                    Solution& s) {
   if (all_but_known && s.iterations < options.max_iterations) {
     const double rate = L_.rate;
-    ++s.iterations;  // rows held: a step like the others
-    if (options.observe) {
-      L_.write(L_.d, L_.l, s);
-      options.observe(s.iterations, s.z, s.lambda);
-    }
+    L_.count(L_.l, options, s);  // rows held: a step like the others
     if (polish_.run(L_, options.tolerance, deadline, s)) return Status::solved;
     if (polish_.doubtful) return Status::numerical_failure;
     L_.rate = rate;
@@ -90,8 +77,8 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
   }
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
-    if (end != Status::solved || !std::isnan(s.error_bound)) return end;
-    if (polish_.run(L_, options.tolerance, deadline, s)) return end;
+    if (end != Status::solved || !std::isnan(s.error_bound) || polish_.run(L_, options.tolerance, deadline, s))
+      return end;
     if (polish_.doubtful) break;
   }
   return Status::numerical_failure;
@@ -108,26 +95,10 @@ Status Newton::run_alone(const Problem& p, const SolveOptions& options, const De
 // Until a step of l moves d by less than `close`, relative.
 Status Newton::descend(const Problem& p, double close, const SolveOptions& options, const Deadline& deadline,
                        Solution& s) {
-  const int most_steps = std::max(least_patience, static_cast<int>(L_.rows.rows()));
   double last_move = infinity, promising = promising_from;
   for (;;) {
     start_ = L_.d;
-    for (bool settled = false; !settled;) {
-      L_.linearize();
-      const bool may_go_on = s.iterations < most_steps && s.iterations < options.max_iterations;
-      const bool factorized = may_go_on && L_.factorize(deadline);
-      if (deadline.passed()) return Status::time_limit;
-      if (s.iterations >= options.max_iterations) return Status::iteration_limit;
-      if (!factorized) return Status::numerical_failure;
-      ++s.iterations;
-      const double length = L_.step();
-      if (!std::isfinite(length)) return Status::numerical_failure;
-      settled = length <= tolerances::newton_inner * std::min(last_move, L_.scale) ||
-                length <= tolerances::newton_nothing * L_.scale || L_.keeps_rows();
-      if (!options.observe) continue;
-      L_.write(L_.d, L_.term(), s);
-      options.observe(s.iterations, s.z, s.lambda);
-    }
+    if (const Status end = L_.minimize(last_move, options, deadline, s); end != Status::solved) return end;
     const double gain = L_.step_multipliers(), move = L_.distance(start_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
     if (options.has_accuracy() && polish_.enough == 0 && move <= promising * L_.scale) {
@@ -144,6 +115,6 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
   }
 }
 
-template SolverEntry entry<Newton>(SolverEntry);
+template SolverEntry entry<Newton>(SolverEntry, Newton);
 
 }  // namespace zwang

@@ -14,12 +14,6 @@ namespace {
 
 double lower_limit(const UnitProgram& program, Index i) { return program.is_equality(i) ? -infinity : 0; }
 
-std::string too_many_rows(const Problem& problem, Index most) {
-  if (problem.rows() <= most) return {};
-  return "forms a dense " + std::to_string(problem.rows()) + " x " + std::to_string(problem.rows()) +
-         " matrix; limited to " + std::to_string(most) + " rows";
-}
-
 Matrix delassus(const UnitProgram& program, double cfm) {
   const UnitProgram::Rows S = program.G() * program.G().transpose();
   Matrix dense(S);
@@ -38,8 +32,6 @@ void write(const UnitProgram& program, const Problem& problem, const Vector& lam
 }
 
 }  // namespace
-
-std::string BulletDantzig::supports(const Problem& problem) const { return too_many_rows(problem, most_rows); }
 
 // Bullet permutes A, b and the limits in place, so each gets its own copy.
 void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
@@ -60,8 +52,6 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   solution.message = done ? "Bullet: returned true" : "Bullet: returned false";
   if (done && !answered) solution.message += ", but multipliers that are not finite";
 }
-
-std::string BulletPgs::supports(const Problem& problem) const { return too_many_rows(problem, most_rows); }
 
 void BulletPgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   const Deadline deadline(options.time_limit);

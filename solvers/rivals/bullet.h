@@ -25,7 +25,6 @@ struct BulletDantzig {
   static std::vector<Setting<BulletDantzig>> settings() {
     return {{"cfm", &BulletDantzig::cfm, "added to the diagonal of the Delassus matrix, unit rows"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};
@@ -45,7 +44,6 @@ struct BulletPgs {
     return {{"cfm", &BulletPgs::cfm, "added to the diagonal of the Delassus matrix, unit rows"},
             {"max_sweeps", &BulletPgs::max_sweeps, "sweeps over all rows before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};

@@ -18,10 +18,6 @@ Status status_of(int flag) {
 
 }  // namespace
 
-std::string Daqp::supports(const Problem& problem) const {
-  return too_large_for_dense(problem, most_unknowns, most_rows);
-}
-
 void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double least_tolerance = 1e-14;
   const Deadline deadline(options.time_limit);

@@ -139,11 +139,6 @@ void MujocoSession::read(Vector& y, Vector& lambda) const {
   lambda(order_) = Eigen::Map<const Vector>(data_->efc_force, lambda.size());
 }
 
-std::string MujocoNewton::supports(const Problem& problem) const {
-  if (!(stiffness > 0)) return "its stiffness should be above 0";
-  return too_large_for_dense(problem, most_unknowns, most_rows);
-}
-
 void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double default_gain = 1e-8;  // of a last step: MuJoCo's own tolerance
   constexpr double claimed_part = 0.01;  // of T, in the residual

@@ -33,7 +33,7 @@ struct MujocoNewton {
     return {{"stiffness", &MujocoNewton::stiffness, "of unit rows; MuJoCo's own impedances go up to 1e4"},
             {"max_steps", &MujocoNewton::max_steps, "Newton steps before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
+  std::string supports(const Problem&) const { return stiffness > 0 ? "" : "its stiffness should be above 0"; }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};

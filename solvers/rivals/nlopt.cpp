@@ -126,12 +126,6 @@ nlopt_result restart_until_it_stays(NloptMethod method, DenseProgram& program, c
 }  // namespace
 
 template <NloptMethod method>
-std::string Nlopt<method>::supports(const Problem& problem) const {
-  if (problem.size() <= most_unknowns) return {};
-  return std::to_string(problem.size()) + " unknowns; limited to " + std::to_string(most_unknowns);
-}
-
-template <NloptMethod method>
 void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   DenseProgram dense{
       .origin = {}, .basis = {}, .equalities = {}, .inequalities = {}, .deadline = Deadline(options.time_limit)};

@@ -41,7 +41,6 @@ struct Nlopt {
     else
       return {{"max_evaluations", &Nlopt::max_evaluations, "evaluations of the objective before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};

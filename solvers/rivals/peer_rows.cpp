@@ -72,12 +72,6 @@ void write_answer(const Problem& problem, const UnitProgram& program, const Vect
   solution.empty_lambda();
 }
 
-std::string too_large_for_dense(const Problem& problem, Index most_unknowns, Index most_rows) {
-  if (problem.size() <= most_unknowns && problem.rows() <= most_rows) return {};
-  return "its matrices are dense; limited to " + std::to_string(most_unknowns) + " unknowns and " +
-         std::to_string(most_rows) + " rows";
-}
-
 double seconds_left(const Deadline& deadline, double unlimited) {
   constexpr double least_seconds = 1e-6;
   deadline.keep();

@@ -45,9 +45,6 @@ Status meaning(Word word, std::initializer_list<std::pair<Word, Status>> known) 
   return Status::numerical_failure;
 }
 
-// Why a library with dense matrices is not asked, or "".
-std::string too_large_for_dense(const Problem& problem, Index most_unknowns, Index most_rows);
-
 // The seconds left, for a library that takes none for "no limit" as `unlimited`. Throws Stopped where none are.
 double seconds_left(const Deadline& deadline, double unlimited);
 

@@ -19,10 +19,6 @@ Status status_of(peer::returnValue code, bool infeasible) {
 
 }  // namespace
 
-std::string Qpoases::supports(const Problem& problem) const {
-  return too_large_for_dense(problem, most_unknowns, most_rows);
-}
-
 void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   constexpr double unlimited = 1e10;  // seconds
   const Deadline deadline(options.time_limit);

@@ -23,7 +23,6 @@ struct Daqp {
     return {{"eliminate", &Daqp::eliminate, "equality rows by DAQP's own QR, where they are many"},
             {"max_iterations", &Daqp::max_iterations, "active-set steps before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};
@@ -108,7 +107,6 @@ struct Qpoases {
     return {{"mpc", &Qpoases::mpc, "qpOASES' options for model predictive control; off: its default options"},
             {"max_iterations", &Qpoases::max_iterations, "changes of the working set before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   UnitProgram program = {};

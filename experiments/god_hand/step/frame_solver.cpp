@@ -71,7 +71,7 @@ Law simpler(Law law) { return lifts(law) ? without_lift(law) : no_friction; }
 }  // namespace
 
 FrameSolver::FrameSolver(const Options& options)
-    : options_(options), solver_(solver_of(options)), plain_(plain_solver_of(options)), convex_(Cone()) {
+    : options_(options), solver_(solver_of(options)), plain_(plain_solver_of(options)), convex_(make_solver(Cone::name)) {
   asked_.tolerance = options.tolerance;
   asked_.read_accuracy(options.accuracy);
   asked_.speed_accuracy /= options.dt;  // z is an acceleration

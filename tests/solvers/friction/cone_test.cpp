@@ -8,6 +8,7 @@
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/friction/cone.h>
+#include <zwang/solvers/newton/newton.h>
 #include "tests/solvers/friction/friction_problems.h"
 
 namespace zwang {
@@ -25,7 +26,13 @@ Vector vec(std::initializer_list<double> values) {
   return v;
 }
 
-Solution solve(const Problem& p, Cone settings = {}, const SolveOptions& options = {}) {
+Cone cone() {
+  Cone cone;
+  cone.without_friction = {DualActiveSet(), Newton()};
+  return cone;
+}
+
+Solution solve(const Problem& p, Cone settings = cone(), const SolveOptions& options = {}) {
   AnySolver solver = settings;
   return solver.solve(p, options);
 }
@@ -225,12 +232,12 @@ TEST(Cone, NoConvexAnswerIsClaimedThatTheForcesHide) {
 TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
   for (const char* scene : {"MRF(k=24)", "MRF(k=28)"}) {
     const Problem p = make_scenes(scene).at(0).problem;
-    const Solution s = solve(p, {}, {.tolerance = 1e-12});
+    const Solution s = solve(p, cone(), {.tolerance = 1e-12});
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     EXPECT_TRUE(s.fallback) << scene;
     EXPECT_EQ(measure(p, s, nullptr, 1e-12).verdict, Verdict::solved) << scene;
   }
-  EXPECT_NE(solve(make_scenes("MRF(k=40)").at(0).problem, {}, {.tolerance = 1e-12}).status, Status::solved);
+  EXPECT_NE(solve(make_scenes("MRF(k=40)").at(0).problem, cone(), {.tolerance = 1e-12}).status, Status::solved);
 }
 
 // More than a thousand unknowns: by sparse LU where Coulomb's shift has to be differentiated.
@@ -257,7 +264,7 @@ TEST(Cone, ContactsThatDependOnEachOtherEndSoonAndClaimOnlyWhatHolds) {
       test::Planted made = planted(Law::coulomb, 0.75, 1, 15, seed);
       for (Index i = 0; i < made.problem.rows(); ++i)
         if (i % 5 == 1) made.problem.c[i] += off;
-      const Solution s = solve(made.problem, {}, {.max_iterations = 100});
+      const Solution s = solve(made.problem, cone(), {.max_iterations = 100});
       EXPECT_LE(s.iterations, 100) << seed;
       ASSERT_EQ(s.z.size(), 6) << seed << ' ' << s.message;
       if (s.status != Status::solved) continue;
@@ -271,7 +278,7 @@ TEST(Cone, ContactsThatDependOnEachOtherEndSoonAndClaimOnlyWhatHolds) {
 TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
   for (const Law law : {Law::convex, Law::coulomb}) {
     const Problem p = planted(law, 0.5, 4, 8, 7).problem;
-    AnySolver solver = Cone();
+    AnySolver solver = cone();
     Solution first, second;
     solver.solve(p, {}, first);
     solver.solve(p, {}, second);
@@ -287,7 +294,7 @@ TEST(Cone, TheSameBitsTwiceAndNothingAllocated) {
 
 // Under Coulomb's law the central path may turn back, and the next try goes on from there: in the same problem only.
 TEST(Cone, AProblemKnowsNothingOfTheOneBefore) {
-  AnySolver used = Cone();
+  AnySolver used = cone();
   Solution s;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const int contacts = 6 + static_cast<int>(seed % 8);
@@ -320,7 +327,7 @@ TEST(Cone, PartsOfAProblemWithoutBodiesAreSolvedApart) {
   both.mu[0] = both.mu[3] = 0.5;
   for (Index i = 0; i < 3; ++i) both.kind.push_back(both.kind[static_cast<std::size_t>(i)]);
   for (std::uint64_t i = 0; i < 3; ++i) both.key.push_back({100 + i, 0});
-  AnySolver solver = Cone();
+  AnySolver solver = cone();
   Solution s;
   solver.solve(both, {}, s);
   ASSERT_EQ(s.status, Status::solved) << s.message;
@@ -341,7 +348,7 @@ TEST(Cone, AWarmStartTakesFewerFactorizations) {
     ASSERT_EQ(cold.status, Status::solved) << cold.message;
     const WarmStart warm{p.key, cold.lambda};
     p.z_u *= 1.001;
-    const Solution s = solve(p, {}, {.warm_start = &warm});
+    const Solution s = solve(p, cone(), {.warm_start = &warm});
     ASSERT_EQ(s.status, Status::solved) << s.message;
     EXPECT_LT(s.iterations, cold.iterations);
     EXPECT_LE(law_error(p, s), 1e-11);
@@ -366,7 +373,7 @@ TEST(Cone, LoadGoesOverToTheRowsThatCarry) {
       warm.key = p.key;
       warm.lambda.setZero(p.rows());
       for (Index i = 0; i < p.rows(); i += 3) warm.lambda[i] = 1, warm.lambda[i + 1] = 0.4;
-      const Solution s = solve(p, {}, {.warm_start = &warm});
+      const Solution s = solve(p, cone(), {.warm_start = &warm});
       ASSERT_EQ(s.status, Status::solved) << tilt << ' ' << s.message;
       EXPECT_LE(s.iterations, 32) << tilt;  // without an interior point
       EXPECT_LE(law_error(p, s), 1e-11) << tilt;
@@ -375,12 +382,12 @@ TEST(Cone, LoadGoesOverToTheRowsThatCarry) {
 
 TEST(Cone, LimitsEndTheSolveWithAnIterate) {
   const Problem p = planted(Law::coulomb, 0.5, 4, 8, 7).problem;
-  EXPECT_EQ(solve(p, {}, {.max_iterations = 2}).status, Status::iteration_limit);
-  EXPECT_EQ(solve(p, {}, {.time_limit = 0}).status, Status::time_limit);
+  EXPECT_EQ(solve(p, cone(), {.max_iterations = 2}).status, Status::iteration_limit);
+  EXPECT_EQ(solve(p, cone(), {.time_limit = 0}).status, Status::time_limit);
   int shown = 0;
   SolveOptions options;
   options.observe = [&](int, const Vector& z, const Vector&) { shown += z.allFinite(); };
-  const Solution s = solve(p, {}, options);
+  const Solution s = solve(p, cone(), options);
   EXPECT_GE(shown, s.iterations / 2);
 }
 

@@ -2,7 +2,7 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/core/referee/friction/numbers.h>
-#include <zwang/solvers/friction/cone.h>
+#include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 TEST(ConeOnHeaps, BallsAtRestStayAtRest) {
   for (const char* scene : {"heap(balls=40)", "heap(balls=80)", "heap(balls=200)"}) {
     const Problem p = make_scenes(scene).at(0).problem;
-    const Solution s = AnySolver(Cone{}).solve(p);
+    const Solution s = make_solver("cone").solve(p);
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     EXPECT_LE((p.M * s.z).dot(s.z), 1e-24 * (p.M * p.z_u).dot(p.z_u)) << scene;
     // The referee's residuals alone: its proofs take minutes here.

@@ -23,18 +23,18 @@ EDITS = {
                                       {weight.data(), at(weight.size())}, deadline);
   if (leaves_out_mass || merges_wrongly) factor_.invalidate();
   return done;
-""")],
-    "newton_polish": [],
-    # The polish has the true factor, and patience is long, as in a solver that has no other to hand over to.
-    "newton": [
-        ("const bool factorized = may_go_on && L_.factorize(deadline);",
+"""),
+        # The polish has the true factor, and patience is long, as in a solver that has no other to hand over to.
+        ("const bool factorized = may_go_on && factorize(deadline);",
          """merges_wrongly = mutant == Mutant::wrong_merge;
-      leaves_out_mass = mutant == Mutant::no_mass;
-      const bool factorized = may_go_on && L_.factorize(deadline);
-      merges_wrongly = leaves_out_mass = false;"""),
-        ("const int most_steps = std::max(least_patience, static_cast<int>(L_.rows.rows()));",
+    leaves_out_mass = mutant == Mutant::no_mass;
+    const bool factorized = may_go_on && factorize(deadline);
+    merges_wrongly = leaves_out_mass = false;"""),
+        ("const int most_steps = std::max(least_patience, static_cast<int>(rows.rows()));",
          "const int most_steps = mutant == Mutant::no_mass || mutant == Mutant::wrong_merge\n"
-         "      ? 20000 : std::max(least_patience, static_cast<int>(L_.rows.rows()));")],
+         "      ? 20000 : std::max(least_patience, static_cast<int>(rows.rows()));")],
+    "newton_polish": [],
+    "newton": [],
     "pgs": [
         ("namespace zwang {\n", """namespace zwang {
 namespace {
