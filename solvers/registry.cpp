@@ -18,6 +18,7 @@
 #include <zwang/solvers/friction/alart_curnier.h>
 #include <zwang/solvers/friction/cone.h>
 #include <zwang/solvers/friction/fixed_point.h>
+#include <zwang/solvers/friction/inside_start.h>
 #include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
@@ -58,10 +59,17 @@ AnySolver convex_solver(const std::string& text) {
                               " should be a solver of the convex law: " + names);
 }
 
-// Problems without friction are quadratic programs, and so are such parts of others.
+// What methods hand on to others: they do not include each other.
+Newton newton() {
+  Newton newton;
+  newton.start = InsideStart();
+  newton.dense = DualActiveSet();
+  return newton;
+}
+
 Cone cone() {
   Cone cone;
-  cone.without_friction = {DualActiveSet(), Newton()};
+  cone.without_friction = {DualActiveSet(), newton()};
   return cone;
 }
 
@@ -98,10 +106,10 @@ std::vector<SolverEntry> always() {
            .exact = true,
            .largest_island = 700}),
 #endif
-      entry<Newton>(
-          {.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
-           .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
-           .exact = true}),
+      entry({.method = "augmented-Lagrangian semismooth Newton, sparse Cholesky by 6x6 blocks, polished",
+             .limits = "near-dependent rows go to the dense dual active set (fallback), or are reported as such",
+             .exact = true},
+            newton()),
       entry({.method = "friction cones: interior point, then Newton's method on the modes of the contacts",
              .limits = "Coulomb's law on large piles stalls at 1e-4 to 1e-6, and is then reported",
              .accuracy = always_solved},

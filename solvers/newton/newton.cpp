@@ -23,7 +23,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool bounds =
       options.has_accuracy() && many && L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
   polish_.enough = bounds ? promise_.enough(L_.rows.free_norm, L_.rows.exponent) : 0;
-  const bool may_be_dense = p.size() * L_.rows.rows() <= largest_dense;
+  const bool may_be_dense = dense && p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;
   if (L_.rests()) return L_.write_rest(s);
   using enum AugmentedLagrangian::Held;
@@ -32,8 +32,8 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   bool all_but_known = held == known;
   if (cold && inside && polish && (held == many_left || held == none) && p.size() > ConeProgram::few_unknowns) {
     const auto end = from_inside(p, options, deadline, s);
-    if (end == InsideStart::End::written || end == InsideStart::End::limit) return;
-    all_but_known = end == InsideStart::End::near;
+    if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
+    all_but_known = end == NewtonStart::End::near;
   }
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
@@ -41,8 +41,8 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   if (polish && !limited && !deadline.passed() && may_be_dense) {
     SolveOptions rest = options;
     rest.time_limit = deadline.left();
-    exact_.solve(p, rest, s);
-    s.handed_to = DualActiveSet::name;
+    dense->solve(p, rest, s);
+    s.handed_to = dense->name();
     s.fallback = true;
     return;
   }
@@ -54,10 +54,10 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
 }
 
 // What is said to be infeasible is certified as this method certifies it, or left to it.
-InsideStart::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
+NewtonStart::End Newton::from_inside(const Problem& p, const SolveOptions& options, const Deadline& deadline,
                                      Solution& s) {
-  using enum InsideStart::End;
-  const auto end = inside_.run(p, options, deadline, s);
+  using enum NewtonStart::End;
+  const auto end = start ? start(p, options, deadline, s) : failed;
   if (end == near) L_.hold_pushing(s.z, s.lambda, deadline);
   if (end != written || s.status != Status::infeasible || polish_.certify_again(L_, p, deadline, s)) return end;
   s.spare.certificate.set_zero(s.certificate, 0);
@@ -97,9 +97,9 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
                        Solution& s) {
   double last_move = infinity, promising = promising_from;
   for (;;) {
-    start_ = L_.d;
+    before_ = L_.d;
     if (const Status end = L_.minimize(last_move, options, deadline, s); end != Status::solved) return end;
-    const double gain = L_.step_multipliers(), move = L_.distance(start_);
+    const double gain = L_.step_multipliers(), move = L_.distance(before_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
     if (options.has_accuracy() && polish_.enough == 0 && move <= promising * L_.scale) {
       L_.write(L_.d, L_.l, s);

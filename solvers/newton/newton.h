@@ -1,12 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
-#include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/friction/promise.h>
-#include <zwang/solvers/newton/inside_start.h>
 #include <zwang/solvers/newton/newton_polish.h>
+#include <zwang/solvers/newton/start.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {
@@ -18,19 +18,22 @@ namespace zwang {
 // 2018, SIAM J. Optim. 28). Redundant rows do no harm: M > 0 keeps the matrix definite, and l stays finite as long as
 // the rows agree. One iteration is one Newton step.
 //
-// From nothing that takes a step for each few rows that come or go. Of many unknowns the interior point of `cone`
-// (inside_start.h) leads to where the rows with a force can be told, in about as many steps for a heap as for a hand.
+// From nothing that takes a step for each few rows that come or go. Of many unknowns `start`, the interior point of
+// `cone` (friction/inside_start.h), leads to where the rows with a force can be told, in about as many steps for a heap
+// as for a hand.
 //
 // Where the speed of the polish (newton_polish.h) cannot be trusted (near-parallel rows, contradictions), a problem
-// small enough goes to the dual active-set method (Solution::handed_to, with its iterations); a larger one is reported
-// as what it is. With polish=off the method goes on alone until a step of l moves d by less than the tolerance.
-// What was tried, and what fails: docs/notes/performance.md, walls.
+// small enough goes to the `dense` method (Solution::handed_to, with its iterations), dual_active_set; a larger one is
+// reported as what it is. The registry gives both. With polish=off the method goes on alone until a step of l moves d
+// by less than the tolerance. What was tried, and what fails: docs/notes/performance.md, walls.
 struct Newton {
   static constexpr std::string_view name = "newton";
   double penalty = 100;  // s at the start
   bool hold_all = true;  // start from all near rows held
   bool inside = true;    // and else by an interior point
   bool polish = true;    // off: d and l as Newton's method leaves them, and no other method
+  NewtonStart::Run start = {};
+  std::optional<AnySolver> dense = {};
 
   static std::vector<Setting<Newton>> settings() {
     return {
@@ -46,7 +49,7 @@ struct Newton {
  private:
   Status descend(const Problem& problem, double close, const SolveOptions& options, const Deadline& deadline,
                  Solution& solution);
-  InsideStart::End from_inside(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
+  NewtonStart::End from_inside(const Problem& problem, const SolveOptions& options, const Deadline& deadline,
                                Solution& solution);
   Status run(const Problem& problem, bool all_but_known, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
@@ -55,9 +58,7 @@ struct Newton {
   AugmentedLagrangian L_;
   NewtonPolish polish_;
   Promise promise_;
-  InsideStart inside_;
-  DualActiveSet exact_;
-  Vector start_;  // d before the inner problem
+  Vector before_;  // d before the inner problem
 };
 static_assert(Solver<Newton>);
 

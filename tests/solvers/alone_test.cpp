@@ -110,7 +110,8 @@ TEST(HandedTo, NewtonNamesTheDualActiveSetAndGivesItsIterations) {
   const double near = 0x1p-25;
   const Problem p =
       make_problem(Matrix{{1, 0, 0}, {1, near, 0}, {0, 0, 1}}, Vector{{1, 1 + near, 1}}, Vec3(-0.3, 0.1, 0.7), 2);
-  AnySolver newton = Newton(), exact = DualActiveSet(), alone = make_solver("newton:polish=off");
+  AnySolver newton = make_solver("newton"), exact = make_solver("dual_active_set"),
+            alone = make_solver("newton:polish=off");
   const Solution s = newton.solve(p), truth = exact.solve(p);
   EXPECT_EQ(s.handed_to, "dual_active_set");
   EXPECT_EQ(s.iterations, truth.iterations);

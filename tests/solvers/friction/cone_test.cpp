@@ -7,8 +7,9 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/friction/cone.h>
-#include <zwang/solvers/newton/newton.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/friction/friction_problems.h"
 
 namespace zwang {
@@ -28,7 +29,7 @@ Vector vec(std::initializer_list<double> values) {
 
 Cone cone() {
   Cone cone;
-  cone.without_friction = {DualActiveSet(), Newton()};
+  cone.without_friction = {DualActiveSet(), make_solver("newton")};
   return cone;
 }
 

@@ -8,7 +8,8 @@
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
 #include <zwang/core/referee/measure.h>
-#include <zwang/solvers/newton/newton.h>
+#include <zwang/solvers/active_set/dual_active_set.h>
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/small_problems.h"
 
 namespace zwang {
@@ -25,7 +26,7 @@ Solution solve(AnySolver& solver, const Problem& problem) {
 TEST(Newton, AWallAndATowerOfThousandBoxesAtRestStayAtRest) {
   for (const char* scene : {"wall(boxes=1000,push=0)", "tower(boxes=1000)"}) {
     const Problem problem = make_scenes(scene).front().problem;
-    AnySolver solver = Newton();
+    AnySolver solver = make_solver("newton");
     const Solution s = solve(solver, problem);
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     EXPECT_FALSE(s.fallback) << scene;
@@ -37,7 +38,7 @@ TEST(Newton, PushedWallsAgreeWithTheDualActiveSet) {
   for (const char* scene : {"wall(boxes=60)", "wall(boxes=60,push=2,seed=3)", "stack(boxes=60,push=1)",
                             "pile(spheres=30)", "hands(hands=3,contacts=16)", "arch(stones=9)"}) {
     const Problem problem = make_scenes(scene).front().problem;
-    AnySolver newton = Newton(), exact = DualActiveSet();
+    AnySolver newton = make_solver("newton"), exact = DualActiveSet();
     const Solution s = solve(newton, problem), truth = solve(exact, problem);
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     ASSERT_EQ(truth.status, Status::solved) << scene << ": " << truth.message;
@@ -50,7 +51,7 @@ TEST(Newton, PromisesOfManyUnknownsAreKeptAndEndThePolish) {
   for (const char* scene :
        {"wall(boxes=60,push=2)", "stack(boxes=60,push=2)", "tower(boxes=60)", "pile(spheres=60,mass_ratio=1024)"}) {
     const Problem problem = make_scenes(scene).front().problem;
-    AnySolver newton = Newton(), exact = DualActiveSet();
+    AnySolver newton = make_solver("newton"), exact = DualActiveSet();
     const Vector truth = solve(exact, problem).z;
     int steps = std::numeric_limits<int>::max();
     for (const double accuracy : {1e-9, 1e-6, 1e-3, 0.1}) {
@@ -69,7 +70,7 @@ TEST(Newton, PromisesOfASpeedHoldFromRest) {
   Problem problem = make_scenes("stack(boxes=60)").front().problem;
   problem.z_u.setZero();
   problem.c.setConstant(1);
-  AnySolver newton = Newton(), exact = DualActiveSet();
+  AnySolver newton = make_solver("newton"), exact = DualActiveSet();
   const Solution s = newton.solve(problem, {.speed_accuracy = 1e-3});
   ASSERT_EQ(s.status, Status::solved) << s.message;
   EXPECT_FALSE(std::isinf(s.error_bound));
@@ -81,9 +82,7 @@ TEST(Newton, PromisesOfASpeedHoldFromRest) {
 TEST(Newton, AHeapTakesAsManyStepsAsAHandAndTheSameMotionWithoutTheInteriorPoint) {
   for (const char* scene : {"pile(spheres=300)", "pile(spheres=300,mass_ratio=1024)", "wall(boxes=200,push=4)"}) {
     const Problem problem = make_scenes(scene).front().problem;
-    Newton without;
-    without.inside = false;
-    AnySolver newton = Newton(), alone = without;
+    AnySolver newton = make_solver("newton"), alone = make_solver("newton:inside=off");
     const Solution s = solve(newton, problem), other = solve(alone, problem);
     ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
     ASSERT_EQ(other.status, Status::solved) << scene << ": " << other.message;
@@ -99,7 +98,7 @@ TEST(Newton, AHeapTakesAsManyStepsAsAHandAndTheSameMotionWithoutTheInteriorPoint
 TEST(Newton, WhereTouchingBallsDoNotAgreeToTheLastDigitRowsLetGoAndTheAnswerSaysSo) {
   const Problem problem = make_scenes("pile(spheres=300,gap=0)").front().problem;
   ASSERT_GT(problem.size() * problem.rows(), 2000000);
-  AnySolver solver = Newton();
+  AnySolver solver = make_solver("newton");
   const Solution s = solve(solver, problem);
   EXPECT_EQ(s.status, Status::solved_ill_conditioned) << s.message;
   EXPECT_EQ(measure(problem, s, nullptr, 1e-10).verdict, Verdict::solved);
@@ -108,7 +107,7 @@ TEST(Newton, WhereTouchingBallsDoNotAgreeToTheLastDigitRowsLetGoAndTheAnswerSays
 // Independent parts are searched apart: a hand takes the same point alone and among others.
 TEST(Newton, HandsDoNotDisturbEachOther) {
   const Problem both = make_scenes("hands(hands=6,contacts=16)").front().problem;
-  AnySolver solver = Newton();
+  AnySolver solver = make_solver("newton");
   const Solution s = solve(solver, both);
   ASSERT_EQ(s.status, Status::solved) << s.message;
   AnySolver exact = DualActiveSet();
@@ -132,7 +131,7 @@ TEST(Newton, AWallThatCannotStandIsInfeasibleWithAProof) {
   }
   J.makeCompressed();
   problem.J = J;
-  AnySolver solver = Newton();
+  AnySolver solver = make_solver("newton");
   const Solution s = solve(solver, problem);
   ASSERT_EQ(s.status, Status::infeasible) << to_string(s.status) << ": " << s.message;
   EXPECT_FALSE(s.fallback);
@@ -142,7 +141,7 @@ TEST(Newton, AWallThatCannotStandIsInfeasibleWithAProof) {
 TEST(Newton, SecondSolveOfAWallAndOfAPileAllocatesNothingAndGivesTheSameBits) {
   for (const char* scene : {"wall(boxes=200,push=1)", "pile(spheres=100)"}) {
     const Problem problem = make_scenes(scene).front().problem;
-    AnySolver solver = Newton();
+    AnySolver solver = make_solver("newton");
     Solution first, second;
     solver.solve(problem, {}, first);
     solver.solve(problem, {}, second);
@@ -162,7 +161,7 @@ TEST(Newton, WhereNothingIsViolatedZIsTheFreeMotionToTheLastBitFromAnyStart) {
                                         {RowKind::equality, test::vec({2, 0}), 0},
                                         {RowKind::inequality, test::vec({-1, 1}), -1}});
   const WarmStart warm{.key = p.key, .lambda = test::vec({1, 2, 3})};
-  AnySolver solver = Newton();
+  AnySolver solver = make_solver("newton");
   const Solution s = solver.solve(p, {.warm_start = &warm});
   EXPECT_EQ(s.status, Status::solved);
   EXPECT_EQ(s.z, p.z_u);
@@ -170,7 +169,7 @@ TEST(Newton, WhereNothingIsViolatedZIsTheFreeMotionToTheLastBitFromAnyStart) {
 
 TEST(Newton, AWarmStartSavesStepsAndGivesTheSameMotion) {
   const Problem problem = make_scenes("wall(boxes=100,push=2,seed=3)").front().problem;
-  AnySolver solver = Newton();
+  AnySolver solver = make_solver("newton");
   const Solution cold = solve(solver, problem);
   const WarmStart warm{.key = problem.key, .lambda = cold.lambda};
   Solution again;

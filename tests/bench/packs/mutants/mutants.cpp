@@ -57,7 +57,7 @@ const std::vector<std::string> names = {"none",
 AnySolver solver_of(const std::string& name, bool copy) {
   if (copy && name == "newton") {
     Newton newton;
-    newton.inside = false;  // no steps but those with the defect
+    newton.dense = make_solver("dual_active_set");  // and no start: no steps but those with the defect
     return newton;
   }
   if (copy && name == "pgs") return Pgs();

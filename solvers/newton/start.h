@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+
+#include <zwang/core/problem/deadline.h>
+#include <zwang/core/problem/solver.h>
+
+namespace zwang {
+
+// Where Newton begins of many unknowns: another method's way to where the rows with a force can be told.
+struct NewtonStart {
+  // near: z and lambda in the solution are within newton_inside of the answer. written: the problem is decided (or said
+  // to be infeasible), or a promise is kept. limit: of time or steps, with the best iterate.
+  enum class End { near, failed, limit, written };
+  using Run = std::function<End(const Problem&, const SolveOptions&, const Deadline&, Solution&)>;
+};
+
+}  // namespace zwang
