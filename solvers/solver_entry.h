@@ -9,7 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include <zwang/core/problem/solver.h>
+#include <zwang/solvers/prover.h>
+#include <zwang/solvers/session.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {
@@ -67,8 +68,8 @@ SettingValue value_in(S& solver, const Setting<S>& setting) {
 
 // "" or by what the problem is beyond a solver of dense matrices.
 std::string too_large(const Problem& problem, Index most_unknowns, Index most_rows);
-// The bound on its error with which an answer ends that has none yet (solvers/friction/promise.h).
-void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution);
+class Promise;
+Prover& prover_in(Session<Promise>& kept);  // beside Promise
 
 // What the registry adds to a solver: its limits, `most_unknowns` and `most_rows`, where it states them, and the bound.
 template <Solver S>
@@ -83,9 +84,14 @@ struct Registered : S {
     return reason;
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-    S::solve(problem, options, solution);
-    if (options.has_accuracy()) promise_at_the_end(problem, options, solution);
+    if (!options.has_accuracy()) return S::solve(problem, options, solution);
+    SolveOptions asked = options;
+    asked.prover = &prover_in(promise);
+    S::solve(problem, asked, solution);
+    asked.prover->end(problem, options, solution);
   }
+
+  Session<Promise> promise = {};
 };
 
 // The entry of a solver of type S, whose name, settings and laws are read from it; each that it makes begins as

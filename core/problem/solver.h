@@ -104,6 +104,8 @@ struct WarmStart {
 // Called once per iterate; timed runs leave it empty. lambda may be empty.
 using Observer = std::function<void(int iteration, const Vector& z, const Vector& lambda)>;
 
+class Prover;
+
 struct SolveOptions {
   double tolerance = 1e-10;  // relative, in the M-norm on unit rows
   // Where one is above 0, a method ends, solved, as soon as a bound on its error proves that much (error_bound), and
@@ -115,6 +117,7 @@ struct SolveOptions {
   double memory_limit = std::numeric_limits<double>::infinity();  // bytes of dense parts, where the machine has more
   const WarmStart* warm_start = nullptr;
   Observer observe = nullptr;
+  Prover* prover = nullptr;  // of bounds, where there is an accuracy (solvers/prover.h): the registry's
 
   bool has_accuracy() const { return accuracy > 0 || speed_accuracy > 0; }
   // "1e-4", "1e-4m/s" or "": none. Throws std::invalid_argument.

@@ -38,12 +38,9 @@ void for_each_term(const std::vector<MatrixEntry>& mass, const SparseRows& rows,
 
 struct CoupledSum::Lu : Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::NaturalOrdering<int>> {};
 
-CoupledSum::CoupledSum() = default;
-CoupledSum::~CoupledSum() = default;
-
 bool CoupledSum::factorize(int unknowns, const std::vector<MatrixEntry>& mass, const SparseRows& rows,
                            const std::vector<int>& place, const std::vector<double>& D, const Vector& ray_weight) {
-  if (!known_) {
+  if (!known_ || !lu_) {
     known_ = true;
     std::vector<Eigen::Triplet<double>> all;
     for_each_term(mass, rows, place, D, ray_weight,
@@ -57,8 +54,8 @@ bool CoupledSum::factorize(int unknowns, const std::vector<MatrixEntry>& mass, c
       entry_.push_back(
           static_cast<int>(std::lower_bound(index + start[column], index + start[column + 1], row) - index));
     });
-    lu_ = std::make_unique<Lu>();
-    lu_->isSymmetric(true);
+    lu_ = {};
+    lu_.open().isSymmetric(true);
     lu_->setPivotThreshold(tolerances::coupled_pivot);
     lu_->analyzePattern(sum_);
   }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include <zwang/solvers/linalg/block_cholesky.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -12,15 +12,6 @@ namespace zwang {
 // diagonal where they are not much smaller than others.
 class CoupledSum {
  public:
-  CoupledSum();
-  ~CoupledSum();
-  // A copy begins anew.
-  CoupledSum(const CoupledSum&) : CoupledSum() {}
-  CoupledSum& operator=(const CoupledSum&) {
-    forget();
-    return *this;
-  }
-
   // The next factorize() is for another pattern.
   void forget() { known_ = false; }
   // `place`: of each entry of the rows, its unknown. D, ray_weight as ConeFace::factorize. False on a breakdown.
@@ -34,7 +25,7 @@ class CoupledSum {
   bool known_ = false;
   Eigen::SparseMatrix<double> sum_;
   std::vector<int> entry_;  // where each term of the sum goes, in the order of factorize()
-  std::unique_ptr<Lu> lu_;
+  Session<Lu> lu_;
 };
 
 }  // namespace zwang

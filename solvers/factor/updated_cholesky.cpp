@@ -28,16 +28,8 @@ struct UpdatedCholesky::Cholmod {
   bool ok() const { return common.status >= CHOLMOD_OK; }
 };
 
-UpdatedCholesky::UpdatedCholesky() : c_(std::make_unique<Cholmod>()) {}
-UpdatedCholesky::UpdatedCholesky(const UpdatedCholesky&) : UpdatedCholesky() {}
-UpdatedCholesky& UpdatedCholesky::operator=(const UpdatedCholesky&) {
-  c_ = std::make_unique<Cholmod>();
-  return *this;
-}
-UpdatedCholesky::~UpdatedCholesky() = default;
-
 bool UpdatedCholesky::reset(Index size) {
-  c_->common.status = CHOLMOD_OK;
+  c_.open().common.status = CHOLMOD_OK;
   if (c_->L && c_->L->n == static_cast<std::size_t>(size)) {
     // Back to the identity, column by column, in the storage that the columns have grown.
     const auto* first = static_cast<const int*>(c_->L->p);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <span>
 
 #include <zwang/core/problem/types.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -18,12 +18,7 @@ namespace zwang {
 // positive; the factor is then to be reset.
 class UpdatedCholesky {
  public:
-  UpdatedCholesky();
-  UpdatedCholesky(const UpdatedCholesky&);  // the settings; the workspace starts empty
-  UpdatedCholesky& operator=(const UpdatedCholesky&);
-  ~UpdatedCholesky();
-
-  bool reset(Index size);  // the identity; storage is kept when the size stays
+  bool reset(Index size);  // the identity; storage is kept when the size stays. First of all, of a copy too
   // Column `at` of S: ascending indices among the rows that are in and `at` itself.
   bool add(Index at, std::span<const int> index, std::span<const double> value);
   bool remove(Index at);
@@ -33,7 +28,7 @@ class UpdatedCholesky {
 
  private:
   struct Cholmod;
-  std::unique_ptr<Cholmod> c_;
+  Session<Cholmod> c_;
 };
 
 }  // namespace zwang

@@ -6,12 +6,12 @@
 namespace zwang {
 
 bool DualIteration::begin() {
-  auto& [program, lambda, y, marked, drift, motion, sharpening, promise] = work_;
+  auto& [program, lambda, y, marked, drift, motion, sharpening] = work_;
   if (!program.build(problem_, options_, solution_)) return false;
   program.warm_multipliers(problem_, options_.warm_start, lambda);
   program.motion(lambda, y);
   marked.setZero(program.rows());
-  promise.begin(problem_, options_);
+  prover_ = begin_prover(problem_, options_);
   solution_.status = Status::iteration_limit;
   return true;
 }
@@ -46,10 +46,10 @@ bool DualIteration::step_done() {
     options_.observe(solution_.iterations, solution_.z, solution_.lambda);
   }
   constexpr double per_entry = 4;
-  if (!work_.promise.is_due(per_entry * solution_.iterations * static_cast<double>(work_.program.G().nonZeros())))
-    return false;
+  const double work = per_entry * solution_.iterations * static_cast<double>(work_.program.G().nonZeros());
+  if (!prover_ || !prover_->is_due(work)) return false;
   write();
-  return work_.promise.holds(solution_.lambda, solution_);
+  return prover_->holds(solution_.lambda, solution_);
 }
 
 }  // namespace zwang

@@ -3,7 +3,7 @@
 #include <zwang/core/problem/deadline.h>
 #include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/form/unit_program.h>
-#include <zwang/solvers/friction/promise.h>
+#include <zwang/solvers/prover.h>
 
 namespace zwang {
 
@@ -22,7 +22,6 @@ class DualIteration {
     Vector lambda, y;  // the iterate and G' lambda
     Vector marked, drift, motion;
     Sharpening sharpening;
-    Promise promise;
   };
 
   DualIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution)
@@ -44,6 +43,7 @@ class DualIteration {
   const SolveOptions& options_;
   Solution& solution_;
   Deadline deadline_;
+  Prover* prover_ = nullptr;
 };
 
 }  // namespace zwang

@@ -109,7 +109,7 @@ bool Cone::Work::contradicts_itself(ConeStarts& normals, const ConeStarts::Job& 
 void Cone::Work::hand_on(Cone& cone, const Problem& p, const SolveOptions& options, Solution& solution) {
   if (!cone.without_friction) throw Stopped{Status::unsupported, "no solver was given for parts without friction"};
   if (!quadratic_) quadratic_ = cone.without_friction;
-  AnySolver& solver = p.size() <= ConeProgram::few_unknowns ? quadratic_->few : quadratic_->many;
+  AnySolver& solver = p.size() <= tolerances::few_unknowns ? quadratic_->few : quadratic_->many;
   solver.solve(p, options, solution);
   if (solution.handed_to.empty()) solution.handed_to = solver.name();
 }

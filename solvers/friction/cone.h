@@ -42,7 +42,7 @@ struct Cone {
 
   bool finish = true;
   struct Quadratic {
-    AnySolver few, many;  // up to ConeProgram::few_unknowns, and beyond
+    AnySolver few, many;  // up to tolerances::few_unknowns, and beyond
   };
   std::optional<Quadratic> without_friction = {};  // the registry's
 

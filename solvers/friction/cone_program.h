@@ -37,7 +37,6 @@ class ConeProgram {
   // The same rows under another law of cones; with the cones lifted by slips, as if each contact slid so fast.
   void state(ConeLaw law, const Vector* slips = nullptr);
   static bool can_be_dense(const Problem& problem);
-  static constexpr Index few_unknowns = 150;  // dense whatever the rows are
 
   ConeLaw law() const { return law_; }
   Index cones() const { return std::ssize(mu_); }

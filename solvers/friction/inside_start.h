@@ -1,7 +1,7 @@
 #pragma once
 
 #include <zwang/solvers/friction/cone_starts.h>
-#include <zwang/solvers/newton/start.h>
+#include <zwang/solvers/newton_start.h>
 
 namespace zwang {
 

@@ -40,7 +40,7 @@ double rounding_of(const Problem& p, const Vector& z) {
 
 void Promise::begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows) {
   problem_ = &problem;
-  program_ = rows ? rows : &own_;
+  program_ = rows;
   options_ = &options;
   ready_ = failed_ = false;
   spent_ = 0;
@@ -384,8 +384,10 @@ bool Promise::distance() {
   return std::isfinite(half_ + gap_);
 }
 
-void promise_at_the_end(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  if (std::isnan(solution.error_bound)) Promise().judge(problem, options, solution);
+Prover& prover_in(Session<Promise>& kept) { return kept.open(); }
+
+void Promise::end(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  if (std::isnan(solution.error_bound)) judge(problem, options, solution);
   if (std::isfinite(solution.error_bound)) solution.error_bound += rounding_of(problem, solution.z);
 }
 

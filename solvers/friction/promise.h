@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/prover.h>
 
 namespace zwang {
 
@@ -23,24 +24,21 @@ namespace zwang {
 // along a motion that opens all rows near it, and the promise ends at 1e-7, the square root of rounding. Tried before:
 // right sides moved at random tell rows 1e-12 from dependent, and none that are nearer; a bound on the answer's forces
 // by the length of that motion ends at the same square root.
-class Promise {
+class Promise final : public Prover {
  public:
-  // Costs nothing where no accuracy is asked for. `rows`: the program of this problem that a method works with; a look
-  // leaves another factor in its face. Else one is built for the first look. All three are kept until the next begin().
-  void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows = nullptr);
-  // What was asked for of a motion of that length, both in the M-norm in units of 2^exponent. 0: nothing, or not known.
-  double enough(double motion, int exponent) const;
-  // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
-  bool is_due(double work);
-  // From the problem's multipliers, or those of `rows`. Where the bound is what was asked for, the solution is
-  // complete, and solved.
-  bool holds(const Vector& lambda, Solution& solution);
-  bool holds_at(const Vector& y, Solution& solution);
-  // The bound of an answer that a method has ended with; NaN where none is had. The answer stays as it is, but for the
-  // last digits under Coulomb's law: at another point the slips are others.
-  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void begin(const Problem& problem, const SolveOptions& options) override { begin(problem, options, &own_); }
+  // `rows`: the program of this problem that a method works with; a look leaves another factor in its face. It is kept
+  // until the next begin(). Else one is built for the first look.
+  void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows);
+  double enough(double motion, int exponent) const override;
+  bool is_due(double work) override;
+  bool holds(const Vector& lambda, Solution& solution) override;
+  bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
+  // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
+  void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
 
  private:
+  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
   using Mode = ConeLaw::Mode;
   struct Bound {
     double relative = infinity;  // to the motion

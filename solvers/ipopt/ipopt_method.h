@@ -4,7 +4,7 @@
 #include <zwang/solvers/friction/cone_program.h>
 #include <zwang/solvers/rivals/equality_rows.h>
 #include <zwang/solvers/rivals/ipopt.h>
-#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 

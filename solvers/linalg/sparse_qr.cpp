@@ -73,16 +73,6 @@ struct SparseQr::Factors {
   }
 };
 
-SparseQr::SparseQr() = default;
-SparseQr::~SparseQr() = default;
-SparseQr::SparseQr(SparseQr&&) noexcept = default;
-SparseQr& SparseQr::operator=(SparseQr&&) noexcept = default;
-SparseQr::SparseQr(const SparseQr&) {}
-SparseQr& SparseQr::operator=(const SparseQr& other) {
-  if (this != &other) *this = SparseQr();
-  return *this;
-}
-
 // False where the rows are not sparse.
 bool SparseQr::load(const Rows& G, const std::vector<Index>& rows) {
   Columns& columns = factors_->columns;
@@ -103,8 +93,7 @@ bool SparseQr::factorize(const Rows& G, const std::vector<Index>& rows, double t
   deadline_ = deadline;
   n_ = G.cols();
   if (n_ < few_unknowns || std::ssize(rows) < few_rows) return false;
-  if (!factors_) factors_ = std::make_unique<Factors>();
-  Factors& f = *factors_;
+  Factors& f = factors_.open();
   if (!load(G, rows)) return false;
   deadline.keep();
 

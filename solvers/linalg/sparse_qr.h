@@ -1,10 +1,10 @@
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
 #include <zwang/core/problem/deadline.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -19,14 +19,6 @@ namespace zwang {
 // (library_memory.h), where the host has installed it: a second factorization of the same shape allocates nothing then.
 class SparseQr {
  public:
-  SparseQr();
-  ~SparseQr();
-  SparseQr(SparseQr&&) noexcept;
-  SparseQr& operator=(SparseQr&&) noexcept;
-  // A copy has no factors yet.
-  SparseQr(const SparseQr& other);
-  SparseQr& operator=(const SparseQr& other);
-
   using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
   // Row i is row rows[i] of G (k x n), of length 1; one that has at most `tolerance` left is rejected. False where
@@ -34,7 +26,7 @@ class SparseQr {
   // clear.
   bool factorize(const Rows& G, const std::vector<Index>& rows, double tolerance, const Deadline& deadline);
 
-  bool holds() const { return holds_; }  // the last factorization was taken, and not dropped
+  bool holds() const { return holds_ && factors_; }  // the last factorization was taken, and not dropped
   void drop() { holds_ = false; }
   const std::vector<Index>& order() const { return order_; }        // accepted, as positions in `rows`, in R's order
   const std::vector<Index>& rejected() const { return rejected_; }  // likewise
@@ -60,7 +52,7 @@ class SparseQr {
   void measure_rejected(const Rows& G, const std::vector<Index>& rows);
   void estimate_smallest();
 
-  std::unique_ptr<Factors> factors_;
+  Session<Factors> factors_;
   bool holds_ = false;
   Deadline deadline_;
   Index n_ = 0;

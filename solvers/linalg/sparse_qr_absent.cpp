@@ -10,15 +10,6 @@ namespace {
 
 }  // namespace
 
-struct SparseQr::Factors {};
-
-SparseQr::SparseQr() = default;
-SparseQr::~SparseQr() = default;
-SparseQr::SparseQr(SparseQr&&) noexcept = default;
-SparseQr& SparseQr::operator=(SparseQr&&) noexcept = default;
-SparseQr::SparseQr(const SparseQr&) {}
-SparseQr& SparseQr::operator=(const SparseQr&) { return *this; }
-
 bool SparseQr::factorize(const Rows&, const std::vector<Index>&, double, const Deadline&) { return false; }
 void SparseQr::reduce(const Rows&, std::span<const Index>, Matrix&) const { absent(); }
 void SparseQr::solve(Eigen::Ref<Vector>) const { absent(); }

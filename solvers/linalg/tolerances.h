@@ -189,6 +189,9 @@ inline constexpr double promise_softness = 1e-8, promise_vanished = 1e-6, promis
 // reach.
 inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
 
+// Unknowns up to which rows are dense whatever they are, and a sparse method has nothing to gain.
+inline constexpr int few_unknowns = 150;
+
 // Contradictions.
 
 // The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the

@@ -17,12 +17,11 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const Deadline deadline(options.time_limit);
   if (!begin(L_.rows, p, options, deadline, s)) return;
   L_.begin(p, options, deadline, penalty);
-  const bool many = L_.unknowns() > ConeProgram::few_unknowns;
+  const bool many = L_.unknowns() > tolerances::few_unknowns;
   L_.hold_penalty = many ? tolerances::newton_hold_many : tolerances::newton_hold;
-  promise_.begin(p, options);
-  const bool bounds =
-      options.has_accuracy() && many && L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
-  polish_.enough = bounds ? promise_.enough(L_.rows.free_norm, L_.rows.exponent) : 0;
+  prover_ = begin_prover(p, options);
+  const bool bounds = prover_ && many && L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
+  polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   const bool may_be_dense = dense && p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;
   if (L_.rests()) return L_.write_rest(s);
@@ -30,7 +29,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool cold = !options.warm_start;
   const auto held = cold && hold_all ? L_.hold_near(deadline) : none;
   bool all_but_known = held == known;
-  if (cold && inside && polish && (held == many_left || held == none) && p.size() > ConeProgram::few_unknowns) {
+  if (cold && inside && polish && (held == many_left || held == none) && p.size() > tolerances::few_unknowns) {
     const auto end = from_inside(p, options, deadline, s);
     if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
     all_but_known = end == NewtonStart::End::near;
@@ -101,9 +100,9 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
     if (const Status end = L_.minimize(last_move, options, deadline, s); end != Status::solved) return end;
     const double gain = L_.step_multipliers(), move = L_.distance(before_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
-    if (options.has_accuracy() && polish_.enough == 0 && move <= promising * L_.scale) {
+    if (prover_ && polish_.enough == 0 && move <= promising * L_.scale) {
       L_.write(L_.d, L_.l, s);
-      if (promise_.holds(s.lambda, s)) return Status::solved;
+      if (prover_->holds(s.lambda, s)) return Status::solved;
       promising = promising_from * move / L_.scale;
     }
     if (move <= close * L_.scale) {

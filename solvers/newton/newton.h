@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include <zwang/solvers/friction/promise.h>
 #include <zwang/solvers/newton/newton_polish.h>
-#include <zwang/solvers/newton/start.h>
+#include <zwang/solvers/newton_start.h>
+#include <zwang/solvers/prover.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {
@@ -57,7 +57,7 @@ struct Newton {
 
   AugmentedLagrangian L_;
   NewtonPolish polish_;
-  Promise promise_;
+  Prover* prover_ = nullptr;
   Vector before_;  // d before the inner problem
 };
 static_assert(Solver<Newton>);

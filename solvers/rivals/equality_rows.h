@@ -5,7 +5,7 @@
 
 #include <zwang/solvers/form/unit_program.h>
 #include <zwang/solvers/linalg/tolerances.h>
-#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 

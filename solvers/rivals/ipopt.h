@@ -4,7 +4,7 @@
 
 #include <zwang/core/process/other_program.h>
 #include <zwang/core/process/wire.h>
-#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/session.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <zwang/solvers/form/unit_program.h>
-#include <zwang/solvers/rivals/session.h>
+#include <zwang/solvers/session.h>
 #include <zwang/solvers/setting.h>
 
 namespace zwang {

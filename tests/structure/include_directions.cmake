@@ -21,6 +21,11 @@ set(form_may form linalg)
 set(factor_may factor form linalg)
 set(law_may law linalg)
 set(finish_may finish factor form linalg)
+# Methods include no other: what one hands on to another, or asks of a proof, the registry gives it.
+set(active_set_may active_set finish factor form linalg)
+set(newton_may newton finish factor form linalg)
+set(first_order_may first_order finish form linalg)
+set(friction_may friction law factor form linalg)
 set(headers_may_use "Eigen/|unsupported/Eigen/|nlohmann/json_fwd")
 
 set(errors 0)

@@ -13,7 +13,7 @@ import sys
 # in two, or what a header includes for its .cpp alone; then a higher mark, with the reason in the commit.
 marks = {".cpp": (67, 4200), ".h": (57, 3750)}
 # Dearer, for a reason.
-higher = {"solvers/registry.cpp": (94, 5000)}  # lists every solver
+higher = {"solvers/registry.cpp": (95, 5000)}  # lists every solver, and gives each what it hands on to
 dear = re.compile(r"nlohmann/json\.hpp|CLI/|mujoco/|bullet/|Bullet|LinearMath/|bt[A-Z]\w*\.h|fcl/|CGAL/|boost/|assimp/|Ip[A-Z]\w*\.hpp|"
                   r"nlopt|hdf5|H5|benchmark/|meshoptimizer|iostream$|regex$")
 may = {"tests/god_hand/leap_document.h": "nlohmann/",    # writes JSON, for two tests

@@ -4,8 +4,8 @@
 
 namespace zwang {
 
-// What a third-party library keeps between solves, of a type that only one .cpp knows. A copy starts without it, as a
-// solver's workspace may.
+// What is kept between solves, of a type that only one .cpp knows, such as a library's state. A copy starts without it,
+// as a solver's workspace may.
 template <class T>
 class Session {
  public:
@@ -21,6 +21,9 @@ class Session {
     if (!state_) state_ = std::make_shared<T>(std::forward<Arguments>(arguments)...);
     return *state_;
   }
+  explicit operator bool() const { return state_ != nullptr; }
+  T& operator*() const { return *state_; }
+  T* operator->() const { return state_.get(); }
 
  private:
   std::shared_ptr<T> state_;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <zwang/core/problem/solver.h>
+
+namespace zwang {
+
+// Proves bounds on the error of a method's iterates (SolveOptions::accuracy; promise.h in solvers/friction). It states
+// the rows of any law anew, so methods do not include it: the registry gives one to each.
+class Prover {
+ public:
+  virtual ~Prover() = default;
+  // Costs nothing. Both are kept until the next begin().
+  virtual void begin(const Problem& problem, const SolveOptions& options) = 0;
+  // What was asked for of a motion of that length, both in the M-norm in units of 2^exponent. 0: nothing, or not known.
+  virtual double enough(double motion, int exponent) const = 0;
+  // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
+  virtual bool is_due(double work) = 0;
+  // From the problem's multipliers. Where the bound is what was asked for, the solution is complete, and solved.
+  virtual bool holds(const Vector& lambda, Solution& solution) = 0;
+  // The bound with which an answer ends that has none yet.
+  virtual void end(const Problem& problem, const SolveOptions& options, Solution& solution) = 0;
+};
+
+// Begun; null where no accuracy is asked for, or nobody proves.
+inline Prover* begin_prover(const Problem& problem, const SolveOptions& options) {
+  if (!options.has_accuracy() || !options.prover) return nullptr;
+  options.prover->begin(problem, options);
+  return options.prover;
+}
+
+}  // namespace zwang
