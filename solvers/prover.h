@@ -4,8 +4,9 @@
 
 namespace zwang {
 
-// Proves bounds on the error of a method's iterates (SolveOptions::accuracy; promise.h in solvers/friction). It states
-// the rows of any law anew, so methods do not include it: the registry gives one to each.
+// Bounds the error of a method's iterates (SolveOptions::accuracy): a theorem but for rounding, for which as much is
+// allowed as solvers/friction/promise.h says. It states the rows of any law anew, so methods do not include it: the
+// registry gives one to each.
 class Prover {
  public:
   virtual ~Prover() = default;
@@ -21,7 +22,7 @@ class Prover {
   virtual void end(const Problem& problem, const SolveOptions& options, Solution& solution) = 0;
 };
 
-// Begun; null where no accuracy is asked for, or nobody proves.
+// Begun; null where no accuracy is asked for, or the method stands by itself.
 inline Prover* begin_prover(const Problem& problem, const SolveOptions& options) {
   if (!options.has_accuracy() || !options.prover) return nullptr;
   options.prover->begin(problem, options);

@@ -38,11 +38,11 @@ void set_from(const std::string& text, SettingValue value) {
 }
 
 std::string too_large(const Problem& problem, Index most_unknowns, Index most_rows) {
-  const auto limited = [](Index most, const char* what) {
-    return "its matrices are dense; limited to " + std::to_string(most) + ' ' + what;
+  const auto beyond = [](Index is, Index most, const char* what) {
+    return is > most ? std::to_string(is) + what + "; limited to " + std::to_string(most) : "";
   };
-  if (problem.size() > most_unknowns) return limited(most_unknowns, "unknowns");
-  return problem.rows() > most_rows ? limited(most_rows, "rows") : "";
+  const std::string many = beyond(problem.size(), most_unknowns, " unknowns");
+  return many.empty() ? beyond(problem.rows(), most_rows, " rows") : many;
 }
 
 void read_settings(std::string_view solver, std::string_view text, std::span<const SettingInfo> known,

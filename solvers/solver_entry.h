@@ -66,7 +66,7 @@ SettingValue value_in(S& solver, const Setting<S>& setting) {
   return std::visit([&](auto member) -> SettingValue { return &(solver.*member); }, setting.member);
 }
 
-// "" or by what the problem is beyond a solver of dense matrices.
+// "" or what the problem has more of than a solver takes, whose matrices are dense.
 std::string too_large(const Problem& problem, Index most_unknowns, Index most_rows);
 class Promise;
 Prover& prover_in(Session<Promise>& kept);  // beside Promise

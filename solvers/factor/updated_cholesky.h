@@ -18,7 +18,7 @@ namespace zwang {
 // positive; the factor is then to be reset.
 class UpdatedCholesky {
  public:
-  bool reset(Index size);  // the identity; storage is kept when the size stays. First of all, of a copy too
+  bool reset(Index size);  // the identity; storage is kept when the size stays. Comes first, in a copy too
   // Column `at` of S: ascending indices among the rows that are in and `at` itself.
   bool add(Index at, std::span<const int> index, std::span<const double> value);
   bool remove(Index at);

@@ -44,7 +44,7 @@ struct Cone {
   struct Quadratic {
     AnySolver few, many;  // up to tolerances::few_unknowns, and beyond
   };
-  std::optional<Quadratic> without_friction = {};  // the registry's
+  std::optional<Quadratic> without_friction = {};  // what is handed on goes to these; the registry gives them
 
   static std::vector<Setting<Cone>> settings() {
     return {{"finish", &Cone::finish, "Newton's method on the modes behind the interior point"}};

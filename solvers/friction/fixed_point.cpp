@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
-#include <utility>
 
 #include <zwang/solvers/linalg/tolerances.h>
 

@@ -45,8 +45,8 @@ class AugmentedLagrangian {
   // Newton's step of d, in each part that shares no unknown as far as it leads down. Returns its length before that.
   double step();
   bool keeps_rows() const;  // A is as before the step, which was taken whole
-  // Such steps until one is short beside `last_move`, that of the d before, or beside rounding, or takes the
-  // same rows whole; solved then. Counts them.
+  // Such steps until one is short beside `last_move`, by which the last step of l moved d, or nothing but rounding, or
+  // keeps_rows(): solved then. Counts them.
   Status minimize(double last_move, const SolveOptions& options, const Deadline& deadline, Solution& solution);
   double step_multipliers();            // l := max(0, l + s (h - G d)), by the step u; returns h'u
   double distance(const Vector& from);  // |d - from|_M

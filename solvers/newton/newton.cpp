@@ -9,7 +9,8 @@ namespace zwang {
 namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
-constexpr double promising_from = 0.01;   // step of l, of the motion, where a promise is first asked for; it falls so
+// The step of the multipliers at which a promise is first asked for, of the motion, and by what it falls likewise.
+constexpr double promising_from = 0.01;
 
 }  // namespace
 
@@ -48,7 +49,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   L_.write(L_.d, L_.l, s);
   s.status = !limited && deadline.passed() ? Status::time_limit : end;
   if (s.status == Status::numerical_failure)
-    s.message = polish ? "the rows are too close to dependent for this method, and too many for a dense one"
+    s.message = polish ? "the rows are too close to dependent for this method, and no dense one takes them"
                        : "the rows are too close to dependent for this method alone, or contradict each other";
 }
 

@@ -21,7 +21,7 @@ set(form_may form linalg)
 set(factor_may factor form linalg)
 set(law_may law linalg)
 set(finish_may finish factor form linalg)
-# Methods include no other: what one hands on to another, or asks of a proof, the registry gives it.
+# Methods include no other: the registry gives each what it hands on to, and what bounds its error.
 set(active_set_may active_set finish factor form linalg)
 set(newton_may newton finish factor form linalg)
 set(first_order_may first_order finish form linalg)

@@ -72,24 +72,25 @@ class Rows:
         def with_zero(v):
             return numpy.concatenate([v, [0.0]])
 
-        def three(small, more, lost):
+        def summed(small, more, lost):
             small, off = added(small, more)
             return small, lost + abs(off)
+
         pairs, last = self.pairs
         with numpy.errstate(over="ignore", invalid="ignore"):
             large, small = two_products(self.data, high[self.indices])
             more, lost = two_products(self.data, low[self.indices])
-            large, (small, lost) = with_zero(large), map(with_zero, three(small, more, abs(lost)))
+            large, (small, lost) = with_zero(large), map(with_zero, summed(small, more, abs(lost)))
             for first, second in pairs:
                 sums, rest = added(large[first], large[second])
-                small, lost = three(small[first], small[second], lost[first] + lost[second])
-                large, (small, lost) = with_zero(sums), map(with_zero, three(small, rest, lost))
+                small, lost = summed(small[first], small[second], lost[first] + lost[second])
+                large, (small, lost) = with_zero(sums), map(with_zero, summed(small, rest, lost))
             large, small, lost = large[last], small[last], lost[last]
             for term in plus:
                 large, rest = added(large, term)
-                small, lost = three(small, rest, lost)
+                small, lost = summed(small, rest, lost)
             large, small = added(large, small)
-        if not numpy.isfinite(large + small).all():
+        if not numpy.isfinite(large + small + lost).all():
             raise Unproven("numbers are too large for a proof")
         return large, small, lost * UP + 2 * (self.terms + 1) * UNDERFLOW
 

@@ -311,6 +311,15 @@ TEST(Cone, AProblemKnowsNothingOfTheOneBefore) {
   }
 }
 
+// What is to be handed on, and has nowhere to go, is refused.
+TEST(Cone, WithoutASolverOfQuadraticProgramsAPartWithoutFrictionIsUnsupported) {
+  Problem loose = friction_problem(vec({1}), vec({-1}), {{inequality, vec({1}), 0}}, Law::frictionless);
+  loose.mu.resize(0);
+  EXPECT_EQ(solve(loose, Cone()).status, Status::unsupported);
+  EXPECT_EQ(solve(loose).status, Status::solved);
+  EXPECT_EQ(solve(loose).handed_to, "dual_active_set");
+}
+
 // Two blocks without any more unknowns, as a Delassus matrix gives them: seven unknowns are no bodies.
 TEST(Cone, PartsOfAProblemWithoutBodiesAreSolvedApart) {
   const Problem slides = block(0.5, Vec3(-1, 3, 0), Law::coulomb), sticks = block(0.5, Vec3(-2, 0.5, 0), Law::coulomb);
