@@ -146,9 +146,9 @@ double radius_at(const ScaledProblem& scaled, const Anchored& anchored, const Ex
 // The first leaves a gap of about 1e-60 but wants exact consistency; the second stops at sqrt(1e-29). In double both
 // would stop at 1e-8. An earlier form compared |slack_A| / sigma_min(G_A) with the slack of the other rows and with the
 // multipliers: it decides nothing at weakly active or redundant rows, and hands touch with redundant rows all the time.
-class Prover {
+class DistanceProof {
  public:
-  Prover(const ScaledProblem& scaled, const RefereeActiveSet& own) : scaled_(scaled), own_(own) {
+  DistanceProof(const ScaledProblem& scaled, const RefereeActiveSet& own) : scaled_(scaled), own_(own) {
     for (Index i = 0; i < scaled.rows(); ++i)
       if (scaled.is_equality(i) && scaled.counts(i)) equality_.push_back(i);
   }
@@ -230,7 +230,7 @@ Proof prove_answer(const ScaledProblem& scaled, const ExtendedVector& guess_d, c
                    double motion) {
   RefereeActiveSet own(scaled);
   const RefereeActiveSet::Outcome outcome = own.solve(guess_d, guess_lambda);
-  if (outcome == RefereeActiveSet::Outcome::optimal) return Prover(scaled, own).prove();
+  if (outcome == RefereeActiveSet::Outcome::optimal) return DistanceProof(scaled, own).prove();
   Proof proof;
   if (outcome == RefereeActiveSet::Outcome::gave_up) return proof;
   const Farkas farkas = judge_certificate(scaled, own.farkas, motion);
