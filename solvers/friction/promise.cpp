@@ -1,6 +1,5 @@
 #include <zwang/solvers/friction/promise.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -147,10 +146,10 @@ Promise::Bound Promise::look() {
   for (Index i = 0; i < h_.size(); ++i)
     if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
   double before = infinity;
-  for (int round = 0; round < most_rounds && (choose() || round == 0) && factorize(); ++round) {
+  for (int round = 0; round < most_rounds && (choose(y_, s_) || slides() || round == 0) && factorize(); ++round) {
     const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
     const bool met = missed <= rounding * size;
-    if (!met && !(missed <= before)) break;  // it runs away
+    if (!met && !(missed <= before && still < infinity)) break;  // it runs away
     before = missed;
     if (!met || !distance()) continue;
     const double first = far(still + factor_rounding_ * size, 0);
@@ -162,17 +161,17 @@ Promise::Bound Promise::look() {
   return {};
 }
 
-// Who carries force at (v, y). Is that another choice than the last?
-bool Promise::choose() {
+// Who carries force at (y, s). Is that another choice than the last?
+bool Promise::choose(const Vector& y, const Vector& s) {
   bool changed = false;
   for (Index k = 0; k < program_->cones(); ++k) {
-    const Mode now = program_->law().mode(&y_[3 * k], &s_[3 * k], slide_[at(k)]);
-    changed = changed || now != mode_[at(k)] || now == Mode::slide;
+    const Mode now = program_->law().mode(&y[3 * k], &s[3 * k], slide_[at(k)]);
+    changed = changed || now != mode_[at(k)];
     mode_[at(k)] = now;
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     const Index i = 3 * program_->cones() + r;
-    const char now = program_->is_equality(r) || y_[i] - s_[i] > 0;
+    const char now = program_->is_equality(r) || y[i] - s[i] > 0;
     changed = changed || now != active_[at(r)];
     active_[at(r)] = now;
   }
@@ -183,7 +182,7 @@ bool Promise::factorize() {
   std::ranges::fill(D_, 0.0);
   for (Index k = 0; k < program_->cones(); ++k) linearize(k, &D_[at(9 * k)]);
   for (Index r = 0; r < program_->rays(); ++r) ray_weight_[r] = active_[at(r)] ? 1 / tolerances::promise_softness : 0;
-  const bool symmetric = !program_->law().lifts() || std::ranges::find(mode_, Mode::slide) == mode_.end();
+  const bool symmetric = !program_->law().lifts() || !slides();
   return (symmetric || program_->face().takes_unsymmetric()) && program_->face().factorize(D_, ray_weight_, symmetric);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <zwang/solvers/friction/cone_program.h>
@@ -34,6 +35,8 @@ class Promise final : public Prover {
   bool is_due(double work) override;
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
+  // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
+  bool keeps_modes(const Vector& y, const Vector& s) { return options_->has_accuracy() && prepare() && !choose(y, s); }
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
 
@@ -47,7 +50,8 @@ class Promise final : public Prover {
 
   bool prepare();
   Bound look();
-  bool choose();
+  bool choose(const Vector& y, const Vector& s);
+  bool slides() const { return std::ranges::find(mode_, Mode::slide) != mode_.end(); }
   bool factorize();
   void linearize(Index k, double* D);
   double settle();

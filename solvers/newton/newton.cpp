@@ -9,8 +9,7 @@ namespace zwang {
 namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
-// The step of the multipliers at which a promise is first asked for, of the motion, and by what it falls likewise.
-constexpr double promising_from = 0.01;
+constexpr double promising_from = 0.01;   // of the motion: multipliers' step at which a look is had; falls likewise
 
 }  // namespace
 
@@ -21,8 +20,6 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool many = L_.unknowns() > tolerances::few_unknowns;
   L_.hold_penalty = many ? tolerances::newton_hold_many : tolerances::newton_hold;
   prover_ = begin_prover(p, options);
-  const bool bounds = prover_ && many && L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
-  polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   const bool may_be_dense = dense && p.size() * L_.rows.rows() <= largest_dense;
   polish_.alone = !may_be_dense;
   if (L_.rests()) return L_.write_rest(s);
@@ -35,6 +32,9 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
     all_but_known = end == NewtonStart::End::near;
   }
+  const bool bounds = prover_ && (many || (L_.l.array() > 0).count() > L_.unknowns()) && L_.rows.free_norm > 0 &&
+                      std::ranges::count(L_.rows.equality, 1) == 0;
+  polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;

@@ -16,12 +16,12 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
   d_ = L.d.cast<Real>();
   l_ = L.l.cast<Real>();
   doubtful = false;
-  if (enough > 0) open(L, false);
+  const bool stops = enough > 0 && L.unknowns() > tolerances::few_unknowns;
+  if (stops) open(L, false);
   for (Index i = 0; i < k; ++i) L.weight[i] = L.is_equality(i) || L.l[i] > 0 ? L.s : 0;
   double last = infinity, length = infinity;
-  bool changed = true;
+  bool changed = true, stronger = false;
   int let_go_of = 0;
-  bool stronger = false;
   for (int pass = 0; pass < most_passes; ++pass) {
     if (deadline.passed()) return false;
     L.residuals(d_, l_, force_, violation_);
@@ -31,7 +31,7 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       if (L.weight[i] != 0)
         worst = std::max(worst, static_cast<double>(std::abs(violation_[i])) / (L.rows.magnitude[i] + L.scale));
     changed = exchange(L, worst);
-    const double most = enough > 0 ? bound(L) : infinity;
+    const bool reached = stops && bound(L) <= enough;
     const bool stays = !changed && settled && length <= tolerances::newton_polished * L.scale;
     const bool agrees = worst <= tolerances::violation * static_cast<double>(real_eps);
     if (stays && !agrees && alone && let_go_of < most_let_go && let_go(L)) {
@@ -39,15 +39,15 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       changed = true;
       pass = 0;
     }
-    if (most <= enough || (stays && agrees)) {
-      doubtful = !alone && !(most <= enough) && is_doubtful(L);
+    if (reached || (stays && agrees)) {
+      doubtful = !alone && !reached && is_doubtful(L);
       if (doubtful) return false;
       L.write(d_, l_, s);
       s.redundant.assign(L.rows.idle.begin(), L.rows.idle.end());
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
       const double error = length + worst * L.scale / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
-      const bool sure = most <= enough || (let_go_of == 0 && error <= accepted_error(tolerance) * L.scale);
-      if (most < infinity) s.error_bound = most / L.rows.free_norm;
+      const bool sure = reached || (let_go_of == 0 && error <= accepted_error(tolerance) * L.scale);
+      if (stops ? bound_ < infinity : !alone && bound_ <= enough) s.error_bound = bound_ / L.rows.free_norm;
       s.status = sure ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
@@ -154,6 +154,7 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
     return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
   };
   double way = 0, gap = 0;
+  bound_ = infinity;
   for (Index i = 0; i < open_.size(); ++i)
     if (const double most = hidden(i); most > 0 && !L.is_equality(i))
       way = open_[i] > tolerances::newton_unmoved ? std::max(way, most / open_[i]) : infinity;
@@ -167,8 +168,8 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
     if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
   }
   const double apart = way * open_length_, half = (L.force_norm(step_) + apart) / 2;
-  return apart + half + std::sqrt(half * half + gap) +
-         (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
+  return bound_ = apart + half + std::sqrt(half * half + gap) +
+                  (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
 }
 
 // Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the

@@ -15,7 +15,8 @@ class NewtonPolish {
   // last digit, one then lets go after the other (which of them decide hangs on rounding, and the answer says so:
   // solved_ill_conditioned), and the penalty grows where rows all but repeat each other. Else run() fails there.
   bool alone = false;
-  // The error that is enough, in the M-norm in the unit of L; 0: the least. Only where no row is an equality row.
+  // The error that is enough, in the M-norm in the unit of L; 0: the least. Of many unknowns it ends run(); of few the
+  // bound is said. Only where no row is an equality row; the prover finds a better bound where few rows push.
   double enough = 0;
   bool doubtful = false;  // run() has settled, but on rows which so nearly depend on each other that it may not be so
 
@@ -52,6 +53,7 @@ class NewtonPolish {
   Vector open_;
   RealVector missed_;
   double open_length_ = 0;
+  double bound_ = 0;  // the last
   ExtendedPolish<FactorReal> proof_;
 };
 
