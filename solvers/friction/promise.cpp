@@ -149,7 +149,7 @@ Promise::Bound Promise::look() {
   for (int round = 0; round < most_rounds && (choose(y_, s_) || slides() || round == 0) && factorize(); ++round) {
     const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
     const bool met = missed <= rounding * size;
-    if (!met && !(missed <= before && still < infinity)) break;  // it runs away
+    if (!met && !(missed <= before)) break;  // it runs away
     before = missed;
     if (!met || !distance()) continue;
     const double first = far(still + factor_rounding_ * size, 0);
