@@ -170,8 +170,8 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
           }
           looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
         }
-        const bool tells = program_.is_dense() ? promise_.keeps_modes(inside_.y, inside_.s) : options.has_accuracy();
-        if (tells && inside_.gap() <= promising) {
+        if (options.has_accuracy() && (!program_.is_dense() || promise_.keeps_modes(inside_.y, inside_.s)) &&
+            inside_.gap() <= promising) {
           if (promise_.holds_at(inside_.y, solution)) return End::written;
           promising = promising_from * inside_.gap();
         }

@@ -36,7 +36,7 @@ class Promise final : public Prover {
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
   // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
-  bool keeps_modes(const Vector& y, const Vector& s) { return options_->has_accuracy() && prepare() && !choose(y, s); }
+  bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !choose(y, s); }
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
 

@@ -9,7 +9,7 @@ namespace zwang {
 namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
-constexpr double promising_from = 0.01;   // of the motion: multipliers' step at which a look is had; falls likewise
+constexpr double promising_from = 0.01;   // of the motion, and of the last such: a step of d that asks the prover
 
 }  // namespace
 
@@ -20,8 +20,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool many = L_.unknowns() > tolerances::few_unknowns;
   L_.hold_penalty = many ? tolerances::newton_hold_many : tolerances::newton_hold;
   prover_ = begin_prover(p, options);
-  const bool may_be_dense = dense && p.size() * L_.rows.rows() <= largest_dense;
-  polish_.alone = !may_be_dense;
+  polish_.alone = !dense || p.size() * L_.rows.rows() > largest_dense;
   if (L_.rests()) return L_.write_rest(s);
   using enum AugmentedLagrangian::Held;
   const bool cold = !options.warm_start;
@@ -32,13 +31,13 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
     all_but_known = end == NewtonStart::End::near;
   }
-  const bool bounds = prover_ && (many || (L_.l.array() > 0).count() > L_.unknowns()) && L_.rows.free_norm > 0 &&
-                      std::ranges::count(L_.rows.equality, 1) == 0;
+  const bool bounds = polish && prover_ && (many || (L_.l.array() > 0).count() > L_.unknowns()) &&
+                      L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
   polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
   const bool limited = end == Status::iteration_limit || end == Status::time_limit;
-  if (polish && !limited && !deadline.passed() && may_be_dense) {
+  if (polish && !limited && !deadline.passed() && !polish_.alone) {
     SolveOptions rest = options;
     rest.time_limit = deadline.left();
     dense->solve(p, rest, s);
@@ -87,7 +86,8 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
 Status Newton::run_alone(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   for (double close = options.tolerance; close > tolerances::newton_nothing && !deadline.passed(); close /= 10) {
     const Status end = descend(p, close, options, deadline, s);
-    if (end != Status::solved || polish_.judge(L_, options.tolerance, deadline, s)) return end;
+    if (end != Status::solved || !std::isnan(s.error_bound) || polish_.judge(L_, options.tolerance, deadline, s))
+      return end;
   }
   return Status::numerical_failure;
 }

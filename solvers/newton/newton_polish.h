@@ -15,8 +15,8 @@ class NewtonPolish {
   // last digit, one then lets go after the other (which of them decide hangs on rounding, and the answer says so:
   // solved_ill_conditioned), and the penalty grows where rows all but repeat each other. Else run() fails there.
   bool alone = false;
-  // The error that is enough, in the M-norm in the unit of L; 0: the least. Of many unknowns it ends run(); of few the
-  // bound is said. Only where no row is an equality row; the prover finds a better bound where few rows push.
+  // The error that is enough, in the M-norm in the unit of L; 0: the least. Of many unknowns a bound so small ends
+  // run(); of few one that is so small is said. Only where no row is an equality row.
   double enough = 0;
   bool doubtful = false;  // run() has settled, but on rows which so nearly depend on each other that it may not be so
 
@@ -53,7 +53,7 @@ class NewtonPolish {
   Vector open_;
   RealVector missed_;
   double open_length_ = 0;
-  double bound_ = 0;  // the last
+  double bound_ = 0;  // what bound() returned last
   ExtendedPolish<FactorReal> proof_;
 };
 

@@ -113,6 +113,22 @@ INSTANTIATE_TEST_SUITE_P(Solvers, PromisesWithoutFriction,
 INSTANTIATE_TEST_SUITE_P(Solvers, PromisesWithFriction, testing::Values("cone", "nsgs", "admm", "fixed_point"),
                          name_of);
 
+// What proves a bound moves z; the method once wrote its own z over that, beside the bound of the other.
+TEST(Promise, IsOfTheAnswerThatNewtonWritesWithoutItsPolish) {
+  AnySolver solver = make_solver("newton:polish=off");
+  int promised = 0;
+  for (unsigned seed = 1000; seed < 1300; ++seed) {
+    const Problem p = random_small_problem(seed);
+    const auto truth = brute_force(p);
+    if (!truth) continue;
+    const Solution s = solver.solve(p, {.accuracy = 1e-4});
+    if (s.status != Status::solved || std::isnan(s.error_bound)) continue;
+    ++promised;
+    EXPECT_LE(apart(p, s.z, truth->z), s.error_bound + rounding) << p.name;
+  }
+  EXPECT_GT(promised, 100);
+}
+
 // A tower of boxes on the ground, and a hand: what is asked of the slowest body holds for all.
 TEST(Promise, OfASpeedHoldsForEveryBody) {
   for (const Instance& i : make_scenes("stack(boxes=3),hand(contacts=8)")) {
