@@ -18,6 +18,7 @@ import zlib
 
 WRONG_USE, BAD_FILE = 2, 3
 CONDITIONS = ("zwang", "commit", "dirty", "compiler", "flags", "build_type", "libraries")
+RECORDED = "recorded:"  # and a name, in place of a solver: an answer that came with its problem, judged, and no run
 # Columns that depend on the clock or the machine (docs/formats.md).
 CLOCK = {"setup_s", "solve_s", "solve_s_q1", "solve_s_q3", "prepare_s", "kernel_s", "allocations", "repetitions", "machine", "check"}
 OF_RUNS = ("run.json", "results.jsonl", "frames.h5", "collision.json")  # a folder with one of these holds a run
@@ -96,15 +97,17 @@ class Cells:
         return f"{file_of(problem)} {self.names[problem]}   {self.solvers[solver]} @ {self.tolerances[tolerance]:.0e}"
 
     def find(self, line):
-        """The place of a stored line in this list, or None."""
+        """The place of a stored line in this list; (problem, by whom) of a recorded answer; None where it is none of the list's."""
         problem, solver, tolerance = line.get("batch"), line.get("solver"), line.get("tolerance")
         if not isinstance(problem, int) or not isinstance(solver, str) or not isinstance(tolerance, float):
             return None
-        if not 0 <= problem < len(self.hashes) or (solver, tolerance) not in self.places:
+        run = solver if solver.startswith(RECORDED) else self.places.get((solver, tolerance))
+        if not 0 <= problem < len(self.hashes) or run is None:
             return None
         key = f"{self.commit}\n{file_of(problem)}\n{self.hashes[problem]}\n{solver}\n{tolerance:.17g}"
-        right = hashlib.sha256(key.encode()).hexdigest()[:32] == line.get("cell")
-        return problem * self.runs + self.places[solver, tolerance] if right else None
+        if hashlib.sha256(key.encode()).hexdigest()[:32] != line.get("cell"):
+            return None
+        return (problem, run) if isinstance(run, str) else problem * self.runs + run
 
     def refuse_unless_same(self, other):
         """Fails where the other is not the same suite under the same program. Machines and parts may differ."""
@@ -121,7 +124,7 @@ class Cells:
             fail(f"{other.directory} does not mix with {self.directory}: {difference}")
 
     def lines(self, directory):
-        """Of DIR/results.jsonl: cell (None: damaged, or none of the list's), place and bytes of each line, and what it says."""
+        """Of DIR/results.jsonl: what `find` says (of a damaged line: None), place and bytes of each line, and what it says."""
         start = 0
         try:
             with open(os.path.join(directory, "results.jsonl"), "rb") as file:
@@ -174,12 +177,15 @@ class Lines:
         self.part[cell], self.length[cell], self.start[cell] = part, len(text), start
 
     def read(self, cell):
-        name = os.path.join(self.parts[self.part[cell]], "results.jsonl")
+        return self.text(self.part[cell], self.start[cell], self.length[cell])
+
+    def text(self, part, start, length):
+        name = os.path.join(self.parts[part], "results.jsonl")
         if name != self.name:
             self.file, self.name = open(name, "rb"), name
-        self.file.seek(self.start[cell])
-        text = self.file.read(self.length[cell])
-        if len(text) != self.length[cell]:
+        self.file.seek(start)
+        text = self.file.read(length)
+        if len(text) != length:
             fail(f"{name}: changed while read")
         return text
 
@@ -242,10 +248,13 @@ def merge(program, parts, out, command):
         cells.refuse_unless_same(Cells(part))
     os.makedirs(os.path.join(out, "problems"), exist_ok=True)
     there, machines, disagreeing, present, damaged, twice = Lines(parts, cells.size), {}, [], 0, 0, 0
+    recorded = {}  # of a problem, by whom: the place of the answer
     for p, part in enumerate(parts):
         for cell, start, text, line in cells.lines(part):
             if cell is None:
                 damaged += 1
+            elif isinstance(cell, tuple):
+                recorded.setdefault(cell[0], {}).setdefault(cell[1], (p, start, len(text)))
             elif cell not in there:
                 there.keep(cell, p, start, text)
                 present += 1
@@ -256,12 +265,16 @@ def merge(program, parts, out, command):
             elif len(disagreeing) < MOST_REPORTED:
                 disagreeing.append(f"{cells.describe(cell)}: {parts[there.part[cell]]} and {part} disagree in {differing_column(first, line)}")
     with open(os.path.join(out, "results.jsonl"), "wb") as results:
-        results.writelines(there.read(cell) + b"\n" for cell in range(cells.size) if cell in there)
+        for problem in range(len(cells.hashes)):
+            results.writelines(there.text(*place) + b"\n" for place in recorded.get(problem, {}).values())
+            results.writelines(there.read(cell) + b"\n" for cell in range(problem * cells.runs, (problem + 1) * cells.runs) if cell in there)
     append_traces(parts, out)
     bad = copy_problems(program, cells, there, parts, out)
     write_record(parts, out, command, cells, present, machines, disagreeing)
 
+    judged = sum(map(len, recorded.values()))
     print(f"{present:,} of {cells.size:,} runs" + (f", {twice:,} of them twice and alike" if twice else "") +
+          (f", {judged:,} recorded answer{'s' if judged > 1 else ''}" if judged else "") +
           (f", {damaged:,} damaged lines left out" if damaged else ""))
     for line in (*disagreeing, *(f"{file} is missing or damaged in every part: its runs are kept" for file in bad)):
         print(line)

@@ -12,6 +12,7 @@ import json
 import math
 import pathlib
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -490,7 +491,8 @@ def compare(asked, out):
             if (part / "whole").exists():
                 continue
             how = ["--resume", part] if part.exists() else ["--problems", path, *words, "--shard", f"{k}/2", "--out", part]
-            with subprocess.Popen([str(w) for w in (asked.program, "bench", *how)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            # Ends with this one, whatever ends it.
+            with subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *map(str, (asked.program, "bench", *how))], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
                 try:
                     said = process.communicate(timeout=max(1.0, end - time.monotonic()))[1]
                 except subprocess.TimeoutExpired:
@@ -605,4 +607,5 @@ def main():
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # whole runs are kept
     sys.exit(main())

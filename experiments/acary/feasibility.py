@@ -8,6 +8,7 @@ import argparse
 import itertools
 import json
 import pathlib
+import signal
 import sys
 from fractions import Fraction as F
 
@@ -351,7 +352,13 @@ def main():
         files.fail("expected files, folders, scenes or --edge; --time-limit above 0 s")
     out = pathlib.Path(asked.out)
     what = asked.what + ([str(path) for path in edge.write(out / "edge")] if asked.edge else [])
-    found = []
+    found, written = [], {}
+
+    def keep(**more):
+        written.update(problems=found, **more)
+        draft = out / "feasibility.json.new"
+        draft.write_text(json.dumps(written, indent=1) + "\n")
+        draft.replace(out / "feasibility.json")
     for path in files.packed(asked.program, what, out):
         problem = files.read(path)
         answer = {"problem": problem.name, "file": str(path.relative_to(out)), "n": problem.J.shape[1], "contacts": len(problem.contacts),
@@ -360,18 +367,18 @@ def main():
             answer["solutions"] = files.solutions(asked.program, path)["in_words"]
         found.append(answer)
         print(line_of(answer), flush=True)
-    written = {"problems": found}
+        keep()
     if asked.solvers:
         names = ",".join(files.readers(asked.program, "coulomb")) if asked.solvers == "all" else asked.solvers
-        written["solvers"] = charted(asked.program, out, found, names, asked.time_limit)
+        keep(solvers=charted(asked.program, out, found, names, asked.time_limit))
         print(f"\n{'solver':20} {'problems':32}" + "".join(f"{word:>12}" for word in OUTCOMES))
         for row in written["solvers"]:
             print(f"{row['solver']:20} {row['problems']:32}" + "".join(f"{row[word] or '.':>12}" for word in OUTCOMES))
         print()
-    (out / "feasibility.json").write_text(json.dumps(written, indent=1) + "\n")
     count = {word: sum(a["feasible"] == word for a in found) for word in WORDS}
     print(f"{len(found)} problems: {count['strictly']} strictly feasible, {count['not strictly']} proven not to be, {count['undecided']} undecided   -> {out}/feasibility.json")
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # what is found is written
     sys.exit(main())

@@ -23,8 +23,8 @@ god::Record record_to_resume(const CLI::App& options, const std::string& resume,
     if (option->count() > 0 && option->get_name() != "--resume" && option->get_name() != "--audit")
       throw std::invalid_argument(
           "--resume " + resume + " goes on with the options of that run: " + option->get_name() + " has no part in it");
+  god::require_same_program(resume);  // first: another program's record may lack what this one reads
   god::Record record = god::read_record(resume);
-  god::require_same_program(resume);
   record.asked.audit = record.asked.audit || audit;
   return record;
 }

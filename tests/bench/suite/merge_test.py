@@ -10,6 +10,8 @@ import sys
 import tempfile
 import zlib
 
+import h5py
+
 from campaign_support import assert_equal, run, suite
 
 program = os.path.abspath(sys.argv[1])
@@ -102,6 +104,24 @@ with tempfile.TemporaryDirectory() as folder:
     assert "1 runs on Another CPU" in out and "71 runs on " in out, out
     with open("machines/run.json") as file:
         assert any("2 kinds of machine" in note for note in json.load(file)["notes"])
+
+    # Answers that came with their problems are judged in every part, and stay.
+    for k in (1, 2):
+        run([program, "export", "tower", f"--boxes={k}", "--out", f"with{k}.h5"])
+        with h5py.File(f"with{k}.h5", "r+") as file:
+            given = file["zwang"].create_group("recorded")
+            given["by"] = ["somebody", "nobody"]
+            given["z"] = [file["zwang/z_u"][:], 0 * file["zwang/z_u"][:]]
+    words = ["--problems", "with1.h5", "with2.h5", "--solvers", "pgs,nnls", "--tolerances", "1e-3,1e-6"]
+    run([program, "bench", *words, "--out", "judged"])
+    for k in range(2):
+        run([program, "bench", *words, "--shard", f"{k}/2", "--out", f"judged{k}"])
+    out = run([program, "merge", "judged1", "judged0", "--out", "judged_again"])
+    assert "8 of 8 runs, 4 recorded answers" in out and "damaged" not in out, out
+    assert_equal("judged", "judged_again")
+    assert "8 of 8 runs, 8 of them twice and alike, 4 recorded answers" in run([program, "merge", "judged", "judged0", "judged1", "--out", "once"])
+    assert_equal("judged", "once")
+    assert "0 of 8 runs are missing" in run([program, "bench", "--missing", "once"])
 
     refused(lambda r: r.update(commit="another"), 'does not mix with part0: commit "another", not ')
     refused(lambda r: r["options"].update(tolerances=[1e-3]), "does not mix with part0: tolerances [0.001], not ")
