@@ -87,9 +87,11 @@ class Fuzzer {
   struct Candidate {
     std::string name;
     bool exact;
+    bool alone;  // not refined: answers from two starts are as good as was asked for, or none
     AnySolver solver;
     Solution solution = {};
   };
+  bool is_same(const Candidate& candidate, const Problem& problem, const Solution& cold) const;
   void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
   void under_friction(std::uint64_t number, const Problem& problem);
   void with_spoilt_friction(std::uint64_t number, Problem problem);

@@ -141,6 +141,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
   };
   const Status end =
       settle() ? dual_climb(*this, s.iterations, options.max_iterations, deadline, entered) : Status::numerical_failure;
+  found_.assign(active.rows().begin(), active.rows().end());
   const bool limited = end == Status::time_limit || end == Status::iteration_limit;
   if (limited || !polishes_) write();
   if (limited) {
@@ -155,7 +156,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
     return false;
   }
   if (!polishes_) {
-    polish_.judge(p, w_, active, options.tolerance, s);
+    polish_.judge(p, w_, active, options, s);
     return s.status == Status::solved;
   }
   return polish_.run(p, w_, active, options, s) != Polish::Outcome::failed &&
@@ -180,7 +181,7 @@ void Cholesky::Method::solve(const Problem& p, const Cholesky& settings, const S
   s.margins = {};
   const auto n = static_cast<double>(p.size()), most = std::min(n, static_cast<double>(p.rows()));
   storage_.require(n * most + most * most, options);
-  attempt(p, orthogonal_, sparse_.rows(), options, deadline, s);
+  attempt(p, orthogonal_, polishes_ ? std::span<const Index>(sparse_.rows()) : found_, options, deadline, s);
   s.fallback = true;
 }
 

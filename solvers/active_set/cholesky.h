@@ -84,6 +84,7 @@ struct Cholesky {
     double refactor_above_ = 0;
     bool polishes_ = true, stuck_ = false;
     ActiveRows* active_ = nullptr;  // of the attempt under way
+    std::vector<Index> found_;      // by the method alone
     std::vector<char> set_aside_;   // active, or an equality row that depends on the active ones
   };
 

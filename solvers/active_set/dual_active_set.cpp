@@ -64,7 +64,7 @@ void DualActiveSet::Careful::solve(const Problem& p, const DualActiveSet& settin
     s.status = Status::solved_ill_conditioned;
   } else if (end == Status::solved) {
     write(p, s);
-    polish_.judge(p, rows_, climb_.active(), options.tolerance, s);
+    polish_.judge(p, rows_, climb_.active(), options, s);
   } else {
     s.status = Status::numerical_failure;
     s.message = "the rows contradict each other, but not provably";

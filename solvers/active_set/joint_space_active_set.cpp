@@ -281,11 +281,13 @@ bool JointSpaceActiveSet::refine() {
 // The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
 // be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
 // the careful path's doubt_others(). A row that the joints and active rows determine has to hold by itself. Of two
-// that touch no bound is had: a point that meets one may be far from the other, and is where they are all but opposed.
+// that touch no bound is had: a point that meets one may be far from the other, and is where they are all but opposed;
+// and the active row that would give way to one may be held by the other.
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
   const auto left = [&](Index i) { return last_change_ * last_change_ / far + twice * point_.terms(rows, i); };
+  bool gives_way = false;  // would an active row, where one outside were obeyed?
   listed_.clear();
   doubt_ = 0;
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
@@ -300,13 +302,15 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
-    double moves = most / share;
+    const double moves = most / share;
     doubt_ += share > tolerances::exact_share && moves <= touch ? moves : std::numeric_limits<double>::infinity();
-    if (!(moves <= allowed)) moves = std::min(moves, climb_.detour(share, most));
     if (moves <= allowed) continue;
-    if (share > tolerances::exact_share || violation > std::min(left(i), rounding * point_.terms(rows, i)))
+    if (climb_.detour(share, most) <= allowed)
+      gives_way = gives_way || violation > left(i);
+    else if (share > tolerances::exact_share || violation > std::min(left(i), rounding * point_.terms(rows, i)))
       return false;
   }
+  if (gives_way && listed_.size() > 1) return false;
   if (listed_.size() > 1) doubt_ = std::numeric_limits<double>::infinity();
   for (const Index i : listed_) {
     if (!(point_.violation(rows, i) > left(i))) continue;

@@ -36,7 +36,7 @@ void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOpti
   if (settings.polish)
     polish_.run(p, rows_, active, options, s);
   else
-    polish_.judge(p, rows_, active, options.tolerance, s);
+    polish_.judge(p, rows_, active, options, s);
   // Rows that fit nothing can leave an active set that polish cannot mend (1 in 25,000 fuzzed starts).
   if (s.status == Status::numerical_failure && options.warm_start) {
     SolveOptions cold = options;

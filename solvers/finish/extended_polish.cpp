@@ -74,21 +74,12 @@ double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRow
   return std::max(r1_.norm(), unbalanced);
 }
 
-template <class Real>
-void ExtendedPolish<Real>::measure(const Whitened& w, const ActiveRows& active) {
-  using std::sqrt;
-  Real square = 0;
-  for (const Index i : active.rows()) square += unit(w, i) * b_[i];  // |y|^2 = l'b at the solution
-  length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
-  scale_ = std::max(z_u_length_, length_);
-}
-
 // False when the corrections do not shrink: the factors no longer describe the rows. What stands along the smallest
 // pivot shrinks by `rate` a pass, which larger corrections hide: two of them alone once foretold an end ten digits
 // away.
 template <class Real>
 bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& active) {
-  using std::ldexp;
+  using std::ldexp, std::sqrt;
   double last = std::numeric_limits<double>::infinity();
   constexpr int most_steps = 60;
   const double rate = active.contraction();
@@ -96,10 +87,12 @@ bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& act
     const double length = correction(p, w, active);
     for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]) / Real(w.row_norm[active[i]]);
     if (p.size() > 0) w.factor.solve_upper(r1_);
-    const Real unit = ldexp(Real(1), w.exponent);
-    for (Index j = 0; j < p.size(); ++j) z_[j] += Real(r1_[j]) * unit;
+    for (Index j = 0; j < p.size(); ++j) z_[j] += ldexp(Real(r1_[j]), w.exponent);
     ++z_number_;
-    measure(w, active);
+    Real square = 0;
+    for (const Index i : active.rows()) square += unit(w, i) * b_[i];  // |y|^2 = l'b at the solution
+    length_ = static_cast<double>(sqrt(std::max(square, Real(0))));
+    scale_ = std::max(z_u_length_, length_);
     if (!std::isfinite(length)) return false;
     error_ = step > 0 ? length * std::min(1.0, std::max(length / last, rate)) : length;  // the next correction
     if (error_ <= tolerances::extended_change * real_eps * scale_) return true;
@@ -440,38 +433,6 @@ bool ExtendedPolish<Real>::certify(const Problem& p, Whitened& w, const Vector& 
   return true;
 }
 
-// A row outside that is violated by more than is accepted, or a multiplier that pulls as much, refutes the answer. Less
-// is an error over the row's share.
-template <class Real>
-void ExtendedPolish<Real>::judge(const Problem& p, Whitened& w, ActiveRows& active, double tolerance, Solution& s) {
-  using std::abs, std::ldexp;
-  prepare(p, w);
-  z_ = s.z.cast<Real>();
-  ++z_number_;
-  for (Index i = 0; i < w.rows(); ++i) l_[i] = ldexp(Real(s.lambda[w.row[at(i)]]), -w.exponent);
-  for (const Index i : active.rows()) state_[at(i)] = State::inside;
-  measure(w, active);
-  error_ = correction(p, w, active);
-  const double accepted = accepted_error(tolerance);
-  Real worst = accepted;
-  bool holds = std::isfinite(error_) && violated_row(p, w, worst) < 0;
-  for (const Index i : active.rows()) holds = holds && (w.equality[at(i)] || unit(w, i) >= -accepted * scale_);
-  if (!holds) {
-    s.status = Status::numerical_failure;
-    s.message = "the method's own answer does not meet the conditions of optimality";
-    return;
-  }
-  doubt_active(p, w, active);
-  const double limit = accepted * scale_;
-  for (Index i = doubt_others(p, w, active, limit); i >= 0; i = doubt_others(p, w, active, limit)) {
-    const double share = std::max(share_[at(i)], std::numeric_limits<double>::min());
-    error_ = std::max(error_, std::min(scale_, static_cast<double>(abs(violation(p, w, i))) / share));
-    state_[at(i)] = State::ignored;
-  }
-  name_redundant(p, w, active, s);
-  s.status = error_ <= limit ? Status::solved : Status::solved_ill_conditioned;
-}
-
 template <class Real>
 PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
                                         Solution& s, bool passes_on) {
@@ -480,6 +441,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
   prepare(p, w);
   for (const Index i : active.rows()) state_[at(i)] = State::inside;
   const Index rounds = 20 + 2 * w.rows();
+  bool left_out = false;  // a row that is violated and could not enter
   for (Index round = 0; round < rounds; ++round) {
     if (round > 0) s.fallback = true;
     if (!refine(p, w, active)) {
@@ -505,8 +467,8 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
     }
     if (entering < 0) {
       write(p, w, s);
-      const bool left_to_others = passes_on && is_blurred_;
-      s.status = left_to_others || error_ > limit ? Status::solved_ill_conditioned : Status::solved;
+      const bool left_to_others = passes_on && (is_blurred_ || left_out);
+      s.status = left_to_others || left_out || error_ > limit ? Status::solved_ill_conditioned : Status::solved;
       if (left_to_others) return Outcome::solved;
       name_redundant(p, w, active, s);
       if (options.has_accuracy()) s.error_bound = bound(w, active);
@@ -533,6 +495,7 @@ PolishOutcome ExtendedPolish<Real>::run(const Problem& p, Whitened& w, ActiveRow
       break;
     }
     state_[at(entering)] = State::ignored;
+    left_out = true;
   }
   if (s.message.empty()) s.message = "no consistent active set was found";
   s.status = Status::numerical_failure;

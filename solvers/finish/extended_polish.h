@@ -44,12 +44,9 @@ class ExtendedPolish {
   bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
                Solution& solution);
 
-  // For methods that stand alone (polish=off), whose answers are judged and not changed:
-  // The status that the z and lambda in `solution` deserve with these active rows. The first correction of the
-  // refinement is computed, not made: its length is the error of z.
-  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, double tolerance, Solution& solution);
   bool is_blurred() const { return is_blurred_; }  // a row is taken for a combination of others, or makes a wedge
-  // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
+  // For methods that stand alone (polish=off): whether `unit`, multipliers of the unit rows, is a Farkas vector. If so
+  // the solution holds it.
   bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
 
  private:
@@ -68,7 +65,6 @@ class ExtendedPolish {
   void add_row(const Problem& p, const Whitened& w, Index i, const Real& factor, RealVector& v) const;
   const Rest& rest(const Problem& p, const Whitened& w, Index i);
   double correction(const Problem& p, Whitened& w, ActiveRows& active);
-  void measure(const Whitened& w, const ActiveRows& active);
   Real unit(const Whitened& w, Index i) const { return l_[i] * Real(w.row_norm[i]); }  // the multiplier of a unit row
   bool refine(const Problem& p, Whitened& w, ActiveRows& active);
   Index pulling_row(const Whitened& w, const ActiveRows& active) const;

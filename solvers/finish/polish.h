@@ -12,10 +12,15 @@ class Polish : public ExtendedPolish<FactorReal> {
  public:
   Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
               Solution& solution);
+  // For methods that stand alone (polish=off): the status that the z and lambda in `solution` deserve, which stay as
+  // they are, beside the polished answer from these active rows. Changes active.
+  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
+             Solution& solution);
 
  private:
   ExtendedPolish<DoubleDouble> double_double_;
-  Solution first_;
+  Solution first_, polished_;
+  Vector off_;
 };
 
 }  // namespace zwang

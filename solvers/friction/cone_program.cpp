@@ -230,9 +230,8 @@ double ConeProgram::tied() const {
   return (form_ == Form::whitened ? whitened_.factor : unit_rows_.factor).tied();
 }
 
-bool ConeProgram::is_out_of_reach(const Vector& v) {
-  const double known = form_ == Form::joints ? std::max(free_norm_, joints_.y_E().norm()) : free_norm_;
-  return scale(v) > tolerances::out_of_reach * std::max(known, start_);
+double ConeProgram::reach() const {
+  return std::max({free_norm_, start_, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
 }
 
 ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) const {

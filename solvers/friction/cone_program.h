@@ -52,8 +52,9 @@ class ConeProgram {
   void couple() { sparse_face_.couple(); }         // of sparse rows: takes_unsymmetric() from now on
   DenseFace& dense_face() { return dense_face_; }  // where it is
   double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
+  double reach() const;                            // of what is known of the motion before it is solved for
   // A motion next to which the rows' right sides are nothing: rows that contradict each other are met so, not solved.
-  bool is_out_of_reach(const Vector& v);
+  bool is_out_of_reach(const Vector& v) { return scale(v) > tolerances::out_of_reach * reach(); }
   double start() const { return start_; }  // the worst violation at v = 0, or a small number
 
   // s = G v - h.

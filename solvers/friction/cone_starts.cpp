@@ -164,7 +164,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
           options.observe(solution.iterations, solution.z, solution.lambda);
         }
         if (!program_.law().lifts() && inside_.y.lpNorm<Eigen::Infinity>() > looked_at) {
-          if (inside_.proves_infeasible(program_, tolerances::out_of_reach, proof_)) {
+          if (inside_.proves_infeasible(program_, proof_)) {
             program_.write_certificate(p, proof_, solution);
             return End::written;
           }
@@ -191,7 +191,8 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
       run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
     } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
-      return End::accepted;
+      modes_.begin(program_, inside_);
+      if (!program_.law().lifts() || modes_stay(options)) return End::accepted;
     }
     if (stuck) return End::failed;
     if (quick) last = step + most_behind_modes;

@@ -460,7 +460,7 @@ bool InteriorPoint::step(ConeProgram& program) {
 }
 
 // The part of y that moves the bodies is taken out of it: u = y - D G (M + G'D G)^-1 G'y, D large where y is.
-bool InteriorPoint::proves_infeasible(ConeProgram& program, double reach, Vector& u) {
+bool InteriorPoint::proves_infeasible(ConeProgram& program, Vector& u) {
   const Index nc = program.cones();
   if (!(y.dot(program.h()) > 0)) return false;
   weigh(program, false);
@@ -477,15 +477,13 @@ bool InteriorPoint::proves_infeasible(ConeProgram& program, double reach, Vector
     for (Index r = 0; r < program.rays(); ++r) u[3 * nc + r] -= ray_weight_[r] * ds_[3 * nc + r];
   }
   program.cut(u);
-  // |G'u| in the metric of M^-1, with M between its value and that of the factor: f'H^-1 f <= f'M^-1 f.
   program.face().force(u, force_);
-  std::fill(D_.begin(), D_.end(), 0.0);
-  ray_weight_.setZero();
-  if (!program.face().factorize(D_, ray_weight_, true)) return false;
   dv_ = force_;
-  program.face().solve(dv_);
+  program.divide_by_mass(dv_);
   const double motion = std::sqrt(std::max(0.0, force_.dot(dv_)));
-  return u.dot(program.h()) > reach * motion;
+  const double gain = u.dot(program.h()),
+               rounding = tolerances::proof_rounding * u.cwiseProduct(program.h()).lpNorm<1>();
+  return gain > std::max(rounding, tolerances::out_of_reach * program.reach() * motion);
 }
 
 }  // namespace zwang

@@ -63,9 +63,25 @@ TEST_F(Fuzz, NearDependentRowsAreNotCalledSolvedWrongly) {
   }
 }
 
+TEST_F(Fuzz, MethodsThatStandAloneAreNotCalledRightWhereTheyAreNot) {
+  const FuzzOutcome o = run({.seed = 92,
+                             .count = 1000,
+                             .solvers = "dual_active_set:polish=off,nnls:polish=off,cholesky:polish=off",
+                             .near = true});
+  expect_no_fault(o);
+  for (const FuzzTally& t : o.tally) EXPECT_GT(t.solved, 400u);
+}
+
+// What z_u hardly violates has a small unit: a proof that reached as far in it was none.
+TEST_F(Fuzz, AnInteriorPointAloneProvesNoContradictionWhereThereIsNone) {
+  expect_no_fault(
+      run({.seed = 93, .first = 2991, .count = 1, .solvers = "cone:finish=off", .accuracy = "1e-4", .friction = true}));
+}
+
 // Each was called solved with another z by one of these: rows less than 2^-60 apart, found violated by less than long
 // double shows; wedges of rows that touch, which a single row's violation hides; multipliers of 1e13 whose rounding
-// moves z; an inequality that repeats an equality row, which a motion was thought to open.
+// moves z; an inequality that repeats an equality row, which a motion was thought to open; an active row that was to
+// give way to another, and that a third one held; a violated row that could not enter.
 TEST_F(Fuzz, WhatWasOnceCalledSolvedWronglyIsNot) {
   struct Found {
     std::uint64_t seed, number;
@@ -83,7 +99,10 @@ TEST_F(Fuzz, WhatWasOnceCalledSolvedWronglyIsNot) {
                                      {53, 39356},
                                      {54, 5166},
                                      {54, 37774},
-                                     {54, 56221}}) {
+                                     {54, 56221},
+                                     {65, 3507},
+                                     {65, 9228},
+                                     {94, 4587}}) {
     const FuzzOutcome o = run({.seed = seed,
                                .first = number,
                                .count = 1,
