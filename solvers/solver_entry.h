@@ -71,7 +71,8 @@ std::string too_large(const Problem& problem, Index most_unknowns, Index most_ro
 class Promise;
 Prover& prover_in(Session<Promise>& kept);  // beside Promise
 
-// What the registry adds to a solver: its limits, `most_unknowns` and `most_rows`, where it states them, and the bound.
+// What the registry adds to a solver: its limits, `most_unknowns`, `most_rows` and `needs_friction`, where it states
+// them, and the bound.
 template <Solver S>
 struct Registered : S {
   std::string supports(const Problem& problem) const {
@@ -79,6 +80,8 @@ struct Registered : S {
     if constexpr (requires { S::most_unknowns; }) most_unknowns = S::most_unknowns;
     if constexpr (requires { S::most_rows; }) most_rows = S::most_rows;
     std::string reason = too_large(problem, most_unknowns, most_rows);
+    if constexpr (requires { S::needs_friction; })
+      if (reason.empty() && !problem.has_tangents()) reason = "no contact with friction";
     if constexpr (requires(const S& s) { s.supports(problem); })
       if (reason.empty()) reason = S::supports(problem);
     return reason;

@@ -96,7 +96,7 @@ Fuzzer::Fuzzer(const FuzzOptions& options, std::span<const SolverEntry> among, s
     if (options.referee) break;
     AnySolver solver = make_solver(name, among);
     const bool exact = find_solver(name, among)->exact, alone = name.find("polish=off") != std::string::npos;
-    candidates_.push_back({name, exact, alone, std::move(solver)});
+    candidates_.push_back({name, exact, exact && !alone, std::move(solver)});
   }
   if (tally_.size() < candidates_.size()) throw std::invalid_argument("fuzzing: more solvers than tallies");
 }
@@ -229,14 +229,6 @@ void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
   }
 }
 
-// Is the answer at hand that of the cold start?
-bool Fuzzer::is_same(const Candidate& candidate, const Problem& problem, const Solution& cold) const {
-  const Solution& s = candidate.solution;
-  if (candidate.alone && !has_z(s.status)) return s.status != Status::infeasible;
-  return has_z(s.status) &&
-         distance(problem, s.z, cold.z) <= (candidate.alone ? accepted_error(tolerance) : warm_limit);
-}
-
 // Multipliers that fit nothing: of a few of the rows, of rows that do not exist, of the wrong sign.
 void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& problem) {
   SmallNumbers draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
@@ -246,13 +238,14 @@ void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& proble
   if (draw.integer(0, 3) == 0) warm.key.push_back({999, 7});
   warm.lambda = draw.integers(static_cast<Index>(warm.key.size()), 3);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    if (!candidates_[i].exact) continue;
+    if (!candidates_[i].repeats) continue;
     const Solution cold = candidates_[i].solution;
     solve(i, problem, &warm);
     ++tally_[i].warm;
     const Solution& s = candidates_[i].solution;
     if (!has_z(cold.status) && cold.status != Status::infeasible) continue;
-    const bool same = has_z(cold.status) ? is_same(candidates_[i], problem, cold) : s.status == Status::infeasible;
+    const bool same = has_z(cold.status) ? has_z(s.status) && distance(problem, s.z, cold.z) <= warm_limit
+                                         : s.status == Status::infeasible;
     if (same) continue;
     std::ostringstream what;
     what << "warm start: cold " << to_string(cold.status) << ", warm " << to_string(s.status) << ", z apart by "
@@ -290,14 +283,15 @@ void Fuzzer::film(std::uint64_t number) {
     p.name = "FLIP(k=" + std::to_string(3 + reel % 46) + ",seed=" + std::to_string(options_.seed + reel) +
              ",frame=" + std::to_string(frame) + ")";
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (!candidates_[i].exact) continue;
+      if (!candidates_[i].repeats) continue;
       solve(i, p, nullptr);
       const Solution cold = candidates_[i].solution;
       solve(i, p, frame > 0 ? &before[i] : nullptr);
       ++tally_[i].warm;
       const Solution& s = candidates_[i].solution;
-      if (!has_z(cold.status) ? !candidates_[i].alone : !is_same(candidates_[i], p, cold))
-        fault(i, number, "warm start from the frame before: " + shown("z apart by", distance(p, s.z, cold.z)), p);
+      const double apart = distance(p, s.z, cold.z);
+      if (!has_z(cold.status) || !has_z(s.status) || !(apart <= warm_limit))
+        fault(i, number, "warm start from the frame before: " + shown("z apart by", apart), p);
       before[i] = {p.key, s.lambda};
     }
   }

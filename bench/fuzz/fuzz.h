@@ -86,12 +86,10 @@ class Fuzzer {
  private:
   struct Candidate {
     std::string name;
-    bool exact;
-    bool alone;  // not refined: answers from two starts are as good as was asked for, or none
+    bool exact, repeats;  // right to rounding; and from whatever start
     AnySolver solver;
     Solution solution = {};
   };
-  bool is_same(const Candidate& candidate, const Problem& problem, const Solution& cold) const;
   void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
   void under_friction(std::uint64_t number, const Problem& problem);
   void with_spoilt_friction(std::uint64_t number, Problem problem);

@@ -13,6 +13,7 @@ namespace zwang {
 struct Admm {
   static constexpr std::string_view name = "admm";
   static constexpr auto laws = laws_that<has_cones>;
+  static constexpr bool needs_friction = true;
 
   double penalty = 1;
   int max_steps = 20000;
@@ -20,9 +21,6 @@ struct Admm {
   static std::vector<Setting<Admm>> settings() {
     return {{"penalty", &Admm::penalty, "weight of G v - h = w against M at the start, on unit rows"},
             {"max_steps", &Admm::max_steps, "steps before giving up"}};
-  }
-  std::string supports(const Problem& problem) const {
-    return problem.has_tangents() ? "" : "no contact with friction";
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 

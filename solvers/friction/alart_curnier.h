@@ -14,14 +14,12 @@ namespace zwang {
 struct AlartCurnier {
   static constexpr std::string_view name = "alart_curnier";
   static constexpr auto laws = laws_that<has_cones>;
+  static constexpr bool needs_friction = true;
 
   int max_steps = 200;
 
   static std::vector<Setting<AlartCurnier>> settings() {
     return {{"max_steps", &AlartCurnier::max_steps, "Newton steps before giving up"}};
-  }
-  std::string supports(const Problem& problem) const {
-    return problem.has_tangents() ? "" : "no contact with friction";
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 

@@ -79,7 +79,7 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
   End end = run_ladder(starts_, job);
   if (end == End::failed && starts_.can_couple(job))
     end = starts_.couple(job) ? run_ladder(starts_, job) : End::written;
-  if ((end == End::failed || end == End::limit) && starts_.best_stays(job)) end = End::accepted;
+  if ((end == End::failed || end == End::limit) && starts_.stands(job, true)) end = End::accepted;
   if (end == End::written || starts_.promises(job)) return;  // also where a limit ended it near enough
   starts_.program().write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);

@@ -219,10 +219,13 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   return true;
 }
 
-double ConeProgram::scale(const Vector& v) {
+double ConeProgram::length(const Vector& v) {
   face().mass(v, work_);
-  const double own = std::sqrt(std::max(0.0, work_.dot(v)));
-  return std::max({free_norm_, own, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
+  return std::sqrt(std::max(0.0, work_.dot(v)));
+}
+
+double ConeProgram::scale(const Vector& v) {
+  return std::max({free_norm_, length(v), form_ == Form::joints ? joints_.y_E().norm() : 0.0});
 }
 
 double ConeProgram::tied() const {

@@ -51,6 +51,7 @@ class ConeProgram {
   bool is_dense() const { return dense_; }
   void couple() { sparse_face_.couple(); }         // of sparse rows: takes_unsymmetric() from now on
   DenseFace& dense_face() { return dense_face_; }  // where it is
+  double length(const Vector& v);                  // |v|_M
   double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
   double reach() const;                            // of what is known of the motion before it is solved for
   // A motion next to which the rows' right sides are nothing: rows that contradict each other are met so, not solved.

@@ -49,7 +49,6 @@ bool ConeStarts::takes(const Job& job, const ConeProgram::Residual& r, const Vec
 }
 
 ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
-  job.best.natural = infinity;
   modes_.v.setZero(program_.face().unknowns());
   modes_.y.setZero(program_.rows());
   modes_.begin(program_);
@@ -194,6 +193,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
       modes_.begin(program_, inside_);
       if (!program_.law().lifts() || modes_stay(options)) return End::accepted;
     }
+    if (stands(job, false)) return End::accepted;
     if (stuck) return End::failed;
     if (quick) last = step + most_behind_modes;
     do  // the same iterate has the same modes
@@ -247,16 +247,24 @@ bool ConeStarts::modes_stay(const SolveOptions& options) {
   move_ = modes_.v;
   if (!modes_.step(program_)) return false;
   move_ -= modes_.v;
-  pull_.setZero(move_.size());
-  program_.face().mass(move_, pull_);
-  return std::sqrt(std::max(0.0, pull_.dot(move_))) <= accepted_error(options.tolerance) * program_.scale(modes_.v);
+  return program_.length(move_) <= accepted_error(options.tolerance) * program_.scale(modes_.v);
 }
 
-bool ConeStarts::best_stays(const Job& job) {
-  const bool asked = job.finish && program_.law().lifts() && !job.deadline.passed();
-  if (!asked || !(job.best.natural <= nearly_exact * program_.scale(job.best.v))) return false;
-  modes_.begin(program_, job.best.v, job.best.y);
-  return program_.accepts(modes_.residual, modes_.v, job.options, true) && modes_stay(job.options);
+bool ConeStarts::stands(const Job& job, bool at_last) {
+  const auto& [p, options, deadline, solution, best, finish] = job;
+  const double size = program_.scale(best.v);
+  const bool lifts = program_.law().lifts(), anew = best.natural < 0.5 * best.looked_at;
+  if (!finish || !(best.natural <= options.tolerance * size) || deadline.passed()) return false;
+  asked_.accuracy = accepted_error(options.tolerance);
+  nearby_.begin(p, asked_, &program_);
+  best.looked_at = std::min(best.looked_at, best.natural);
+  const bool bounded = anew && !program_.is_out_of_reach(best.v) && nearby_.holds_at(best.y);
+  modes_.begin(program_, bounded ? nearby_.v() : best.v, bounded ? nearby_.y() : best.y);
+  const bool settled = at_last && lifts && best.natural <= nearly_exact * size &&
+                       program_.accepts(modes_.residual, modes_.v, options, true);
+  if (!(bounded || settled) || (lifts && !modes_stay(options))) return false;
+  if (bounded) best.v = nearby_.v(), best.y = nearby_.y();
+  return true;
 }
 
 ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
@@ -276,7 +284,7 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
     rest.max_iterations = most - solution.iterations;
     program_.state({}, &slips_);
     of_slips_ = best;
-    of_slips_.natural = infinity;
+    of_slips_.natural = of_slips_.looked_at = infinity;
     const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, start);
     solution.iterations += of_convex_.iterations;
     program_.state(law);

@@ -16,7 +16,7 @@ class ConeStarts {
   // The best iterate there is, by its natural residual.
   struct Best {
     Vector v = {}, y = {};
-    double natural = 0;
+    double natural = 0, looked_at = 0;  // that stands() looked at the last time
     void keep(const Vector& other_v, const Vector& other_y, double residual);
   };
   struct Job {
@@ -31,25 +31,25 @@ class ConeStarts {
 
   // False where the answer is known, and then written.
   bool begin(const Job& job, ConeProgram::Want want) {
+    job.best.natural = job.best.looked_at = infinity;
     promise_.begin(job.problem, job.options, &program_);
     inside_.forget_path();
     return program_.build(job.problem, want, job.options, job.deadline, job.solution);
   }
   ConeProgram& program() { return program_; }
-  // Sparse rows under Coulomb's law leave its shift undifferentiated, which walls do not mind. Where that leads nowhere
-  // they are taken again, dense or with sparse LU, and go all ways that differentiate it.
+  // Sparse rows under Coulomb's law, which are not differentiated: they go all ways again, dense or with sparse LU.
   bool can_couple(const Job& job);
   bool couple(const Job& job);  // false: the problem is decided
-  // Where no way led to an answer: contacts that depend on each other may hand load to and fro, and the motion stay.
-  bool best_stays(const Job& job);
+  // Is there an answer near the best iterate where residual and gap do not tell? There is by a bound on its error
+  // (promise.h), and the best then moves to where it holds; at last also where contacts that depend on each other hand
+  // load to and fro, and the motion stays.
+  bool stands(const Job& job, bool at_last);
   bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
   Best best;
 
   // Each fails, too, where it does not apply. `start`: the size of an interior point's.
   End from_rest(const Job& job, double);  // z_u, where it meets the rows to rounding
   End from_warm(const Job& job, double);
-  // To an answer that nothing certifies yet, as where contacts depend on each other, other ways mostly end there, too,
-  // and all of them together get the iterations of one.
   End from_start(const Job& job, double start);
   End from_few_steps(const Job& job, double start);  // Coulomb's law, where few steps of the interior point are enough
   // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
@@ -61,8 +61,7 @@ class ConeStarts {
   End from_convex_problems(const Job& job, double start);
   // Sparse rows under Coulomb's law that are differentiated: from the best iterate by sweeps over the contacts
   // (contact_sweeps.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is
-  // blocked. (A path in the lift from the convex law to Coulomb's folds on the way; slips accelerated after Anderson
-  // stall; alternating directions come as near, but later: docs/notes/stability.md.)
+  // blocked. (What was tried in their place: docs/notes/stability.md.)
   End from_sweeps(const Job& job, double);
   End from_inside(const Job& job, double start, Way way = Way::free);  // by the interior point
 
@@ -78,10 +77,11 @@ class ConeStarts {
   ConeProgram program_;
   InteriorPoint inside_;
   ModeNewton modes_;
-  Promise promise_;
+  Promise promise_, nearby_;
+  SolveOptions asked_;  // of nearby_
   ContactSweeps sweeps_;
   Best of_slips_, swept_;
-  Vector proof_, slips_, s_, move_, pull_;
+  Vector proof_, slips_, s_, move_;
   int begun_ = 0;  // iterations before the start at hand, or before the first of those that share
   Solution of_convex_;
 };

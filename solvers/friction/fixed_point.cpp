@@ -43,7 +43,6 @@ void FixedPoint::complete() {
 }
 
 std::string FixedPoint::supports(const Problem& problem) const {
-  if (!problem.has_tangents()) return "no contact with friction";
   Problem convex = problem;
   convex.law = without_lift(problem.law);
   const std::string reason = solver->supports(convex);

@@ -24,6 +24,7 @@ namespace zwang {
 struct FixedPoint {
   static constexpr std::string_view name = "fixed_point";
   static constexpr auto laws = laws_that<lifts>;
+  static constexpr bool needs_friction = true;
 
   std::function<AnySolver(const std::string&)> make = {};  // a solver of the convex law from `inner`, or throws
   std::string inner = "cone";

@@ -14,7 +14,6 @@ NewtonStart::End InsideStart::operator()(const Problem& p, const SolveOptions& o
   } catch (const Stopped&) {
     return failed;  // no room for a factor beside that of the method, which goes on alone; or no time
   }
-  starts_.best.natural = infinity;
   const ConeStarts::End end = starts_.from_inside(job, ConeStarts::first_start);
   if (end == ConeStarts::End::written) return written;
   if (end == ConeStarts::End::failed) return failed;

@@ -2,10 +2,6 @@
 
 namespace zwang {
 
-std::string Nsgs::supports(const Problem& problem) const {
-  return problem.has_tangents() ? "" : "no contact with friction";
-}
-
 void Nsgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;

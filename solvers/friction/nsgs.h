@@ -14,13 +14,13 @@ namespace zwang {
 struct Nsgs {
   static constexpr std::string_view name = "nsgs";
   static constexpr std::array laws{Law::coulomb};
+  static constexpr bool needs_friction = true;
 
   int max_sweeps = 10000;
 
   static std::vector<Setting<Nsgs>> settings() {
     return {{"max_sweeps", &Nsgs::max_sweeps, "sweeps over all contacts before giving up"}};
   }
-  std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   ConeIteration::Workspace inner = {};

@@ -98,13 +98,17 @@ bool Promise::holds(const Vector& lambda, Solution& solution) {
   return holds_at(y_, solution);
 }
 
-bool Promise::holds_at(const Vector& y, Solution& solution) {
+bool Promise::holds_at(const Vector& y) {
   if (!options_->has_accuracy() || !prepare()) return false;
   y_ = y;
-  const Bound bound = look();
-  if (!bound.is_enough) return false;
+  bound_ = look();
+  return bound_.is_enough;
+}
+
+bool Promise::holds_at(const Vector& y, Solution& solution) {
+  if (!holds_at(y)) return false;
   program_->write(*problem_, v_, y_, solution);
-  solution.error_bound = bound.relative;
+  solution.error_bound = bound_.relative;
   solution.status = Status::solved;
   return true;
 }
@@ -210,7 +214,6 @@ double Promise::settle() {
     dv_ -= force_;
     face.solve(dv_);
     face.slack(dv_, ds_);
-    face.mass(dv_, force_);
     v_ += dv_;
     for (Index k = 0; k < nc; ++k)
       y_.segment<3>(3 * k) = next_.segment<3>(3 * k) - Eigen::Map<const Mat3>(&D_[at(9 * k)]) * ds_.segment<3>(3 * k);
@@ -218,7 +221,7 @@ double Promise::settle() {
     face.slack(v_, s_);
     s_ -= h_;
     last = length;
-    length = std::sqrt(std::max(0.0, force_.dot(dv_)));
+    length = program_->length(dv_);
     if (!(length > rounding * program_->scale(v_))) return 2 * length;
     if (length > last / 2) break;
   }
@@ -341,8 +344,7 @@ double Promise::inside(double still, double size) {
   });
   rows([&](double slack, double opens) { least = std::min(least, slack + way * opens); });
   if (!(least >= -eps * size)) return infinity;
-  face.mass(w_, force_);
-  const double apart = way * std::sqrt(force_.dot(w_));
+  const double apart = way * program_->length(w_);
   half_ += apart / 2;
   return far(still + factor_rounding_ * size + apart, way * std::max(0.0, y_.dot(ds_)) + rest * y_.lpNorm<1>());
 }

@@ -35,6 +35,9 @@ class Promise final : public Prover {
   bool is_due(double work) override;
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
+  bool holds_at(const Vector& y);                      // and where: v(), y()
+  const Vector& v() const { return v_; }
+  const Vector& y() const { return y_; }
   // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
   bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !choose(y, s); }
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
@@ -46,7 +49,7 @@ class Promise final : public Prover {
   struct Bound {
     double relative = infinity;  // to the motion
     bool is_enough = false;
-  };
+  } bound_;
 
   bool prepare();
   Bound look();
