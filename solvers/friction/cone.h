@@ -32,10 +32,10 @@ namespace zwang {
 // first, claimed answers to rows that contradict each other by 1e-10.
 //
 // One iteration is one factorization. `solved` is claimed where, in unit rows and relative to the motion, the natural
-// residual is at the tolerance and the gap bounds the distance to the convex answer of this slip by ten times that; or
-// where the modes hold to rounding; or where they hold to the tolerance, Newton's method on them has converged to it,
-// and what is left is what rows that depend on each other disagree by. Coulomb's law may have several answers, or none:
-// this is one of them.
+// residual is at the tolerance and the gap, or promise.h, bounds the distance to the convex answer of this slip by ten
+// times that; or where the modes hold to rounding; or where they hold to the tolerance, Newton's method on them has
+// converged to it, and what is left is what rows that depend on each other disagree by. Coulomb's law may have several
+// answers, or none: this is one of them.
 struct Cone {
   static constexpr std::string_view name = "cone";
   static constexpr auto laws = laws_that<has_cones>;

@@ -6,6 +6,7 @@
 
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/timing/allocations.h>
+#include <zwang/core/problem/law.h>
 #include <zwang/core/referee/measure.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/friction/cone.h>
@@ -239,6 +240,19 @@ TEST(Cone, GoesByConvexProblemsWhereNoStartLeads) {
     EXPECT_EQ(measure(p, s, nullptr, 1e-12).verdict, Verdict::solved) << scene;
   }
   EXPECT_NE(solve(make_scenes("MRF(k=40)").at(0).problem, cone(), {.tolerance = 1e-12}).status, Status::solved);
+}
+
+// Forces that grow like 2^k leave a gap that bounds nothing: what the bound of promises says of the best iterate
+// counts.
+TEST(Cone, ABoundTellsOfAnAnswerWhereTheGapDoesNot) {
+  for (const auto& [scene, law] :
+       {std::pair{"JAM(k=20)", Law::coulomb}, {"MUL(k=8)", Law::convex}, {"MUL(k=9)", Law::convex}}) {
+    const Problem p = under(law, make_scenes(scene).at(0).problem);
+    const Solution s = solve(p, cone(), {.tolerance = 1e-10});
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_TRUE(std::isnan(s.error_bound)) << "nobody asked";
+    EXPECT_EQ(measure(p, s, nullptr, 1e-10).verdict, Verdict::solved) << scene;
+  }
 }
 
 // More than a thousand unknowns: by sparse LU where Coulomb's shift has to be differentiated.
