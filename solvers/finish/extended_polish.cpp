@@ -323,7 +323,7 @@ Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRo
     const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
     if (most > -touch && touching_.empty()) touched_ = std::max(0.0, static_cast<double>(most));
     if (most > -touch) touching_.push_back(i);
-    if (!(most > needless * tolerances::rank * real_eps)) continue;
+    if (!(most + tolerances::wide_violation * rounding > needless * tolerances::rank * real_eps)) continue;
     const double share = share_[at(i)] = express(active, i);
     if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
     const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
