@@ -71,8 +71,7 @@ std::string too_large(const Problem& problem, Index most_unknowns, Index most_ro
 class Promise;
 Prover& prover_in(Session<Promise>& kept);  // beside Promise
 
-// What the registry adds to a solver: its limits, `most_unknowns`, `most_rows` and `needs_friction`, where it states
-// them, and the bound.
+// What the registry adds to a solver: its `most_unknowns`, `most_rows`, `needs_friction`, where stated, and the bound.
 template <Solver S>
 struct Registered : S {
   std::string supports(const Problem& problem) const {

@@ -141,7 +141,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
   };
   const Status end =
       settle() ? dual_climb(*this, s.iterations, options.max_iterations, deadline, entered) : Status::numerical_failure;
-  found_.assign(active.rows().begin(), active.rows().end());
+  if (!polishes_) found_.assign(active.rows().begin(), active.rows().end());
   const bool limited = end == Status::time_limit || end == Status::iteration_limit;
   if (limited || !polishes_) write();
   if (limited) {

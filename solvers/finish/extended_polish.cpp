@@ -87,7 +87,8 @@ bool ExtendedPolish<Real>::refine(const Problem& p, Whitened& w, ActiveRows& act
     const double length = correction(p, w, active);
     for (Index i = 0; i < active.size(); ++i) l_[active[i]] += Real(r2_[i]) / Real(w.row_norm[active[i]]);
     if (p.size() > 0) w.factor.solve_upper(r1_);
-    for (Index j = 0; j < p.size(); ++j) z_[j] += ldexp(Real(r1_[j]), w.exponent);
+    const Real one = ldexp(Real(1), w.exponent);
+    for (Index j = 0; j < p.size(); ++j) z_[j] += Real(r1_[j]) * one;
     ++z_number_;
     Real square = 0;
     for (const Index i : active.rows()) square += unit(w, i) * b_[i];  // |y|^2 = l'b at the solution

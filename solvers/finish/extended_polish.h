@@ -45,8 +45,7 @@ class ExtendedPolish {
                Solution& solution);
 
   bool is_blurred() const { return is_blurred_; }  // a row is taken for a combination of others, or makes a wedge
-  // For methods that stand alone (polish=off): whether `unit`, multipliers of the unit rows, is a Farkas vector. If so
-  // the solution holds it.
+  // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
   bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
 
  private:

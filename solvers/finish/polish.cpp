@@ -29,7 +29,7 @@ Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, c
 }
 
 // Tried before: the answer's own residuals. They are rounding in z, which hides what a row that all but depends on the
-// active ones asks for: 4 in 1,000 answers among such rows were called solved, and far away.
+// active ones asks for: answers among such rows were called solved, and far away.
 void Polish::judge(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options, Solution& s) {
   polished_ = s;
   const bool solved = run(p, w, active, options, polished_) == Outcome::solved;

@@ -80,7 +80,8 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
   if (end == End::failed && starts_.can_couple(job))
     end = starts_.couple(job) ? run_ladder(starts_, job) : End::written;
   if ((end == End::failed || end == End::limit) && starts_.stands(job, true)) end = End::accepted;
-  if (end == End::written || starts_.promises(job)) return;  // also where a limit ended it near enough
+  // Also where a limit ended it near enough; but of time, which a look would take.
+  if (end == End::written || ((end == End::accepted || !deadline.passed()) && starts_.promises(job))) return;
   starts_.program().write(p, best.v, best.y, solution);
   if (options.observe) options.observe(solution.iterations, solution.z, solution.lambda);
   solution.status = end == End::accepted ? Status::solved

@@ -34,12 +34,8 @@ bool ConeIteration::goes_on(int limit) {
 bool ConeIteration::step_done() {
   ++solution_.iterations;
   ConeProgram& program = work_.program;
-  double unbalanced = 0;
-  if (program.is_dense()) {
-    program.face().force(work_.y, work_.v);
-  } else {
-    unbalanced = program.imbalance(work_.v, work_.y);
-  }
+  if (program.is_dense()) program.face().force(work_.y, work_.v);
+  const double unbalanced = program.is_dense() ? 0 : program.imbalance(work_.v, work_.y);
   program.slack(work_.v, work_.s);
   const double scale = program.scale(work_.v);
   const ConeProgram::Residual left = program.residual(work_.y, work_.s);

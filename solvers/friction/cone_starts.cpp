@@ -49,9 +49,7 @@ bool ConeStarts::takes(const Job& job, const ConeProgram::Residual& r, const Vec
 }
 
 ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
-  modes_.v.setZero(program_.face().unknowns());
-  modes_.y.setZero(program_.rows());
-  modes_.begin(program_);
+  modes_.begin(program_, job.best.v, job.best.y);
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   return modes_.residual.natural <= tolerances::cone_exact * program_.scale(modes_.v) ? End::accepted : End::failed;
 }
@@ -108,7 +106,7 @@ bool ConeStarts::couple(const Job& job) {
   const int before = job.solution.iterations;
   const bool dense = ConeProgram::can_be_dense(job.problem);
   if (dense && !begin(job, ConeProgram::Want::dense)) return false;
-  if (!dense) program_.couple(), inside_.forget_path();
+  if (!dense) program_.couple(), inside_.forget_path(), job.best.begin(program_);
   job.solution.iterations = before;
   job.solution.fallback = true;
   return true;
@@ -190,8 +188,9 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
       run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
     } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
+      if (!program_.law().lifts()) return End::accepted;
       modes_.begin(program_, inside_);
-      if (!program_.law().lifts() || modes_stay(options)) return End::accepted;
+      if (modes_stay(options)) return End::accepted;
     }
     if (stands(job, false)) return End::accepted;
     if (stuck) return End::failed;
@@ -283,8 +282,7 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
     of_convex_.reset(p.size(), p.rows());
     rest.max_iterations = most - solution.iterations;
     program_.state({}, &slips_);
-    of_slips_ = best;
-    of_slips_.natural = of_slips_.looked_at = infinity;
+    of_slips_.begin(program_);
     const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, start);
     solution.iterations += of_convex_.iterations;
     program_.state(law);

@@ -18,6 +18,11 @@ class ConeStarts {
     Vector v = {}, y = {};
     double natural = 0, looked_at = 0;  // that stands() looked at the last time
     void keep(const Vector& other_v, const Vector& other_y, double residual);
+    void begin(ConeProgram& program) {
+      v.setZero(program.face().unknowns());
+      y.setZero(program.rows());
+      natural = looked_at = infinity;
+    }
   };
   struct Job {
     const Problem& problem;
@@ -31,10 +36,11 @@ class ConeStarts {
 
   // False where the answer is known, and then written.
   bool begin(const Job& job, ConeProgram::Want want) {
-    job.best.natural = job.best.looked_at = infinity;
     promise_.begin(job.problem, job.options, &program_);
     inside_.forget_path();
-    return program_.build(job.problem, want, job.options, job.deadline, job.solution);
+    if (!program_.build(job.problem, want, job.options, job.deadline, job.solution)) return false;
+    job.best.begin(program_);
+    return true;
   }
   ConeProgram& program() { return program_; }
   // Sparse rows under Coulomb's law, which are not differentiated: they go all ways again, dense or with sparse LU.

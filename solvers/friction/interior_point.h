@@ -43,8 +43,7 @@ class InteriorPoint {
   double gap() const { return gap_; }                   // the mean of y w
   double last_step() const { return last_step_; }       // of step(): the part of it that was taken
   double residual() const { return residual_; }         // the largest entry of what is left
-  // y as far as it proves that no v meets the rows (convex law): u in the cones, and h'u beyond |G'u|_M^-1 times any
-  // motion.
+  // y as far as it proves that no v meets the rows (convex law): u in the cones, h'u beyond |G'u|_M^-1 of any motion.
   bool proves_infeasible(ConeProgram& program, Vector& u);
 
  private:

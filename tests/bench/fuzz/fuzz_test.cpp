@@ -72,7 +72,7 @@ TEST_F(Fuzz, MethodsThatStandAloneAreNotCalledRightWhereTheyAreNot) {
   for (const FuzzTally& t : o.tally) EXPECT_GT(t.solved, 400u);
 }
 
-// What z_u hardly violates has a small unit: a proof that reached as far in it was none.
+// Where forces are not unique, some of them add up to nothing, and so does h'u, but for rounding: that is no proof.
 TEST_F(Fuzz, AnInteriorPointAloneProvesNoContradictionWhereThereIsNone) {
   expect_no_fault(
       run({.seed = 93, .first = 2991, .count = 1, .solvers = "cone:finish=off", .accuracy = "1e-4", .friction = true}));
