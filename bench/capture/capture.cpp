@@ -16,10 +16,6 @@
 namespace zwang {
 namespace {
 
-struct DeleteData {
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
-
 class Model {
  public:
   Model(const std::filesystem::path& file, bool friction);
@@ -37,7 +33,7 @@ class Model {
   std::string family_;
   bool friction_;
   std::unique_ptr<mjModel, DeleteModel> model_;
-  std::unique_ptr<mjData, DeleteData> data_;
+  std::unique_ptr<mjData, DeleteModel> data_;
   std::vector<int> condim_, pair_dim_;  // as the model has them
 };
 

@@ -12,6 +12,7 @@
 namespace zwang {
 
 void DeleteModel::operator()(mjModel_* model) const { mj_deleteModel(model); }
+void DeleteModel::operator()(mjData_* data) const { mj_deleteData(data); }
 
 std::unique_ptr<mjModel_, DeleteModel> load_model(const std::filesystem::path& file) {
   mju_user_error = [](const char* message) { throw std::runtime_error(message); };

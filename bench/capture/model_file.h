@@ -4,11 +4,13 @@
 #include <memory>
 
 struct mjModel_;
+struct mjData_;
 
 namespace zwang {
 
 struct DeleteModel {
   void operator()(mjModel_* model) const;
+  void operator()(mjData_* data) const;
 };
 
 // An MJCF or URDF model as MuJoCo reads it. From then on MuJoCo's own complaints are exceptions. Throws BadFile with

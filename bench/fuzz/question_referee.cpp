@@ -85,19 +85,10 @@ std::vector<Invented> invent(const Problem& p, const ExactSolutions& truth, Smal
       const double own = std::max(lambda.lpNorm<Eigen::Infinity>() / 8, std::abs(lambda[row]));
       pushed[row] += own * draw.integer(-2, 2) * std::exp2(-draw.integer(0, 40));
     }
-    switch (kind) {
-      case 0:
-        out.push_back({"moved", z + off, lambda});
-        break;
-      case 1:
-        out.push_back({"moved, without multipliers", z + off, {}});
-        break;
-      case 2:
-        out.push_back({"multipliers of nothing", draw.integer(0, 1) == 0 ? z : Vector(z + off), any()});
-        break;
-      default:
-        out.push_back({"what a wrong force does", p.z_u + inverse * (p.J.transpose() * pushed), pushed});
-    }
+    if (kind == 0) out.push_back({"moved", z + off, lambda});
+    if (kind == 1) out.push_back({"moved, without multipliers", z + off, {}});
+    if (kind == 2) out.push_back({"multipliers of nothing", draw.integer(0, 1) == 0 ? z : Vector(z + off), any()});
+    if (kind > 2) out.push_back({"what a wrong force does", p.z_u + inverse * (p.J.transpose() * pushed), pushed});
   }
   return out;
 }

@@ -161,30 +161,23 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
   const double value = values[static_cast<std::size_t>(draw.integer(0, 6))];
   Spoilt out{.problem = std::move(problem)};
   Problem& p = out.problem;
-  std::ostringstream what;
   const Index i = p.rows() > 0 ? draw.index(p.rows()) : 0, j = draw.index(p.size());
   out.bad = !std::isfinite(value);
-  switch (p.rows() > 0 ? draw.integer(0, 3) : draw.integer(0, 1)) {
-    case 0:
-      p.z_u[j] = value;
-      what << "z_u[" << j << "]";
-      break;
-    case 1:
-      p.M.coeffRef(j, j) = value;
-      what << "M(" << j << ", " << j << ")";
-      out.bad |= value < 1;  // negative, or too small to divide by
-      break;
-    case 2:
-      p.J.coeffRef(i, j) = value;
-      what << "J(" << i << ", " << j << ")";
-      break;
-    default:
-      p.c[i] = value;
-      what << "c[" << i << "]";
-      out.bad &= value != -inf || p.is_equality(i);
-  }
-  what << " = " << value;
-  out.what = what.str();
+  const auto set = [&](double& entry, const char* name, Index first, Index second) {
+    std::ostringstream what;
+    what << name << first;
+    if (second >= 0) what << ", " << second;
+    what << (second >= 0 ? ") = " : "] = ") << value;
+    out.what = what.str();
+    entry = value;
+  };
+  const int way = p.rows() > 0 ? draw.integer(0, 3) : draw.integer(0, 1);
+  if (way == 0) set(p.z_u[j], "z_u[", j, -1);
+  if (way == 1) set(p.M.coeffRef(j, j), "M(", j, j);
+  if (way == 2) set(p.J.coeffRef(i, j), "J(", i, j);
+  if (way == 3) set(p.c[i], "c[", i, -1);
+  if (way == 1) out.bad |= value < 1;  // negative, or too small to divide by
+  if (way == 3) out.bad &= value != -inf || p.is_equality(i);
   return out;
 }
 

@@ -7,6 +7,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <Eigen/SparseCholesky>
+
 #include <atomic>
 #include <cstdlib>
 #include <numeric>
@@ -29,10 +31,10 @@ namespace {
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Integers = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
-Vector to_vector(const Numbers& numbers, const char* name) {
-  if (numbers.ndim() != 1)
-    throw std::invalid_argument(std::string(name) + " should have one dimension, and has " +
-                                std::to_string(numbers.ndim()));
+Vector to_vector(const Numbers& numbers, const char* name, Index size = -1) {
+  if (numbers.ndim() != 1 || (size >= 0 && numbers.size() != size))
+    throw std::invalid_argument(std::string(name) + " should have one dimension" +
+                                (size >= 0 ? " and " + std::to_string(size) + " entries" : ""));
   return Eigen::Map<const Vector>(numbers.data(), numbers.size());
 }
 
@@ -101,6 +103,64 @@ void require_good(const Problem& p) {
   if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
 }
 
+// What a row moves a motion of unit length by, its slack, and the length of M (z - z_u) - J'lambda: with the diagonal
+// of M for M.
+py::tuple residuals(const Instance& instance, const Solution& s) {
+  const Problem& p = instance.problem;
+  if (s.z.size() != p.size() || s.lambda.size() != p.rows())
+    throw std::invalid_argument("modes are read off z and lambda of a solution");
+  const Vector mass = p.M.diagonal(), off = p.M * (s.z - p.z_u) - p.J.transpose() * s.lambda;
+  const auto length = [&](const Vector& v) { return v.cwiseAbs2().dot(mass); };
+  const Vector unit = (p.J.cwiseProduct(p.J) * mass.cwiseInverse()).cwiseSqrt();
+  return py::make_tuple(to_numpy(unit), to_numpy(p.J * s.z - p.c), std::sqrt(length(off.cwiseQuotient(mass))),
+                        std::sqrt(std::max(length(s.z), length(p.z_u))));
+}
+
+// Motions that keep rows S = T J of a problem, M z = M z_u + force + S'lambda, S z = rows, or >= of some: Gauss'
+// problem once more. T by its entries.
+struct Kept {
+  Kept(const Instance& instance, const Integers& place, const Integers& row, const Numbers& factor,
+       const py::array_t<bool>& equality, bool sparse)
+      : sparse_(sparse) {
+    const Problem& p = instance.problem;
+    tangent_.M = p.M;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index k = 0; k < row.size(); ++k) {
+      const int from = row.at(k), to = place.at(k);
+      if (from < 0 || from >= p.rows() || to < 0 || to >= equality.size()) throw std::invalid_argument("no such row");
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, from); it; ++it)
+        entries.emplace_back(to, static_cast<int>(it.col()), factor.at(k) * it.value());
+    }
+    tangent_.J.resize(equality.size(), p.size());
+    tangent_.J.setFromTriplets(entries.begin(), entries.end());
+    for (Index i = 0; i < equality.size(); ++i) {
+      tangent_.kind.push_back(equality.at(i) ? RowKind::equality : RowKind::inequality);
+      tangent_.key.push_back({0, static_cast<std::uint32_t>(i)});
+    }
+  }
+
+  // z, lambda, and whether lambda is known to be the only one.
+  py::tuple solve(const Numbers& z_u, const Numbers& force, const Numbers& rows) {
+    thread_local std::array kept{make_solver("dual_active_set"), make_solver("newton")};  // fresh: twice the time
+    tangent_.z_u = to_vector(z_u, "z_u", tangent_.M.rows());
+    tangent_.c = to_vector(rows, "rows");
+    if (const Vector push = to_vector(force, "force", tangent_.M.rows()); !push.isZero(0)) {
+      if (mass_.rows() == 0) mass_.compute(tangent_.M);
+      tangent_.z_u += mass_.solve(push);
+    }
+    kept[sparse_ ? 1 : 0].solve(tangent_, {.tolerance = 1e-12, .time_limit = 60}, answer_);
+    if (answer_.status != Status::solved)
+      throw std::invalid_argument("rows that push do not hold together: " + std::string(to_string(answer_.status)));
+    const bool unique = answer_.redundant.empty() && (tangent_.rows() == 0 || answer_.margins.rank >= 0);
+    return py::make_tuple(to_numpy(answer_.z), to_numpy(answer_.lambda), unique);
+  }
+
+  bool sparse_;
+  Problem tangent_;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> mass_;
+  Solution answer_;
+};
+
 Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed& J, const Numbers& c,
                       const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Numbers& mu,
                       const std::string& law, std::string name) {
@@ -120,6 +180,12 @@ Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed&
   p.mu = to_vector(mu, "mu");
   p.law = parse_law(law);
   require_good(p);
+  return out;
+}
+
+py::array_t<bool> rows_of(const Instance& i, RowKind kind) {
+  py::array_t<bool> out(i.problem.rows());
+  std::ranges::transform(i.problem.kind, out.mutable_data(), [kind](RowKind own) { return own == kind; });
   return out;
 }
 
@@ -274,19 +340,8 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("_J", [](const Instance& i) { return from_matrix(i.problem.J); })
       .def_property_readonly("z_u", [](const Instance& i) { return to_numpy(i.problem.z_u); })
       .def_property_readonly("c", [](const Instance& i) { return to_numpy(i.problem.c); })
-      .def_property_readonly("equality",
-                             [](const Instance& i) {
-                               py::array_t<bool> out(i.problem.rows());
-                               for (Index r = 0; r < i.problem.rows(); ++r)
-                                 out.mutable_at(r) = i.problem.is_equality(r);
-                               return out;
-                             })
-      .def_property_readonly("tangent",
-                             [](const Instance& i) {
-                               py::array_t<bool> out(i.problem.rows());
-                               for (Index r = 0; r < i.problem.rows(); ++r) out.mutable_at(r) = i.problem.is_tangent(r);
-                               return out;
-                             })
+      .def_property_readonly("equality", [](const Instance& i) { return rows_of(i, RowKind::equality); })
+      .def_property_readonly("tangent", [](const Instance& i) { return rows_of(i, RowKind::tangent); })
       .def_property_readonly(
           "mu",
           [](const Instance& i) {
@@ -306,6 +361,15 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("bodies", &bodies)
       .def("_scene_change", &change_of_scene)
+      .def("_residuals", [](const Instance& i, const Solved& s) { return residuals(i, s.solution); })
+      .def("_residuals",
+           [](const Instance& i, const Numbers& z, const Numbers& lambda) {
+             return residuals(i, {.z = to_vector(z, "z"), .lambda = to_vector(lambda, "lambda")});
+           })
+      .def("_push",
+           [](const Instance& i, const Numbers& f) {
+             return to_numpy(i.problem.J.transpose() * to_vector(f, "force", i.problem.rows()));
+           })
       .def_property_readonly("row_names",
                              [](const Instance& i) {
                                std::vector<std::string> names;
@@ -331,6 +395,11 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("handed_to", [](const Solved& s) { return s.solution.handed_to; })
       .def_property_readonly("redundant", [](const Solved& s) { return s.solution.redundant; })
       .def_readonly("seconds", &Solved::seconds);
+
+  made_by_calls(py::class_<Kept>(m, "Kept"))
+      .def(
+          py::init<const Instance&, const Integers&, const Integers&, const Numbers&, const py::array_t<bool>&, bool>())
+      .def("solve", &Kept::solve);
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))
       .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })
@@ -368,8 +437,7 @@ PYBIND11_MODULE(_zwang, m) {
   });
   const auto free = py::call_guard<py::gil_scoped_release>();
   m.def("make_scenes", &make_scenes, "text"_a, "seed"_a, "mu"_a = py::none(), free);
-  m.def(
-      "load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
+  m.def("load", [](const std::filesystem::path& file) { return read_problems(file); }, free);
   m.def(
       "save",
       [](const std::filesystem::path& file, const std::vector<Instance>& problems) {
@@ -382,16 +450,14 @@ PYBIND11_MODULE(_zwang, m) {
     const py::gil_scoped_release working;
     return judge(instance, given, multipliers, tolerance, reference_cache());
   });
-  m.def("from_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h, const Compressed& A,
-                      const Numbers& b, const Numbers& lb, const Numbers& ub) {
-    AsLeastConstraint form = as_least_constraint(to_program(P, q, G, h, A, b, lb, ub));
+  made_by_calls(py::class_<QuadraticProgram>(m, "Program")).def(py::init(&to_program));
+  m.def("from_qp", [](const QuadraticProgram& program) {
+    AsLeastConstraint form = as_least_constraint(program);
     form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
     return form.instance;
   });
-  m.def("judge_qp", [](const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
-                       const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub, const Numbers& x,
-                       const Numbers& y, const Numbers& z, const Numbers& z_box, double tolerance) {
-    const QuadraticProgram program = to_program(P, q, G, h, A, b, lb, ub);
+  m.def("judge_qp", [](const QuadraticProgram& program, const Numbers& x, const Numbers& y, const Numbers& z,
+                       const Numbers& z_box, double tolerance) {
     const Vector x_ = to_vector(x, "x"), y_ = to_vector(y, "y"), z_ = to_vector(z, "z"),
                  box = to_vector(z_box, "z_box");
     const py::gil_scoped_release working;

@@ -121,24 +121,19 @@ Verdict by_error(double upper, double lower, double tolerance) {
   return lower > near_error(tolerance) ? Verdict::wrong : Verdict::undecided;
 }
 
+// By their order in the enum: how they are called, and how bad they are.
+static constexpr std::pair<std::string_view, int> verdicts[] = {
+    {"solved", 0},      {"near", 2},       {"wrong", 12},  {"infeasible, proven", 1}, {"infeasible, claimed only", 6},
+    {"undecided", 5},   {"no answer", 7},  {"timeout", 9}, {"crashed", 10},           {"bad input", 11},
+    {"unsupported", 8}, {"consistent", 4}, {"rows off", 3}};
+static_assert(std::size(verdicts) == static_cast<std::size_t>(last_verdict) + 1);
+
 std::string_view to_string(Verdict verdict) {
-  static constexpr std::array<std::string_view, 13> words{"solved",
-                                                          "near",
-                                                          "wrong",
-                                                          "infeasible, proven",
-                                                          "infeasible, claimed only",
-                                                          "undecided",
-                                                          "no answer",
-                                                          "timeout",
-                                                          "crashed",
-                                                          "bad input",
-                                                          "unsupported",
-                                                          "consistent",
-                                                          "rows off"};
-  static_assert(words.size() == static_cast<std::size_t>(last_verdict) + 1);
   const auto k = static_cast<std::size_t>(verdict);
-  return k < words.size() ? words[k] : "unknown verdict";
+  return k < std::size(verdicts) ? verdicts[k].first : "unknown verdict";
 }
+
+int severity(Verdict verdict) { return verdicts[static_cast<std::size_t>(verdict)].second; }
 
 Metrics measure(const Problem& problem, const Solution& solution, const Reference* reference, double tolerance) {
   require_matching_sizes(problem);

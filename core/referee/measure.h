@@ -32,38 +32,8 @@ inline constexpr Verdict last_verdict = Verdict::rows_off;
 
 // How bad a verdict is: a total order. Of several verdicts the worst stands for all. An infeasibility that is proven is
 // no fault: rows that push out of a wedge may contradict each other.
-constexpr int severity(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::solved:
-      return 0;
-    case Verdict::infeasible_proven:
-      return 1;
-    case Verdict::near:
-      return 2;
-    case Verdict::rows_off:
-      return 3;
-    case Verdict::consistent:
-      return 4;
-    case Verdict::undecided:
-      return 5;
-    case Verdict::infeasible_claimed:
-      return 6;
-    case Verdict::no_answer:
-      return 7;
-    case Verdict::unsupported:
-      return 8;
-    case Verdict::timeout:
-      return 9;
-    case Verdict::crashed:
-      return 10;
-    case Verdict::bad_input:
-      return 11;
-    case Verdict::wrong:
-      break;
-  }
-  return 12;
-}
-constexpr Verdict worse(Verdict a, Verdict b) { return severity(a) < severity(b) ? b : a; }
+int severity(Verdict verdict);
+inline Verdict worse(Verdict a, Verdict b) { return severity(a) < severity(b) ? b : a; }
 
 // 1000 times what `solved` allows, but never more than a hundredth of the motion: beyond that nothing is near.
 double near_error(double tolerance);

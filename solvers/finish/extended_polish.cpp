@@ -34,7 +34,6 @@ void ExtendedPolish<Real>::prepare(const Problem& p, Whitened& w) {
   const Index n = p.size(), k = w.rows();
   z_ = p.z_u.template cast<Real>();
   l_.setZero(k);
-  u_.setZero(k);
   b_.resize(k);
   force_.resize(n);
   mu_.resize(std::min(n, k));

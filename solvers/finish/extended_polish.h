@@ -95,7 +95,6 @@ class ExtendedPolish {
   RealVector z_, l_;    // n, k: the point, and the multipliers of the rows as given, times 2^-exponent
   RealVector force_;    // n
   RealVector mu_;       // |A|: the dependent row as a combination of the active ones
-  RealVector u_;        // k
   Vector r1_, r2_, t_;  // whitened residuals and a work vector
   Vector certificate_;  // m: the Farkas vector under test
   std::vector<char> state_;

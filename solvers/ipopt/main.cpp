@@ -23,18 +23,18 @@ int main() {
     const Preparation::Watch watch;
     const double start = thread_cpu_seconds();
     reply.solution.reset(request.problem.size(), request.problem.rows());
+    const auto give_up = [&](Status status, const std::string& reason) {
+      reply.solution.reset(0, 0);
+      reply.solution.status = status;
+      reply.solution.message = reason;
+      method = IpoptMethod();
+    };
     try {
       method.solve(request.problem, options, reply.solution);
     } catch (const Stopped& stopped) {
-      reply.solution.reset(0, 0);
-      reply.solution.status = stopped.status;
-      reply.solution.message = stopped.message;
-      method = IpoptMethod();
+      give_up(stopped.status, stopped.message);
     } catch (const std::bad_alloc&) {
-      reply.solution.reset(0, 0);
-      reply.solution.status = Status::numerical_failure;
-      reply.solution.message = "out of memory";
-      method = IpoptMethod();
+      give_up(Status::numerical_failure, "out of memory");
     }
     reply.seconds = thread_cpu_seconds() - start;
     reply.prepare_s = watch.sum();

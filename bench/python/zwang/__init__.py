@@ -224,36 +224,40 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
     h, b, lb, ub, x = (_numbers(v, name, size) for v, name, size in
                        ((h, "h", 1), (b, "b", 1), (lb, "lb", n), (ub, "ub", n), (x, "x", None)))
     try:
-        return _zwang.judge_qp(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), h,
-                               _compressed(A, "A", n, True), b, lb, ub, x, _numbers(y, "y", 1), _numbers(z, "z", 1),
-                               _numbers(z_box, "z_box", n), float(tolerance))
+        program = _zwang.Program(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), h, _compressed(A, "A", n, True), b, lb, ub)
+        return _zwang.judge_qp(program, x, _numbers(y, "y", 1), _numbers(z, "z", 1), _numbers(z_box, "z_box", n), float(tolerance))
     except _zwang.NotDefinite:
         pass
     from . import semidefinite
     return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
 
 
-def gradient_of(problem, solution, *, law=None):
+def gradient_of(problem, solution, *, law=None, proof=True):
     """The derivatives of a solution with respect to the numbers of its problem, proven: a Gradient, which factors once.
 
     solution: what solve() returned, (z, lambda), or z. law: the solution is one of problem.under(law), and derivatives are those with
     respect to the problem as it is given, mu included. g.jvp(dM=, dz_u=, dJ=, dc=, dmu=) gives a Derivative in that direction,
     g.vjp(z_bar, lambda_bar=None) a dict of gradients, one a name. Which rows hold, open and slide is proven at the solution itself,
     to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
+
+    proof=False: for inner loops. Modes are read off (z, lambda), which has to be a solution to 1e-8 of the motion; what is closer to a
+    tie than that is named as a kink. The derivative is one or a few solves, without enclosure and reach, and refused where only the
+    proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
     from . import gradients
-    return gradients.gradient_of(problem, solution, law)
+    return gradients.gradient_of(problem, solution, law, proof)
 
 
-def gradient(problem, solution, wrt, direction=None, *, law=None):
+def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
     """How the solution changes with the problem: a Derivative dz (n), dlambda (m), with the enclosure of each entry.
 
     wrt: "M" (direction n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or a dict of such names and directions.
     Where rows are about to open, close, stick or slide, `kink` names them, and the derivative is that of a step forward
     (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
+    proof=False: without the proof and the enclosure, in about the time of a solve (gradient_of).
     """
     from . import gradients
-    return gradients.gradient_of(problem, solution, law).jvp(**gradients.parameters(wrt, direction))
+    return gradients.gradient_of(problem, solution, law, proof).jvp(**gradients.parameters(wrt, direction))
 
 
 def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=None, law=None, tolerance=1e-9):

@@ -452,7 +452,7 @@ def is_definite(P):
         n = P.shape[0]
         none = _packed(scipy.sparse.csr_matrix((0, n)))
         nothing = numpy.zeros(0)
-        _zwang.from_qp(_packed(P, scipy.sparse.csc_matrix), numpy.zeros(n), none, nothing, none, nothing, nothing, nothing)
+        _zwang.from_qp(_zwang.Program(_packed(P, scipy.sparse.csc_matrix), numpy.zeros(n), none, nothing, none, nothing, nothing, nothing))
         return True
     except ValueError:
         return False

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <zwang/bench/scenes/physical.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
 
 namespace zwang::god {
@@ -24,18 +25,9 @@ constexpr Limit limits[] = {
     {"THJ4", -1.047, 1.047}, {"THJ3", 0, 1.309}, {"THJ2", -0.262, 0.262}, {"THJ1", -0.524, 0.524},
     {"THJ0", -1.571, 0},     {"LFJ4", 0, 0.698}, {"WRJ1", -0.524, 0.175}, {"WRJ0", -0.785, 0.611}};
 constexpr const char* needed[] = {"ARRx", "ARRy", "ARRz", "palm_x", "palm_y", "palm_z"};
-constexpr const char* passed_over[] = {"ARTx",
-                                       "ARTy",
-                                       "ARTz",
-                                       "latch",
-                                       "door_hinge",
-                                       "handle_x",
-                                       "handle_y",
-                                       "handle_z",
-                                       "palm_minus_handle_x",
-                                       "palm_minus_handle_y",
-                                       "palm_minus_handle_z",
-                                       "door_open"};
+constexpr const char* passed_over =
+    "ARTx,ARTy,ARTz,latch,door_hinge,handle_x,handle_y,handle_z,palm_minus_handle_x,palm_minus_handle_y,"
+    "palm_minus_handle_z,door_open";
 constexpr double step = 0.01;     // s
 constexpr double largest = 1000;  // rad, m: no hand is farther away
 const Vec3 knuckle[4] = {{0.033, 0, 0.095}, {0.011, 0, 0.099}, {-0.011, 0, 0.095}, {-0.034, 0, 0.088}};
@@ -50,7 +42,7 @@ Recording adroit_recording(const JointTable& table) {
   wanted.insert(wanted.end(), std::begin(needed), std::end(needed));
   std::vector<std::string> known = wanted;
   known.emplace_back("step");
-  known.insert(known.end(), std::begin(passed_over), std::end(passed_over));
+  std::ranges::copy(split(passed_over), std::back_inserter(known));
   table.only(known);
   for (const std::string& name : wanted) table.column(name);
   table.column("step");

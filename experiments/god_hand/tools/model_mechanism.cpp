@@ -23,10 +23,6 @@ constexpr double closed = 1.5;     // rad of the closing angle: hinges are at th
 constexpr double pivot = 1e-3;     // m, radius of a body that the model gives no geom
 constexpr double lightest = 1e-4;  // kg, of a body
 
-struct DeleteData {
-  void operator()(mjData* data) const { mj_deleteData(data); }
-};
-
 Vec3 vec3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
 Mat3 mat3(const mjtNum* x) { return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(x); }
 
@@ -59,7 +55,7 @@ class FromModel {
 
   std::filesystem::path file_;
   std::unique_ptr<mjModel, DeleteModel> model_;
-  std::unique_ptr<mjData, DeleteData> data_;
+  std::unique_ptr<mjData, DeleteModel> data_;
   int root_ = 0;
   Pose<double> frame_;            // of the root body in the model
   std::vector<BodyId> main_;      // by body of the model: the part that joints hold; -1: none yet

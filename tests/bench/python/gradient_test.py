@@ -631,5 +631,84 @@ class Refused(unittest.TestCase):
             self.assertEqual((along.kink, along.dz[0]), ([], 0.0 if gap > 0 else 1.0))
 
 
+class WithoutProof(unittest.TestCase):
+    """gradient_of(..., proof=False) against the exact derivatives, and where it says that it has none."""
+
+    def near(self, got, exact, size):
+        numpy.testing.assert_allclose(got, [float(e) for e in exact], rtol=0, atol=1e-11 * size)
+
+    def test_planted_problems_of_all_laws(self):
+        for law in ("frictionless", "pyramid", "convex", "coulomb"):
+            count = 0
+            for seed in itertools.count():
+                if count == PLANTED // 3:
+                    break
+                p = Planted(seed, law)
+                exact = p.derivative([mode for mode, *_ in p.contacts])
+                if exact is None or law == "pyramid" and not any(p.tangent):
+                    continue
+                count += 1
+                with self.subTest(law=law, seed=seed):
+                    given = zwang.solve(p.problem, law="pyramid") if law == "pyramid" else p.given()
+                    try:
+                        g = zwang.gradient_of(p.problem, given, law="pyramid" if law == "pyramid" else None, proof=False)
+                        along = g.jvp(**p.change)
+                    except ValueError as none:  # edges of a pyramid may depend on each other
+                        self.assertTrue(law == "pyramid" and "only a proof tells" in str(none), none)
+                        continue
+                    if law == "pyramid" and g.kink:  # one of such edges may carry all
+                        continue
+                    self.assertEqual((g.kink, along.one_sided, along.enclosure), ([], False, None))
+                    size = max(abs(float(e)) for e in [1, *exact[0], *exact[1]])
+                    self.near(along.dz, exact[0], size)
+                    if law == "pyramid":
+                        continue
+                    self.near(along.dlambda, exact[1], size)
+                    draw = numpy.random.default_rng(seed)
+                    z_bar, lambda_bar = draw.normal(size=p.n), draw.normal(size=p.m)
+                    bars = g.vjp(z_bar, lambda_bar)
+                    terms = [bars[name] * numpy.array(p.change["d" + name], dtype=float) for name in bars]
+                    forward = z_bar @ along.dz + lambda_bar @ along.dlambda
+                    self.assertLessEqual(abs(sum(t.sum() for t in terms) - forward), 1e-12 * sum(abs(t).sum() for t in terms))
+
+    def test_ties_are_named_and_have_a_number_where_nothing_rubs(self):
+        for law, tie in (("frictionless", "touch"), ("convex", "touch"), ("coulomb", "edge"), ("convex", "apex")):
+            for seed in range(40):
+                p = Planted(seed, law, tie)
+                exact = p.one_sided() if tie != "apex" else None
+                g = zwang.gradient_of(p.problem, p.given(), proof=False)
+                with self.subTest(law=law, tie=tie, seed=seed):
+                    self.assertEqual(g.kink, [row for mode, row, *_ in p.contacts if mode in ("touch", "edge", "apex")])
+                    with self.assertRaisesRegex(ValueError, "kink: row"):
+                        g.vjp(numpy.ones(p.n))
+                    if law != "frictionless":
+                        with self.assertRaisesRegex(ValueError, "only a proof tells"):
+                            g.jvp(**p.change)
+                    elif exact:
+                        along = g.jvp(**p.change)
+                        self.assertTrue(along.one_sided)
+                        self.near(along.dz, exact[0][0], max(abs(float(e)) for e in [1, *exact[0][0], *exact[0][1]]))
+
+    def test_what_only_a_proof_tells_is_refused(self):
+        box = zwang.scene("tower(boxes=1)")
+        g = zwang.gradient_of(box, zwang.solve(box), proof=False)
+        try:
+            self.assertIsNone(g.jvp(dz_u=numpy.ones(6)).dlambda)
+            self.assertFalse(g.unique_forces)
+        except ValueError as kink:
+            self.assertIn("kink", str(kink))
+        puck = zwang.scene("PUCK")
+        lying = zwang.Problem(numpy.eye(2), [1, 1], [[1, 0], [2, 0]], [0, 0], equality=2)
+        of = zwang.gradient_of
+        for word, call in [("forces are not unique", lambda: of(puck, zwang.solve(puck, "cone"), proof=False).jvp(dz_u=numpy.ones(puck.size))),
+                           ("only a proof tells", lambda: of(lying, ([0.0, 1.0], [-1.0, 0.0]), proof=False).jvp(dc=[1, 2])),
+                           ("do not hold together", lambda: of(lying, ([0.0, 1.0], [-1.0, 0.0]), proof=False).jvp(dc=[1, 0])),
+                           ("off by 1.0e-06 of the motion", lambda: of(lying, ([0.0, 1.0 + 2**0.5 * 1e-6], [-1.0, 0.0]), proof=False)),
+                           ("z and lambda", lambda: of(lying, [0.0, 1.0], proof=False)), ("finite", lambda: of(lying, [0.0, numpy.nan], proof=False))]:
+            with self.subTest(word), self.assertRaisesRegex(ValueError, word) as caught:
+                call()
+            self.assertNotIn("\n", str(caught.exception))
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
