@@ -209,7 +209,7 @@ bool ExtendedPolish<Real>::proves(const Problem& p, const Whitened& w, Solution&
 template <class Real>
 bool ExtendedPolish<Real>::farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s) {
   using std::abs;
-  const Real sign = violation(p, w, row) < 0 ? -1 : 1;
+  const Real sign = w.equality[at(row)] && violation(p, w, row) < 0 ? -1 : 1;
   const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w.row_norm[i]); };
   Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
   for (Index i = 0; i < active.size(); ++i) {

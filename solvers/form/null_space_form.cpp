@@ -89,7 +89,7 @@ bool NullSpaceForm::close_loops() {
       x -= (scale_[k] * v.dot(x)) * v;
     }
   }
-  form_basis();
+  if (!inequalities_.empty()) form_basis();
   return true;
 }
 
