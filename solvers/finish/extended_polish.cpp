@@ -314,13 +314,14 @@ Index ExtendedPolish<Real>::doubt_others(const Problem& p, Whitened& w, ActiveRo
   const Index a = active.size();
   const double needless = tolerances::needless * scale_, touch = epsilon * scale_;
   const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
+  const double own = error_ > touch ? error_ : 0;  // by which z itself may be off
   share_.assign(at(w.rows()), unknown);
   touching_.clear();
   is_blurred_ = false;
   for (Index i = 0; i < w.rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
     const double rounding = hidden(p, w, i);
-    const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + rounding;
+    const Real v = violation(p, w, i), sign = w.equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + (rounding + own);
     if (most > -touch && touching_.empty()) touched_ = std::max(0.0, static_cast<double>(most));
     if (most > -touch) touching_.push_back(i);
     if (!(most + tolerances::wide_violation * rounding > needless * tolerances::rank * real_eps)) continue;
