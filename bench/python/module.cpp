@@ -121,9 +121,8 @@ py::tuple residuals(const Instance& instance, const Solution& s) {
 struct Kept {
   Kept(const Instance& instance, const Integers& place, const Integers& row, const Numbers& factor,
        const py::array_t<bool>& equality, bool sparse)
-      : sparse_(sparse) {
+      : sparse_(sparse), tangent_{.M = instance.problem.M} {
     const Problem& p = instance.problem;
-    tangent_.M = p.M;
     std::vector<Eigen::Triplet<double>> entries;
     for (Index k = 0; k < row.size(); ++k) {
       const int from = row.at(k), to = place.at(k);
@@ -171,10 +170,8 @@ Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed&
   p.z_u = to_vector(z_u, "z_u");
   p.J = to_matrix<Eigen::RowMajor>(J, "J");
   p.c = to_vector(c, "c");
-  const auto is_equality = equality.unchecked<1>();
-  const auto is_tangent = tangent.unchecked<1>();
-  for (Index i = 0; i < is_equality.shape(0); ++i) {
-    p.kind.push_back(is_equality(i) ? RowKind::equality : is_tangent(i) ? RowKind::tangent : RowKind::inequality);
+  for (Index i = 0; i < equality.size(); ++i) {
+    p.kind.push_back(equality.at(i) ? RowKind::equality : tangent.at(i) ? RowKind::tangent : RowKind::inequality);
     p.key.push_back({0, static_cast<std::uint32_t>(i)});
   }
   p.mu = to_vector(mu, "mu");

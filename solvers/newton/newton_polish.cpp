@@ -126,13 +126,13 @@ double NewtonPolish::step(AugmentedLagrangian& L) {
   return L.mass_norm(step_);
 }
 
-// A motion that is to open the rows that are held by 1, or to move the equality rows, by as many different parts of 1.
-void NewtonPolish::open(AugmentedLagrangian& L, bool equality) {
+// A motion that is to open the rows that are held by 1, or to move the equality rows by parts of 1 that differ.
+void NewtonPolish::open(AugmentedLagrangian& L, bool equality, double turn) {
   missed_.setZero(L.rows.rows());
   step_.setZero(L.unknowns());
   for (Index i = 0; i < missed_.size(); ++i) {
     if (L.weight[i] == 0 || L.is_equality(i) != equality) continue;
-    missed_[i] = equality ? std::sin(static_cast<double>(i + 1)) : 1;
+    missed_[i] = equality ? std::sin(static_cast<double>(i + 1) + turn) : 1;
     L.add(i, L.weight[i] * static_cast<double>(missed_[i]), step_);
   }
   L.solve(step_);
@@ -175,19 +175,22 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
 // Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the
 // rate of convergence does not tell: what it would be seen by is below rounding from the start. A motion that cannot
 // open the rows, or move equality rows at will, does tell; of equality rows that depend on each other exactly, which do
-// no harm, the combination that is zero is found then.
+// no harm, the combination that is zero is found then. At one turn the parts may happen to suit rows that face others.
 bool NewtonPolish::is_doubtful(AugmentedLagrangian& L) {
   open(L, false);
   if (!(bound(L) <= tolerances::newton_doubt * L.scale)) return true;
-  open(L, true);
+  if (std::ranges::count(L.rows.equality, 1) == 0) return false;
   const auto is_there = [&] { return missed_.lpNorm<Eigen::Infinity>() > tolerances::newton_unmoved; };
-  if (!is_there()) return false;
-  contract(L, missed_);
-  if (!is_there()) return false;
-  step_ = force_.cast<double>();
-  if (L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps)) return true;
-  const Real terms = missed_.cwiseAbs().dot(violation_.cwiseAbs());
-  return std::abs(missed_.dot(violation_)) > real_eps * terms;
+  for (const double turn : {0.0, 2.0}) {
+    open(L, true, turn);
+    if (is_there()) contract(L, missed_);
+    if (!is_there()) continue;
+    step_ = force_.cast<double>();
+    if (L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps) ||
+        std::abs(missed_.dot(violation_)) > real_eps * missed_.cwiseAbs().dot(violation_.cwiseAbs()))
+      return true;
+  }
+  return false;
 }
 
 // What of u moves bodies is taken out of it; then force_ = G'u, violation_ = h.

@@ -42,7 +42,7 @@ class NewtonPolish {
   bool let_go(AugmentedLagrangian& L);
   bool strengthen(AugmentedLagrangian& L);
   double step(AugmentedLagrangian& L);
-  void open(AugmentedLagrangian& L, bool equality);
+  void open(AugmentedLagrangian& L, bool equality, double turn = 0);
   double bound(AugmentedLagrangian& L);
   bool is_doubtful(AugmentedLagrangian& L);
   void contract(AugmentedLagrangian& L, RealVector& u);
