@@ -173,11 +173,9 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
   };
   const int way = p.rows() > 0 ? draw.integer(0, 3) : draw.integer(0, 1);
   if (way == 0) set(p.z_u[j], "z_u[", j, -1);
-  if (way == 1) set(p.M.coeffRef(j, j), "M(", j, j);
+  if (way == 1) set(p.M.coeffRef(j, j), "M(", j, j), out.bad |= value < 1;  // negative, or too small to divide by
   if (way == 2) set(p.J.coeffRef(i, j), "J(", i, j);
-  if (way == 3) set(p.c[i], "c[", i, -1);
-  if (way == 1) out.bad |= value < 1;  // negative, or too small to divide by
-  if (way == 3) out.bad &= value != -inf || p.is_equality(i);
+  if (way == 3) set(p.c[i], "c[", i, -1), out.bad &= value != -inf || p.is_equality(i);
   return out;
 }
 

@@ -8,7 +8,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <Eigen/SparseCholesky>
-
 #include <atomic>
 #include <cstdlib>
 #include <numeric>
@@ -33,8 +32,10 @@ using Integers = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
 Vector to_vector(const Numbers& numbers, const char* name, Index size = -1) {
   if (numbers.ndim() != 1 || (size >= 0 && numbers.size() != size))
-    throw std::invalid_argument(std::string(name) + " should have one dimension" +
-                                (size >= 0 ? " and " + std::to_string(size) + " entries" : ""));
+    throw std::invalid_argument(
+        name +
+        (size < 0 ? std::string(" should have one dimension") : " should have " + std::to_string(size) + " entries") +
+        ", and has the shape " + std::string(py::str(numbers.attr("shape"))));
   return Eigen::Map<const Vector>(numbers.data(), numbers.size());
 }
 

@@ -303,8 +303,8 @@ double ExtendedPolish<Real>::inherited(const Problem& p, const Whitened& w, cons
   return sum;
 }
 
-// A row outside that is violated by v, or by what rounding hides, and has a share rho outside the active ones would
-// move z by v / rho if it were obeyed, unless an active row gives way to it first: nothing when it is an exact
+// A row outside that is violated by v, or by what rounding and z's error hide, and has a share rho outside the active
+// ones would move z by v / rho if obeyed, unless an active row gives way to it first: nothing when it is an exact
 // combination or a neighbour's twin, much when it was only taken for one. One that is violated by more than rounding
 // and its parts in the combination explain, however little, has to be obeyed: it is returned, and where it could not
 // enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.

@@ -43,15 +43,16 @@ class QuickGradient:
     def __init__(self, problem, solution, laid=None):
         self.problem, self.solution, self.laid = problem, solution, laid
         try:
-            given = (solution,) if isinstance(solution, _zwang.Solution) else answer(problem, solution)
-            self.unit, self.slack, self.off, self.motion = problem._residuals(*given)
+            solved = isinstance(solution, _zwang.Solution)
+            self.unit, self.slack, self.off, self.motion = problem._residuals(*((solution,) if solved else self.given))
         except ValueError as bad:
             raise ValueError(f"no gradient: {bad}") from None
-        self.force = solution.lambda_ if len(given) == 1 else given[1]
+        self.force = solution.lambda_ if solved else self.given[1]
         self.zero, self.slides, self.has_number = CLEAR * self.motion, [], True
         self.kept, self.tied = problem.equality, numpy.zeros(problem.rows, dtype=bool)
-        self.read_single_rows()
-        sliding = list(self.read_friction()) if problem.law in ("convex", "coulomb") else []
+        with_friction = numpy.flatnonzero((problem.mu > 0) & numpy.r_[problem.tangent[1:], False]).tolist()
+        self.read_single_rows(with_friction)
+        sliding = list(self.read_friction(with_friction))
         if not self.off <= self.zero:
             raise ValueError(f"no gradient: the answer is off by {self.off / (self.motion or 1):.1e} of the motion, and modes are read to "
                              f"{CLEAR:.0e}")
@@ -61,13 +62,12 @@ class QuickGradient:
         self.unknowns = [(s, turns) for s in self.slides for turns in (False, True) if (s.turns if turns else s.lift) > 0]
         self.responses, self.unique_forces = {}, True
 
-    def read_single_rows(self):
+    def read_single_rows(self, with_friction):
         """Which push, and which neither push nor open. Gaps of unit rows and forces on them are compared as motions."""
         p, size = self.problem, numpy.where(self.unit > 0, self.unit, 1)
         gap, push = self.slack / size, self.force * size
         rows = ~self.kept & ~p.tangent
-        if p.law in ("convex", "coulomb"):
-            rows[self.with_friction()] = False
+        rows[with_friction] = False
         self.size, f, s = size, push[rows], gap[rows]
         self.off = max(self.off, abs(gap[self.kept]).max(initial=0), (-f).max(initial=0), (-s).max(initial=0),
                        numpy.minimum(f, s).max(initial=0))
@@ -77,17 +77,14 @@ class QuickGradient:
     def __repr__(self):
         return f"<zwang.Gradient of {self.problem.name}, without proof: {'kink: ' + ', '.join(self.kink_names) if self.kink else 'smooth'}>"
 
-    def with_friction(self):
-        return numpy.flatnonzero((self.problem.mu > 0) & numpy.r_[self.problem.tangent[1:], False]).tolist()
-
-    def read_friction(self):
+    def read_friction(self, with_friction):
         """The same of contacts with friction, and which stick; yields what slides."""
         p, force, slack, size, zero = self.problem, self.force, self.slack, self.size, self.zero
         tangent, mus = [*p.tangent.tolist(), False], p.mu
-        for i in self.with_friction():
+        for i in with_friction:
             end = tangent.index(False, i + 1)
             mu, t, across = mus[i], slice(i + 1, end), size[i + 1]
-            lift = mu if p.law == "coulomb" else 0.0
+            lift = 0.0 if p.law == "convex" else mu
             slip = numpy.linalg.norm(slack[t])
             f, s, moves = force[i] * size[i], (slack[i] - (mu - lift) * slip) / size[i], slip / across
             spare = (mu * force[i] - numpy.linalg.norm(force[t])) * across
@@ -112,7 +109,8 @@ class QuickGradient:
             if lift < mu:
                 place, row = numpy.r_[place, [s.place] * tangents], numpy.r_[row, i + 1 + numpy.arange(tangents)]
                 factor = numpy.r_[factor, (lift - mu) * s.direction]
-        # Where joints tie the unknowns few rows of contacts push. Where many do, they depend on each other; of what slides all is asked.
+        # Where joints tie the unknowns few rows of contacts push. Where many do they are sparse, and newton is fast; but it does not say
+        # whether forces are unique, which has to be known of what slides.
         sparse = not self.slides and self.problem.size > FEW and not self.problem.equality.any()
         self.keeps = _zwang.Kept(self.problem, place, row, factor, self.kept[self.held], sparse)
 

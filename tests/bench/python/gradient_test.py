@@ -692,11 +692,10 @@ class WithoutProof(unittest.TestCase):
     def test_what_only_a_proof_tells_is_refused(self):
         box = zwang.scene("tower(boxes=1)")
         g = zwang.gradient_of(box, zwang.solve(box), proof=False)
-        try:
-            self.assertIsNone(g.jvp(dz_u=numpy.ones(6)).dlambda)
-            self.assertFalse(g.unique_forces)
-        except ValueError as kink:
-            self.assertIn("kink", str(kink))
+        along = g.jvp(dz_u=numpy.ones(6))
+        numpy.testing.assert_allclose(along.dz, [1, 1, 0, 0, 0, 1], atol=1e-15)
+        self.assertIsNone(along.dlambda)
+        self.assertFalse(g.unique_forces)
         puck = zwang.scene("PUCK")
         lying = zwang.Problem(numpy.eye(2), [1, 1], [[1, 0], [2, 0]], [0, 0], equality=2)
         of = zwang.gradient_of
