@@ -14,5 +14,6 @@ struct NewtonStart {
   enum class End { near, failed, limit, written };
   using Run = std::function<End(const Problem&, const SolveOptions&, const Deadline&, Solution&)>;
 };
+NewtonStart::Run inside_start();  // the interior point of `cone` on rows without friction (friction/inside_start.cpp)
 
 }  // namespace zwang

@@ -18,7 +18,6 @@
 #include <zwang/solvers/friction/alart_curnier.h>
 #include <zwang/solvers/friction/cone.h>
 #include <zwang/solvers/friction/fixed_point.h>
-#include <zwang/solvers/friction/inside_start.h>
 #include <zwang/solvers/friction/nsgs.h>
 #include <zwang/solvers/newton/newton.h>
 #include <zwang/solvers/rivals/bullet.h>
@@ -62,7 +61,7 @@ AnySolver convex_solver(const std::string& text) {
 // What methods hand on to others: they do not include each other.
 Newton newton() {
   Newton newton;
-  newton.start = InsideStart();
+  newton.start = inside_start();
   newton.dense = DualActiveSet();
   return newton;
 }

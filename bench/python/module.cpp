@@ -1,6 +1,7 @@
-// _zwang: what the Python package `zwang` is made of. Arrays arrive checked for their type by zwang/__init__.py; sizes
-// and indices are checked here, so that no call can reach outside of them.
+// _zwang: what the Python package `zwang` is made of. Arrays arrive checked for their type by zwang/__init__.py,
+// matrices for their indices, too; sizes are checked here, so that no call can reach outside of them.
 #include <pthread.h>
+#include <pybind11/eigen.h>
 #include <pybind11/functional.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -41,41 +42,6 @@ Vector to_vector(const Numbers& numbers, const char* name, Index size = -1) {
 
 Numbers to_numpy(const Vector& v) { return Numbers(v.size(), v.data()); }
 
-// Compressed columns (or rows) as scipy keeps them, sorted and without duplicates.
-struct Compressed {
-  Numbers data;
-  Integers indices, indptr;
-  Index rows, columns;
-};
-
-template <int Order>
-Eigen::SparseMatrix<double, Order> to_matrix(const Compressed& s, const char* name) {
-  const Index outer = Order == Eigen::ColMajor ? s.columns : s.rows;
-  const Index inner = Order == Eigen::ColMajor ? s.rows : s.columns;
-  const auto require = [&](bool holds) {
-    if (!holds) throw std::invalid_argument(std::string(name) + " is no valid sparse matrix");
-  };
-  require(outer >= 0 && inner >= 0 && s.indptr.ndim() == 1 && s.indices.ndim() == 1 && s.data.ndim() == 1);
-  require(s.indptr.size() == outer + 1 && s.indices.size() == s.data.size());
-  const int *start = s.indptr.data(), *at = s.indices.data();
-  require(start[0] == 0 && start[outer] == s.data.size());
-  for (Index k = 0; k < outer; ++k) {
-    require(start[k] <= start[k + 1]);
-    for (int e = start[k]; e < start[k + 1]; ++e)
-      require(at[e] >= 0 && at[e] < inner && (e == start[k] || at[e - 1] < at[e]));
-  }
-  return Eigen::Map<const Eigen::SparseMatrix<double, Order>>(s.rows, s.columns, s.data.size(), start, at,
-                                                              s.data.data());
-}
-
-template <class Sparse>
-py::tuple from_matrix(const Sparse& stored) {
-  Sparse A = stored;
-  A.makeCompressed();
-  return py::make_tuple(Numbers(A.nonZeros(), A.valuePtr()), Integers(A.nonZeros(), A.innerIndexPtr()),
-                        Integers(A.outerSize() + 1, A.outerIndexPtr()), A.rows(), A.cols());
-}
-
 // pybind11's __new__ makes an object whose value only __init__ sets: reading it before crashes. Python refuses the
 // __new__ of a base to a type that has one of its own, so that only a call of the class makes objects.
 template <class T>
@@ -86,13 +52,14 @@ py::class_<T> made_by_calls(py::class_<T> type) {
   return type;
 }
 
-QuadraticProgram to_program(const Compressed& P, const Numbers& q, const Compressed& G, const Numbers& h,
-                            const Compressed& A, const Numbers& b, const Numbers& lb, const Numbers& ub) {
-  return {.P = to_matrix<Eigen::ColMajor>(P, "P"),
+QuadraticProgram to_program(const Eigen::SparseMatrix<double>& P, const Numbers& q, const RowMatrix& G,
+                            const Numbers& h, const RowMatrix& A, const Numbers& b, const Numbers& lb,
+                            const Numbers& ub) {
+  return {.P = P,
           .q = to_vector(q, "q"),
-          .G = to_matrix<Eigen::RowMajor>(G, "G"),
+          .G = G,
           .h = to_vector(h, "h"),
-          .A = to_matrix<Eigen::RowMajor>(A, "A"),
+          .A = A,
           .b = to_vector(b, "b"),
           .lb = to_vector(lb, "lb"),
           .ub = to_vector(ub, "ub")};
@@ -161,15 +128,15 @@ struct Kept {
   Solution answer_;
 };
 
-Instance make_problem(const Compressed& M, const Numbers& z_u, const Compressed& J, const Numbers& c,
+Instance make_problem(const Eigen::SparseMatrix<double>& M, const Numbers& z_u, const RowMatrix& J, const Numbers& c,
                       const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Numbers& mu,
                       const std::string& law, std::string name) {
   Instance out;
   Problem& p = out.problem;
   p.name = std::move(name);
-  p.M = to_matrix<Eigen::ColMajor>(M, "M");
+  p.M = M;
   p.z_u = to_vector(z_u, "z_u");
-  p.J = to_matrix<Eigen::RowMajor>(J, "J");
+  p.J = J;
   p.c = to_vector(c, "c");
   for (Index i = 0; i < equality.size(); ++i) {
     p.kind.push_back(equality.at(i) ? RowKind::equality : tangent.at(i) ? RowKind::tangent : RowKind::inequality);
@@ -201,7 +168,7 @@ py::tuple change_of_scene(const Instance& instance, int body, const Numbers& pos
   if (body >= 0)
     change.bodies.at(static_cast<std::size_t>(body)) = {to_vector(pose, "pose"), to_vector(velocity, "velocity"), mass};
   const Problem d = scene_change(instance, change);
-  return py::make_tuple(from_matrix(d.M), to_numpy(d.z_u), from_matrix(d.J), to_numpy(d.c),
+  return py::make_tuple(d.M, to_numpy(d.z_u), d.J, to_numpy(d.c),
                         to_numpy(d.has_tangents() ? d.mu : Vector::Zero(d.rows())));
 }
 
@@ -327,15 +294,12 @@ PYBIND11_MODULE(_zwang, m) {
   py::register_exception<BadFile>(m, "BadFile", PyExc_ValueError);
   py::register_exception<NotDefinite>(m, "NotDefinite", PyExc_ValueError);
 
-  made_by_calls(py::class_<Compressed>(m, "Compressed"))
-      .def(py::init([](Numbers data, Integers indices, Integers indptr, Index rows, Index columns) {
-        return Compressed{std::move(data), std::move(indices), std::move(indptr), rows, columns};
-      }));
-
   made_by_calls(py::class_<Instance>(m, "Problem"))
       .def(py::init(&make_problem))
-      .def_property_readonly("_M", [](const Instance& i) { return from_matrix(i.problem.M); })
-      .def_property_readonly("_J", [](const Instance& i) { return from_matrix(i.problem.J); })
+      .def_property_readonly(
+          "M", [](const Instance& i) { return i.problem.M; }, "n x n, scipy.sparse.csc_matrix")
+      .def_property_readonly(
+          "J", [](const Instance& i) { return i.problem.J; }, "m x n, scipy.sparse.csr_matrix")
       .def_property_readonly("z_u", [](const Instance& i) { return to_numpy(i.problem.z_u); })
       .def_property_readonly("c", [](const Instance& i) { return to_numpy(i.problem.c); })
       .def_property_readonly("equality", [](const Instance& i) { return rows_of(i, RowKind::equality); })
@@ -465,8 +429,7 @@ PYBIND11_MODULE(_zwang, m) {
     return std::string(to_string(by_error(upper, lower, tolerance)));
   });
   // Of the rows, in their order: which are independent of those before them, and which contradict those before them.
-  m.def("exact_basis", [](const Compressed& rows, const Numbers& right) {
-    const RowMatrix J = to_matrix<Eigen::RowMajor>(rows, "rows");
+  m.def("exact_basis", [](const RowMatrix& J, const Numbers& right) {
     const Vector c = to_vector(right, "right");
     if (c.size() != J.rows()) throw std::invalid_argument("right should have one entry a row");
     const py::gil_scoped_release working;

@@ -21,19 +21,20 @@ void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& 
   const Index nc = program.cones();
   w.setZero(program.rows());
   sum.setZero(program.rows());
-  double p = penalty;
-  bool stale = true;
+  double p = penalty, factorized = 0;
+  long factor = 0;
   while (iteration.goes_on(max_steps)) {
-    if (stale) {
+    if (p != factorized || factor != program.factors()) {
       D.assign(at(9 * nc), 0);
       for (std::size_t k = 0; k < D.size(); k += 9) D[k] = D[k + 4] = D[k + 8] = p;
       ray_weight.setConstant(program.rays(), p);
-      if (!face.factorize(D, ray_weight, true)) {
+      if (!program.factorize(D, ray_weight, true)) {
         solution.status = Status::numerical_failure;
         solution.message = "M + p G'G breaks down";
         break;
       }
-      stale = false;
+      factorized = p;
+      factor = program.factors();
     }
     sum = y + p * (w + program.h());
     face.force(sum, v);
@@ -61,12 +62,9 @@ void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& 
       y[i] = next;
     }
     if (iteration.step_done()) break;
-    stale = iteration.looked();
     if (solution.iterations % settle == 0) {
       const double ratio = primal / std::max(p * dual, std::numeric_limits<double>::min());
-      const bool moves = ratio > apart || ratio < 1 / apart;
-      if (moves) p *= ratio > 1 ? change : 1 / change;
-      stale = stale || moves;
+      if (ratio > apart || ratio < 1 / apart) p *= ratio > 1 ? change : 1 / change;
     }
   }
   iteration.end();

@@ -50,8 +50,8 @@ bool ConeIteration::step_done() {
     return true;
   }
   // A step goes over the rows a few times, a dense one by lanes.
-  looked_ = work_.promise.is_due(static_cast<double>(program.rows() * work_.v.size()) * solution_.iterations);
-  if (looked_ && work_.promise.holds_at(work_.y, solution_)) return true;
+  const double work = static_cast<double>(program.rows() * work_.v.size()) * solution_.iterations;
+  if (work_.promise.is_due(work) && work_.promise.holds_at(work_.y, solution_)) return true;
   if (residual_ > options_.tolerance * scale || !program.accepts(left, work_.v, options_)) return false;
   solution_.status = Status::solved;
   return true;

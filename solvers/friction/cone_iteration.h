@@ -24,7 +24,6 @@ class ConeIteration {
   bool step_done();
   double residual() const { return residual_; }
   const Deadline& deadline() const { return deadline_; }
-  bool looked() const { return looked_; }  // step_done() has left another factor in the face
   // Writes the last iterate, but for one that is written.
   void end();
 
@@ -35,7 +34,6 @@ class ConeIteration {
   Solution& solution_;
   Deadline deadline_;
   double residual_ = 0;
-  bool looked_ = false;
 };
 
 }  // namespace zwang

@@ -116,6 +116,7 @@ void ConeProgram::measure_start() {
 }
 
 void ConeProgram::state(ConeLaw law, const Vector* slips) {
+  ++factors_;
   law_ = law;
   h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
   if (slips)
@@ -182,6 +183,7 @@ bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense
 
 bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options, const Deadline& deadline,
                         Solution& solution) {
+  ++factors_;
   has_cones_ = p.has_tangents() && want != Want::normals;
   law_ = has_cones_ ? ConeLaw::of(p.law) : ConeLaw();
   const bool dense = want == Want::dense;

@@ -51,9 +51,15 @@ class ConeProgram {
   bool is_dense() const { return dense_; }
   void couple() { sparse_face_.couple(); }         // of sparse rows: takes_unsymmetric() from now on
   DenseFace& dense_face() { return dense_face_; }  // where it is
-  double length(const Vector& v);                  // |v|_M
-  double scale(const Vector& v);                   // max(|z_u|_M, |v|_M)
-  double reach() const;                            // of what is known of the motion before it is solved for
+  // As the face's; and how many were made so far, of these rows and others.
+  bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
+    ++factors_;
+    return face().factorize(D, ray_weight, symmetric);
+  }
+  long factors() const { return factors_; }
+  double length(const Vector& v);  // |v|_M
+  double scale(const Vector& v);   // max(|z_u|_M, |v|_M)
+  double reach() const;            // of what is known of the motion before it is solved for
   // A motion next to which the rows' right sides are nothing: rows that contradict each other are met so, not solved.
   bool is_out_of_reach(const Vector& v) { return scale(v) > tolerances::out_of_reach * reach(); }
   double start() const { return start_; }  // the worst violation at v = 0, or a small number
@@ -110,6 +116,7 @@ class ConeProgram {
   ConeLaw law_;
   bool has_cones_ = false;
   bool dense_ = true;
+  long factors_ = 0;
   NullSpaceForm joints_;
   Whitened whitened_;
   UnitRows unit_rows_;

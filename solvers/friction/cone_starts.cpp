@@ -167,7 +167,9 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
           }
           looked_at = tolerances::cone_runs_off * inside_.y.lpNorm<Eigen::Infinity>();
         }
-        if (options.has_accuracy() && (!program_.is_dense() || promise_.keeps_modes(inside_.y, inside_.s)) &&
+        // Of dense rows a look costs more than a step, which is made up for where many would follow.
+        if (options.has_accuracy() &&
+            (!program_.is_dense() || (program_.law().lifts() && promise_.keeps_modes(inside_.y, inside_.s))) &&
             inside_.gap() <= promising) {
           if (promise_.holds_at(inside_.y, solution)) return End::written;
           promising = promising_from * inside_.gap();

@@ -36,7 +36,7 @@ class ConeStarts {
 
   // False where the answer is known, and then written.
   bool begin(const Job& job, ConeProgram::Want want) {
-    promise_.begin(job.problem, job.options, &program_);
+    promise_.begin(job.problem, job.options, &program_, &modes_.equations());
     inside_.forget_path();
     if (!program_.build(job.problem, want, job.options, job.deadline, job.solution)) return false;
     job.best.begin(program_);

@@ -390,7 +390,7 @@ bool InteriorPoint::follow(ConeProgram& program) {
   measure_rows(program);
   const double before = off_path(program, path_);
   weigh(program, true);
-  if (!program.face().factorize(D_, ray_weight_, false)) return false;
+  if (!program.factorize(D_, ray_weight_, false)) return false;
   sees_end_ = path_ <= tolerances::cone_in_sight * program.start() * program.start();
   if (sees_end_) {
     head_for(program, 0, false);
@@ -426,7 +426,7 @@ bool InteriorPoint::step(ConeProgram& program) {
   const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
   if (!std::isfinite(gap_) || !std::isfinite(residual_)) return false;
   if (!weigh(program, couples)) return false;
-  if (!program.face().factorize(D_, ray_weight_, !couples)) return false;
+  if (!program.factorize(D_, ray_weight_, !couples)) return false;
   bend_.setZero();
   aim(program);
   direct(program);
@@ -464,7 +464,7 @@ bool InteriorPoint::proves_infeasible(ConeProgram& program, Vector& u) {
   const Index nc = program.cones();
   if (!(y.dot(program.h()) > 0)) return false;
   weigh(program, false);
-  if (!program.face().factorize(D_, ray_weight_, true)) return false;
+  if (!program.factorize(D_, ray_weight_, true)) return false;
   u = y / y.lpNorm<Eigen::Infinity>();
   for (int pass = 0; pass < 4; ++pass) {
     program.face().force(u, dv_);

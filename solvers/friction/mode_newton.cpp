@@ -9,14 +9,9 @@ namespace zwang {
 namespace soc = second_order_cone;
 
 void ModeNewton::begin(ConeProgram& program) {
-  const Index m = program.rows(), n = program.face().unknowns();
-  mode_.assign(at(program.cones()), Mode::open);
-  slide_.resize(at(program.cones()));
-  ray_active_.assign(at(program.rays()), 0);
-  D_.assign(at(9 * program.cones()), 0);
-  ray_weight_.setZero(program.rays());
-  for (Vector* x : {&s, &next_, &ds_}) x->setZero(m);
-  for (Vector* x : {&dv_, &mass_}) x->setZero(n);
+  equations_.begin(program);
+  for (Vector* x : {&s, &slack_way_}) x->setZero(program.rows());
+  push_.setZero(program.face().unknowns());
   program.slack(v, s);
   residual = program.residual(y, s);
   last_ = residual.natural;
@@ -40,69 +35,31 @@ void ModeNewton::begin(ConeProgram& program, const InteriorPoint& from) {
   for (Index k = 0; k < nc; ++k) {
     const double *Y = &from.y[3 * k], *W = &from.w[3 * k];
     const double y_low = soc::smallest(Y), y_high = soc::largest(Y), w_low = soc::smallest(W), w_high = soc::largest(W);
-    mode_[at(k)] = w_low > y_high ? Mode::open : y_low > w_high ? Mode::stick : Mode::slide;
+    equations_.mode[at(k)] = w_low > y_high ? Mode::open : y_low > w_high ? Mode::stick : Mode::slide;
     last_ = std::max({last_, std::min(y_low, w_high), std::min(y_high, w_low)});
     const double p1 = Y[1] - W[1], p2 = Y[2] - W[2], size = std::sqrt(p1 * p1 + p2 * p2);
-    slide_[at(k)] = {p1 / size, p2 / size, size, Y[0]};
+    equations_.slide[at(k)] = {p1 / size, p2 / size, size, Y[0]};
   }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
-    ray_active_[at(r)] = program.is_equality(r) || from.y[i] > from.w[i];
+    equations_.active[at(r)] = program.is_equality(r) || from.y[i] > from.w[i];
     if (!program.is_equality(r)) last_ = std::max(last_, std::min(from.y[i], from.w[i]));
   }
   chosen_ = true;
 }
 
-void ModeNewton::choose(ConeProgram& program) {
-  const Index nc = program.cones();
-  for (Index k = 0; k < nc; ++k) mode_[at(k)] = program.law().mode(&y[3 * k], &s[3 * k], slide_[at(k)]);
-  for (Index r = 0; r < program.rays(); ++r)
-    ray_active_[at(r)] = program.is_equality(r) || y[3 * nc + r] - s[3 * nc + r] > 0;
-}
-
-// y_new = next_ - D ds at the modes.
-void ModeNewton::linearize(ConeProgram& program) {
-  const Index nc = program.cones();
-  const double hard = 1 / softness_;
-  const double across =
-      std::clamp(tolerances::cone_soften_across * last_ / program.start(), tolerances::cone_least_across, softness_);
-  std::fill(D_.begin(), D_.end(), 0.0);
-  next_.setZero();
-  for (Index k = 0; k < nc; ++k)
-    program.law().linearize(mode_[at(k)], slide_[at(k)], softness_, across, program.tilt(k), &y[3 * k], &s[3 * k],
-                            &D_[at(9 * k)], &next_[3 * k]);
-  for (Index r = 0; r < program.rays(); ++r) {
-    ray_weight_[r] = ray_active_[at(r)] ? hard : 0;
-    if (const Index i = 3 * nc + r; ray_active_[at(r)]) next_[i] = y[i] - hard * s[i];
-  }
-}
-
-bool ModeNewton::solve(ConeProgram& program) {
-  const Index nc = program.cones();
-  const bool symmetric = !program.law().lifts() || std::ranges::find(mode_, Mode::slide) == mode_.end();
-  if (!symmetric && !program.face().takes_unsymmetric()) return false;
-  if (!program.face().factorize(D_, ray_weight_, symmetric)) return false;
-  program.face().force(next_, dv_);
-  program.face().mass(v, mass_);
-  dv_ -= mass_;
-  program.face().solve(dv_);
-  program.face().slack(dv_, ds_);
-  v += dv_;
-  for (Index k = 0; k < nc; ++k) {
-    const double *D = &D_[at(9 * k)], *d = &ds_[3 * k];
-    for (Index i = 0; i < 3; ++i) y[3 * k + i] = next_[3 * k + i] - (D[i] * d[0] + D[i + 3] * d[1] + D[i + 6] * d[2]);
-  }
-  for (Index r = 0; r < program.rays(); ++r) y[3 * nc + r] = next_[3 * nc + r] - ray_weight_[r] * ds_[3 * nc + r];
-  return v.allFinite() && y.allFinite();
-}
-
 bool ModeNewton::step(ConeProgram& program) {
-  softness_ = std::clamp(tolerances::cone_soften * last_ / program.start(), tolerances::cone_softness,
-                         tolerances::cone_softest);
-  if (!chosen_) choose(program);
+  ModeEquations& e = equations_;
+  e.softness = std::clamp(tolerances::cone_soften * last_ / program.start(), tolerances::cone_softness,
+                          tolerances::cone_softest);
+  e.across =
+      std::clamp(tolerances::cone_soften_across * last_ / program.start(), tolerances::cone_least_across, e.softness);
+  if (!chosen_) e.choose(program, y, s);
   chosen_ = false;
-  linearize(program);
-  if (!solve(program)) return false;
+  e.linearize(program, y, s, true);
+  if (!e.factorize(program)) return false;
+  e.step(program, v, y);
+  if (!v.allFinite() || !y.allFinite()) return false;
   if (program.is_dense()) program.face().force(y, v);
   program.slack(v, s);
   residual = program.residual(y, s);
@@ -123,9 +80,9 @@ double ModeNewton::room(const ConeProgram& program, const Vector& way, const Vec
     if (way[i] < 0) most = std::min(most, std::max(0.0, -y[i] / way[i]));
   };
   for (Index k = 0; k < program.cones(); ++k) {
-    if (mode_[at(k)] == Mode::open) continue;
+    if (equations_.mode[at(k)] == Mode::open) continue;
     holds(3 * k);
-    if (mode_[at(k)] == Mode::stick) {
+    if (equations_.mode[at(k)] == Mode::stick) {
       holds(3 * k + 1);
       holds(3 * k + 2);
       if (soc::smallest(&y[3 * k]) > 0) most = std::min(most, soc::step_to_boundary(&y[3 * k], &way[3 * k]));
@@ -134,7 +91,7 @@ double ModeNewton::room(const ConeProgram& program, const Vector& way, const Vec
     }
   }
   for (Index r = 0; r < program.rays(); ++r) {
-    if (!ray_active_[at(r)]) continue;
+    if (!equations_.active[at(r)]) continue;
     holds(3 * program.cones() + r);
     if (!program.is_equality(r)) stays_positive(3 * program.cones() + r);
   }
@@ -144,12 +101,12 @@ double ModeNewton::room(const ConeProgram& program, const Vector& way, const Vec
 // On along the last step in y. The softness stays that of the step: where a row lets go the residual is large, and
 // means nothing.
 void ModeNewton::shift(ConeProgram& program) {
-  next_ = y - y_before_;
-  program.face().force(next_, dv_);
-  program.face().slack(dv_, ds_);
-  const double more = room(program, next_, ds_);
+  way_ = y - y_before_;
+  program.face().force(way_, push_);
+  program.face().slack(push_, slack_way_);
+  const double more = room(program, way_, slack_way_);
   if (!std::isfinite(more) || more <= 1) return;
-  y += more * next_;
+  y += more * way_;
   program.face().force(y, v);
   program.slack(v, s);
 }
@@ -168,12 +125,12 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     const double before = last_;
     const bool begins = chosen_ || taken == 0;
     y_before_ = y;
-    mode_before_ = mode_;
-    ray_before_ = ray_active_;
+    mode_before_ = equations_.mode;
+    ray_before_ = equations_.active;
     if (!step(program)) break;
     ++iterations;
-    const bool same = !begins && mode_ == mode_before_ && ray_active_ == ray_before_;
-    const double moved = dv_.norm(), nothing = tolerances::cone_exact * program.scale(v);
+    const bool same = !begins && equations_.mode == mode_before_ && equations_.active == ray_before_;
+    const double moved = equations_.dv.norm(), nothing = tolerances::cone_exact * program.scale(v);
     const bool stays = last_ > 0.5 * before;  // while it falls, the last digits are still to come
     settled = same && stays && last_ <= leaves && moved <= nothing;
     if (last_ < best.natural || settled) {

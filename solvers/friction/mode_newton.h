@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <zwang/solvers/friction/interior_point.h>
+#include <zwang/solvers/friction/mode_equations.h>
 
 namespace zwang {
 
@@ -32,21 +33,18 @@ class ModeNewton {
   void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);
   // One of its steps; false on a breakdown.
   bool step(ConeProgram& program);
+  ModeEquations& equations() { return equations_; }
 
  private:
   using Mode = ConeLaw::Mode;
-  void choose(ConeProgram& program);
-  void linearize(ConeProgram& program);
-  bool solve(ConeProgram& program);
   double room(const ConeProgram& program, const Vector& way, const Vector& slack_way) const;
   void shift(ConeProgram& program);
 
-  std::vector<Mode> mode_, mode_before_;
-  std::vector<ConeLaw::Slide> slide_;
-  std::vector<char> ray_active_, ray_before_;
-  std::vector<double> D_;
-  Vector ray_weight_, next_, dv_, mass_, ds_, best_v_, best_y_, best_s_, y_before_;
-  double softness_ = 1, last_ = 0;
+  ModeEquations equations_;
+  std::vector<Mode> mode_before_;
+  std::vector<char> ray_before_;
+  Vector way_, push_, slack_way_, best_v_, best_y_, best_s_, y_before_;
+  double last_ = 0;
   bool chosen_ = false;
 };
 

@@ -1,6 +1,5 @@
 #include <zwang/solvers/friction/promise.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -37,9 +36,10 @@ double rounding_of(const Problem& p, const Vector& z) {
 
 }  // namespace
 
-void Promise::begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows) {
+void Promise::begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows, ModeEquations* equations) {
   problem_ = &problem;
   program_ = rows;
+  modes_ = equations ? equations : &own_modes_;
   options_ = &options;
   ready_ = failed_ = false;
   spent_ = 0;
@@ -78,11 +78,7 @@ bool Promise::prepare() {
   spent_ = price_;
   price_ = program_->is_dense() ? n * n * (m / 2 + n / 6) / lanes + most_passes * n * (n + 3 * m) / lanes
                                 : share * static_cast<double>(problem_->J.nonZeros() + problem_->M.nonZeros()) * share;
-  mode_.assign(at(program_->cones()), Mode::open);
-  slide_.resize(at(program_->cones()));
-  active_.assign(at(program_->rays()), 0);
-  D_.resize(at(9 * program_->cones()));
-  ray_weight_.setZero(program_->rays());
+  if (modes_ == &own_modes_) own_modes_.begin(*program_);
   for (Vector* x : {&y_, &s_, &next_, &ds_, &x_, &t_}) x->setZero(program_->rows());
   for (Vector* x : {&v_, &dv_, &force_}) x->setZero(program_->face().unknowns());
   const double tied = program_->tied();
@@ -150,7 +146,10 @@ Promise::Bound Promise::look() {
   for (Index i = 0; i < h_.size(); ++i)
     if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
   double before = infinity;
-  for (int round = 0; round < most_rounds && (choose(y_, s_) || slides() || round == 0) && factorize(); ++round) {
+  for (int round = 0; round < most_rounds; ++round) {
+    const bool others = modes_->choose(*program_, y_, s_);
+    if (!(round == 0 ? modes_->has_factor(*program_) || factorize() : (others || modes_->slides()) && factorize()))
+      break;
     const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
     const bool met = missed <= rounding * size;
     if (!met && !(missed <= before)) break;  // it runs away
@@ -165,63 +164,29 @@ Promise::Bound Promise::look() {
   return {};
 }
 
-// Who carries force at (y, s). Is that another choice than the last?
-bool Promise::choose(const Vector& y, const Vector& s) {
-  bool changed = false;
-  for (Index k = 0; k < program_->cones(); ++k) {
-    const Mode now = program_->law().mode(&y[3 * k], &s[3 * k], slide_[at(k)]);
-    changed = changed || now != mode_[at(k)];
-    mode_[at(k)] = now;
-  }
-  for (Index r = 0; r < program_->rays(); ++r) {
-    const Index i = 3 * program_->cones() + r;
-    const char now = program_->is_equality(r) || y[i] - s[i] > 0;
-    changed = changed || now != active_[at(r)];
-    active_[at(r)] = now;
-  }
-  return changed;
+// At (y_, s_), as contacts slide there.
+void Promise::linearize(bool anew) {
+  for (Index k = 0; k < program_->cones(); ++k)
+    if (modes_->mode[at(k)] == Mode::slide) (void)program_->law().mode(&y_[3 * k], &s_[3 * k], modes_->slide[at(k)]);
+  modes_->linearize(*program_, y_, s_, anew);
 }
 
 bool Promise::factorize() {
-  std::ranges::fill(D_, 0.0);
-  for (Index k = 0; k < program_->cones(); ++k) linearize(k, &D_[at(9 * k)]);
-  for (Index r = 0; r < program_->rays(); ++r) ray_weight_[r] = active_[at(r)] ? 1 / tolerances::promise_softness : 0;
-  const bool symmetric = !program_->law().lifts() || !slides();
-  return (symmetric || program_->face().takes_unsymmetric()) && program_->face().factorize(D_, ray_weight_, symmetric);
-}
-
-// D and next_ of a contact, at its mode.
-void Promise::linearize(Index k, double* D) {
-  const double *y = &y_[3 * k], *s = &s_[3 * k];
-  next_.segment<3>(3 * k).setZero();
-  if (mode_[at(k)] == Mode::slide) (void)program_->law().mode(y, s, slide_[at(k)]);
-  constexpr double softness = tolerances::promise_softness;
-  program_->law().linearize(mode_[at(k)], slide_[at(k)], softness, softness, program_->tilt(k), y, s, D, &next_[3 * k]);
+  modes_->softness = modes_->across = tolerances::promise_softness;
+  linearize(true);
+  return modes_->factorize(*program_);
 }
 
 // Newton's steps by the one factor, as far as they go. Returns how much v would still move.
 double Promise::settle() {
-  ConeFace& face = program_->face();
-  const Index nc = program_->cones();
   double last = infinity, length = infinity;
   for (int pass = 0; pass < most_passes; ++pass) {
-    std::array<double, 9> unused;
-    for (Index k = 0; k < nc; ++k) linearize(k, unused.data());
-    for (Index r = 0; r < program_->rays(); ++r)
-      next_[3 * nc + r] = active_[at(r)] ? y_[3 * nc + r] - ray_weight_[r] * s_[3 * nc + r] : 0;
-    face.force(next_, dv_);
-    face.mass(v_, force_);
-    dv_ -= force_;
-    face.solve(dv_);
-    face.slack(dv_, ds_);
-    v_ += dv_;
-    for (Index k = 0; k < nc; ++k)
-      y_.segment<3>(3 * k) = next_.segment<3>(3 * k) - Eigen::Map<const Mat3>(&D_[at(9 * k)]) * ds_.segment<3>(3 * k);
-    for (Index r = 0; r < program_->rays(); ++r) y_[3 * nc + r] = next_[3 * nc + r] - ray_weight_[r] * ds_[3 * nc + r];
-    face.slack(v_, s_);
+    linearize(false);
+    modes_->step(*program_, v_, y_);
+    program_->face().slack(v_, s_);
     s_ -= h_;
     last = length;
-    length = program_->length(dv_);
+    length = program_->length(modes_->dv);
     if (!(length > rounding * program_->scale(v_))) return 2 * length;
     if (length > last / 2) break;
   }
@@ -233,30 +198,14 @@ double Promise::left() const {
   double most = 0;
   for (Index k = 0; k < program_->cones(); ++k) {
     const auto s = s_.segment<3>(3 * k);
-    const auto& [u1, u2, size, pressure] = slide_[at(k)];
-    if (mode_[at(k)] == Mode::stick) most = std::max(most, s.lpNorm<Eigen::Infinity>());
-    if (mode_[at(k)] == Mode::slide)
+    const auto& [u1, u2, size, pressure] = modes_->slide[at(k)];
+    if (modes_->mode[at(k)] == Mode::stick) most = std::max(most, s.lpNorm<Eigen::Infinity>());
+    if (modes_->mode[at(k)] == Mode::slide)
       most = std::max(most, std::abs(s[0] + program_->law().opening() * (u1 * s[1] + u2 * s[2])));
   }
   for (Index r = 0; r < program_->rays(); ++r)
-    if (active_[at(r)]) most = std::max(most, std::abs(s_[3 * program_->cones() + r]));
+    if (modes_->active[at(r)]) most = std::max(most, std::abs(s_[3 * program_->cones() + r]));
   return most;
-}
-
-// The rows that carry force, as far as v misses them, times their weight: of a contact that slides the plane of its
-// ray.
-void Promise::pull(const Vector& missed, Vector& force) const {
-  for (Index k = 0; k < program_->cones(); ++k) {
-    const double *D = &D_[at(9 * k)], opening = program_->law().opening();
-    const auto e = missed.segment<3>(3 * k);
-    const auto& [u1, u2, size, pressure] = slide_[at(k)];
-    if (mode_[at(k)] == Mode::slide)
-      force.segment<3>(3 * k) = D[0] * (e[0] + opening * (u1 * e[1] + u2 * e[2])) * Vec3(1, u1, u2);
-    else
-      force.segment<3>(3 * k) = Eigen::Map<const Mat3>(D) * e;
-  }
-  const Index first = 3 * program_->cones();
-  force.tail(program_->rays()) = ray_weight_.cwiseProduct(missed.segment(first, program_->rays()));
 }
 
 // An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly nothing.
@@ -266,7 +215,7 @@ double Promise::least_share() {
   ConeFace& face = program_->face();
   for (Index i = 0; i < ds_.size(); ++i)
     ds_[i] = 0.5 + std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -53);
-  pull(ds_, next_);
+  modes_->pull(*program_, ds_, next_);
   const double start = next_.norm(), vanished = tolerances::promise_vanished * start;
   double before = infinity, length = start;
   int pass = 0;
@@ -274,7 +223,7 @@ double Promise::least_share() {
     face.force(next_, dv_);
     face.solve(dv_);
     face.slack(dv_, ds_);
-    pull(ds_, t_);
+    modes_->pull(*program_, ds_, t_);
     next_ -= t_;
     before = length;
     length = next_.norm();
@@ -282,7 +231,7 @@ double Promise::least_share() {
   if (!(length <= vanished)) return 0;
   if (length == 0) return 1;
   const double kept = std::pow(length / (tolerances::promise_part * start), 1.0 / pass);
-  return std::sqrt(tolerances::promise_softness * std::clamp(1 / kept - 1, 1.0, 1 / tolerances::promise_softness));
+  return std::sqrt(modes_->softness * std::clamp(1 / kept - 1, 1.0, 1 / modes_->softness));
 }
 
 // `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
@@ -292,13 +241,13 @@ double Promise::with_rounding(double first, double still, double size) {
   double least = infinity;  // slack of those that carry no force
   bool changed = false;
   for (Index k = 0; k < program_->cones(); ++k) {
-    Mode& mode = mode_[at(k)];
+    Mode& mode = modes_->mode[at(k)];
     if (mode == Mode::open) least = std::min(least, opened(k));
     if (mode == Mode::slide && second_order_cone::tangential(&s_[3 * k]) <= touching)
       mode = Mode::stick, changed = true;
   }
   for (Index r = 0; r < program_->rays(); ++r)
-    if (!active_[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
+    if (!modes_->active[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
   if (changed && !factorize()) return infinity;
   const double share = least > touching ? least_share() : 0;
   constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
@@ -314,14 +263,14 @@ double Promise::inside(double still, double size) {
   const double near = tolerances::promise_near * size, rest = row_rounding_ * size;
   x_.setZero(program_->rows());  // what is to be opened, by how much
   for (Index k = 0; k < nc; ++k) {
-    if (mode_[at(k)] == Mode::open && opened(k) > near) continue;
-    mode_[at(k)] = Mode::stick;
+    if (modes_->mode[at(k)] == Mode::open && opened(k) > near) continue;
+    modes_->mode[at(k)] = Mode::stick;
     x_[3 * k] = 1;
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     if (program_->is_equality(r)) return infinity;
-    if (!active_[at(r)] && s_[3 * nc + r] > near) continue;
-    active_[at(r)] = 1;
+    if (!modes_->active[at(r)] && s_[3 * nc + r] > near) continue;
+    modes_->active[at(r)] = 1;
     x_[3 * nc + r] = 1;
   }
   w_.setZero(v_.size());
@@ -362,8 +311,8 @@ bool Promise::distance() {
     const double *s = &s_[3 * k], slip = second_order_cone::tangential(s);
     auto y = y_.segment<3>(3 * k);
     const double open = opened(k);
-    if (mode_[at(k)] == Mode::open && -open > size) return false;
-    if (mode_[at(k)] == Mode::slide && slip > size) {
+    if (modes_->mode[at(k)] == Mode::open && -open > size) return false;
+    if (modes_->mode[at(k)] == Mode::slide && slip > size) {
       const double push = std::max(0.0, y[0]);
       y = Vec3(push, -push * s[1] / slip, -push * s[2] / slip);
       gap_ += push * (counts(open) + 2 * counts(-open));
@@ -373,7 +322,7 @@ bool Promise::distance() {
   }
   for (Index i = 3 * nc; i < program_->rows(); ++i) {
     if (program_->is_equality(i - 3 * nc)) continue;
-    if (!active_[at(i - 3 * nc)] && -s_[i] > size) return false;
+    if (!modes_->active[at(i - 3 * nc)] && -s_[i] > size) return false;
     y_[i] = std::max(0.0, y_[i]);
   }
   face.force(y_, force_);

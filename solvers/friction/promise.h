@@ -1,9 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <vector>
-
-#include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/friction/mode_equations.h>
 #include <zwang/solvers/prover.h>
 
 namespace zwang {
@@ -29,8 +26,10 @@ class Promise final : public Prover {
  public:
   void begin(const Problem& problem, const SolveOptions& options) override { begin(problem, options, &own_); }
   // `rows`: the program of this problem that a method works with; a look leaves another factor in its face. It is kept
-  // until the next begin(). Else one is built for the first look.
-  void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows);
+  // until the next begin(). Else one is built for the first look. `equations`: those of a method that has begun them
+  // before the first look, which begins with its factor where the modes are the same.
+  void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows,
+             ModeEquations* equations = nullptr);
   double enough(double motion, int exponent) const override;
   bool is_due(double work) override;
   bool holds(const Vector& lambda, Solution& solution) override;
@@ -39,7 +38,7 @@ class Promise final : public Prover {
   const Vector& v() const { return v_; }
   const Vector& y() const { return y_; }
   // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
-  bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !choose(y, s); }
+  bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !modes_->choose(*program_, y, s); }
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
 
@@ -53,13 +52,10 @@ class Promise final : public Prover {
 
   bool prepare();
   Bound look();
-  bool choose(const Vector& y, const Vector& s);
-  bool slides() const { return std::ranges::find(mode_, Mode::slide) != mode_.end(); }
   bool factorize();
-  void linearize(Index k, double* D);
+  void linearize(bool anew);
   double settle();
   double left() const;
-  void pull(const Vector& missed, Vector& force) const;
   double least_share();
   double with_rounding(double first, double still, double size);
   double inside(double still, double size);
@@ -74,16 +70,14 @@ class Promise final : public Prover {
   const SolveOptions* options_ = nullptr;
   ConeProgram own_;
   ConeProgram* program_ = nullptr;
+  ModeEquations own_modes_;
+  ModeEquations* modes_ = nullptr;
   bool ready_ = false, failed_ = false;
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
   double reach_ = 0;           // the right sides that rounding in a slack comes from
-  std::vector<Mode> mode_;
-  std::vector<ConeLaw::Slide> slide_;
-  std::vector<char> active_;  // single rows
-  std::vector<double> D_;
-  Vector ray_weight_, v_, y_, s_, h_, next_, dv_, ds_, force_, w_, x_, t_;
+  Vector v_, y_, s_, h_, dv_, ds_, force_, w_, x_, t_, next_;
   Solution scratch_;
 };
 

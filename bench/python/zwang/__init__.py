@@ -60,11 +60,6 @@ def _check_indices(matrix):
         raise ValueError(f"the sparse format {matrix.format} is not known")
 
 
-def _compressed(matrix, name, columns, by_rows):
-    matrix = _matrix(matrix, name, columns, by_rows)
-    return _zwang.Compressed(matrix.data, matrix.indices, matrix.indptr, *matrix.shape)
-
-
 def _matrix(matrix, name, columns, by_rows):
     """Any matrix as float64 in compressed columns or rows, sorted, without duplicates."""
     kind = scipy.sparse.csr_matrix if by_rows else scipy.sparse.csc_matrix
@@ -89,11 +84,6 @@ def _matrix(matrix, name, columns, by_rows):
     if matrix.nnz >= 2**31 or max(matrix.shape) >= 2**31:
         raise ValueError(f"{name} is too large: expected fewer than 2^31 entries")
     return matrix
-
-
-def _sparse(kind, parts):
-    data, indices, indptr, rows, columns = parts
-    return kind((data, indices, indptr), shape=(rows, columns))
 
 
 class Problem(_zwang.Problem):
@@ -128,13 +118,11 @@ class Problem(_zwang.Problem):
         mu = mu if slips.any() else numpy.empty(0)
         if law is None:
             law = "coulomb" if slips.any() else "frictionless"
-        super().__init__(_compressed(M, "M", len(z_u), False), z_u, _compressed(J, "J", len(z_u), True), c, mask, slips,
+        super().__init__(_matrix(M, "M", len(z_u), False), z_u, _matrix(J, "J", len(z_u), True), c, mask, slips,
                          mu, str(law), str(name))
 
 
 
-_zwang.Problem.M = property(lambda p: _sparse(scipy.sparse.csc_matrix, p._M), doc="n x n, scipy.sparse.csc_matrix")
-_zwang.Problem.J = property(lambda p: _sparse(scipy.sparse.csr_matrix, p._J), doc="m x n, scipy.sparse.csr_matrix")
 _zwang.Problem.reference = property(lambda p: p._reference, doc="what the file or the scene knows to be true, or None")
 def _under(problem, law):
     """The problem under another law: "frictionless" (tangent rows left out), "pyramid" (four facets a contact, a QP),
@@ -224,7 +212,7 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
     h, b, lb, ub, x = (_numbers(v, name, size) for v, name, size in
                        ((h, "h", 1), (b, "b", 1), (lb, "lb", n), (ub, "ub", n), (x, "x", None)))
     try:
-        program = _zwang.Program(_compressed(P, "P", n, False), q, _compressed(G, "G", n, True), h, _compressed(A, "A", n, True), b, lb, ub)
+        program = _zwang.Program(P, q, G, h, A, b, lb, ub)
         return _zwang.judge_qp(program, x, _numbers(y, "y", 1), _numbers(z, "z", 1), _numbers(z_box, "z_box", n), float(tolerance))
     except _zwang.NotDefinite:
         pass

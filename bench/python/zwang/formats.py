@@ -50,8 +50,8 @@ def _named(problem, path, family):
 def _program(path, family, P, q, G=None, h=None, A=None, b=None, lb=None, ub=None):
     q = zwang._numbers(q, "q")
     n = len(q)
-    program = _zwang.Program(zwang._compressed(P, "P", n, False), q, zwang._compressed(G, "G", n, True),
-                             zwang._numbers(h, "h", 1), zwang._compressed(A, "A", n, True), zwang._numbers(b, "b", 1),
+    program = _zwang.Program(zwang._matrix(P, "P", n, False), q, zwang._matrix(G, "G", n, True),
+                             zwang._numbers(h, "h", 1), zwang._matrix(A, "A", n, True), zwang._numbers(b, "b", 1),
                              zwang._numbers(lb, "lb", n), zwang._numbers(ub, "ub", n))
     return _named(_zwang.from_qp(program), path, family)
 

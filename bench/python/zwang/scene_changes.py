@@ -3,7 +3,6 @@ import math
 import operator
 
 import numpy
-import scipy.sparse
 
 
 def twist(value, name):
@@ -34,8 +33,7 @@ def change(problem, body, pose, velocity, mass, mu):
         raise ValueError(f"body should be 0 to {count - 1}, and is {which}")
     M, z_u, J, c, dmu = problem._scene_change(which, twist(pose, "pose"), twist(velocity, "velocity"), number(mass, "mass"),
                                               number(mu, "mu"))
-    return {"dM": scipy.sparse.csc_matrix(M[:3], shape=M[3:]), "dz_u": z_u, "dJ": scipy.sparse.csr_matrix(J[:3], shape=J[3:]), "dc": c,
-            "dmu": dmu}
+    return {"dM": M, "dz_u": z_u, "dJ": J, "dc": c, "dmu": dmu}
 
 
 def gradient(problem, bars):

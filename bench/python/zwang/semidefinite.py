@@ -112,13 +112,9 @@ def solve_exactly(B, right):
 
 def exact_basis(A, right):
     """Rows independent of those before them, rows that contradict those before them."""
-    return _zwang.exact_basis(_packed(A), numpy.asarray(right, dtype=float))
-
-
-def _packed(A, kind=scipy.sparse.csr_matrix):
-    A = kind(A, dtype=float)
+    A = scipy.sparse.csr_matrix(A, dtype=float)
     A.sort_indices()
-    return _zwang.Compressed(A.data, A.indices, A.indptr, *A.shape)
+    return _zwang.exact_basis(A, numpy.asarray(right, dtype=float))
 
 
 class Program:
@@ -450,9 +446,9 @@ def without_solution(p):
 def is_definite(P):
     try:
         n = P.shape[0]
-        none = _packed(scipy.sparse.csr_matrix((0, n)))
+        none = scipy.sparse.csr_matrix((0, n))
         nothing = numpy.zeros(0)
-        _zwang.from_qp(_zwang.Program(_packed(P, scipy.sparse.csc_matrix), numpy.zeros(n), none, nothing, none, nothing, nothing, nothing))
+        _zwang.from_qp(_zwang.Program(scipy.sparse.csc_matrix(P), numpy.zeros(n), none, nothing, none, nothing, nothing, nothing))
         return True
     except ValueError:
         return False
