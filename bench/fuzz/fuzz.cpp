@@ -111,7 +111,7 @@ void Fuzzer::fault(std::size_t i, std::uint64_t number, std::string what, Proble
   report_(std::move(out));
 }
 
-void Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm) {
+const Solution& Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm) {
   at_(i);
   Candidate& c = candidates_[i];
   SolveOptions options{.tolerance = tolerance, .warm_start = warm};
@@ -120,12 +120,12 @@ void Fuzzer::solve(std::size_t i, const Problem& problem, const WarmStart* warm)
   const double start = wall_seconds();
   c.solver.solve(problem, options, c.solution);
   tally_[i].seconds += wall_seconds() - start;
+  return c.solution;
 }
 
 void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const Reference& truth) {
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    solve(i, problem, nullptr);
-    const Solution& s = candidates_[i].solution;
+    const Solution& s = solve(i, problem);
     FuzzTally& t = tally_[i];
     ++t.runs;
     if (s.status == Status::infeasible) {
@@ -172,8 +172,7 @@ void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
   const bool planar = std::ranges::count(problem.kind, RowKind::tangent) <= few_contacts;
   const std::optional<ExactSolutions> all = planar ? enumerate_planar(problem) : std::nullopt;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    solve(i, problem, nullptr);
-    const Solution& s = candidates_[i].solution;
+    const Solution& s = solve(i, problem);
     FuzzTally& t = tally_[i];
     ++t.runs;
     if (s.status == Status::bad_input) fault(i, number, "says bad input: " + s.message, problem);
@@ -219,8 +218,7 @@ void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     std::string claim;
     try {
-      solve(i, problem, nullptr);
-      claim = to_string(candidates_[i].solution.status);
+      claim = to_string(solve(i, problem).status);
     } catch (const std::invalid_argument&) {  // sizes that do not match are wrong use
       claim = to_string(Status::bad_input);
     }
@@ -240,9 +238,8 @@ void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& proble
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     if (!candidates_[i].repeats) continue;
     const Solution cold = candidates_[i].solution;
-    solve(i, problem, &warm);
+    const Solution& s = solve(i, problem, &warm);
     ++tally_[i].warm;
-    const Solution& s = candidates_[i].solution;
     if (!has_z(cold.status) && cold.status != Status::infeasible) continue;
     const bool same = has_z(cold.status) ? has_z(s.status) && distance(problem, s.z, cold.z) <= warm_limit
                                          : s.status == Status::infeasible;
@@ -261,9 +258,8 @@ void Fuzzer::with_spoilt_entry(std::uint64_t number, const Problem& problem) {
   const bool bad = spoilt.bad || !is_positive_definite(spoilt.problem.M);
   const std::optional<Reference> truth = bad ? std::nullopt : decided_by_both(spoilt.problem);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    solve(i, spoilt.problem, nullptr);
+    const Solution& s = solve(i, spoilt.problem);
     ++tally_[i].spoilt;
-    const Solution& s = candidates_[i].solution;
     const std::string claim = spoilt.what + ": says " + std::string(to_string(s.status));
     if (bad && s.status != Status::bad_input) fault(i, number, claim, spoilt.problem);
     if (bad || (s.status != Status::solved && s.status != Status::infeasible)) continue;
@@ -284,11 +280,8 @@ void Fuzzer::film(std::uint64_t number) {
              ",frame=" + std::to_string(frame) + ")";
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       if (!candidates_[i].repeats) continue;
-      solve(i, p, nullptr);
-      const Solution cold = candidates_[i].solution;
-      solve(i, p, frame > 0 ? &before[i] : nullptr);
+      const Solution cold = solve(i, p), &s = solve(i, p, frame > 0 ? &before[i] : nullptr);
       ++tally_[i].warm;
-      const Solution& s = candidates_[i].solution;
       const double apart = distance(p, s.z, cold.z);
       if (!has_z(cold.status) || !has_z(s.status) || !(apart <= warm_limit))
         fault(i, number, "warm start from the frame before: " + shown("z apart by", apart), p);

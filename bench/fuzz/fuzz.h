@@ -96,7 +96,7 @@ class Fuzzer {
   void from_random_multipliers(std::uint64_t number, const Problem& problem);
   void with_spoilt_entry(std::uint64_t number, const Problem& problem);
   void film(std::uint64_t number);
-  void solve(std::size_t i, const Problem& problem, const WarmStart* warm);
+  const Solution& solve(std::size_t i, const Problem& problem, const WarmStart* warm = nullptr);
   void fault(std::size_t i, std::uint64_t number, std::string what, Problem problem, const Reference* truth = nullptr);
 
   FuzzOptions options_;

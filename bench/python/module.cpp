@@ -20,6 +20,7 @@
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/exact_rank.h>
+#include <zwang/solvers/friction/mode_equations.h>
 #include <zwang/solvers/registry.h>
 
 namespace py = pybind11;
@@ -27,20 +28,6 @@ using namespace py::literals;
 
 namespace zwang {
 namespace {
-
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Integers = py::array_t<int, py::array::c_style | py::array::forcecast>;
-
-Vector to_vector(const Numbers& numbers, const char* name, Index size = -1) {
-  if (numbers.ndim() != 1 || (size >= 0 && numbers.size() != size))
-    throw std::invalid_argument(
-        name +
-        (size < 0 ? std::string(" should have one dimension") : " should have " + std::to_string(size) + " entries") +
-        ", and has the shape " + std::string(py::str(numbers.attr("shape"))));
-  return Eigen::Map<const Vector>(numbers.data(), numbers.size());
-}
-
-Numbers to_numpy(const Vector& v) { return Numbers(v.size(), v.data()); }
 
 // pybind11's __new__ makes an object whose value only __init__ sets: reading it before crashes. Python refuses the
 // __new__ of a base to a type that has one of its own, so that only a call of the class makes objects.
@@ -52,97 +39,142 @@ py::class_<T> made_by_calls(py::class_<T> type) {
   return type;
 }
 
-QuadraticProgram to_program(const Eigen::SparseMatrix<double>& P, const Numbers& q, const RowMatrix& G,
-                            const Numbers& h, const RowMatrix& A, const Numbers& b, const Numbers& lb,
-                            const Numbers& ub) {
-  return {.P = P,
-          .q = to_vector(q, "q"),
-          .G = G,
-          .h = to_vector(h, "h"),
-          .A = A,
-          .b = to_vector(b, "b"),
-          .lb = to_vector(lb, "lb"),
-          .ub = to_vector(ub, "ub")};
-}
-
 // What bench, judge and solve say of numbers that nobody can work with.
 void require_good(const Problem& p) {
   require_matching_sizes(p);
   if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
 }
 
-// What a row moves a motion of unit length by, its slack, and the length of M (z - z_u) - J'lambda: with the diagonal
-// of M for M.
-py::tuple residuals(const Instance& instance, const Solution& s) {
-  const Problem& p = instance.problem;
-  if (s.z.size() != p.size() || s.lambda.size() != p.rows())
-    throw std::invalid_argument("modes are read off z and lambda of a solution");
-  const Vector mass = p.M.diagonal(), off = p.M * (s.z - p.z_u) - p.J.transpose() * s.lambda;
-  const auto length = [&](const Vector& v) { return v.cwiseAbs2().dot(mass); };
-  const Vector unit = (p.J.cwiseProduct(p.J) * mass.cwiseInverse()).cwiseSqrt();
-  return py::make_tuple(to_numpy(unit), to_numpy(p.J * s.z - p.c), std::sqrt(length(off.cwiseQuotient(mass))),
-                        std::sqrt(std::max(length(s.z), length(p.z_u))));
-}
+// How an answer changes while no contact changes its mode: M z = M z_u + force + J'lambda of the rows that push,
+// J z + moved = 0, but for what slides (ModeEquations).
+class Kept {
+ public:
+  double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
+  VectorX<Index> rows;         // that push, those of a contact together
+  std::vector<Index> ties;     // those that neither push nor open
+  Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
-// Motions that keep rows S = T J of a problem, M z = M z_u + force + S'lambda, S z = rows, or >= of some: Gauss'
-// problem once more. T by its entries.
-struct Kept {
-  Kept(const Instance& instance, const Integers& place, const Integers& row, const Numbers& factor,
-       const py::array_t<bool>& equality, bool sparse)
-      : sparse_(sparse), tangent_{.M = instance.problem.M} {
+  Kept(const Instance& instance, const Vector& z, const Vector& lambda)
+      : change_{.M = instance.problem.M, .law = instance.problem.law} {
     const Problem& p = instance.problem;
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index k = 0; k < row.size(); ++k) {
-      const int from = row.at(k), to = place.at(k);
-      if (from < 0 || from >= p.rows() || to < 0 || to >= equality.size()) throw std::invalid_argument("no such row");
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, from); it; ++it)
-        entries.emplace_back(to, static_cast<int>(it.col()), factor.at(k) * it.value());
+    if (z.size() != p.size() || lambda.size() != p.rows())
+      throw std::invalid_argument("modes are read off z and lambda of a solution");
+    const Vector mass = p.M.diagonal(), slack = p.J * z - p.c, left = p.M * (z - p.z_u) - p.J.transpose() * lambda;
+    const auto moves = [&](Index row) {  // a motion of unit length
+      double sum = 0;
+      for (RowMatrix::InnerIterator it(p.J, row); it; ++it) sum += it.value() * it.value() / mass[it.col()];
+      return sum > 0 ? std::sqrt(sum) : 1;
+    };
+    const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
+    motion = std::max(length(z), length(p.z_u));
+    off = length(left.cwiseQuotient(mass));
+    by_mu.setZero(p.rows());
+    std::vector<Index> held;
+    const double zero = clear * motion, opening = ConeLaw::of(p.law).opening();
+    for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
+      tangents = p.has_tangents() ? p.tangents(i) : 0;
+      const double mu = tangents > 0 ? p.mu[i] : 0, slip = slack.segment(i + 1, tangents).norm();
+      const double unit = moves(i), across = mu > 0 ? moves(i + 1) : 1;
+      const double push = lambda[i] * unit, gap = (slack[i] - opening * mu * slip) / unit, slides = slip / across;
+      const double spare = mu > 0 ? (mu * lambda[i] - lambda.segment(i + 1, tangents).norm()) * across : infinity;
+      const bool holds = p.is_equality(i) || push > zero;
+      off = std::max(off, p.is_equality(i) ? std::abs(gap) : std::max({-push, -gap, std::min(push, gap), -spare}));
+      if (mu > 0 && holds) off = std::max(off, std::min(spare, slides));
+      if (!holds && gap > zero) continue;
+      if (!holds || (spare <= zero && slides <= zero)) {
+        ties.push_back(i);
+        continue;
+      }
+      for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) held.push_back(r);
+      if (mu == 0) continue;
+      mode_.push_back(slides > zero ? Mode::slide : Mode::stick);
+      if (mode_.back() == Mode::stick) continue;
+      by_mu[i] = -opening * slip;
+      by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
     }
-    tangent_.J.resize(equality.size(), p.size());
-    tangent_.J.setFromTriplets(entries.begin(), entries.end());
-    for (Index i = 0; i < equality.size(); ++i) {
-      tangent_.kind.push_back(equality.at(i) ? RowKind::equality : RowKind::inequality);
-      tangent_.key.push_back({0, static_cast<std::uint32_t>(i)});
+    rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
+    change_.J.resize(rows.size(), p.size());
+    for (const Index i : held) {
+      const Index k = std::ssize(change_.kind);
+      change_.J.startVec(k);
+      for (RowMatrix::InnerIterator it(p.J, i); it; ++it) change_.J.insertBack(k, it.col()) = it.value();
+      change_.kind.push_back(p.kind[static_cast<std::size_t>(i)]);
     }
+    change_.J.finalize();
+    change_.key.resize(held.size());
+    if (!mode_.empty()) change_.mu = p.mu(held);
+    lambda_ = lambda(held);
+    slack_ = slack(held);
   }
 
-  // z, lambda, and whether lambda is known to be the only one.
-  py::tuple solve(const Numbers& z_u, const Numbers& force, const Numbers& rows) {
-    thread_local std::array kept{make_solver("dual_active_set"), make_solver("newton")};  // fresh: twice the time
-    tangent_.z_u = to_vector(z_u, "z_u", tangent_.M.rows());
-    tangent_.c = to_vector(rows, "rows");
-    if (const Vector push = to_vector(force, "force", tangent_.M.rows()); !push.isZero(0)) {
-      if (mass_.rows() == 0) mass_.compute(tangent_.M);
-      tangent_.z_u += mass_.solve(push);
+  // z, lambda, and whether lambda is known to be the only one. `back`: of the transposed equations.
+  std::tuple<Vector, Vector, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
+    change_.z_u = z_u;
+    change_.c = -moved;
+    require_matching_sizes(change_);
+    if (!force.isZero(0)) {
+      if (mass_.rows() == 0) mass_.compute(change_.M);
+      change_.z_u += mass_.solve(force);
     }
-    kept[sparse_ ? 1 : 0].solve(tangent_, {.tolerance = 1e-12, .time_limit = 60}, answer_);
-    if (answer_.status != Status::solved)
-      throw std::invalid_argument("rows that push do not hold together: " + std::string(to_string(answer_.status)));
-    const bool unique = answer_.redundant.empty() && (tangent_.rows() == 0 || answer_.margins.rank >= 0);
-    return py::make_tuple(to_numpy(answer_.z), to_numpy(answer_.lambda), unique);
+    thread_local ConeProgram program;  // fresh: twice the time
+    thread_local ModeEquations equations;
+    thread_local Solution answer;
+    const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(60), answer);
+    if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
+    const auto scaled = [&](const Vector& x) {
+      Vector y = Vector::Zero(program.rows());
+      program.scale_multipliers(x, y);
+      return y;
+    };
+    const Vector unit = std::ldexp(1, program.exponent()) * scaled(Vector::Ones(slack_.size()));
+    Vector y = scaled(lambda_), s = (unit.array() > 0).select(scaled(slack_).array() / unit.array().square(), 0);
+    equations.begin(program);
+    equations.mode = mode_;
+    equations.active.assign(equations.active.size(), 1);
+    if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
+    if (!equations.begin_change(program, y, s, back)) throw std::invalid_argument("the modes' equations break down");
+    if (!is_unique_) is_unique_ = change_.rows() == 0 || equations.least_share(program) > 0;
+    Vector v = Vector::Zero(program.face().unknowns());
+    y.setZero();
+    s = -program.h();
+    double last = infinity, length = infinity;
+    do {
+      equations.aim(program, y, s);
+      equations.step(program, v, y);
+      program.slack(v, s);
+      last = std::exchange(length, program.length(equations.dv));
+    } while (length > 0 && !(length > last / 2));
+    if (!(equations.missed(program, s) <= together * program.scale(v)))
+      throw std::invalid_argument("rows that push do not hold together");
+    program.write(change_, v, y, answer);
+    return {answer.z, answer.lambda, *is_unique_};
   }
 
-  bool sparse_;
-  Problem tangent_;
+ private:
+  using Mode = ModeEquations::Mode;
+  static constexpr double clear = 1e-8, together = 1e-9;  // of the motion: what is no tie; what rows may be missed by
+  Problem change_;
+  std::vector<Mode> mode_;
+  Vector lambda_, slack_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> mass_;
-  Solution answer_;
+  std::optional<bool> is_unique_;
 };
 
-Instance make_problem(const Eigen::SparseMatrix<double>& M, const Numbers& z_u, const RowMatrix& J, const Numbers& c,
-                      const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Numbers& mu,
+Instance make_problem(const Eigen::SparseMatrix<double>& M, const Vector& z_u, const RowMatrix& J, const Vector& c,
+                      const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Vector& mu,
                       const std::string& law, std::string name) {
   Instance out;
   Problem& p = out.problem;
   p.name = std::move(name);
   p.M = M;
-  p.z_u = to_vector(z_u, "z_u");
+  p.z_u = z_u;
   p.J = J;
-  p.c = to_vector(c, "c");
+  p.c = c;
   for (Index i = 0; i < equality.size(); ++i) {
     p.kind.push_back(equality.at(i) ? RowKind::equality : tangent.at(i) ? RowKind::tangent : RowKind::inequality);
     p.key.push_back({0, static_cast<std::uint32_t>(i)});
   }
-  p.mu = to_vector(mu, "mu");
+  p.mu = mu;
   p.law = parse_law(law);
   require_good(p);
   return out;
@@ -162,14 +194,12 @@ std::vector<int> bodies(const Instance& instance) {
 }
 
 // body: -1 for none.
-py::tuple change_of_scene(const Instance& instance, int body, const Numbers& pose, const Numbers& velocity, double mass,
+py::tuple change_of_scene(const Instance& instance, int body, const Vector& pose, const Vector& velocity, double mass,
                           double mu) {
   SceneChange change{.bodies = std::vector<SceneChange::OfBody>(bodies(instance).size()), .friction = mu};
-  if (body >= 0)
-    change.bodies.at(static_cast<std::size_t>(body)) = {to_vector(pose, "pose"), to_vector(velocity, "velocity"), mass};
+  if (body >= 0) change.bodies.at(static_cast<std::size_t>(body)) = {pose, velocity, mass};
   const Problem d = scene_change(instance, change);
-  return py::make_tuple(d.M, to_numpy(d.z_u), d.J, to_numpy(d.c),
-                        to_numpy(d.has_tangents() ? d.mu : Vector::Zero(d.rows())));
+  return py::make_tuple(d.M, d.z_u, d.J, d.c, d.has_tangents() ? d.mu : Vector::Zero(d.rows()));
 }
 
 // A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
@@ -183,21 +213,13 @@ struct PythonSolver {
     try {
       Instance instance;
       instance.problem = problem;
-      py::object answer = (*call)(instance, options.tolerance);
+      const py::object answer = (*call)(instance, options.tolerance);
       if (answer.is_none()) {
         solution.status = Status::numerical_failure;
         solution.message = "no answer";
         return solution.empty_z();
       }
-      if (py::isinstance<py::tuple>(answer)) {
-        const auto both = py::cast<py::tuple>(answer);
-        if (both.size() != 2) throw std::invalid_argument("expected z or (z, lambda)");
-        solution.lambda = to_vector(py::cast<Numbers>(both[1]), "lambda");
-        answer = both[0];
-      } else {
-        solution.empty_lambda();
-      }
-      solution.z = to_vector(py::cast<Numbers>(answer), "z");
+      std::tie(solution.z, solution.lambda) = py::cast<std::pair<Vector, Vector>>(answer);
       if (solution.z.size() != problem.size() ||
           (solution.lambda.size() != 0 && solution.lambda.size() != problem.rows()))
         throw std::invalid_argument("z or lambda has the wrong size");
@@ -242,7 +264,7 @@ struct Solved {
 };
 
 Solved solve(const Instance& instance, const std::string& text, double tolerance, const std::string& accuracy,
-             int max_iterations, double time_limit, const std::optional<Numbers>& warm, bool keep_python) {
+             int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
   const MakeSolver make = [](std::string_view t) { return make_solver(t); };
   make(text);  // a wrong name or setting is said before anything runs
   if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
@@ -254,7 +276,7 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
                        .max_iterations = max_iterations,
                        .fresh = true};
   if (warm) {
-    request.warm = {.key = instance.problem.key, .lambda = to_vector(*warm, "warm_start")};
+    request.warm = {.key = instance.problem.key, .lambda = *warm};
     if (request.warm.lambda.size() != instance.problem.rows())
       throw std::invalid_argument("warm_start should have " + std::to_string(instance.problem.rows()) +
                                   " entries, and has " + std::to_string(request.warm.lambda.size()));
@@ -300,15 +322,14 @@ PYBIND11_MODULE(_zwang, m) {
           "M", [](const Instance& i) { return i.problem.M; }, "n x n, scipy.sparse.csc_matrix")
       .def_property_readonly(
           "J", [](const Instance& i) { return i.problem.J; }, "m x n, scipy.sparse.csr_matrix")
-      .def_property_readonly("z_u", [](const Instance& i) { return to_numpy(i.problem.z_u); })
-      .def_property_readonly("c", [](const Instance& i) { return to_numpy(i.problem.c); })
+      .def_property_readonly("z_u", [](const Instance& i) { return i.problem.z_u; })
+      .def_property_readonly("c", [](const Instance& i) { return i.problem.c; })
       .def_property_readonly("equality", [](const Instance& i) { return rows_of(i, RowKind::equality); })
       .def_property_readonly("tangent", [](const Instance& i) { return rows_of(i, RowKind::tangent); })
-      .def_property_readonly(
-          "mu",
-          [](const Instance& i) {
-            return to_numpy(i.problem.has_tangents() ? i.problem.mu : Vector::Zero(i.problem.rows()));
-          })
+      .def_property_readonly("mu",
+                             [](const Instance& i) -> Vector {
+                               return i.problem.has_tangents() ? i.problem.mu : Vector::Zero(i.problem.rows());
+                             })
       .def_property_readonly("law", [](const Instance& i) { return std::string(to_string(i.problem.law)); })
       .def("_under", [](const Instance& i, const std::string& law) { return under(parse_law(law), i); })
       .def_property_readonly("size", [](const Instance& i) { return i.problem.size(); })
@@ -323,15 +344,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("bodies", &bodies)
       .def("_scene_change", &change_of_scene)
-      .def("_residuals", [](const Instance& i, const Solved& s) { return residuals(i, s.solution); })
-      .def("_residuals",
-           [](const Instance& i, const Numbers& z, const Numbers& lambda) {
-             return residuals(i, {.z = to_vector(z, "z"), .lambda = to_vector(lambda, "lambda")});
-           })
-      .def("_push",
-           [](const Instance& i, const Numbers& f) {
-             return to_numpy(i.problem.J.transpose() * to_vector(f, "force", i.problem.rows()));
-           })
+      .def("_push", [](const Instance& i, const Vector& f) -> Vector { return i.problem.J.transpose() * f; })
       .def_property_readonly("row_names",
                              [](const Instance& i) {
                                std::vector<std::string> names;
@@ -341,16 +354,15 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("sha256", [](const Instance& i) { return problem_sha256(i.problem); })
       .def_property_readonly("_reference", [](const Instance& i) -> py::object {
         if (!i.reference) return py::none();
-        return py::dict("feasible"_a = i.reference->feasible, "z"_a = to_numpy(i.reference->z),
-                        "lambda_"_a = to_numpy(i.reference->lambda), "bound"_a = i.reference->bound,
-                        "method"_a = i.reference->method);
+        return py::dict("feasible"_a = i.reference->feasible, "z"_a = i.reference->z, "lambda_"_a = i.reference->lambda,
+                        "bound"_a = i.reference->bound, "method"_a = i.reference->method);
       });
 
   made_by_calls(py::class_<Solved>(m, "Solution"))
       .def_property_readonly("status", [](const Solved& s) { return std::string(to_string(s.solution.status)); })
-      .def_property_readonly("z", [](const Solved& s) { return to_numpy(s.solution.z); })
-      .def_property_readonly("lambda_", [](const Solved& s) { return to_numpy(s.solution.lambda); })
-      .def_property_readonly("certificate", [](const Solved& s) { return to_numpy(s.solution.certificate); })
+      .def_property_readonly("z", [](const Solved& s) { return s.solution.z; })
+      .def_property_readonly("lambda_", [](const Solved& s) { return s.solution.lambda; })
+      .def_property_readonly("certificate", [](const Solved& s) { return s.solution.certificate; })
       .def_property_readonly("iterations", [](const Solved& s) { return s.solution.iterations; })
       .def_property_readonly("error_bound", [](const Solved& s) { return s.solution.error_bound; })
       .def_property_readonly("message", [](const Solved& s) { return s.solution.message; })
@@ -359,8 +371,12 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("seconds", &Solved::seconds);
 
   made_by_calls(py::class_<Kept>(m, "Kept"))
-      .def(
-          py::init<const Instance&, const Integers&, const Integers&, const Numbers&, const py::array_t<bool>&, bool>())
+      .def(py::init<const Instance&, const Vector&, const Vector&>())
+      .def_readonly("off", &Kept::off)
+      .def_readonly("motion", &Kept::motion)
+      .def_readonly("rows", &Kept::rows)
+      .def_readonly("ties", &Kept::ties)
+      .def_readonly("by_mu", &Kept::by_mu)
       .def("solve", &Kept::solve);
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))
@@ -407,30 +423,29 @@ PYBIND11_MODULE(_zwang, m) {
       },
       free);
   m.def("solve", &solve);
-  m.def("judge", [](const Instance& instance, const Numbers& z, const Numbers& lambda, double tolerance) {
-    const Vector given = to_vector(z, "z"), multipliers = to_vector(lambda, "lambda_");
-    const py::gil_scoped_release working;
-    return judge(instance, given, multipliers, tolerance, reference_cache());
-  });
-  made_by_calls(py::class_<QuadraticProgram>(m, "Program")).def(py::init(&to_program));
+  m.def(
+      "judge",
+      [](const Instance& instance, const Vector& z, const Vector& lambda, double tolerance) {
+        return judge(instance, z, lambda, tolerance, reference_cache());
+      },
+      free);
+  made_by_calls(py::class_<QuadraticProgram>(m, "Program"))
+      .def(py::init<Eigen::SparseMatrix<double>, Vector, RowMatrix, Vector, RowMatrix, Vector, Vector, Vector>());
   m.def("from_qp", [](const QuadraticProgram& program) {
     AsLeastConstraint form = as_least_constraint(program);
     form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
     return form.instance;
   });
-  m.def("judge_qp", [](const QuadraticProgram& program, const Numbers& x, const Numbers& y, const Numbers& z,
-                       const Numbers& z_box, double tolerance) {
-    const Vector x_ = to_vector(x, "x"), y_ = to_vector(y, "y"), z_ = to_vector(z, "z"),
-                 box = to_vector(z_box, "z_box");
-    const py::gil_scoped_release working;
-    return judge(program, x_, y_, z_, box, tolerance);
-  });
+  m.def(
+      "judge_qp",
+      [](const QuadraticProgram& program, const Vector& x, const Vector& y, const Vector& z, const Vector& z_box,
+         double tolerance) { return judge(program, x, y, z, z_box, tolerance); },
+      free);
   m.def("by_error", [](double upper, double lower, double tolerance) {
     return std::string(to_string(by_error(upper, lower, tolerance)));
   });
   // Of the rows, in their order: which are independent of those before them, and which contradict those before them.
-  m.def("exact_basis", [](const RowMatrix& J, const Numbers& right) {
-    const Vector c = to_vector(right, "right");
+  m.def("exact_basis", [](const RowMatrix& J, const Vector& c) {
     if (c.size() != J.rows()) throw std::invalid_argument("right should have one entry a row");
     const py::gil_scoped_release working;
     std::vector<Index> all(static_cast<std::size_t>(J.rows()));

@@ -151,6 +151,10 @@ SceneStep pose_hands(const Knobs& knobs) {
   return posed;
 }
 
+SceneStep drifting_hand(double contacts) {
+  return pose_hands({{"contacts", contacts}, {"limits", 5}, {"drift", 0x1p-13}, {"seed", 1}});
+}
+
 Instance hands(const Knobs& knobs) { return to_instance(pose_hands(knobs)); }
 
 // 70 joint rows, 20 limits and 30 contacts a hand, on 96 unknowns. A family of the atlas: its numbers are rounded to

@@ -66,5 +66,6 @@ Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>
 
 // hands.cpp: `hands` of them (default 1), independent of each other.
 SceneStep pose_hands(const Knobs& knobs);
+SceneStep drifting_hand(double contacts);  // one, over whose frames rows come and go
 
 }  // namespace zwang

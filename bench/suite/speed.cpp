@@ -18,16 +18,7 @@ constexpr int generated_frames = 500, assembly_samples = 25;
 
 // One scene, assembled over and over while its bodies drift by a micrometre a frame.
 struct Assembly {
-  explicit Assembly(int contacts)
-      : contacts(contacts),
-        posed(pose_hands({{"hands", 1},
-                          {"contacts", static_cast<double>(contacts)},
-                          {"limits", 5},
-                          {"drift", 0x1p-13},
-                          {"feasible", 1},
-                          {"seed", 1}})) {
-    run(2);
-  }
+  explicit Assembly(int contacts) : contacts(contacts), posed(drifting_hand(contacts)) { run(2); }
   void run(int times) {
     for (int i = 0; i < times; ++i) {
       for (Body& body : posed.scene.bodies)

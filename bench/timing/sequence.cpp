@@ -103,12 +103,7 @@ class Runner {
 }  // namespace
 
 Sequence hand_sequence(int contacts, int frames) {
-  SceneStep posed = pose_hands({{"hands", 1},
-                                {"contacts", static_cast<double>(contacts)},
-                                {"limits", 5},
-                                {"drift", 0x1p-13},
-                                {"feasible", 1},
-                                {"seed", 1}});
+  SceneStep posed = drifting_hand(contacts);
   Sequence sequence{"hand of " + std::to_string(contacts) + " contacts", {}};
   AnySolver solver = make_solver("dual_active_set");
   Solution solution;

@@ -35,7 +35,6 @@ void EliminatedRows::reset(const Whitened& w, const Deadline& deadline) {
   elimination_.solve_transposed(w_E_);
   y_E_.setZero(elimination_.padded_size());
   elimination_.join(w_E_, v_, y_E_);
-  elimination_.rotate_back(y_E_);
   y_E_norm_ = y_E_.norm();
 
   elimination_.reduce(w.G, inequalities_, deadline, A_);
@@ -86,7 +85,6 @@ void EliminatedRows::combine(Vector& v, Part t) {
   balance(x_, t.head(rank()));
   range_.setZero();
   elimination_.join(range_, v_, x_);
-  elimination_.rotate_back(x_);
   v = x_.head(n);
 }
 
@@ -99,7 +97,6 @@ void EliminatedRows::correct(Vector& r1, Part r2) {
   v_.setZero();
   x_.setZero();
   elimination_.join(range_, v_, x_);
-  elimination_.rotate_back(x_);
   auto own = r2.tail(q);
   for (Index j = 0; j < q; ++j) own[j] -= dot((*this)[rank() + j], x_);
 
@@ -109,7 +106,6 @@ void EliminatedRows::correct(Vector& r1, Part r2) {
   elimination_.free(x_, v_);
   QrRows::correct(v_, own);
   elimination_.join(range_, v_, x_);
-  elimination_.rotate_back(x_);
 
   step_ = x_.head(n);
   x_.head(n) -= r1;
@@ -120,7 +116,6 @@ void EliminatedRows::correct(Vector& r1, Part r2) {
 
 void EliminatedRows::lift(const Vector& v, Vector& y) {
   elimination_.join(w_E_, v, x_);
-  elimination_.rotate_back(x_);
   y = x_.head(y.size());
 }
 

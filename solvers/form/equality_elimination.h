@@ -42,16 +42,17 @@ class EqualityElimination {
   // x := Q'x and x := Q x, x of length padded_size() with zeros beyond n.
   void rotate(Vector& x) const;
   void rotate_back(Vector& x) const;
-  // Between a rotated vector and its parts: w (rank, in pivot order) and v (freedom).
+  // Of a rotated vector its parts: w (rank, in pivot order) and v (freedom); and x from them, rotated back.
   void range(const Vector& rotated, Eigen::Ref<Vector> w) const {
     for (Index k = 0; k < rank(); ++k) w[k] = rotated[pivot_entry_[at(k)]];
   }
   void free(const Vector& rotated, Vector& v) const {
     for (Index l = 0; l < freedom(); ++l) v[l] = rotated[free_entry_[at(l)]];
   }
-  void join(const Vector& w, const Vector& v, Vector& rotated) const {
-    for (Index k = 0; k < rank(); ++k) rotated[pivot_entry_[at(k)]] = w[k];
-    for (Index l = 0; l < freedom(); ++l) rotated[free_entry_[at(l)]] = v[l];
+  void join(const Vector& w, const Vector& v, Vector& x) const {
+    for (Index k = 0; k < rank(); ++k) x[pivot_entry_[at(k)]] = w[k];
+    for (Index l = 0; l < freedom(); ++l) x[free_entry_[at(l)]] = v[l];
+    rotate_back(x);
   }
   // w := R^-1 w and w := R^-T w over the first rank() entries.
   void solve(Eigen::Ref<Vector> w) const;

@@ -5,9 +5,7 @@ namespace zwang {
 void AlartCurnier::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
   ConeIteration iteration(inner, problem, options, solution);
   if (!iteration.begin()) return;
-  modes.v = inner.v;
-  modes.y = inner.y;
-  modes.begin(inner.program);
+  modes.begin(inner.program, inner.v, inner.y);
   while (iteration.goes_on(max_steps)) {
     if (!modes.step(inner.program)) {
       solution.status = Status::numerical_failure;

@@ -98,7 +98,6 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
     add_row(i, k, 1, violation(k));
   }
   h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
-  measure_start();
   return true;
 }
 
@@ -113,6 +112,7 @@ void ConeProgram::measure_start() {
     const double own = h_[3 * cones() + r];
     start_ = std::max(start_, is_equality(r) ? std::abs(own) : own);
   }
+  if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
 }
 
 void ConeProgram::state(ConeLaw law, const Vector* slips) {
@@ -122,7 +122,6 @@ void ConeProgram::state(ConeLaw law, const Vector* slips) {
   if (slips)
     for (Index k = 0; k < cones(); ++k) h_[3 * k] -= (*slips)[k];
   measure_start();
-  if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
 }
 
 void ConeProgram::fill_dense() {
@@ -217,7 +216,7 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   }
   work_.setZero(face().unknowns());
   force_.setZero(face().unknowns());
-  if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
+  measure_start();
   return true;
 }
 
@@ -339,9 +338,11 @@ void ConeProgram::divide_by_mass(Vector& f) {
   for (Index j = 0; j < f.size(); ++j) f[j] = short_[sparse_face_.column(j)];
 }
 
-// What the joints carry of the force in rest_.
-void ConeProgram::joint_multipliers(Vector& lambda, int exponent) {
+// What the joints carry of the force in rest_ and of y.
+void ConeProgram::joint_multipliers(const Vector& y, Vector& lambda, int exponent) {
   const BodyRows& rows = joints_.rows();
+  for (Index r = 0; r < y.size(); ++r)
+    if (const Index k = source_unit_[at(r)]; k >= 0) rows.add(k, -y[r] * factor_[at(r)], rest_);
   joints_.multipliers(rest_, mu_E_);
   for (std::size_t e = 0; e < joints_.equalities().size(); ++e) {
     const Index k = joints_.equalities()[e];
@@ -375,9 +376,7 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
   joints_.expand(v, motion_);
   motion_ += joints_.y_E();
   rest_ = motion_;
-  for (Index r = 0; r < rows(); ++r)
-    if (const Index k = source_unit_[at(r)]; k >= 0) rows_of.add(k, -y[r] * factor_[at(r)], rest_);
-  joint_multipliers(s.lambda, exponent());
+  joint_multipliers(y, s.lambda, exponent());
   for (Index b = 0; b < rows_of.bodies(); ++b) {
     const BodyRows::Lanes step = BodyRows::times(rows_of.mass[at(b)].L_inverse_t, motion_.col(b));
     for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent());
@@ -393,9 +392,7 @@ void ConeProgram::write_certificate(const Problem& p, const Vector& y, Solution&
       u[source_[at(r)]] = k >= 0 ? y[r] * factor_[at(r)] / row_norm(k) : y[r] * factor_[at(r)];
   if (form_ == Form::joints) {
     rest_.setZero();
-    for (Index r = 0; r < rows(); ++r)
-      if (const Index k = source_unit_[at(r)]; k >= 0) joints_.rows().add(k, -y[r] * factor_[at(r)], rest_);
-    joint_multipliers(u, 0);
+    joint_multipliers(y, u, 0);
   }
   solution.status = Status::infeasible;
 }

@@ -46,6 +46,7 @@ class ConeProgram {
   // mu where it is so far from 1 that the rows N / mu and T of a cone are of different sizes; else 1.
   double tilt(Index k) const { return mu(k) < 1 / tolerances::cone_far || mu(k) > tolerances::cone_far ? mu(k) : 1; }
   bool is_equality(Index ray) const { return equality_[at(ray)] != 0; }
+  bool is_of_problem(Index r) const { return source_[at(r)] >= 0; }  // not the second tangent of a planar contact
   const Vector& h() const { return h_; }
   ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
   bool is_dense() const { return dense_; }
@@ -86,7 +87,8 @@ class ConeProgram {
   // For promises (promise.h). Multipliers of the problem's rows, cut to the cones; f := M^-1 f; and max(|z_u|_M, |z|_M)
   // at the least.
   void read(const Vector& lambda, Vector& y) const;
-  void cut(Vector& y) const;  // to the cones, and to what is not negative
+  void scale_multipliers(const Vector& lambda, Vector& y) const;  // read(), less the cut
+  void cut(Vector& y) const;                                      // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
   double tied() const;   // as SparseCholesky's, over the smallest pivot of joints
@@ -108,8 +110,7 @@ class ConeProgram {
   bool meets_immobile(const Problem& problem, Index row, double mu, Solution& solution) const;
   void fill_dense();
   void fill_sparse(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
-  void scale_multipliers(const Vector& lambda, Vector& y) const;
-  void joint_multipliers(Vector& lambda, int exponent);
+  void joint_multipliers(const Vector& y, Vector& lambda, int exponent);
   double row_norm(Index unit) const;
 
   Form form_ = Form::whitened;

@@ -66,7 +66,7 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   modes_.v.setZero(program_.face().unknowns());
   if (!program_.is_dense()) return End::failed;
   program_.face().force(modes_.y, modes_.v);
-  modes_.begin(program_);
+  modes_.begin(program_, modes_.v, modes_.y);
   if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
   const bool lifts = program_.law().lifts();
   run_modes(job, lifts ? few_warm : most_warm);

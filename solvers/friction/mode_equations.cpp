@@ -1,6 +1,9 @@
 #include <zwang/solvers/friction/mode_equations.h>
 
 #include <array>
+#include <cmath>
+
+#include <zwang/core/problem/mix_bits.h>
 
 namespace zwang {
 
@@ -13,6 +16,7 @@ void ModeEquations::begin(ConeProgram& program) {
   ray_weight_.setZero(program.rays());
   for (Vector* x : {&next, &ds}) x->setZero(program.rows());
   for (Vector* x : {&dv, &mass_}) x->setZero(n);
+  back_ = false;
   factor_ = 0;
 }
 
@@ -72,18 +76,92 @@ void ModeEquations::step(ConeProgram& program, Vector& v, Vector& y) {
   y.tail(rays) = next.tail(rays) - ray_weight_.cwiseProduct(ds.tail(rays));
 }
 
+double ModeEquations::missed(const ConeProgram& program, const Vector& s) const {
+  double most = 0;
+  const auto see = [&most](double left) { most = std::max(most, std::abs(left)); };
+  const double opening = back_ ? 1 : program.law().opening();
+  for (Index k = 0; k < program.cones(); ++k) {
+    const auto own = s.segment<3>(3 * k);
+    const auto& [u1, u2, size, pressure] = slide[at(k)];
+    if (mode[at(k)] == Mode::stick) see(own.lpNorm<Eigen::Infinity>());
+    if (mode[at(k)] == Mode::slide) see(own[0] + opening * (u1 * own[1] + u2 * own[2]));
+  }
+  for (Index r = 0; r < program.rays(); ++r)
+    if (active[at(r)]) see(s[3 * program.cones() + r]);
+  return most;
+}
+
+// Rows as far as they are missed times their weight: of a contact that slides the plane of its ray.
 void ModeEquations::pull(const ConeProgram& program, const Vector& missed, Vector& force) const {
-  const double opening = program.law().opening();
+  const double opening = program.law().opening(), plane = back_ ? 1 : opening, ray = back_ ? opening : 1;
   for (Index k = 0; k < program.cones(); ++k) {
     const double* D = &D_[at(9 * k)];
     const auto e = missed.segment<3>(3 * k);
     const auto& [u1, u2, size, pressure] = slide[at(k)];
     if (mode[at(k)] == Mode::slide)
-      force.segment<3>(3 * k) = D[0] * (e[0] + opening * (u1 * e[1] + u2 * e[2])) * Vec3(1, u1, u2);
+      force.segment<3>(3 * k) = D[0] * (e[0] + plane * (u1 * e[1] + u2 * e[2])) * Vec3(1, ray * u1, ray * u2);
     else
       force.segment<3>(3 * k) = Eigen::Map<const Mat3>(D) * e;
   }
   force.tail(program.rays()) = ray_weight_.cwiseProduct(missed.tail(program.rays()));
+}
+
+// Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do of the
+// part along the shortest, which is taken to be promise_part of them or more: a choice, not a theorem.
+double ModeEquations::least_share(ConeProgram& program) {
+  ConeFace& face = program.face();
+  pulled_.setZero(program.rows());
+  for (Index i = 0; i < ds.size(); ++i) {
+    const std::uint64_t bits = mix_bits(static_cast<std::uint64_t>(i) + 1);
+    ds[i] = program.is_of_problem(i) ? 0.5 + std::ldexp(static_cast<double>(bits >> 11), -53) : 0;
+  }
+  pull(program, ds, next);
+  const double start = next.norm(), vanished = tolerances::promise_vanished * start;
+  double before = infinity, length = start;
+  int pass = 0;
+  for (; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
+    face.force(next, dv);
+    face.solve(dv);
+    face.slack(dv, ds);
+    pull(program, ds, pulled_);
+    next -= pulled_;
+    before = length;
+    length = next.norm();
+  }
+  if (!(length <= vanished)) return 0;
+  if (length == 0) return 1;
+  const double kept = std::pow(length / (tolerances::promise_part * start), 1.0 / pass);
+  return std::sqrt(softness * std::clamp(1 / kept - 1, 1.0, 1 / softness));
+}
+
+bool ModeEquations::begin_change(ConeProgram& program, const Vector& y, const Vector& s, bool back) {
+  softness = tolerances::promise_softness;
+  back_ = back;
+  std::ranges::fill(D_, 0.0);
+  for (Index k = 0; k < program.cones(); ++k) {
+    const double slip = second_order_cone::tangential(&s[3 * k]), bend = y[3 * k] / slip;
+    if (mode[at(k)] == Mode::slide) slide[at(k)] = {-s[3 * k + 1] / slip, -s[3 * k + 2] / slip, bend, bend};
+    Eigen::Map<Mat3> D(&D_[at(9 * k)]);
+    program.law().linearize(mode[at(k)], slide[at(k)], softness, 1 / bend, program.tilt(k), &y[3 * k], &s[3 * k],
+                            D.data(), &next[3 * k]);
+    if (back) D.transposeInPlace();
+  }
+  for (Index r = 0; r < program.rays(); ++r) ray_weight_[r] = active[at(r)] ? 1 / softness : 0;
+  return factorize(program);
+}
+
+// next = y - D s, y cut to its ray: of what slides the plane's part along the ray, for it is the difference of large
+// numbers.
+void ModeEquations::aim(const ConeProgram& program, const Vector& y, const Vector& s) {
+  pull(program, s, next);
+  next = y - next;
+  const double ray = back_ ? program.law().opening() : 1;
+  for (Index k = 0; k < program.cones(); ++k) {
+    if (mode[at(k)] != Mode::slide) continue;
+    const auto& [u1, u2, bend, same] = slide[at(k)];
+    const double across = bend * (u1 * s[3 * k + 2] - u2 * s[3 * k + 1]), along = next[3 * k];
+    next.segment<3>(3 * k) << along, ray * u1 * along + u2 * across, ray * u2 * along - u1 * across;
+  }
 }
 
 }  // namespace zwang

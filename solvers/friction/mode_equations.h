@@ -27,12 +27,22 @@ class ModeEquations {
   // Of the modes as they stand, and still the last that the program made? Also by another who shares the equations.
   bool has_factor(const ConeProgram& program) const { return factor_ != 0 && factor_ == program.factors(); }
   void step(ConeProgram& program, Vector& v, Vector& y);
-  // Rows as far as they are missed times their weight: of a contact that slides the plane of its ray.
-  void pull(const ConeProgram& program, const Vector& missed, Vector& force) const;
+  double missed(const ConeProgram& program, const Vector& s) const;  // by rows that carry force, the most
+  // An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly
+  // nothing. By the factor at hand.
+  double least_share(ConeProgram& program);
+
+  // How an answer changes while its modes stay: the same equations, linear in a change (y, s) of it. begin_change() is
+  // at the answer, aim() in place of linearize(). `back`: of the transposed equations.
+  bool begin_change(ConeProgram& program, const Vector& y, const Vector& s, bool back);
+  void aim(const ConeProgram& program, const Vector& y, const Vector& s);
+  static constexpr int most_passes = 12;  // by one factor
 
  private:
+  void pull(const ConeProgram& program, const Vector& missed, Vector& force) const;
   std::vector<double> D_;
-  Vector ray_weight_, mass_;
+  Vector ray_weight_, mass_, pulled_;
+  bool back_ = false;
   long factor_ = 0;
 };
 

@@ -8,7 +8,9 @@ namespace zwang {
 
 namespace soc = second_order_cone;
 
-void ModeNewton::begin(ConeProgram& program) {
+void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector& from_y) {
+  v = from_v;
+  y = from_y;
   equations_.begin(program);
   for (Vector* x : {&s, &slack_way_}) x->setZero(program.rows());
   push_.setZero(program.face().unknowns());
@@ -19,12 +21,6 @@ void ModeNewton::begin(ConeProgram& program) {
   best_v_ = v;
   best_y_ = y;
   best_s_ = s;
-}
-
-void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector& from_y) {
-  v = from_v;
-  y = from_y;
-  begin(program);
 }
 
 // An iterate inside the cones tells the modes by which of two paired eigenvalues is the larger.
@@ -54,7 +50,7 @@ bool ModeNewton::step(ConeProgram& program) {
                           tolerances::cone_softest);
   e.across =
       std::clamp(tolerances::cone_soften_across * last_ / program.start(), tolerances::cone_least_across, e.softness);
-  if (!chosen_) e.choose(program, y, s);
+  changed_ = !chosen_ && e.choose(program, y, s);
   chosen_ = false;
   e.linearize(program, y, s, true);
   if (!e.factorize(program)) return false;
@@ -125,11 +121,9 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     const double before = last_;
     const bool begins = chosen_ || taken == 0;
     y_before_ = y;
-    mode_before_ = equations_.mode;
-    ray_before_ = equations_.active;
     if (!step(program)) break;
     ++iterations;
-    const bool same = !begins && equations_.mode == mode_before_ && equations_.active == ray_before_;
+    const bool same = !begins && !changed_;
     const double moved = equations_.dv.norm(), nothing = tolerances::cone_exact * program.scale(v);
     const bool stays = last_ > 0.5 * before;  // while it falls, the last digits are still to come
     settled = same && stays && last_ <= leaves && moved <= nothing;

@@ -24,9 +24,8 @@ class ModeNewton {
   // left of it is what the rows disagree by.
   bool settled = false;
 
-  // From the interior point's iterate, whose eigenvalues tell the modes, or from (v, y) as they stand.
+  // From the interior point's iterate, whose eigenvalues tell the modes, or from any.
   void begin(ConeProgram& program, const InteriorPoint& from);
-  void begin(ConeProgram& program);
   void begin(ConeProgram& program, const Vector& from_v, const Vector& from_y);
   // Until the natural residual is at `goal`, or settled with a residual of at most `leaves`, or the residual
   // does not fall any more; keeps the best iterate. Counts its steps.
@@ -41,11 +40,9 @@ class ModeNewton {
   void shift(ConeProgram& program);
 
   ModeEquations equations_;
-  std::vector<Mode> mode_before_;
-  std::vector<char> ray_before_;
   Vector way_, push_, slack_way_, best_v_, best_y_, best_s_, y_before_;
   double last_ = 0;
-  bool chosen_ = false;
+  bool chosen_ = false, changed_ = false;  // the modes: before the next step, by the last one
 };
 
 }  // namespace zwang

@@ -3,15 +3,14 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/core/problem/mix_bits.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
 namespace {
 
-constexpr int most_rounds = 6, most_passes = 12;  // exchanges of rows, solves with one factor
-constexpr double share = 10;                      // of a method's work to one of looks
-constexpr double rarer = 1.4;                     // and from one look to the next
+constexpr int most_rounds = 6;  // exchanges of rows
+constexpr double share = 10;    // of a method's work to one of looks
+constexpr double rarer = 1.4;   // and from one look to the next
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double rounding = tolerances::rank * eps;  // of a slack, relative to what it is a difference of
 
@@ -76,10 +75,10 @@ bool Promise::prepare() {
   const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
   constexpr double lanes = 4;  // multiplications of a dense factor at a time
   spent_ = price_;
-  price_ = program_->is_dense() ? n * n * (m / 2 + n / 6) / lanes + most_passes * n * (n + 3 * m) / lanes
+  price_ = program_->is_dense() ? n * n * (m / 2 + n / 6) / lanes + ModeEquations::most_passes * n * (n + 3 * m) / lanes
                                 : share * static_cast<double>(problem_->J.nonZeros() + problem_->M.nonZeros()) * share;
   if (modes_ == &own_modes_) own_modes_.begin(*program_);
-  for (Vector* x : {&y_, &s_, &next_, &ds_, &x_, &t_}) x->setZero(program_->rows());
+  for (Vector* x : {&y_, &s_, &ds_, &x_, &t_}) x->setZero(program_->rows());
   for (Vector* x : {&v_, &dv_, &force_}) x->setZero(program_->face().unknowns());
   const double tied = program_->tied();
   factor_rounding_ = std::max(rounding, tied * tolerances::violation * eps);
@@ -150,7 +149,7 @@ Promise::Bound Promise::look() {
     const bool others = modes_->choose(*program_, y_, s_);
     if (!(round == 0 ? modes_->has_factor(*program_) || factorize() : (others || modes_->slides()) && factorize()))
       break;
-    const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = left();
+    const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = modes_->missed(*program_, s_);
     const bool met = missed <= rounding * size;
     if (!met && !(missed <= before)) break;  // it runs away
     before = missed;
@@ -180,7 +179,7 @@ bool Promise::factorize() {
 // Newton's steps by the one factor, as far as they go. Returns how much v would still move.
 double Promise::settle() {
   double last = infinity, length = infinity;
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < ModeEquations::most_passes; ++pass) {
     linearize(false);
     modes_->step(*program_, v_, y_);
     program_->face().slack(v_, s_);
@@ -191,47 +190,6 @@ double Promise::settle() {
     if (length > last / 2) break;
   }
   return length < last ? length * length / (last - length) + length : infinity;
-}
-
-// By how much the rows that carry force are missed, the most.
-double Promise::left() const {
-  double most = 0;
-  for (Index k = 0; k < program_->cones(); ++k) {
-    const auto s = s_.segment<3>(3 * k);
-    const auto& [u1, u2, size, pressure] = modes_->slide[at(k)];
-    if (modes_->mode[at(k)] == Mode::stick) most = std::max(most, s.lpNorm<Eigen::Infinity>());
-    if (modes_->mode[at(k)] == Mode::slide)
-      most = std::max(most, std::abs(s[0] + program_->law().opening() * (u1 * s[1] + u2 * s[2])));
-  }
-  for (Index r = 0; r < program_->rays(); ++r)
-    if (modes_->active[at(r)]) most = std::max(most, std::abs(s_[3 * program_->cones() + r]));
-  return most;
-}
-
-// An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly nothing.
-// Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do of the
-// part along the shortest, which is taken to be promise_part of them or more: a choice, not a theorem.
-double Promise::least_share() {
-  ConeFace& face = program_->face();
-  for (Index i = 0; i < ds_.size(); ++i)
-    ds_[i] = 0.5 + std::ldexp(static_cast<double>(mix_bits(static_cast<std::uint64_t>(i) + 1) >> 11), -53);
-  modes_->pull(*program_, ds_, next_);
-  const double start = next_.norm(), vanished = tolerances::promise_vanished * start;
-  double before = infinity, length = start;
-  int pass = 0;
-  for (; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
-    face.force(next_, dv_);
-    face.solve(dv_);
-    face.slack(dv_, ds_);
-    modes_->pull(*program_, ds_, t_);
-    next_ -= t_;
-    before = length;
-    length = next_.norm();
-  }
-  if (!(length <= vanished)) return 0;
-  if (length == 0) return 1;
-  const double kept = std::pow(length / (tolerances::promise_part * start), 1.0 / pass);
-  return std::sqrt(modes_->softness * std::clamp(1 / kept - 1, 1.0, 1 / modes_->softness));
 }
 
 // `first`, with what rounding in rows can do. Rows that are clearly independent, and the only ones that v touches, are
@@ -249,9 +207,10 @@ double Promise::with_rounding(double first, double still, double size) {
   for (Index r = 0; r < program_->rays(); ++r)
     if (!modes_->active[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
   if (changed && !factorize()) return infinity;
-  const double share = least > touching ? least_share() : 0;
+  const double share = least > touching ? modes_->least_share(*program_) : 0;
   constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
-  return share > 0 ? first + (left() + part * row_rounding_ * size) / share : inside(still, size);
+  return share > 0 ? first + (modes_->missed(*program_, s_) + part * row_rounding_ * size) / share
+                   : inside(still, size);
 }
 
 // The bound at a point that meets all rows whatever rounding hides: v moved along w, which opens those near v. No force

@@ -55,8 +55,6 @@ class Promise final : public Prover {
   bool factorize();
   void linearize(bool anew);
   double settle();
-  double left() const;
-  double least_share();
   double with_rounding(double first, double still, double size);
   double inside(double still, double size);
   // Of a contact: what its lifted cone leaves of s.
@@ -68,16 +66,14 @@ class Promise final : public Prover {
 
   const Problem* problem_ = nullptr;
   const SolveOptions* options_ = nullptr;
-  ConeProgram own_;
-  ConeProgram* program_ = nullptr;
-  ModeEquations own_modes_;
-  ModeEquations* modes_ = nullptr;
+  ConeProgram own_, *program_ = nullptr;
+  ModeEquations own_modes_, *modes_ = nullptr;
   bool ready_ = false, failed_ = false;
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
   double reach_ = 0;           // the right sides that rounding in a slack comes from
-  Vector v_, y_, s_, h_, dv_, ds_, force_, w_, x_, t_, next_;
+  Vector v_, y_, s_, h_, dv_, ds_, force_, w_, x_, t_;
   Solution scratch_;
 };
 

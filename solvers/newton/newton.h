@@ -19,8 +19,7 @@ namespace zwang {
 // the rows agree. One iteration is one Newton step.
 //
 // From nothing that takes a step for each few rows that come or go. Of many unknowns `start`, the interior point of
-// `cone` (friction/inside_start.cpp), leads to where the rows with a force can be told, in about as many steps for a
-// heap as for a hand.
+// `cone`, leads to where the rows with a force can be told, in about as many steps for a heap as for a hand.
 //
 // Where the speed of the polish (newton_polish.h) cannot be trusted (near-parallel rows, contradictions), a problem
 // small enough goes to the `dense` method (Solution::handed_to, with its iterations), dual_active_set; a larger one is

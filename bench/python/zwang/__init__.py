@@ -229,7 +229,7 @@ def gradient_of(problem, solution, *, law=None, proof=True):
     to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
 
     proof=False: for inner loops. Modes are read off (z, lambda), which has to be a solution to 1e-8 of the motion; what is closer to a
-    tie than that is named as a kink. The derivative is one or a few solves, without enclosure and reach, and refused where only the
+    tie than that is named as a kink. The derivative is one factorization, without enclosure and reach, and refused where only the
     proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
     from . import gradients
@@ -242,7 +242,7 @@ def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
     wrt: "M" (direction n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or a dict of such names and directions.
     Where rows are about to open, close, stick or slide, `kink` names them, and the derivative is that of a step forward
     (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
-    proof=False: without the proof and the enclosure, in the time of a solve, or of a few with friction (gradient_of).
+    proof=False: without the proof and the enclosure, in half the time of a solve (gradient_of).
     """
     from . import gradients
     return gradients.gradient_of(problem, solution, law, proof).jvp(**gradients.parameters(wrt, direction))
@@ -297,7 +297,13 @@ def add_solver(name, function, method="a Python function"):
     """Makes a Python function a solver of that name, for solve() and bench(): function(problem, tolerance) returns z,
     or (z, lambda), or None where it has no answer. It runs in a child process with a deadline."""
     def call(problem, tolerance):
-        return function(problem, tolerance)
+        answer = function(problem, tolerance)
+        if answer is None:
+            return None
+        if isinstance(answer, tuple) and len(answer) != 2:
+            raise ValueError("expected z or (z, lambda)")
+        z, force = answer if isinstance(answer, tuple) else (answer, None)
+        return _numbers(z, "z"), _numbers(force, "lambda")
     _zwang.add_solver(name, call, method)
     _python_solvers.add(name)
 

@@ -715,12 +715,12 @@ def answer(problem, solution):
 
 
 def gradient_of(problem, solution, law, proof=True):
-    from . import solve
     laid = Laid(problem, law) if law is not None and problem.tangent.any() else None
     problem = laid.problem if laid else problem
     if not proof:
         from .quick_gradients import QuickGradient
         return QuickGradient(problem, solution, laid)
+    from . import solve
     z, force = answer(problem, solution)
     why = None
     if len(force) == problem.rows:

@@ -82,7 +82,8 @@ void Coupling::push(std::span<const Cluster> clusters, const Physics* physics, F
   if (physics && !grasps_.empty()) {
     hold(clusters, *physics, frame);
   } else if (physics && !pushes_.empty()) {
-    cap();
+    cap([](const Push& p) -> Vec3 { return p.most * p.along; }, options_.force_cap* options_.dt,
+        [](Push& p, double over) { p.most /= over; });
     bound(*physics);
   }
   for (auto& part : memory_.part)
@@ -152,29 +153,22 @@ void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics, F
       p.object_at = physics.pose(p.object).position;
     }
   }
-  for (Push& first : pushes_) {
-    Vec3 sum = Vec3::Zero();
-    const auto same = [&](const Push& p) { return p.cluster == first.cluster && p.object == first.object; };
-    for (const Push& p : pushes_)
-      if (same(p)) sum += p.given.head<3>();
-    const double over = sum.norm() / options_.force_cap;
-    if (over <= 1) continue;
-    for (Push& p : pushes_)
-      if (same(p)) p.given /= over, p.received /= over;
-  }
+  cap([](const Push& p) -> Vec3 { return p.given.head<3>(); }, options_.force_cap,
+      [](Push& p, double over) { p.given /= over, p.received /= over; });
 }
 
 // The sum of a hand's pushes on one object.
-void Coupling::cap() {
-  for (Push& first : pushes_) {
+template <class Of, class Shrink>
+void Coupling::cap(const Of& of, double most, const Shrink& shrink) {
+  for (const Push& first : pushes_) {
     Vec3 sum = Vec3::Zero();
     const auto same = [&](const Push& p) { return p.cluster == first.cluster && p.object == first.object; };
     for (const Push& p : pushes_)
-      if (same(p)) sum += p.most * p.along;
-    const double over = sum.norm() / (options_.force_cap * options_.dt);
+      if (same(p)) sum += of(p);
+    const double over = sum.norm() / most;
     if (over <= 1) continue;
     for (Push& p : pushes_)
-      if (same(p)) p.most /= over;
+      if (same(p)) shrink(p, over);
   }
 }
 

@@ -75,7 +75,8 @@ class Coupling {
     double ease;                       // 1/kg
   };
   void collect(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);
-  void cap();
+  template <class Of, class Shrink>
+  void cap(const Of& of, double most, const Shrink& shrink);
   void hold(std::span<const Cluster> clusters, const Physics& physics, Frame& frame);
   void bound(const Physics& physics);
   void add(std::span<const Cluster> clusters, Frame& frame);
