@@ -107,8 +107,8 @@ class Kept {
     slack_ = slack(held);
   }
 
-  // z, lambda, and whether lambda is known to be the only one. `back`: of the transposed equations.
-  std::tuple<Vector, Vector, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
+  // z, lambda; whether lambda is the only one; whether z is what much larger motions leave. `back`: transposed.
+  std::tuple<Vector, Vector, bool, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
     change_.z_u = z_u;
     change_.c = -moved;
     require_matching_sizes(change_);
@@ -121,13 +121,8 @@ class Kept {
     thread_local Solution answer;
     const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(60), answer);
     if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
-    const auto scaled = [&](const Vector& x) {
-      Vector y = Vector::Zero(program.rows());
-      program.scale_multipliers(x, y);
-      return y;
-    };
-    const Vector unit = std::ldexp(1, program.exponent()) * scaled(Vector::Ones(slack_.size()));
-    Vector y = scaled(lambda_), s = (unit.array() > 0).select(scaled(slack_).array() / unit.array().square(), 0);
+    Vector y = Vector::Zero(program.rows()), s = program.scaled_slack(slack_);
+    program.scale_multipliers(lambda_, y);
     equations.begin(program);
     equations.mode = mode_;
     equations.active.assign(equations.active.size(), 1);
@@ -147,12 +142,13 @@ class Kept {
     if (!(equations.missed(program, s) <= together * program.scale(v)))
       throw std::invalid_argument("rows that push do not hold together");
     program.write(change_, v, y, answer);
-    return {answer.z, answer.lambda, *is_unique_};
+    const double way = std::ldexp(program.length(v), program.exponent()), rest = answer.z.dot(change_.M * answer.z);
+    return {answer.z, answer.lambda, *is_unique_, way * way > large * rest};
   }
 
  private:
   using Mode = ModeEquations::Mode;
-  static constexpr double clear = 1e-8, together = 1e-9;  // of the motion: what is no tie; what rows may be missed by
+  static constexpr double clear = 1e-8, together = 1e-9, large = 1e4;  // no tie; rows met; in squares: all but undone
   Problem change_;
   std::vector<Mode> mode_;
   Vector lambda_, slack_;
@@ -337,10 +333,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("name", [](const Instance& i) { return i.problem.name; })
       .def_readonly("family", &Instance::family)
       .def("_name_it",
-           [](Instance& i, const std::string& name, const std::string& family) {
-             i.problem.name = name;
-             i.family = family;
-           })
+           [](Instance& i, const std::string& a, const std::string& b) { i.problem.name = a, i.family = b; })
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("bodies", &bodies)
       .def("_scene_change", &change_of_scene)

@@ -306,6 +306,13 @@ void ConeProgram::read(const Problem& p, const Vector& z, const Vector& lambda, 
   }
 }
 
+Vector ConeProgram::scaled_slack(const Vector& slack) const {
+  return Vector::NullaryExpr(rows(), [&](Index r) {
+    const Index i = source_[at(r)], k = source_unit_[at(r)];
+    return i < 0 ? 0 : std::ldexp(slack[i] * factor_[at(r)] / (k < 0 ? 1 : row_norm(k)), -exponent());
+  });
+}
+
 bool ConeProgram::warm(const Problem& p, const WarmStart* warm, Vector& y) {
   y.setZero(rows());
   if (!warm) return false;

@@ -88,6 +88,7 @@ class ConeProgram {
   // at the least.
   void read(const Vector& lambda, Vector& y) const;
   void scale_multipliers(const Vector& lambda, Vector& y) const;  // read(), less the cut
+  Vector scaled_slack(const Vector& slack) const;                 // of the problem's rows
   void cut(Vector& y) const;                                      // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }

@@ -633,7 +633,7 @@ def numbers(value, name):
 
 def finite(value, name, size):
     v = numbers(value, name)
-    if v.shape != (size,) or not numpy.isfinite(v).all():
+    if v.shape != (size,) or not (math.isfinite(v @ v) or numpy.isfinite(v).all()):  # the first is cheap, and may overflow
         raise ValueError(f"{name} should have {size} finite entries")
     return v
 

@@ -29,7 +29,7 @@ class QuickGradient:
             raise ValueError(f"no gradient: {bad}") from None
         if not keeps.off <= 1e-8 * keeps.motion:
             raise ValueError(f"no gradient: the answer is off by {keeps.off / (keeps.motion or 1):.1e} of the motion, and modes are read to 1e-08")
-        self.held, self.kink, self.slides = keeps.rows, keeps.ties, bool(keeps.by_mu.any())
+        self.held, self.kink = keeps.rows, keeps.ties
         rubs = (problem.mu[self.kink] > 0) & numpy.r_[problem.tangent, False][numpy.add(self.kink, 1)] if self.kink else numpy.zeros(0)
         self.has_number = not self.kink or not (self.slides or rubs.any())
 
@@ -39,6 +39,10 @@ class QuickGradient:
     @functools.cached_property
     def given(self):
         return answer(self.problem, self.solution)
+
+    @functools.cached_property
+    def slides(self):
+        return bool(self.keeps.by_mu.any())
 
     @functools.cached_property
     def are_clearly_independent(self):
@@ -70,20 +74,43 @@ class QuickGradient:
         own[rows] = found.lambda_
         return found.z, own, self.are_clearly_independent
 
+    def once(self, z_u, force, moved, back):
+        own = numpy.zeros(self.problem.rows)
+        try:
+            z, own[self.held], unique, large = self.keeps.solve(z_u, force, moved[self.held], back)
+        except ValueError as bad:
+            raise ValueError(f"no gradient: {bad}") from None
+        return z, own, unique, large
+
+    def left(self, z_u, force, moved, z, own, back):
+        """What z and own leave of the force and of the rows, in long doubles: of what slides the plane's part, in its normal row."""
+        p, wide = self.problem, numpy.longdouble
+        J = p.J.astype(wide)
+        rest = force + p.M.astype(wide) @ (z_u - z.astype(wide)) + J.T @ own.astype(wide)
+        missed = J @ z.astype(wide) + moved
+        if self.slides:
+            along = numpy.where(p.tangent, self.keeps.by_mu, 0)
+            turned, load = numpy.zeros((2, p.rows), dtype=wide)
+            numpy.add.at(turned, self.owner, along * missed)
+            numpy.add.at(load, self.owner, along.astype(wide) ** 2)
+            slides = load > 0
+            opening = 1 if back or p.law == "convex" else 0
+            missed[slides] += opening * p.mu[slides] * turned[slides] / numpy.sqrt(load[slides])
+            missed[slides[self.owner] & p.tangent] = 0
+        return rest.astype(float), missed.astype(float)
+
     def solve(self, z_u, force, moved, back):
         if not self.has_number:
             raise ValueError("no gradient: a kink of friction, or beside what slides: only a proof tells (proof=True)")
         if self.kink:
             z, own, unique = self.one_sided(z_u, force, moved)
         else:
-            try:
-                z, forces, unique = self.keeps.solve(z_u, force, moved[self.held], back)
-            except ValueError as bad:
-                raise ValueError(f"no gradient: {bad}") from None
-            own = numpy.zeros(self.problem.rows)
-            own[self.held] = forces
+            z, own, unique, large = self.once(z_u, force, moved, back)
+            if large:
+                more_z, more, *_ = self.once(0 * z, *self.left(z_u, force, moved, z, own, back), back)
+                z, own = z + more_z, own + more
         self.unique_forces = self.unique_forces and unique
-        if self.slides and not self.unique_forces:
+        if not self.unique_forces and self.slides:
             raise ValueError("no gradient: forces are not unique beside contacts that slide: only a proof tells (proof=True)")
         return z, own
 
