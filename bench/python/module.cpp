@@ -1,5 +1,4 @@
-// _zwang: what the Python package `zwang` is made of. Arrays arrive checked for their type by zwang/__init__.py,
-// matrices for their indices, too; sizes are checked here, so that no call can reach outside of them.
+// _zwang: what the Python package `zwang` is made of. Its modules check types and indices before they call.
 #include <pthread.h>
 #include <pybind11/eigen.h>
 #include <pybind11/functional.h>
@@ -107,7 +106,7 @@ class Kept {
     slack_ = slack(held);
   }
 
-  // z, lambda; whether lambda is the only one; whether z is what much larger motions leave. `back`: transposed.
+  // z, lambda; is lambda taken for the only one, by an estimate; is z what larger motions leave. `back`: transposed.
   std::tuple<Vector, Vector, bool, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
     change_.z_u = z_u;
     change_.c = -moved;

@@ -637,10 +637,12 @@ class WithoutProof(unittest.TestCase):
     def near(self, got, exact, size):
         numpy.testing.assert_allclose(got, [float(e) for e in exact], rtol=0, atol=1e-11 * size)
 
+    FIRST = {"convex": (228, 377, 385), "coulomb": (350,)}  # tangent rows without entries; what much larger motions leave
+
     def test_planted_problems_of_all_laws(self):
         for law in ("frictionless", "pyramid", "convex", "coulomb"):
             count = 0
-            for seed in itertools.count():
+            for seed in itertools.chain(self.FIRST.get(law, ()), itertools.count()):
                 if count == PLANTED // 3:
                     break
                 p = Planted(seed, law)
