@@ -59,7 +59,7 @@ void BroadPhase::add(const Vec3& low, const Vec3& high) {
 }
 
 void BroadPhase::move(int box, const Vec3& low, const Vec3& high) {
-  Proxy& proxy = *boxes_->proxies[static_cast<std::size_t>(box)];
+  Proxy& proxy = *boxes_->proxies[at(box)];
   if (proxy.move(low, high)) boxes_->tree.update(&proxy.object);
 }
 

@@ -23,7 +23,7 @@ class Halves {
     int leftChild() const { return first; }
     int rightChild() const { return first + 1; }
   };
-  const Node& getBV(int node) const { return nodes_[static_cast<std::size_t>(node)]; }
+  const Node& getBV(int node) const { return nodes_[at(node)]; }
 
  private:
   std::vector<Node> nodes_ = {};

@@ -84,7 +84,7 @@ void Manifold::keep_corners(std::span<const Touch> touches, std::uint32_t closes
 int Manifold::complete(std::span<const Touch> touches, const World& world, std::span<const Vec<double, 6>> twist,
                        double target, double tolerance, bool push) {
   const auto moved = [&](int collider, const Vec3& point) {
-    const Vec<double, 6>& v = twist[static_cast<std::size_t>(collider)];
+    const Vec<double, 6>& v = twist[at(collider)];
     return Vec3(v.head<3>() + v.tail<3>().cross(point - world.pose(collider).position));
   };
   int added = 0;

@@ -77,8 +77,8 @@ inline Mat3 contact_frame(const Vec3& normal) {
 // The contact of A at `point` [m, world] with the face of B that lies `gap` [m] below it along -normal [world, unit].
 inline Contact contact_at(const std::vector<Body>& bodies, BodyId a, BodyId b, const Vec3& point, const Vec3& normal,
                           double gap = 0, double friction = 0) {
-  const Pose<double>& on = bodies[static_cast<std::size_t>(a)].pose;
-  const Pose<double>& by = bodies[static_cast<std::size_t>(b)].pose;
+  const Pose<double>& on = bodies[at(a)].pose;
+  const Pose<double>& by = bodies[at(b)].pose;
   return {.bodies = {a, b},
           .point_a = on.rotation.transpose() * (point - on.position),
           .point_b = by.rotation.transpose() * (point - gap * normal - by.position),

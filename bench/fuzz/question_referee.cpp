@@ -76,7 +76,7 @@ std::vector<Invented> invent(const Problem& p, const ExactSolutions& truth, Smal
   known.push_back({p.z_u, Vector::Zero(p.rows())});
   const Matrix inverse = Matrix(p.M).inverse();
   for (int kind = 0; kind < 5; ++kind) {
-    const auto& [z, lambda] = known[static_cast<std::size_t>(draw.index(std::ssize(known)))];
+    const auto& [z, lambda] = known[at(draw.index(std::ssize(known)))];
     const Vector way = (z - p.z_u).cwiseAbs() + p.z_u.cwiseAbs();
     const Vector off = std::exp2(-draw.integer(1, 52)) * way.maxCoeff() * draw.integers(p.size(), 2);
     Vector pushed = lambda;
@@ -154,7 +154,7 @@ void question_referee(std::uint64_t seed, std::uint64_t number, FuzzTally& tally
 
   for (const Invented& answer : invent(p, truth, draw)) {
     if (!answer.z.allFinite()) continue;
-    const double tolerance = tolerances[static_cast<std::size_t>(draw.integer(0, 5))];
+    const double tolerance = tolerances[at(draw.integer(0, 5))];
     const double accepted = accepted_error(tolerance), near = near_error(tolerance);
     const ExactSolutions::Range error = truth.error(answer.z);
     const auto check = [&](const std::string& who, Verdict verdict, double least, double most) {

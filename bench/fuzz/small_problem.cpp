@@ -28,14 +28,14 @@ Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw) {
 }
 
 const DrawnRow& any_of(const std::vector<DrawnRow>& rows, SmallNumbers& draw) {
-  return rows[static_cast<std::size_t>(draw.index(static_cast<Index>(rows.size())))];
+  return rows[at(draw.index(static_cast<Index>(rows.size())))];
 }
 
 void set_rows(Problem& p, const std::vector<DrawnRow>& rows, Index equalities) {
   Matrix J(static_cast<Index>(rows.size()), p.size());
   p.c.resize(J.rows());
   for (Index i = 0; i < J.rows(); ++i) {
-    const DrawnRow& row = rows[static_cast<std::size_t>(i)];
+    const DrawnRow& row = rows[at(i)];
     J.row(i) = row.J;
     p.c[i] = row.c;
     p.kind.push_back(i < equalities ? RowKind::equality : RowKind::inequality);
@@ -63,7 +63,7 @@ DrawnRow compose_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers&
   if (origin >= 5) {
     constexpr std::array factors = {1., 1., -1., 2., -2., .5};
     const DrawnRow& a = any_of(before, draw);
-    const double factor = factors[static_cast<std::size_t>(draw.integer(0, 5))];
+    const double factor = factors[at(draw.integer(0, 5))];
     return {factor * a.J, factor * a.c + slip};
   }
   if (draw.integer(0, 19) == 0) return {Vector::Zero(n), static_cast<double>(draw.integer(-1, 1))};
@@ -158,7 +158,7 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
   constexpr double inf = Limits::infinity();
   constexpr std::array values = {Limits::quiet_NaN(), inf, -inf, Limits::denorm_min(), 0x1.8p-1060, 1e300, -1e300};
   SmallNumbers draw(mix_bits(seed, 1));
-  const double value = values[static_cast<std::size_t>(draw.integer(0, 6))];
+  const double value = values[at(draw.integer(0, 6))];
   Spoilt out{.problem = std::move(problem)};
   Problem& p = out.problem;
   const Index i = p.rows() > 0 ? draw.index(p.rows()) : 0, j = draw.index(p.size());

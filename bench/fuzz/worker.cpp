@@ -113,7 +113,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     ++shared.done;
   };
 
-  std::vector<Worker> workers(static_cast<std::size_t>(jobs));
+  std::vector<Worker> workers(at(jobs));
   for (std::size_t j = 0; j < workers.size(); ++j) {
     workers[j].shared->next = options.first + j;
     launch(workers[j]);

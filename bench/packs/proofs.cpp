@@ -124,7 +124,7 @@ class ProofSearch {
 
   // Independent rows, the equality rows first; those of slides that lift as they will be.
   Rows independent(const Rows& others, const std::vector<Slide>& slides) const {
-    Eigen::SparseMatrix<double, Eigen::RowMajor> lift(p_.rows(), p_.rows());
+    RowMatrix lift(p_.rows(), p_.rows());
     lift.setIdentity();
     for (const Slide& it : slides)
       for (Index t = 0; t < it.tangents && !slip_lifts(p_.law); ++t)

@@ -46,7 +46,7 @@ StoredTruth check_stored(const Problem& problem, const Reference& reference) {
   const double free = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
   if (!reference.feasible) {
     if (judge_certificate(scaled, reference.certificate, free).proven) return {Standing::certified};
-    const ExtendedVector still(static_cast<std::size_t>(problem.size()));
+    const ExtendedVector still(at(problem.size()));
     const bool feasible = bound_distance(scaled, still, nullptr).rows == DistanceBound::Rows::feasible;
     return {feasible ? Standing::refuted : Standing::open};
   }
@@ -65,7 +65,7 @@ double rounding_of(const Problem& problem, const Vector& z) {
   const Vector size = z.cwiseAbs();
   const auto length = [&](const Vector& v) { return std::sqrt(std::max(0.0, v.dot(problem.M * v))); };
   const double s = std::max(length(problem.z_u), length(z));
-  const Eigen::SparseMatrix<double> M = problem.M.cwiseAbs();
+  const SparseMatrix M = problem.M.cwiseAbs();
   return s > 0 ? referee::up(referee::unit_roundoff * std::sqrt(size.dot(M * size)) / s) : 0;
 }
 

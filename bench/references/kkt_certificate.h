@@ -147,20 +147,19 @@ bool KktCertificate<Scalar>::singular_values_exceed_delta(const std::vector<Inde
   const auto count = static_cast<Index>(rows.size());
   // Gram matrix less delta on the diagonal, its lower half by columns. (Eigen's sparse product loses memory of scalars
   // that own some.)
-  std::vector<std::vector<std::pair<Index, Scalar>>> of_unknown(static_cast<std::size_t>(G_.rows()));
+  std::vector<std::vector<std::pair<Index, Scalar>>> of_unknown(at(G_.rows()));
   std::vector<Eigen::Triplet<Scalar>> gram;
   for (Index k = count - 1; k >= 0; --k) {
-    const Index i = rows[static_cast<std::size_t>(k)];
-    std::vector<Scalar> column(static_cast<std::size_t>(count), Scalar(0));
-    column[static_cast<std::size_t>(k)] = -Scalar(delta);
+    const Index i = rows[at(k)];
+    std::vector<Scalar> column(at(count), Scalar(0));
+    column[at(k)] = -Scalar(delta);
     for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(G_, i); it; ++it) {
-      auto& others = of_unknown[static_cast<std::size_t>(it.row())];
+      auto& others = of_unknown[at(it.row())];
       others.emplace_back(k, Scalar(it.value() / row_norm_[i]));
-      for (const auto& [other, value] : others) column[static_cast<std::size_t>(other)] += others.back().second * value;
+      for (const auto& [other, value] : others) column[at(other)] += others.back().second * value;
     }
     for (Index other = k; other < count; ++other)
-      if (other == k || column[static_cast<std::size_t>(other)] != 0)
-        gram.emplace_back(other, k, column[static_cast<std::size_t>(other)]);
+      if (other == k || column[at(other)] != 0) gram.emplace_back(other, k, column[at(other)]);
   }
   Eigen::SparseMatrix<Scalar> shifted(count, count);
   shifted.setFromTriplets(gram.begin(), gram.end());
@@ -176,15 +175,14 @@ std::string KktCertificate<Scalar>::refuse(const VectorX<Scalar>& z, const Vecto
 
   Sums force(n);
   for (Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it)
-      force.add(it.row(), Scalar(it.value() * (z[j] - z_u_[j])));
+    for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it) force.add(it.row(), Scalar(it.value() * (z[j] - z_u_[j])));
 
   const Scalar scale = std::max(norm(z_u_), norm(z));
   std::vector<Index> equality, pushing, touched, open;
-  std::vector<Sum> slacks(static_cast<std::size_t>(m));
+  std::vector<Sum> slacks(at(m));
   for (Index i = 0; i < m; ++i) {
     if (is_vacuous(i)) continue;
-    const Sum& sum = slacks[static_cast<std::size_t>(i)] = slack(i, z);
+    const Sum& sum = slacks[at(i)] = slack(i, z);
     const Scalar near = touching * (sum.terms + row_norm_[i] * scale);
     if (sum.value < -near || (p_.is_equality(i) && sum.value > near)) return row(i, "is violated");
     if (row_norm_[i] == 0) continue;
@@ -204,13 +202,13 @@ std::string KktCertificate<Scalar>::refuse(const VectorX<Scalar>& z, const Vecto
   if (!singular_values_exceed_delta(basis.rows)) return "the rows that hold at it are too close to dependent";
   Scalar squared(0);
   for (const Index i : basis.rows) {
-    const Sum& sum = slacks[static_cast<std::size_t>(i)];
+    const Sum& sum = slacks[at(i)];
     const Scalar own = (abs(sum.value) + rounding * sum.terms) / row_norm_[i];
     squared += own * own;
   }
   const Scalar off = sqrt(Scalar(squared / delta));
   for (const Index i : open) {
-    const Sum& sum = slacks[static_cast<std::size_t>(i)];
+    const Sum& sum = slacks[at(i)];
     if (!(sum.value - rounding * sum.terms >= off * row_norm_[i])) return row(i, "may be violated");
   }
   const Scalar error = dual_norm(force) + 2 * off;

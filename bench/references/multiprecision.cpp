@@ -18,8 +18,7 @@ double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, c
   const auto squared = [&](const VectorX<Hundred>& v) {
     Hundred sum(0);
     for (Index j = 0; j < problem.M.outerSize(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(problem.M, j); it; ++it)
-        sum += v[it.row()] * Hundred(it.value()) * v[j];
+      for (SparseMatrix::InnerIterator it(problem.M, j); it; ++it) sum += v[it.row()] * Hundred(it.value()) * v[j];
     return sum;
   };
   const Hundred lost = squared(exact - z.cast<Hundred>());

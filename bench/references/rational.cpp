@@ -17,17 +17,17 @@ std::optional<Reference> rational_reference(const Problem& p) {
   using Exact = CGAL::Gmpzf;
   using Program = CGAL::Quadratic_program<Exact>;
   Program program(CGAL::LARGER, false, Exact(0), false, Exact(0));
-  std::vector<Exact> linear(static_cast<std::size_t>(p.size()), Exact(0));
+  std::vector<Exact> linear(at(p.size()), Exact(0));
   for (Index j = 0; j < p.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) {
+    for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
       if (it.row() >= j) program.set_d(static_cast<int>(it.row()), static_cast<int>(j), Exact(it.value()));
-      linear[static_cast<std::size_t>(it.row())] -= Exact(it.value()) * Exact(p.z_u[j]);
+      linear[at(it.row())] -= Exact(it.value()) * Exact(p.z_u[j]);
     }
-  for (Index j = 0; j < p.size(); ++j) program.set_c(static_cast<int>(j), linear[static_cast<std::size_t>(j)]);
+  for (Index j = 0; j < p.size(); ++j) program.set_c(static_cast<int>(j), linear[at(j)]);
   int row = 0;
   for (Index i = 0; i < p.rows(); ++i) {
     if (!std::isfinite(p.c[i])) continue;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
+    for (RowMatrix::InnerIterator it(p.J, i); it; ++it)
       program.set_a(static_cast<int>(it.col()), row, Exact(it.value()));
     program.set_b(row, Exact(p.c[i]));
     program.set_r(row++, p.is_equality(i) ? CGAL::EQUAL : CGAL::LARGER);

@@ -29,17 +29,17 @@ void follow_rows(std::vector<Instance>& frames) {
       Index nearest = -1;
       double least = near * row.norm();
       for (Index j = 0; before && j < before->rows(); ++j) {
-        if (before->is_equality(j) || taken[static_cast<std::size_t>(j)]) continue;
+        if (before->is_equality(j) || taken[at(j)]) continue;
         const double distance = (before->J.row(j).transpose() - row).norm();
         if (distance < least) least = distance, nearest = j;
       }
-      RowKey& key = p.key[static_cast<std::size_t>(i)];
+      RowKey& key = p.key[at(i)];
       if (nearest < 0) {
         key = {next++, 0};
         continue;
       }
-      key = before->key[static_cast<std::size_t>(nearest)];
-      taken[static_cast<std::size_t>(nearest)] = 1;
+      key = before->key[at(nearest)];
+      taken[at(nearest)] = 1;
     }
   }
 }

@@ -22,7 +22,7 @@ Instance near_parallel_contacts(const Knobs& knobs) {
   }
   RowByRow rows(Vector::Ones(n), z_u);
   for (Index i = 0; i < 2 * pairs; ++i) {
-    const Vector& row = J[static_cast<std::size_t>(i)];
+    const Vector& row = J[at(i)];
     rows.add_contact(row, row.dot(z0), numbered("pair ", i / 2) + (i % 2 ? " tilted" : ""));
   }
   return rows.finish({.z = z0, .lambda = Vector::Ones(2 * pairs), .method = "closed form"});
@@ -42,7 +42,7 @@ Instance wedges(const Knobs& knobs) {
   }
   RowByRow rows(Vector::Ones(n), z_u);
   for (Index w = 0; w < 3; ++w) {
-    const auto [dx, dy] = direction[static_cast<std::size_t>(w)];
+    const auto [dx, dy] = direction[at(w)];
     const double c = static_cast<double>(w + 1), out = c / (dx * dx + dy * dy);
     Vector ceiling = -Vector::Unit(n, 4 * w + 2);
     ceiling[4 * w] = eps * dx;
@@ -117,7 +117,7 @@ Instance flipping_stack(const Knobs& knobs) {
   }
   RowByRow rows(mass, z_u, friction_of(knobs));
   for (Index i = 0; i < 4 * boxes; ++i) {
-    if (!touches[static_cast<std::size_t>(i)]) continue;
+    if (!touches[at(i)]) continue;
     const Index box = i / 4, corner = i % 4;
     const Vec3 p = box_corner(corner);
     const auto row_of = [&](const Vec3& way) { return point_row(n, box, p, p + Vec3::UnitZ(), way); };

@@ -91,7 +91,7 @@ Instance four_bar_loop(const Knobs& knobs) {
         if (i < 3)
           add_point(row, body, sign, point, Vec3::Unit(i));
         else
-          row.segment<3>(6 * body + 3) = sign * across[static_cast<std::size_t>(i - 3)];
+          row.segment<3>(6 * body + 3) = sign * across[at(i - 3)];
       };
       add(hinge.a, -1, hinge.on_a);
       add(hinge.b, 1, hinge.on_b);

@@ -72,23 +72,19 @@ Model mirrored(const Model& model) {
   return other;
 }
 
-Phalanx Model::phalanx(int body) const {
-  return fingers[static_cast<std::size_t>((body - 1) / 3)].bone[static_cast<std::size_t>((body - 1) % 3)];
-}
+Phalanx Model::phalanx(int body) const { return fingers[at((body - 1) / 3)].bone[at((body - 1) % 3)]; }
 
-Range Model::range(int angle) const {
-  return fingers[static_cast<std::size_t>(angle / 4)].range[static_cast<std::size_t>(angle % 4)];
-}
+Range Model::range(int angle) const { return fingers[at(angle / 4)].range[at(angle % 4)]; }
 
 std::string body_name(int body) {
   if (body == 0) return "palm";
-  return std::string(names[static_cast<std::size_t>((body - 1) / 3)].finger) + " " + bone_name[(body - 1) % 3];
+  return std::string(names[at((body - 1) / 3)].finger) + " " + bone_name[(body - 1) % 3];
 }
 
 std::string angle_name(int angle) {
-  const Name& n = names[static_cast<std::size_t>(angle / 4)];
+  const Name& n = names[at(angle / 4)];
   const int k = angle % 4;
-  const std::string joint = std::string(n.finger) + " " + n.joints[static_cast<std::size_t>(k == 0 ? 0 : k - 1)];
+  const std::string joint = std::string(n.finger) + " " + n.joints[at(k == 0 ? 0 : k - 1)];
   return k == 0 ? joint + " flexion" : k == 1 ? joint + " abduction" : joint;
 }
 
@@ -117,7 +113,7 @@ BodyId add(Scene& scene, const Poses& poses, const std::string& prefix, const Mo
     const Phalanx p = model.phalanx(b);
     scene.add(box_body({2 * p.radius, p.length, 2 * p.radius}, p.mass, Vec3::Zero()));
   }
-  for (std::size_t b = 0; b < poses.size(); ++b) scene.bodies[static_cast<std::size_t>(palm) + b].pose = poses[b];
+  for (std::size_t b = 0; b < poses.size(); ++b) scene.bodies[at(palm) + b].pose = poses[b];
 
   const auto limit = [&](JointLimit both, int angle) {
     const std::string label = prefix + angle_name(angle);
@@ -129,8 +125,8 @@ BodyId add(Scene& scene, const Poses& poses, const std::string& prefix, const Mo
     scene.add(both, label + " upper");
   };
   for (int number = 0; number < 5; ++number) {
-    const Finger& f = model.fingers[static_cast<std::size_t>(number)];
-    const Name& name = names[static_cast<std::size_t>(number)];
+    const Finger& f = model.fingers[at(number)];
+    const Name& name = names[at(number)];
     const Mat3 axes = base_axes(f);
     const Vec3 sideways = abduction(model);
     const BodyId first = palm + 1 + 3 * number;
@@ -142,7 +138,7 @@ BodyId add(Scene& scene, const Poses& poses, const std::string& prefix, const Mo
     limit({.bodies = {first, palm}, .axis = -sideways, .zero = flexion, .direction = axes * flexion}, 4 * number + 1);
     for (int k = 1; k < 3; ++k) {
       const BodyId from = first + k - 1, to = first + k;
-      const auto bone = static_cast<std::size_t>(k);
+      const auto bone = at(k);
       scene.add(RevoluteJoint{{from, to}, tip(f.bone[bone - 1]), -tip(f.bone[bone]), flexion, flexion},
                 prefix + name.finger + " " + name.joints[bone]);
       limit({.bodies = {from, to}, .axis = flexion, .zero = Vec3::UnitY(), .direction = Vec3::UnitY()},

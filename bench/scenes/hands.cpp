@@ -28,8 +28,7 @@ struct PressedHand {
 
 template <class T>
 void shuffle(std::vector<T>& items, Draw& draw) {
-  for (std::size_t k = items.size(); k > 1; --k)
-    std::swap(items[k - 1], items[static_cast<std::size_t>(draw.below(static_cast<int>(k)))]);
+  for (std::size_t k = items.size(); k > 1; --k) std::swap(items[k - 1], items[at(draw.below(static_cast<int>(k)))]);
 }
 
 // Angles within the middle of their ranges, but `violated` of them 2 to 4 degrees beyond a bound.
@@ -39,12 +38,12 @@ hand::Angles draw_angles(int violated, Draw& draw) {
   std::iota(order.begin(), order.end(), 0);
   shuffle(order, draw);
   for (int k = 0; k < hand::angles; ++k) {
-    const int angle = order[static_cast<std::size_t>(k)];
+    const int angle = order[at(k)];
     const auto [low, high] = hand::range(angle);
     const double excess = draw.uniform(0x1p-5, 0x1p-4);
     double value = draw.uniform(low + 0.2 * (high - low), high - 0.4 * (high - low));
     if (k < violated) value = draw.below(2) ? high + excess : low - excess;
-    angles[static_cast<std::size_t>(angle)] = value;
+    angles[at(angle)] = value;
   }
   return angles;
 }
@@ -55,7 +54,7 @@ void disturb(hand::Poses& poses, double distance, Draw& draw) {
     Vec<double, 6> twist;
     twist.head<3>() = draw.cube(distance);
     twist.tail<3>() = draw.cube(distance / (hand::phalanx(b).length / 2));
-    Pose<double>& pose = poses[static_cast<std::size_t>(b)];
+    Pose<double>& pose = poses[at(b)];
     pose = retract(pose, twist);
   }
 }
@@ -96,8 +95,8 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
   for (Vec3& n : face) n = rotation(draw.uniform(-0.4, 0.4) * Vec3::UnitY()) * Vec3::UnitZ();
   const Vector z_free = feasible ? free_motion(out.god) : Vector();
   for (int k = 0; k < contacts; ++k) {
-    const int b = order[static_cast<std::size_t>(k % touched)];
-    const auto s = static_cast<std::size_t>(b);
+    const int b = order[at(k % touched)];
+    const auto s = at(b);
     const hand::Phalanx p = hand::phalanx(b);
     const Vec3 across = Vec3::UnitY().cross(face[s]);
     const double sideways = draw.uniform(-0.5, 0.5), along = draw.uniform(-0.5, 0.5);
@@ -116,8 +115,7 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
 // Welds the index finger's second joint at its present angle.
 void lock_index_finger(Scene& scene, BodyId palm, const std::string& prefix) {
   const BodyId proximal = palm + 4, middle = palm + 5;
-  const Pose<double>&a = scene.bodies[static_cast<std::size_t>(proximal)].pose,
-        &b = scene.bodies[static_cast<std::size_t>(middle)].pose;
+  const Pose<double>&a = scene.bodies[at(proximal)].pose, &b = scene.bodies[at(middle)].pose;
   scene.add(Weld{.bodies = {proximal, middle},
                  .anchor_a = a.rotation.transpose() * (b.position - a.position),
                  .relative = a.rotation.transpose() * b.rotation},
@@ -144,8 +142,7 @@ SceneStep pose_hands(const Knobs& knobs) {
     std::array<int, hand::bodies> number{};
     for (const PressedHand::Touch& t : pressed.touches)
       scene.add(contact_at(scene.bodies, palm + t.body, wall, t.point, t.normal, t.gap),
-                prefix + hand::body_name(t.body) + " " + std::to_string(++number[static_cast<std::size_t>(t.body)]) +
-                    " on wall");
+                prefix + hand::body_name(t.body) + " " + std::to_string(++number[at(t.body)]) + " on wall");
   }
   rub(scene, friction_of(knobs));
   return posed;

@@ -17,8 +17,8 @@ namespace {
 // rounded. Rows of few bits take every column; rows of full mantissas take one column each. What comes out is J z*,
 // exactly. (Rounding J instead was tried on paper and dropped: it turns redundant rows into nearly redundant ones.)
 Vector draw_exact(const Problem& p, std::mt19937_64& random, Vector& product) {
-  const Eigen::SparseMatrix<double> J = p.J;
-  std::vector<Index> order(static_cast<std::size_t>(p.size()));
+  const SparseMatrix J = p.J;
+  std::vector<Index> order(at(p.size()));
   std::iota(order.begin(), order.end(), Index{0});
   for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
   Vector z = Vector::Zero(p.size());
@@ -27,21 +27,20 @@ Vector draw_exact(const Problem& p, std::mt19937_64& random, Vector& product) {
     const double sign = random() % 2 ? 1 : -1;
     const double value = std::ldexp(sign, static_cast<int>(random() % 3) - 1);
     bool exact = true;
-    for (Eigen::SparseMatrix<double>::InnerIterator it(J, j); it && exact; ++it) {
+    for (SparseMatrix::InnerIterator it(J, j); it && exact; ++it) {
       const DoubleDouble sum = DoubleDouble(product[it.row()]) + DoubleDouble(it.value() * value);
       exact = sum.lo == 0 && it.value() * value / value == it.value();
     }
     if (!exact) continue;
     z[j] = value;
-    for (Eigen::SparseMatrix<double>::InnerIterator it(J, j); it; ++it) product[it.row()] += it.value() * value;
+    for (SparseMatrix::InnerIterator it(J, j); it; ++it) product[it.row()] += it.value() * value;
   }
   return z;
 }
 
 double largest_entry(const Problem& p, Index i) {
   double largest = 0;
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
-    largest = std::max(largest, std::abs(it.value()));
+  for (RowMatrix::InnerIterator it(p.J, i); it; ++it) largest = std::max(largest, std::abs(it.value()));
   return largest;
 }
 
@@ -65,7 +64,7 @@ Instance with_known_answer(Instance instance, std::uint64_t seed, double active_
     if (!pushes || largest == 0) continue;
     // A push of size 1 to 4 on the row of unit length in the M-norm, but for a power of two.
     double weight = 0;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it)
+    for (RowMatrix::InnerIterator it(p.J, i); it; ++it)
       weight += std::pow(std::ldexp(it.value(), -exponent), 2) / p.M.coeff(it.col(), it.col());
     lambda[i] = std::ldexp(p.is_equality(i) && sign ? -size : size, -exponent - std::ilogb(weight) / 2);
   }
@@ -73,7 +72,7 @@ Instance with_known_answer(Instance instance, std::uint64_t seed, double active_
   // z_u = z* - M^-1 J' lambda, refined once; L D L' keeps dyadic masses dyadic.
   p.z_u = z;
   if (p.size() > 0) {
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(p.M);
+    const Eigen::SimplicialLDLT<SparseMatrix> factor(p.M);
     if (factor.info() != Eigen::Success || !(factor.vectorD().array() > 0).all())
       throw std::invalid_argument("with_known_answer: M of '" + p.name + "' is not positive definite");
     const Vector push = p.J.transpose() * lambda;

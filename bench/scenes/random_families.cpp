@@ -36,7 +36,7 @@ Instance near_parallel_equalities(const Knobs& knobs) {
   }
   RowByRow rows(mass, z0 - force.cwiseQuotient(mass));
   for (Index i = 0; i < 2 * pairs + contacts; ++i) {
-    const Vector& row = J[static_cast<std::size_t>(i)];
+    const Vector& row = J[at(i)];
     const bool equality = i < 2 * pairs;
     const double slack = equality || lambda[i] > 0 ? 0 : draw.integer(1, 30);
     if (equality)
@@ -88,7 +88,7 @@ Instance weak_contacts(const Knobs& knobs) {
   }
   RowByRow rows(Vector::Ones(n), z_u);
   for (Index i = 0; i < m; ++i) {
-    const Vector& row = J[static_cast<std::size_t>(i)];
+    const Vector& row = J[at(i)];
     rows.add_contact(row, row.dot(z0), numbered(i < m / 2 ? "strong " : "weak ", i % (m / 2)));
   }
   return rows.finish({.z = z0, .lambda = lambda, .method = "closed form"});
@@ -134,8 +134,8 @@ Instance random_rows(const Knobs& knobs) {
     std::vector<std::pair<int, double>> row;
     if (redundant) {
       const Index a = first + draw.index(before), b = first + draw.index(before);
-      row = rows[static_cast<std::size_t>(a)];
-      const auto& other = rows[static_cast<std::size_t>(b)];
+      row = rows[at(a)];
+      const auto& other = rows[at(b)];
       row.insert(row.end(), other.begin(), other.end());
     } else {
       for (Index k = 0; k < entries; ++k) {

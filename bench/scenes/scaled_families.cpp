@@ -75,7 +75,7 @@ Instance row_scale(const Knobs& knobs) {
   const int zero = static_cast<int>(knobs.at("zero"));
   if (zero == 0) return rows.finish();
   constexpr std::array size = {0., 0x1p-40, -0x1p-40};
-  rows.add_contact(Vector::Zero(ChainOfFour::n), size[static_cast<std::size_t>(zero - 1)], "without entries");
+  rows.add_contact(Vector::Zero(ChainOfFour::n), size[at(zero - 1)], "without entries");
   if (zero != 2) return rows.finish();
   const Index m = chain.c.size() + 1;
   return rows.finish({.feasible = false, .certificate = Vector::Unit(m, m - 1), .method = "closed form"});
@@ -143,7 +143,7 @@ Instance exponential_pivots(const Knobs& knobs) {
 Instance pivot_cycle(const Knobs& knobs) {
   const auto n = static_cast<Index>(knobs.at("n"));
   constexpr std::array seeds = {878, 325, 309, 64};  // n = 5, 6, 7, 8
-  SmallNumbers draw(seeds[static_cast<std::size_t>(n - 5)]);
+  SmallNumbers draw(seeds[at(n - 5)]);
   RowByRow rows(Vector::Ones(n), Vector::Zero(n));
   for (Index i = 0; i < n; ++i) {
     const Vector row = draw.integers(n, 3);

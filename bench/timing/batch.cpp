@@ -113,12 +113,11 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
   std::vector<std::size_t> order;  // whose turn it is; runs.size(): the neutral kernel
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (limits.repetitions > 0) counts[i] = has_answer(timed[i]) ? limits.repetitions : 0;
-    order.insert(order.end(), static_cast<std::size_t>(counts[i]), i);
+    order.insert(order.end(), at(counts[i]), i);
   }
   const auto samples = static_cast<double>(order.size());
   if (kernel)
-    order.insert(order.end(), static_cast<std::size_t>(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most),
-                 runs.size());
+    order.insert(order.end(), at(limits.repetitions > 0 ? limits.repetitions : BatchLimits::most), runs.size());
   std::shuffle(order.begin(), order.end(), std::mt19937_64());
   double done = 0;
   for (const std::size_t i : order) {

@@ -25,7 +25,7 @@ class Profile {
       run(up_to);  // fills the caches
       const double start = thread_cpu_seconds();
       for (int i = 0; i < repeats; ++i) run(up_to);
-      seconds_[static_cast<std::size_t>(up_to)].push_back((thread_cpu_seconds() - start) / repeats);
+      seconds_[at(up_to)].push_back((thread_cpu_seconds() - start) / repeats);
     }
   }
   StageTimes times() const {

@@ -91,53 +91,53 @@ Factor nearest_factor(const Matrix& W, double scale) {
   return out;
 }
 
-double largest(const Sparse& A) { return A.nonZeros() > 0 ? A.coeffs().abs().maxCoeff() : 0; }
+double largest(const SparseMatrix& A) { return A.nonZeros() > 0 ? A.coeffs().abs().maxCoeff() : 0; }
 
 // [R V'; V W], symmetric, of the equality rows and every step-th row of W.
-Sparse rows_in_use(const LocalForm& form, Index step) {
+SparseMatrix rows_in_use(const LocalForm& form, Index step) {
   const Index equalities = form.s.size(), used = form.q.size() / step;
   std::vector<Eigen::Triplet<double>> entries;
   const auto add = [&](Index i, Index j, double value) {
     entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
   };
-  const auto add_both = [&](const Sparse& A, Index first, Index every) {
-    const Sparse symmetric = 0.5 * (A + Sparse(A.transpose()));
+  const auto add_both = [&](const SparseMatrix& A, Index first, Index every) {
+    const SparseMatrix symmetric = 0.5 * (A + SparseMatrix(A.transpose()));
     for (Index j = 0; j < symmetric.outerSize(); ++j)
-      for (Sparse::InnerIterator it(symmetric, j); it; ++it)
+      for (SparseMatrix::InnerIterator it(symmetric, j); it; ++it)
         if (it.value() != 0 && it.row() % every == 0 && j % every == 0)
           add(first + it.row() / every, first + j / every, it.value());
   };
   if (equalities > 0) add_both(form.R, 0, 1);
   add_both(form.W, equalities, step);
   for (Index j = 0; j < form.V.outerSize(); ++j)
-    for (Sparse::InnerIterator it(form.V, j); it; ++it) {
+    for (SparseMatrix::InnerIterator it(form.V, j); it; ++it) {
       if (it.value() == 0 || it.row() % step != 0) continue;
       add(equalities + it.row() / step, j, it.value());
       add(j, equalities + it.row() / step, it.value());
     }
-  Sparse S(equalities + used, equalities + used);
+  SparseMatrix S(equalities + used, equalities + used);
   S.setFromTriplets(entries.begin(), entries.end());
   return S;
 }
 
 struct Factors {
-  Sparse J_transposed = {};  // rank x rows
+  SparseMatrix J_transposed = {};  // rank x rows
   double residual = 0;
   bool replaced = false;  // by the nearest semi-definite matrix
 };
 
 // Rows that share no entry with others are factored apart: J keeps the parts that a scene falls into.
-Factors factor_blocks(const Sparse& S, const Fail& fail) {
+Factors factor_blocks(const SparseMatrix& S, const Fail& fail) {
   DisjointSets sets(S.cols());
   for (Index j = 0; j < S.outerSize(); ++j)
-    for (Sparse::InnerIterator it(S, j); it; ++it) sets.join(it.row(), j);
+    for (SparseMatrix::InnerIterator it(S, j); it; ++it) sets.join(it.row(), j);
   std::vector<std::vector<Index>> blocks;
-  std::vector<Index> block_of(static_cast<std::size_t>(S.cols()), -1), place(static_cast<std::size_t>(S.cols()));
+  std::vector<Index> block_of(at(S.cols()), -1), place(at(S.cols()));
   for (Index j = 0; j < S.cols(); ++j) {
-    Index& id = block_of[static_cast<std::size_t>(sets.find(j))];
+    Index& id = block_of[at(sets.find(j))];
     if (id < 0) id = std::ssize(blocks), blocks.emplace_back();
-    auto& block = blocks[static_cast<std::size_t>(id)];
-    place[static_cast<std::size_t>(j)] = std::ssize(block);
+    auto& block = blocks[at(id)];
+    place[at(j)] = std::ssize(block);
     block.push_back(j);
   }
   Factors out;
@@ -151,8 +151,7 @@ Factors factor_blocks(const Sparse& S, const Fail& fail) {
                     std::to_string(most_rows));
     Matrix W = Matrix::Zero(size, size);
     for (Index k = 0; k < size; ++k)
-      for (Sparse::InnerIterator it(S, block[static_cast<std::size_t>(k)]); it; ++it)
-        W(place[static_cast<std::size_t>(it.row())], k) = it.value();
+      for (SparseMatrix::InnerIterator it(S, block[at(k)]); it; ++it) W(place[at(it.row())], k) = it.value();
     // Real files are semi-definite up to rounding once symmetric, or to the digits that they were printed with.
     Factor factor = rank_revealing_factor(W, scale);
     if (!(factor.residual <= rounded)) {
@@ -169,8 +168,7 @@ Factors factor_blocks(const Sparse& S, const Fail& fail) {
     for (Index k = 0; k < size; ++k)
       for (Index r = 0; r < factor.J.cols(); ++r)
         if (std::abs(factor.J(k, r)) > least)
-          entries.emplace_back(static_cast<int>(rank + r), static_cast<int>(block[static_cast<std::size_t>(k)]),
-                               factor.J(k, r));
+          entries.emplace_back(static_cast<int>(rank + r), static_cast<int>(block[at(k)]), factor.J(k, r));
     rank += factor.J.cols();
   }
   out.J_transposed.resize(rank, S.cols());
@@ -181,12 +179,12 @@ Factors factor_blocks(const Sparse& S, const Fail& fail) {
 }  // namespace
 
 // World inertias R I R' come out symmetric only up to rounding; more than that is another matrix.
-void complete_symmetric(Sparse& M, std::vector<std::string>& notes, const Fail& fail) {
+void complete_symmetric(SparseMatrix& M, std::vector<std::string>& notes, const Fail& fail) {
   constexpr double rounding = 1e-10;
   Index lower = 0, upper = 0;
   double asymmetry = 0;
   for (Index j = 0; j < M.outerSize(); ++j)
-    for (Sparse::InnerIterator it(M, j); it; ++it) {
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) {
       if (it.row() == it.col() || it.value() == 0) continue;
       ++(it.row() > it.col() ? lower : upper);
       const double scale = std::sqrt(std::abs(M.coeff(it.row(), it.row()))) * std::sqrt(std::abs(M.coeff(j, j)));
@@ -202,7 +200,7 @@ void complete_symmetric(Sparse& M, std::vector<std::string>& notes, const Fail& 
     note << "not symmetric (relative difference " << asymmetry << "); expected a symmetric matrix";
     fail("M", note.str());
   }
-  M = lower == 0 ? Sparse(M.selfadjointView<Eigen::Upper>()) : Sparse(M.selfadjointView<Eigen::Lower>());
+  M = lower == 0 ? SparseMatrix(M.selfadjointView<Eigen::Upper>()) : SparseMatrix(M.selfadjointView<Eigen::Lower>());
   notes.push_back(note.str());
 }
 
@@ -213,7 +211,7 @@ Instance from_global_form(GlobalForm form, const Fail& fail) {
   if (form.f_is_motion || form.f.size() == 0) {
     p.z_u = form.f;
   } else {
-    const Eigen::SimplicialLLT<Sparse> factor(form.M);
+    const Eigen::SimplicialLLT<SparseMatrix> factor(form.M);
     if (factor.info() != Eigen::Success) fail("M", "not positive definite; expected a mass matrix");
     p.z_u = factor.solve(form.f);
     // One step of refinement: M^-1 f to the last digits.
@@ -230,12 +228,12 @@ Instance from_local_form(LocalForm form, std::optional<Law> law, const Fail& fai
   global.mu = std::move(form.mu);
   const bool slips = (law && has_edges(*law)) || (global.mu.size() > 0 && global.mu.maxCoeff() > 0);
   const Index step = slips ? 1 : form.dim, equalities = form.s.size(), used = form.q.size() / step;
-  if (const double asymmetry = largest(form.W - Sparse(form.W.transpose())); asymmetry > 0) {
+  if (const double asymmetry = largest(form.W - SparseMatrix(form.W.transpose())); asymmetry > 0) {
     std::ostringstream note;
     note << "W is asymmetric by up to " << asymmetry << ": (W + W')/2 was taken";
     instance.notes.push_back(note.str());
   }
-  const Sparse S = rows_in_use(form, step);
+  const SparseMatrix S = rows_in_use(form, step);
   const Factors factors = factor_blocks(S, fail);
   std::ostringstream note;
   if (factors.replaced) {

@@ -62,7 +62,7 @@ constexpr auto collect = [](hid_t, const char* name, const auto*, void* into) ->
 };
 
 std::vector<hsize_t> extent(hid_t space) {
-  std::vector<hsize_t> size(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  std::vector<hsize_t> size(at(std::max(0, H5Sget_simple_extent_ndims(space))));
   H5Sget_simple_extent_dims(space, size.data(), nullptr);
   return size;
 }
@@ -136,11 +136,10 @@ Group Group::open(const std::filesystem::path& file) {
   std::error_code absent;
   const auto bytes = static_cast<double>(std::filesystem::file_size(file, absent));
   if (!absent)
-    isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)},
-             [&file] {
-               open_here(file).rehearse(deepest);
-               return std::string();
-             });
+    isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + at(20 * bytes)}, [&file] {
+      open_here(file).rehearse(deepest);
+      return std::string();
+    });
   return open_here(file);
 }
 

@@ -25,7 +25,7 @@ enum class Storage { triplets, columns, rows };
 
 // A matrix of rows x cols from the first `count` entries; duplicates sum. Throws BadFile where an index is out of range
 // or an entry is not finite.
-Sparse read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count);
+SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count);
 
 // Throws BadFile where an entry is not finite.
 Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_t size);

@@ -32,12 +32,12 @@ std::size_t length(const hdf5::Group& group, const std::string& name) {
 
 // A vector that may hold -Inf; finiteness is core/problem/problem.h's business.
 Vector read_raw(const hdf5::Group& group, const std::string& name, Index size) {
-  const std::vector<double> values = group.read<double>(name, static_cast<std::size_t>(size));
+  const std::vector<double> values = group.read<double>(name, at(size));
   return Eigen::Map<const Vector>(values.data(), size);
 }
 
 // A group {p, i, x}, or a dataset with every entry, row by row.
-Sparse read_matrix(const hdf5::Group& group, const std::string& name, Index rows, Index cols, Storage storage) {
+SparseMatrix read_matrix(const hdf5::Group& group, const std::string& name, Index rows, Index cols, Storage storage) {
   if (group.has_group(name)) {
     const hdf5::Group parts = group.group(name);
     return read_sparse(parts, rows, cols, storage, length(parts, "x"));
@@ -54,9 +54,9 @@ Sparse read_matrix(const hdf5::Group& group, const std::string& name, Index rows
 Reference read_reference(const hdf5::Group& group, Index n, Index m, bool one) {
   Reference r{.hearsay = true};
   r.feasible = group.read_one<std::int64_t>("feasible") != 0;
-  if (group.has_data("z")) r.z = read_vector(group, "z", static_cast<std::size_t>(n));
-  if (group.has_data("lambda")) r.lambda = read_vector(group, "lambda", static_cast<std::size_t>(m));
-  if (group.has_data("certificate")) r.certificate = read_vector(group, "certificate", static_cast<std::size_t>(m));
+  if (group.has_data("z")) r.z = read_vector(group, "z", at(n));
+  if (group.has_data("lambda")) r.lambda = read_vector(group, "lambda", at(m));
+  if (group.has_data("certificate")) r.certificate = read_vector(group, "certificate", at(m));
   if (r.feasible && !group.has_data("z")) group.fail("z", "missing; expected a dataset, for the problem is feasible");
   r.bound = group.has_data("bound") ? group.read_one<double>("bound") : 0;
   r.unique = one || (group.has_data("unique") && group.read_one<std::int64_t>("unique") != 0);
@@ -74,7 +74,7 @@ std::vector<RecordedAnswer> read_recorded(const hdf5::Group& group, Index n) {
 
 template <class T>
 std::span<const T> span_of(const T* data, Index size) {
-  return {data, static_cast<std::size_t>(size)};
+  return {data, at(size)};
 }
 
 void write_vector(hdf5::Group& group, const std::string& name, const Vector& v) {
@@ -103,7 +103,7 @@ void write_recorded(hdf5::Group& parent, const std::vector<RecordedAnswer>& reco
     by.push_back(r.by);
   }
   group.write_strings("by", by);
-  write_matrix(group, "z", Eigen::SparseMatrix<double, Eigen::RowMajor>(z.sparseView(0, 0)));
+  write_matrix(group, "z", RowMatrix(z.sparseView(0, 0)));
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ Instance read_own(const hdf5::Group& group) {
   complete_symmetric(p.M, instance.notes,
                      [&](const std::string& place, const std::string& what) { group.fail(place, what); });
 
-  for (const std::int64_t kind : group.read<std::int64_t>("kind", static_cast<std::size_t>(m))) {
+  for (const std::int64_t kind : group.read<std::int64_t>("kind", at(m))) {
     if (kind < 0 || kind > 2)
       group.fail("kind", "holds " + std::to_string(kind) + "; expected 0 (=), 1 (>=) or 2 (tangent)");
     p.kind.push_back(static_cast<RowKind>(kind));

@@ -31,7 +31,7 @@ Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_
   return Eigen::Map<const Vector>(values.data(), static_cast<Index>(size));
 }
 
-Sparse read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count) {
+SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count) {
   const bool by_row = storage == Storage::rows, compressed = storage != Storage::triplets;
   const Index outer = by_row ? rows : cols, inner = by_row ? cols : rows;
   const std::vector<std::int64_t> i = read_at_least(group, "i", count);
@@ -67,7 +67,7 @@ Sparse read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage sto
   } else {
     for (std::size_t k = 0; k < count; ++k) add(in_range("p", k, p[k], outer), k);
   }
-  Sparse A(rows, cols);
+  SparseMatrix A(rows, cols);
   A.setFromTriplets(entries.begin(), entries.end());
   return A;
 }

@@ -28,7 +28,7 @@ void read_truth(const hdf5::Group& group, Instance& instance) {
   Reference reference{.hearsay = true};
   reference.feasible = status == 0;
   reference.method = "file";
-  if (reference.feasible) reference.z = read_vector(truth, "z", static_cast<std::size_t>(instance.problem.size()));
+  if (reference.feasible) reference.z = read_vector(truth, "z", at(instance.problem.size()));
   instance.reference = std::move(reference);
 }
 

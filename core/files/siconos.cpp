@@ -164,7 +164,7 @@ Entries read_sparse_text(Words& words, Index rows, Index columns, const std::str
   return entries;
 }
 
-Sparse read_matrix(Words& words, const std::string& name) {
+SparseMatrix read_matrix(Words& words, const std::string& name) {
   const std::string entry = "an entry of " + name;
   const Index storage = words.count("the storage of " + name + ": 0 dense, 1 sparse-block, 2 sparse");
   if (storage > 2)
@@ -174,7 +174,7 @@ Sparse read_matrix(Words& words, const std::string& name) {
   const Entries entries = storage == 0   ? read_dense(words, rows, columns, entry)
                           : storage == 1 ? read_blocks(words, rows, columns, entry)
                                          : read_sparse_text(words, rows, columns, entry);
-  Sparse matrix(rows, columns);
+  SparseMatrix matrix(rows, columns);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
 }
@@ -197,7 +197,7 @@ Instance read_siconos(const std::filesystem::path& file, std::optional<Law> law)
   const Index dim = words.count("the dimension, 2 or 3");
   if (dim != 2 && dim != 3) words.fail("dimension " + std::to_string(dim) + "; expected 2 or 3");
   const Index contacts = words.count("the number of contacts"), columns = dim * contacts;
-  Sparse matrix = read_matrix(words, "W or M");
+  SparseMatrix matrix = read_matrix(words, "W or M");
   const std::string size = std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols());
   if (matrix.rows() != matrix.cols()) words.fail("W or M is " + size + "; expected a square matrix");
   const Index n = matrix.rows(), left = words.left();

@@ -24,7 +24,7 @@ void give_pattern(const std::vector<int>& start, const std::vector<int>& index, 
 }
 
 RowOrigin origin_of(const Scene& scene, const ActiveConstraint& a) {
-  const ConstraintList& list = *scene.lists()[static_cast<std::size_t>(a.list)];
+  const ConstraintList& list = *scene.lists()[at(a.list)];
   return {.type = std::string(list.type()), .label = list.label(a.item)};
 }
 
@@ -43,7 +43,7 @@ bool Assembler::rows_changed(const Scene& scene) {
 // A row's entries stand in the order of the columns, not of the constraint's bodies; a soft unknown comes last.
 RowPlace Assembler::lay_out_rows(std::size_t active) {
   const ActiveConstraint& a = active_[active];
-  const auto column = [&](std::size_t b) { return b < a.arity ? column_[static_cast<std::size_t>(a.on[b])] : -1; };
+  const auto column = [&](std::size_t b) { return b < a.arity ? column_[at(a.on[b])] : -1; };
   RowPlace place{a.item, static_cast<Index>(pattern_.kind.size()), {column(0), column(1)}, soft_};
   std::array<int, 2> first = place.entry;
   std::sort(first.begin(), first.end());
@@ -163,7 +163,7 @@ std::vector<std::string> Assembler::skipped(const Scene& scene) const {
   std::vector<std::string> names;
   for (const RowPlace& place : place_)
     if (place.row == RowPlace::nowhere)
-      names.push_back(constraint_name(origin_of(scene, active_[static_cast<std::size_t>(&place - place_.data())])));
+      names.push_back(constraint_name(origin_of(scene, active_[at(&place - place_.data())])));
   return names;
 }
 

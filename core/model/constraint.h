@@ -15,7 +15,7 @@ template <class C>
 inline constexpr int arity = std::tuple_size_v<decltype(C::bodies)>;
 
 template <class C, class T>
-using PosesOf = std::array<Pose<T>, static_cast<std::size_t>(arity<C>)>;
+using PosesOf = std::array<Pose<T>, at(arity<C>)>;
 
 template <class C, class T, std::size_t... I>
 auto evaluate(const C& c, const std::array<Pose<T>, sizeof...(I)>& q, std::index_sequence<I...>)
@@ -43,7 +43,7 @@ auto evaluate_slip(const C& c, const std::array<Pose<double>, sizeof...(I)>& q, 
   return c.slip(q[I]...);
 }
 template <class C>
-using ArityIndices = std::make_index_sequence<static_cast<std::size_t>(arity<C>)>;
+using ArityIndices = std::make_index_sequence<at(arity<C>)>;
 
 // A constraint is a copyable struct with a name, a number of rows, a kind, its bodies, and one templated function
 // value(poses...) that must stay zero (equality) or non-negative (inequality). Unit of the value: m or rad.

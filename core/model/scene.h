@@ -125,7 +125,7 @@ class ConstraintListOf final : public ConstraintList {
       const auto write_row = [&](Index i, const auto& jacobian, int r, double c) {
         double* row = frame.J + frame.start[i];
         for (std::size_t b = 0; b < arity<C>; ++b) {
-          const Body& body = bodies[static_cast<std::size_t>(constraint.bodies[b])];
+          const Body& body = bodies[at(constraint.bodies[b])];
           const Vec<double, 6> twist = jacobian.template block<1, 6>(r, 6 * static_cast<Index>(b)).transpose();
           if (frame.moving) c -= twist.dot(body.velocity) / frame.dt;
           if (body.motion == Motion::prescribed) c -= twist.dot(body.prescribed);
@@ -168,7 +168,7 @@ class ConstraintListOf final : public ConstraintList {
   template <class Visit>
   static auto with_poses(const C& constraint, const std::vector<Body>& bodies, const Visit& visit) {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return visit(bodies[static_cast<std::size_t>(constraint.bodies[I])].pose...);
+      return visit(bodies[at(constraint.bodies[I])].pose...);
     }(ArityIndices<C>{});
   }
 };
@@ -221,7 +221,7 @@ class Scene {
 
  private:
   void require_bodies(std::string_view type, const BodyId* id, int count) const {
-    const auto known = [&](BodyId b) { return b >= 0 && static_cast<std::size_t>(b) < bodies.size(); };
+    const auto known = [&](BodyId b) { return b >= 0 && at(b) < bodies.size(); };
     for (int i = 0; i < count; ++i)
       if (!known(id[i]) || (i > 0 && id[i] == id[0]))
         throw std::invalid_argument(std::string(type) + " on body " + std::to_string(id[i]) + ": " +

@@ -32,7 +32,7 @@ RowOrigin parse_row_origin(std::string_view text, std::string unit) {
 
 std::string row_name(const Instance& instance, Index i) {
   if (i < 0) return {};
-  const auto row = static_cast<std::size_t>(i);
+  const auto row = at(i);
   return row < instance.origin.size() ? to_string(instance.origin[row]) : "row " + std::to_string(i);
 }
 

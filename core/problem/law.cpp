@@ -39,7 +39,7 @@ Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
   Problem out{.name = p.name, .M = p.M, .z_u = p.z_u};
   RowWriter written;
   for (const NewRow& row : rows) {
-    const auto old = static_cast<std::size_t>(row.normal);
+    const auto old = at(row.normal);
     RowKey key = p.key[old];
     if (row.edge >= 0) key.row += static_cast<std::uint32_t>(row.edge);
     double c = p.c[row.normal];
@@ -75,7 +75,7 @@ Instance under(Law law, Instance instance) {
   std::vector<RowOrigin> origin;
   if (!instance.origin.empty())
     for (const NewRow& row : rows) {
-      origin.push_back(instance.origin[static_cast<std::size_t>(row.normal)]);
+      origin.push_back(instance.origin[at(row.normal)]);
       if (row.edge < 0) continue;
       origin.back().type = "friction_pyramid";
       origin.back().row = row.edge;

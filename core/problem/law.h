@@ -39,7 +39,7 @@ static_assert(all_laws.size() == law_entries.size());
 // Those of which `is` holds: static constexpr auto laws = laws_that<has_cones>; of a solver.
 template <bool (*is)(Law)>
 inline constexpr auto laws_that = [] {
-  std::array<Law, static_cast<std::size_t>(std::ranges::count_if(all_laws, is))> some{};
+  std::array<Law, at(std::ranges::count_if(all_laws, is))> some{};
   std::ranges::copy_if(all_laws, some.begin(), is);
   return some;
 }();
@@ -53,9 +53,7 @@ constexpr Law without_lift(Law law) {
 // Of rows without tangents; and of rows with them as they stand in files and in scenes.
 inline constexpr Law no_friction = Law::frictionless, stored_law = Law::coulomb;
 
-constexpr std::string_view to_string(Law law) {
-  return static_cast<std::size_t>(law) < law_entries.size() ? entry_of(law).name : "unknown";
-}
+constexpr std::string_view to_string(Law law) { return static_cast<std::size_t>(law) < law_entries.size() ? entry_of(law).name : "unknown"; }
 // Throws std::invalid_argument with the words there are.
 Law parse_law(std::string_view word);
 

@@ -46,7 +46,7 @@ std::string name_of(Index i, Index k) { return "M(" + std::to_string(i) + ", " +
 
 // Do `size` columns from k on hold one full symmetric block and nothing else, of masses that are not too small?
 template <int size>
-bool is_good_block(const Eigen::SparseMatrix<double>& M, Index k) {
+bool is_good_block(const SparseMatrix& M, Index k) {
   if (!M.isCompressed() || k + size > M.outerSize()) return false;
   const int first = static_cast<int>(k), begin = M.outerIndexPtr()[k];
   int other = 0;
@@ -65,7 +65,7 @@ bool is_good_block(const Eigen::SparseMatrix<double>& M, Index k) {
 
 // How many columns from k on a mass, an inertia or both together fill, where these are good. A hand's masses are
 // checked in 0.2 us like this, and in 0.5 entry by entry.
-Index good_columns(const Eigen::SparseMatrix<double>& M, Index k) {
+Index good_columns(const SparseMatrix& M, Index k) {
   const int size = k < M.outerSize() ? M.outerIndexPtr()[k + 1] - M.outerIndexPtr()[k] : 0;
   if (size == 1 && is_good_block<1>(M, k)) return 1;
   if (size == 3 && is_good_block<3>(M, k)) return 3;
@@ -75,7 +75,7 @@ Index good_columns(const Eigen::SparseMatrix<double>& M, Index k) {
 
 // Columns of one body hold the same rows, so that the mirror image of an entry in column k stands as far down in its
 // column as M(k, k) in its own; elsewhere it is searched for.
-std::string bad_mass(const Eigen::SparseMatrix<double>& M) {
+std::string bad_mass(const SparseMatrix& M) {
   const int *const outer = M.outerIndexPtr(), *const counts = M.innerNonZeroPtr(), *const inner = M.innerIndexPtr();
   const double* const value = M.valuePtr();
   for (Index k = 0; k < M.outerSize(); ++k) {
@@ -136,16 +136,15 @@ std::string bad_input(const Problem& p) {
   for (Index i = 0; check_z_u && i < p.size(); ++i)
     if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
   for (Index i = 0; check_c && i < p.rows(); ++i) {
-    const bool inactive = p.kind[static_cast<std::size_t>(i)] == RowKind::inequality &&
-                          p.c[i] == -std::numeric_limits<double>::infinity();
+    const bool inactive = p.kind[at(i)] == RowKind::inequality && p.c[i] == -std::numeric_limits<double>::infinity();
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
   if (std::string text = bad_friction(p); !text.empty()) return text;
   return bad_mass(p.M);
 }
 
-bool is_positive_definite(const Eigen::SparseMatrix<double>& M) {
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(M);
+bool is_positive_definite(const SparseMatrix& M) {
+  const Eigen::SimplicialLLT<SparseMatrix> factor(M);
   return M.rows() == 0 || factor.info() == Eigen::Success;
 }
 

@@ -32,8 +32,8 @@ struct BasicProblem {
 
   Index size() const { return z_u.size(); }
   Index rows() const { return c.size(); }
-  bool is_equality(Index i) const { return kind[static_cast<std::size_t>(i)] == RowKind::equality; }
-  bool is_tangent(Index i) const { return kind[static_cast<std::size_t>(i)] == RowKind::tangent; }
+  bool is_equality(Index i) const { return kind[at(i)] == RowKind::equality; }
+  bool is_tangent(Index i) const { return kind[at(i)] == RowKind::tangent; }
   bool has_tangents() const { return mu.size() > 0; }
   // How many tangent rows follow inequality row i.
   Index tangents(Index i) const {
@@ -52,7 +52,7 @@ void require_matching_sizes(const Problem& problem);
 // not symmetric, or which mass is below 2^-960. Positive definiteness is found by factorizing: see
 // is_positive_definite.
 std::string bad_input(const Problem& problem);
-bool is_positive_definite(const Eigen::SparseMatrix<double>& M);
+bool is_positive_definite(const SparseMatrix& M);
 
 // The same problem in another scalar: exact for any scalar that holds every double.
 template <class Scalar>

@@ -14,7 +14,7 @@ class SparsityPattern {
  public:
   template <class Sparse>
   bool matches(const Sparse& A) const {
-    const auto outer = static_cast<std::size_t>(A.outerSize()) + 1;
+    const auto outer = at(A.outerSize()) + 1;
     if (A.innerSize() != inner_size_ || outer_.size() != outer ||
         !std::equal(outer_.begin(), outer_.end(), A.outerIndexPtr()))
       return false;
@@ -49,7 +49,7 @@ class SparsityPattern {
     for (Index j = 0; j < A.outerSize(); ++j) {
       const auto length = A.innerNonZeroPtr()[j];
       if (!test(begin, A.innerIndexPtr() + A.outerIndexPtr()[j], length)) return false;
-      begin += static_cast<std::size_t>(length);
+      begin += at(length);
     }
     return true;
   }

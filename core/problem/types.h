@@ -26,12 +26,14 @@ using Vec3 = Vec<double, 3>;
 using Mat3 = Mat<double, 3, 3>;
 using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Index = Eigen::Index;
 using BodyId = int;
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 // An index into a standard container.
-inline std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // J z = c, J z >= c, or a direction of slip of the contact whose inequality row stands before it: 1 or 2 of them, in
 // the unit of that row, J z - c being the slip.

@@ -22,7 +22,7 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   DoubleDouble weighted_slack;
   double rounding = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
-    DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
+    DoubleDouble& weight = lambda[at(i)];
     if (!scaled.counts(i)) {
       if (scaled.is_zero(i) && !scaled.zero_row_holds(i)) return bound;
       weight = 0;

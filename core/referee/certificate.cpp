@@ -15,22 +15,21 @@ struct Weighted {
 };
 
 Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
-  Weighted w{.residual = scaled.force_residual(ExtendedVector(static_cast<std::size_t>(scaled.size())), u)};
+  Weighted w{.residual = scaled.force_residual(ExtendedVector(at(scaled.size())), u)};
   for (DoubleDouble& r : w.residual) r = -r;
   DoubleDouble gain;
   double sizes = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
-    const DoubleDouble part = u[static_cast<std::size_t>(i)];
+    const DoubleDouble part = u[at(i)];
     if (part == DoubleDouble(0)) continue;
     gain += scaled.violation(i) * part;
     double terms = std::abs(scaled.c[i]);
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, i); it; ++it)
-      terms += std::abs(it.value() * scaled.z_u[it.col()]);
+    for (RowMatrix::InnerIterator it(scaled.J, i); it; ++it) terms += std::abs(it.value() * scaled.z_u[it.col()]);
     sizes += std::abs(part.hi) * terms;
   }
   const double norm = scaled.dual_norm(w.residual);
   // A gain that may be rounding proves nothing, nor does a residual count below its rounding.
-  const ExtendedVector still(static_cast<std::size_t>(scaled.size()));
+  const ExtendedVector still(at(scaled.size()));
   if (!(gain.hi > (norm > 0 ? referee::rounding : referee::no_gain) * sizes))
     w.distance = 0;
   else
@@ -41,19 +40,19 @@ Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
 // Moves u, on its own rows, to where J'u vanishes: minimum-norm corrections on unit rows by a complete orthogonal
 // factorization in double, residuals in double-double. Returns false when the matrix would be too large.
 bool project(const ScaledProblem& scaled, const std::vector<Index>& support, ExtendedVector& u) {
-  std::vector<Index> column(static_cast<std::size_t>(scaled.size()), -1);
+  std::vector<Index> column(at(scaled.size()), -1);
   Index columns = 0;
   for (const Index i : support)
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, i); it; ++it)
-      if (Index& k = column[static_cast<std::size_t>(it.col())]; k < 0) k = columns++;
+    for (RowMatrix::InnerIterator it(scaled.J, i); it; ++it)
+      if (Index& k = column[at(it.col())]; k < 0) k = columns++;
   const auto count = static_cast<Index>(support.size());
   if (columns == 0 || columns * count > referee::projected_entries) return false;
 
   Matrix A = Matrix::Zero(columns, count);
   for (Index k = 0; k < count; ++k) {
-    const Index i = support[static_cast<std::size_t>(k)];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, i); it; ++it)
-      A(column[static_cast<std::size_t>(it.col())], k) += it.value() / scaled.row_norm[i];
+    const Index i = support[at(k)];
+    for (RowMatrix::InnerIterator it(scaled.J, i); it; ++it)
+      A(column[at(it.col())], k) += it.value() / scaled.row_norm[i];
   }
   Eigen::CompleteOrthogonalDecomposition<Matrix> factor;
   factor.setThreshold(referee::projection_pivot);
@@ -65,8 +64,8 @@ bool project(const ScaledProblem& scaled, const std::vector<Index>& support, Ext
       if (column[j] >= 0) r[column[j]] = residual[j].hi;
     const Vector step = factor.solve(r);
     for (Index k = 0; k < count; ++k) {
-      const Index i = support[static_cast<std::size_t>(k)];
-      u[static_cast<std::size_t>(i)] -= step[k] / scaled.row_norm[i];
+      const Index i = support[at(k)];
+      u[at(i)] -= step[k] / scaled.row_norm[i];
     }
   }
   return true;
@@ -75,8 +74,8 @@ bool project(const ScaledProblem& scaled, const std::vector<Index>& support, Ext
 // In the problem's units |u_t| <= mu u_n: rows of a contact may differ by powers of two here.
 bool in_cone(const ScaledProblem& scaled, const ExtendedVector& u, const Problem& p, Index i) {
   const auto part = [&](Index row) {
-    const auto k = static_cast<std::size_t>(row);
-    return u[k].scaled(scaled.row_exponent[static_cast<std::size_t>(i)] - scaled.row_exponent[k]);
+    const auto k = at(row);
+    return u[k].scaled(scaled.row_exponent[at(i)] - scaled.row_exponent[k]);
   };
   DoubleDouble squares;
   for (Index t = 1; t <= p.tangents(i); ++t) squares += part(i + t) * part(i + t);
@@ -92,7 +91,7 @@ bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u, const Prob
     return true;
   }
   for (Index i = 0; i < scaled.rows(); ++i)
-    if (!scaled.is_equality(i) && u[static_cast<std::size_t>(i)].hi < 0) return false;
+    if (!scaled.is_equality(i) && u[at(i)].hi < 0) return false;
   return true;
 }
 
@@ -110,12 +109,12 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
   for (Index i = 0; i < m; ++i) {
     int e = 0;
     (void)std::frexp(given[i], &e);
-    if (given[i] != 0) top = std::max(top, e + scaled.row_exponent[static_cast<std::size_t>(i)]);
+    if (given[i] != 0) top = std::max(top, e + scaled.row_exponent[at(i)]);
   }
   if (top == std::numeric_limits<int>::min()) return out;
-  ExtendedVector u(static_cast<std::size_t>(m));
+  ExtendedVector u(at(m));
   for (Index i = 0; i < m; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const auto k = at(i);
     u[k] = std::ldexp(given[i], scaled.row_exponent[k] - top);
     weight[i] = std::abs(u[k].hi) * unit(i);
     if (given[i] != 0 && scaled.is_vacuous(i)) return out;
@@ -136,8 +135,8 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
 
   if (sign_holds(scaled, u, cones)) out.distance = weigh(scaled, u).distance;
   out.proven = out.distance >= referee::farkas_margin * whole;
-  ExtendedVector moved(static_cast<std::size_t>(m));
-  for (const Index i : out.conflicting) moved[static_cast<std::size_t>(i)] = u[static_cast<std::size_t>(i)];
+  ExtendedVector moved(at(m));
+  for (const Index i : out.conflicting) moved[at(i)] = u[at(i)];
   if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved, cones)) {
     const double distance = weigh(scaled, moved).distance;
     out.distance = std::max(std::isnan(out.distance) ? 0 : out.distance, distance);

@@ -74,12 +74,12 @@ class ExactSearch {
   ExactSearch(const Problem& problem, const Vector& z) : p_(problem), z_u_(exactly(problem.z_u)), z_(exactly(z)) {
     for (Index i = 0; i < p_.rows(); ++i) {
       J_.emplace_back(z_u_.size(), 0);
-      for (SparseRow it(p_.J, i); it; ++it) J_.back()[at(it.col())] = it.value();
+      for (RowMatrix::InnerIterator it(p_.J, i); it; ++it) J_.back()[at(it.col())] = it.value();
       c_.emplace_back(std::isfinite(p_.c[i]) ? p_.c[i] : 0);
     }
     for (std::size_t j = 0; j < z_u_.size(); ++j) M_.emplace_back(z_u_.size(), 0);
     for (Index j = 0; j < p_.M.outerSize(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it) M_[at(it.row())][at(j)] = it.value();
+      for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it) M_[at(it.row())][at(j)] = it.value();
   }
 
   // z as it stands.
@@ -152,7 +152,6 @@ class ExactSearch {
 
  private:
   enum class Frozen { guessed, simple, nothing };  // where forces that are free to change stay
-  using SparseRow = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
 
   // Of a contact or an equality row: the rows stored, and those of its cone.
   Index size(Index i) const { return 1 + (p_.has_tangents() && !p_.is_equality(i) ? p_.tangents(i) : 0); }

@@ -78,10 +78,10 @@ class Elimination {
   }
 
  private:
-  std::size_t columns() const { return static_cast<std::size_t>(J_.cols()); }
+  std::size_t columns() const { return at(J_.cols()); }
   Row reduced(Index i) const {
     Row row(columns() + 1, 0);
-    for (RowMatrix::InnerIterator it(J_, i); it; ++it) row[static_cast<std::size_t>(it.col())] = f_.of(it.value());
+    for (RowMatrix::InnerIterator it(J_, i); it; ++it) row[at(it.col())] = f_.of(it.value());
     row.back() = f_.of(c_[i]);
     for (std::size_t k = 0; k < row_.size(); ++k) {
       const std::uint64_t factor = row[pivot_[k]];

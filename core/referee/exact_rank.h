@@ -12,8 +12,6 @@ namespace zwang {
 // found independent are independent. The odds that a prime divides the deciding minor of others are below 1e-13 for
 // each. O(rows rank columns) modular products.
 
-using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
 enum class Consistency { consistent, contradictory, independent };
 
 // Are the rows `more` combinations of the rows `basis` (known to be independent), right-hand sides included?

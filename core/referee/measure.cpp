@@ -34,7 +34,7 @@ void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const 
       out.worst_row = i;
     }
     if (!lambda || scaled.is_zero(i)) continue;
-    const DoubleDouble weight = (*lambda)[static_cast<std::size_t>(i)];
+    const DoubleDouble weight = (*lambda)[at(i)];
     const double unit_lambda = weight.hi * norm / s;
     weighted_slack += weight * slack;
     grow(out.natural, std::abs(equality ? unit_slack : std::min(unit_lambda, unit_slack)));
@@ -60,7 +60,7 @@ Verdict judge_infeasible(const ScaledProblem& scaled, const Solution& solution, 
   if (reference && reference->feasible) return Verdict::wrong;
   if (farkas.proven) return Verdict::infeasible_proven;
   if (reference) return Verdict::infeasible_claimed;
-  const DistanceBound own = bound_distance(scaled, ExtendedVector(static_cast<std::size_t>(scaled.size())), nullptr);
+  const DistanceBound own = bound_distance(scaled, ExtendedVector(at(scaled.size())), nullptr);
   return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
@@ -176,7 +176,7 @@ std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& 
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i)) continue;  // a slip violates nothing
-    const auto k = static_cast<std::size_t>(i);
+    const auto k = at(i);
     const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
     double violation = 0, relative = 0;
     if (!scaled.is_vacuous(i)) {

@@ -38,8 +38,7 @@ template <class S>
 double OrthogonalRows::sigma_min_in(const ScaledProblem& scaled, const std::vector<Index>& rows) const {
   std::vector<Eigen::Triplet<S>> entries;
   for (Index k = 0; k < rank_; ++k)
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, rows[static_cast<std::size_t>(k)]);
-         it; ++it)
+    for (RowMatrix::InnerIterator it(scaled.J, rows[at(k)]); it; ++it)
       entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()),
                            S(it.value()) / S(scaled.row_norm[it.row()]));
   Eigen::SparseMatrix<S, Eigen::RowMajor> J(rank_, scaled.size());

@@ -25,12 +25,10 @@ struct Anchored {
 };
 
 Anchored anchor(const ScaledProblem& scaled, const std::vector<Index>& rows) {
-  Anchored a{.is = std::vector<char>(static_cast<std::size_t>(scaled.rows()), 0),
-             .basis = {},
-             .factors = OrthogonalRows(scaled.size())};
+  Anchored a{.is = std::vector<char>(at(scaled.rows()), 0), .basis = {}, .factors = OrthogonalRows(scaled.size())};
   std::vector<Index> dependent;
   for (const Index i : rows) {
-    a.is[static_cast<std::size_t>(i)] = 1;
+    a.is[at(i)] = 1;
     const OrthogonalRows::Split s = a.factors.split(scaled.unit_row(i));
     if (s.dependent) {
       dependent.push_back(i);
@@ -58,7 +56,7 @@ struct Inward {
 Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const std::vector<Index>& near) {
   Inward out;
   OrthogonalRows rows = anchored.factors;
-  std::vector<OrthogonalRows::Real> target(static_cast<std::size_t>(rows.rank()), 0);
+  std::vector<OrthogonalRows::Real> target(at(rows.rank()), 0);
   for (const Index i : near)
     if (const OrthogonalRows::Split s = rows.split(scaled.unit_row(i)); !s.dependent && s.left > referee::clear_rest) {
       rows.append(s);
@@ -78,7 +76,7 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
 
   std::vector<Index> all;
   for (Index i = 0; i < scaled.rows(); ++i)
-    if (anchored.is[static_cast<std::size_t>(i)]) all.push_back(i);
+    if (anchored.is[at(i)]) all.push_back(i);
   const std::size_t anchors = all.size();
   all.insert(all.end(), near.begin(), near.end());
   Problem p{.M = scaled.M, .z_u = Vector::Zero(scaled.size())};
@@ -88,13 +86,12 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   for (std::size_t k = 0; k < all.size(); ++k) {
     p.kind.push_back(k < anchors ? RowKind::equality : RowKind::inequality);
     if (k >= anchors) p.c[static_cast<Index>(k)] = scaled.row_norm[all[k]];
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled.J, all[k]); it; ++it)
+    for (RowMatrix::InnerIterator it(scaled.J, all[k]); it; ++it)
       p.J.insert(static_cast<Index>(k), it.col()) = it.value();
   }
   const ScaledProblem direction_problem(p);
   RefereeActiveSet direction(direction_problem);
-  const RefereeActiveSet::Outcome outcome =
-      direction.solve(ExtendedVector(static_cast<std::size_t>(scaled.size())), nullptr);
+  const RefereeActiveSet::Outcome outcome = direction.solve(ExtendedVector(at(scaled.size())), nullptr);
   if (outcome == RefereeActiveSet::Outcome::infeasible) {
     const double largest = direction.farkas.cwiseAbs().maxCoeff();
     for (std::size_t k = anchors; k < all.size(); ++k)
@@ -103,7 +100,7 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   if (outcome != RefereeActiveSet::Outcome::optimal) return out;
   out.v.resize(scaled.size());
   for (Index j = 0; j < scaled.size(); ++j)
-    out.v[j] = std::ldexp(direction.d[static_cast<std::size_t>(j)].hi, direction_problem.motion_exponent);
+    out.v[j] = std::ldexp(direction.d[at(j)].hi, direction_problem.motion_exponent);
   out.found = true;
   return out;
 }
@@ -124,9 +121,9 @@ double radius_at(const ScaledProblem& scaled, const Anchored& anchored, const Ex
   double weighted_slack = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
     if (!scaled.counts(i)) continue;
-    DoubleDouble& weight = lambda[static_cast<std::size_t>(i)];
+    DoubleDouble& weight = lambda[at(i)];
     if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
-    if (anchored.is[static_cast<std::size_t>(i)]) continue;
+    if (anchored.is[at(i)]) continue;
     const double error = scaled.rounding(i, d) + off, slack = scaled.unit_slack(i, d);
     if (!(slack >= error)) return infinity;
     weighted_slack += weight.hi * scaled.row_norm[i] * (slack + error);
@@ -163,7 +160,7 @@ class DistanceProof {
   std::vector<Index> near_rows(const Anchored& anchored, double off) const {
     std::vector<Index> near;
     for (Index i = 0; i < scaled_.rows(); ++i)
-      if (scaled_.counts(i) && !anchored.is[static_cast<std::size_t>(i)] &&
+      if (scaled_.counts(i) && !anchored.is[at(i)] &&
           scaled_.unit_slack(i, own_.d) <= referee::near * (scaled_.rounding(i, own_.d) + off))
         near.push_back(i);
     return near;

@@ -78,7 +78,7 @@ AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
     bad[at] = 'P';
   require(bad.empty(), bad);
 
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(p.P);
+  const Eigen::SimplicialLLT<SparseMatrix> factor(p.P);
   if (n > 0 && factor.info() != Eigen::Success) throw NotDefinite();
   // z_u = -P^-1 q, its residual P z_u + q taken in double-double: after a few corrections z_u is as good as rounding
   // to double allows, and the residual's dual norm says how good that is.

@@ -12,11 +12,11 @@ namespace zwang {
 //
 // Parts that are absent are empty; infinite entries of h, lb and ub bound nothing.
 struct QuadraticProgram {
-  Eigen::SparseMatrix<double> P = {};                   // n x n, symmetric positive definite, both triangles
-  Vector q = {};                                        // n
-  Eigen::SparseMatrix<double, Eigen::RowMajor> G = {};  // of h.size() rows
+  SparseMatrix P = {};  // n x n, symmetric positive definite, both triangles
+  Vector q = {};        // n
+  RowMatrix G = {};     // of h.size() rows
   Vector h = {};
-  Eigen::SparseMatrix<double, Eigen::RowMajor> A = {};  // of b.size() rows
+  RowMatrix A = {};  // of b.size() rows
   Vector b = {};
   Vector lb = {}, ub = {};  // n or empty
 };

@@ -12,7 +12,7 @@ OrthogonalRows::Split RefereeActiveSet::split(Index row) {
 }
 
 RefereeActiveSet::Outcome RefereeActiveSet::solve(const ExtendedVector& guess_d, const ExtendedVector* guess_lambda) {
-  place_.assign(static_cast<std::size_t>(scaled_.rows()), 0);
+  place_.assign(at(scaled_.rows()), 0);
   rows = OrthogonalRows(scaled_.size());
   guess(guess_d, guess_lambda);
   if (!refine()) return Outcome::gave_up;
@@ -40,7 +40,7 @@ void RefereeActiveSet::guess(const ExtendedVector& guess_d, const ExtendedVector
   for (Index i = 0; i < scaled_.rows(); ++i) {
     if (!scaled_.counts(i)) continue;
     const double norm = scaled_.row_norm[i];
-    const double weight = guess_lambda ? (*guess_lambda)[static_cast<std::size_t>(i)].hi * norm : 0;
+    const double weight = guess_lambda ? (*guess_lambda)[at(i)].hi * norm : 0;
     const double slack = scaled_.unit_slack(i, guess_d);
     if (scaled_.is_equality(i))
       take(i, weight);
@@ -62,7 +62,7 @@ void RefereeActiveSet::take(Index row, Real weight) {
     const auto [place, step] = first_blocked(-s.alpha);
     const bool all = scaled_.is_equality(row) || weight <= step;
     const Real moved = all ? weight : step;
-    for (Index k = 0; k < rows.rank(); ++k) mu_[static_cast<std::size_t>(k)] += moved * s.alpha[k];
+    for (Index k = 0; k < rows.rank(); ++k) mu_[at(k)] += moved * s.alpha[k];
     if (all) return;
     weight -= moved;
     drop(place);
@@ -76,14 +76,14 @@ void RefereeActiveSet::hold(Index row, Real weight, const OrthogonalRows::Split&
   rows.append(s);
   basis.push_back(row);
   mu_.push_back(weight);
-  place_[static_cast<std::size_t>(row)] = 1;
+  place_[at(row)] = 1;
 }
 
 void RefereeActiveSet::drop(Index place) {
-  const auto from = static_cast<std::size_t>(place);
+  const auto from = at(place);
   const std::vector<Index> tail(basis.begin() + place + 1, basis.end());
   const std::vector<Real> weight(mu_.begin() + place + 1, mu_.end());
-  for (std::size_t k = from; k < basis.size(); ++k) place_[static_cast<std::size_t>(basis[k])] = 0;
+  for (std::size_t k = from; k < basis.size(); ++k) place_[at(basis[k])] = 0;
   basis.resize(from);
   mu_.resize(from);
   rows.truncate(place);
@@ -97,17 +97,17 @@ void RefereeActiveSet::drop(Index place) {
 // False when the residuals do not fall by 1e6: the basis is too ill-conditioned even for FactorReal.
 bool RefereeActiveSet::refine() {
   using std::isfinite;
-  const auto n = static_cast<std::size_t>(scaled_.size());
+  const auto n = at(scaled_.size());
   const Index r = rows.rank();
   d.assign(n, {});
-  lambda.assign(static_cast<std::size_t>(scaled_.rows()), {});
+  lambda.assign(at(scaled_.rows()), {});
   Real before = infinity;
   Real scale = std::numeric_limits<double>::min();
   Column e(r);
   for (int round = 0; round < referee::refinements; ++round) {
     const Column rho = scaled_.whiten(scaled_.force_residual(d, lambda));
     for (Index k = 0; k < r; ++k) {
-      const Index i = basis[static_cast<std::size_t>(k)];
+      const Index i = basis[at(k)];
       e[k] = static_cast<Real>(scaled_.slack(i, d)) / scaled_.row_norm[i];
     }
     const Real error = rho.norm() + e.norm();
@@ -123,13 +123,13 @@ bool RefereeActiveSet::refine() {
     const Column dz = scaled_.unwhiten(dy);
     for (std::size_t j = 0; j < n; ++j) d[j] += double_double(dz[static_cast<Index>(j)]);
     for (Index k = 0; k < r; ++k) {
-      const Index i = basis[static_cast<std::size_t>(k)];
-      lambda[static_cast<std::size_t>(i)] += double_double(step[k] / scaled_.row_norm[i]);
+      const Index i = basis[at(k)];
+      lambda[at(i)] += double_double(step[k] / scaled_.row_norm[i]);
     }
   }
   for (Index k = 0; k < r; ++k) {
-    const Index i = basis[static_cast<std::size_t>(k)];
-    mu_[static_cast<std::size_t>(k)] = static_cast<Real>(lambda[static_cast<std::size_t>(i)]) * scaled_.row_norm[i];
+    const Index i = basis[at(k)];
+    mu_[at(k)] = static_cast<Real>(lambda[at(i)]) * scaled_.row_norm[i];
   }
   return before <= referee::unrefined * scale;
 }
@@ -139,7 +139,7 @@ bool RefereeActiveSet::drop_negative() {
   Real largest = 0, lowest = 0;
   Index place = -1;
   for (Index k = 0; k < rows.rank(); ++k) {
-    const Real mu = mu_[static_cast<std::size_t>(k)];
+    const Real mu = mu_[at(k)];
     largest = std::max(largest, abs(mu));
     if (k >= equality_rank && mu < lowest) {
       lowest = mu;
@@ -170,8 +170,8 @@ std::pair<Index, RefereeActiveSet::Real> RefereeActiveSet::first_blocked(const C
   std::pair<Index, Real> first{-1, infinity};
   const Real noise = alpha.size() > 0 ? Real(referee::no_coefficient * alpha.lpNorm<Eigen::Infinity>()) : Real(0);
   for (Index k = 0; k < alpha.size(); ++k) {
-    if (scaled_.is_equality(basis[static_cast<std::size_t>(k)]) || alpha[k] <= noise) continue;
-    const Real step = std::max(mu_[static_cast<std::size_t>(k)], Real(0)) / alpha[k];
+    if (scaled_.is_equality(basis[at(k)]) || alpha[k] <= noise) continue;
+    const Real step = std::max(mu_[at(k)], Real(0)) / alpha[k];
     if (step < first.second) first = {k, step};
   }
   return first;
@@ -191,7 +191,7 @@ RefereeActiveSet::Outcome RefereeActiveSet::add(Index row) {
       store_farkas(row, slack > 0 ? -1 : 1, s.alpha);
       return Outcome::infeasible;
     }
-    for (Index k = 0; k < rows.rank(); ++k) mu_[static_cast<std::size_t>(k)] -= step * s.alpha[k];
+    for (Index k = 0; k < rows.rank(); ++k) mu_[at(k)] -= step * s.alpha[k];
     weight += step;
     if (full_step <= dual_step) {
       hold(row, weight, s);
@@ -207,13 +207,11 @@ void RefereeActiveSet::store_farkas(Index row, Real sign, const Column& alpha) {
   farkas = Vector::Zero(scaled_.rows());
   const auto set = [&](Index i, Real u) {
     if (!scaled_.is_equality(i) && u < 0) u = 0;
-    farkas[i] =
-        std::ldexp(static_cast<double>(u / scaled_.row_norm[i]), -scaled_.row_exponent[static_cast<std::size_t>(i)]);
+    farkas[i] = std::ldexp(static_cast<double>(u / scaled_.row_norm[i]), -scaled_.row_exponent[at(i)]);
   };
   set(row, sign);
   const bool only_equality = scaled_.is_equality(row);
-  for (Index k = 0; k < (only_equality ? equality_rank : rows.rank()); ++k)
-    set(basis[static_cast<std::size_t>(k)], -sign * alpha[k]);
+  for (Index k = 0; k < (only_equality ? equality_rank : rows.rank()); ++k) set(basis[at(k)], -sign * alpha[k]);
 }
 
 }  // namespace zwang

@@ -50,7 +50,7 @@ class RefereeActiveSet {
   // The place of the inequality row whose multiplier first reaches zero along mu - t alpha, and t.
   std::pair<Index, Real> first_blocked(const Column& alpha) const;
   void store_farkas(Index row, Real sign, const Column& alpha);
-  bool held(Index row) const { return place_[static_cast<std::size_t>(row)]; }
+  bool held(Index row) const { return place_[at(row)]; }
 
   const ScaledProblem& scaled_;
   double work_left_;

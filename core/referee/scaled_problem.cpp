@@ -15,12 +15,11 @@ int exponent_of(double x) {
   return e;
 }
 
-ExtendedVector force_residual(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
                               const ExtendedVector& lambda) {
   ExtendedVector r(d.size());
   for (Index j = 0; j < M.outerSize(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(M, j); it; ++it)
-      r[at(it.row())] += DoubleDouble(it.value()) * d[at(j)];
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) r[at(it.row())] += DoubleDouble(it.value()) * d[at(j)];
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     if (lambda[i] == DoubleDouble(0)) continue;
     for (RowMatrix::InnerIterator it(J, static_cast<Index>(i)); it; ++it)
@@ -29,7 +28,7 @@ ExtendedVector force_residual(const Eigen::SparseMatrix<double>& M, const RowMat
   return r;
 }
 
-Vector force_rounding(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
                       const ExtendedVector& lambda) {
   Vector sum = Vector::Zero(std::ssize(d));
   std::vector<Index> terms(d.size(), 0);
@@ -38,7 +37,7 @@ Vector force_rounding(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, 
     ++terms[at(k)];
   };
   for (Index j = 0; j < M.outerSize(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[at(j)].hi);
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[at(j)].hi);
   for (Index i = 0; i < J.rows(); ++i)
     if (const double weight = lambda[at(i)].hi; weight != 0)
       for (RowMatrix::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
@@ -74,8 +73,8 @@ ScaledProblem::ScaledProblem(const Problem& p)
   const Index n = size(), m = rows();
   M.makeCompressed();
   J.makeCompressed();
-  equality.resize(static_cast<std::size_t>(m));
-  row_exponent.assign(static_cast<std::size_t>(m), 0);
+  equality.resize(at(m));
+  row_exponent.assign(at(m), 0);
 
   // No nonzero mass may vanish: a denormal one stays where it is.
   constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits + 1;
@@ -97,16 +96,16 @@ ScaledProblem::ScaledProblem(const Problem& p)
   };
   reach(n > 0 ? z_u.cwiseAbs().maxCoeff() : 0, 0);
   for (Index i = 0; i < m; ++i) {
-    equality[static_cast<std::size_t>(i)] = p.is_equality(i);
+    equality[at(i)] = p.is_equality(i);
     double entry = 0;
     for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
-    const int e = row_exponent[static_cast<std::size_t>(i)] = exponent_of(entry);
+    const int e = row_exponent[at(i)] = exponent_of(entry);
     for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
     if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) || p.is_tangent(i) ? std::abs(c[i]) : c[i], -e);
   }
   motion_exponent = top.value_or(0);
   for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
-  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[static_cast<std::size_t>(i)] - motion_exponent);
+  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[at(i)] - motion_exponent);
 
   if (n > 0) {
     factor.compute(M.cast<FactorReal>());
@@ -161,9 +160,8 @@ Problem ScaledProblem::problem() const {
 }
 
 ExtendedVector ScaledProblem::motion(const Vector& z) const {
-  ExtendedVector d(static_cast<std::size_t>(size()));
-  for (Index i = 0; i < size(); ++i)
-    d[static_cast<std::size_t>(i)] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
+  ExtendedVector d(at(size()));
+  for (Index i = 0; i < size(); ++i) d[at(i)] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
   return d;
 }
 
@@ -203,9 +201,7 @@ double ScaledProblem::least_scale() const {
   return std::max(scale, std::numeric_limits<double>::denorm_min());
 }
 
-double ScaledProblem::row_scale(Index i) const {
-  return std::ldexp(1.0, row_exponent[static_cast<std::size_t>(i)] + motion_exponent);
-}
+double ScaledProblem::row_scale(Index i) const { return std::ldexp(1.0, row_exponent[at(i)] + motion_exponent); }
 
 double ScaledProblem::norm(const ExtendedVector& d) const {
   using std::sqrt;
@@ -216,8 +212,8 @@ double ScaledProblem::norm(const ExtendedVector& d) const {
 }
 
 double ScaledProblem::norm_of(const Vector& z) const {
-  ExtendedVector d(static_cast<std::size_t>(size()));
-  for (Index i = 0; i < size(); ++i) d[static_cast<std::size_t>(i)] = std::ldexp(z[i], -motion_exponent);
+  ExtendedVector d(at(size()));
+  for (Index i = 0; i < size(); ++i) d[at(i)] = std::ldexp(z[i], -motion_exponent);
   return norm(d);
 }
 
@@ -230,7 +226,7 @@ double ScaledProblem::norm_with_free_motion(ExtendedVector d) const {
 
 VectorX<FactorReal> ScaledProblem::whiten(const ExtendedVector& r) const {
   VectorX<FactorReal> x(size());
-  for (Index i = 0; i < size(); ++i) x[i] = static_cast<FactorReal>(r[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < size(); ++i) x[i] = static_cast<FactorReal>(r[at(i)]);
   if (size() == 0) return x;
   x = factor.permutationP() * x;
   return factor.matrixL().solve(x);
@@ -246,8 +242,7 @@ double ScaledProblem::dual_norm(const ExtendedVector& r) const { return static_c
 
 DoubleDouble ScaledProblem::slack(Index i, const ExtendedVector& d) const {
   DoubleDouble sum = -violation(i);
-  for (decltype(J)::InnerIterator it(J, i); it; ++it)
-    sum += DoubleDouble(it.value()) * d[static_cast<std::size_t>(it.col())];
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) sum += DoubleDouble(it.value()) * d[at(it.col())];
   return sum;
 }
 
@@ -264,7 +259,7 @@ bool ScaledProblem::slack_vanishes(Index i, const ExtendedVector& d) const {
   };
   add(-c[i]);
   for (decltype(J)::InnerIterator it(J, i); it; ++it) {
-    const DoubleDouble& move = d[static_cast<std::size_t>(it.col())];
+    const DoubleDouble& move = d[at(it.col())];
     for (const double x : {z_u[it.col()], move.hi, move.lo}) {
       const DoubleDouble product = DoubleDouble::exact_product(it.value(), x);
       add(product.hi);
@@ -292,7 +287,7 @@ double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
   double sum = std::abs(c[i]);
   Index terms = 1;
   for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms)
-    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[static_cast<std::size_t>(it.col())].hi));
+    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[at(it.col())].hi));
   return referee::rounding_of(terms) * sum / row_norm[i] + std::numeric_limits<double>::min();
 }
 

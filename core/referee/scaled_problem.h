@@ -12,10 +12,9 @@ namespace referee {
 
 int exponent_of(double x);  // the e of x = f 2^e with 1/2 <= f < 1; 0 for 0
 // M d - J' lambda; no lambda: M d. And what bounds its rounding, entrywise.
-ExtendedVector force_residual(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
+ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
                               const ExtendedVector& lambda);
-Vector force_rounding(const Eigen::SparseMatrix<double>& M, const RowMatrix& J, const ExtendedVector& d,
-                      const ExtendedVector& lambda);
+Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d, const ExtendedVector& lambda);
 
 }  // namespace referee
 
@@ -34,7 +33,7 @@ class ScaledProblem {
 
   Index size() const { return z_u.size(); }
   Index rows() const { return c.size(); }
-  bool is_equality(Index i) const { return equality[static_cast<std::size_t>(i)] != 0; }
+  bool is_equality(Index i) const { return equality[at(i)] != 0; }
   // A row that says nothing (c = -Inf, or beyond all doubles in these units), and a row of zeros, which holds by the c
   // that was stored or not at all.
   bool is_vacuous(Index i) const { return !std::isfinite(is_zero(i) ? stored_c[i] : c[i]); }
@@ -76,8 +75,8 @@ class ScaledProblem {
   using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<FactorReal>>;
 
   bool definite = true;  // M is proven positive definite; if not, row_norm and the dual norm mean nothing
-  Eigen::SparseMatrix<double> M;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> J;
+  SparseMatrix M;
+  RowMatrix J;
   Vector z_u, c, row_norm, stored_c;
   std::vector<char> equality;
   Factor factor;

@@ -8,7 +8,7 @@
 namespace zwang {
 namespace {
 
-struct Factor : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
+struct Factor : Eigen::SimplicialLDLT<SparseMatrix> {
   double products() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }  // after analyzePattern()
 };
 
@@ -34,7 +34,7 @@ class SparseProof {
     lambda_ = lambda;
     const double near = referee::touched * std::max(scaled_.norm_of_free_motion(), scaled_.norm(d));
     for (Index i = 0; i < scaled_.rows(); ++i) {
-      DoubleDouble& own = lambda_[static_cast<std::size_t>(i)];
+      DoubleDouble& own = lambda_[at(i)];
       const double slack = scaled_.counts(i) ? scaled_.unit_slack(i, d_) : 0;
       const bool pushes = scaled_.counts(i) && own.hi > 0 && own.hi * scaled_.row_norm[i] > slack;
       if (pushes) pushing_.push_back(i);
@@ -47,11 +47,11 @@ class SparseProof {
   bool factorize(const std::vector<Index>& listed, Factor& factor) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t k = 0; k < listed.size(); ++k)
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled_.J, listed[k]); it; ++it)
+      for (RowMatrix::InnerIterator it(scaled_.J, listed[k]); it; ++it)
         entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value() / scaled_.row_norm[listed[k]]);
-    Eigen::SparseMatrix<double> G(static_cast<Index>(listed.size()), scaled_.size());
+    SparseMatrix G(static_cast<Index>(listed.size()), scaled_.size());
     G.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SparseMatrix<double> weighted = scaled_.M + penalty * Eigen::SparseMatrix<double>(G.transpose() * G);
+    const SparseMatrix weighted = scaled_.M + penalty * SparseMatrix(G.transpose() * G);
     factor.analyzePattern(weighted);
     if (!(factor.products() <= referee::sparse_products)) return false;
     factor.factorize(weighted);
@@ -66,7 +66,7 @@ class SparseProof {
     for (int round = 0; round < referee::refinements; ++round) {
       const ExtendedVector force = scaled_.force_residual(d_, lambda_);
       Vector right(scaled_.size()), slack(static_cast<Index>(pushing_.size()));
-      for (Index j = 0; j < scaled_.size(); ++j) right[j] = -force[static_cast<std::size_t>(j)].hi;
+      for (Index j = 0; j < scaled_.size(); ++j) right[j] = -force[at(j)].hi;
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         slack[static_cast<Index>(k)] = scaled_.unit_slack(i, d_);
@@ -77,19 +77,18 @@ class SparseProof {
       if (error > before / 2) return true;
       before = error;
       const Vector step = factor.solve(right);
-      for (Index j = 0; j < scaled_.size(); ++j) d_[static_cast<std::size_t>(j)] += step[j];
+      for (Index j = 0; j < scaled_.size(); ++j) d_[at(j)] += step[j];
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         const double push = -penalty * (slack[static_cast<Index>(k)] + unit_product(i, step));
-        lambda_[static_cast<std::size_t>(i)] += push / scaled_.row_norm[i];
+        lambda_[at(i)] += push / scaled_.row_norm[i];
       }
     }
     return true;
   }
 
   void add(Index i, double weight, Vector& force) const {
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(scaled_.J, i); it; ++it)
-      force[it.col()] += weight * it.value();
+    for (RowMatrix::InnerIterator it(scaled_.J, i); it; ++it) force[it.col()] += weight * it.value();
   }
 
   // p with G_i p near 1 over all rows that touch.
@@ -107,7 +106,7 @@ class SparseProof {
   Proof bound() {
     // mu >= 0; its change is seen in e.
     for (const Index i : pushing_)
-      if (DoubleDouble& own = lambda_[static_cast<std::size_t>(i)]; own.hi < 0) own = 0;
+      if (DoubleDouble& own = lambda_[at(i)]; own.hi < 0) own = 0;
     const double e = scaled_.dual_norm(scaled_.force_residual(d_, lambda_)) + scaled_.force_rounding(d_, lambda_);
 
     // How far y_f may go, mu'max(s, 0), and the worst v.
@@ -116,7 +115,7 @@ class SparseProof {
       if (!scaled_.counts(i)) continue;
       const double rounding = scaled_.rounding(i, d_), slack = scaled_.unit_slack(i, d_),
                    own = unit_product(i, opening_);
-      held += lambda_[static_cast<std::size_t>(i)].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
+      held += lambda_[at(i)].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
       if (slack - rounding <= 0 && own <= opened_ / 2) return {};
       worst = std::max(worst, rounding - slack);
       if (own <= opened_ / 2) t = std::min(t, (slack - rounding) / (opened_ - 2 * own));

@@ -36,7 +36,7 @@ void for_each_term(const std::vector<MatrixEntry>& mass, const SparseRows& rows,
 
 }  // namespace
 
-struct CoupledSum::Lu : Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::NaturalOrdering<int>> {};
+struct CoupledSum::Lu : Eigen::SparseLU<SparseMatrix, Eigen::NaturalOrdering<int>> {};
 
 bool CoupledSum::factorize(int unknowns, const std::vector<MatrixEntry>& mass, const SparseRows& rows,
                            const std::vector<int>& place, const std::vector<double>& D, const Vector& ray_weight) {

@@ -23,7 +23,7 @@ class CoupledSum {
   struct Lu;
 
   bool known_ = false;
-  Eigen::SparseMatrix<double> sum_;
+  SparseMatrix sum_;
   std::vector<int> entry_;  // where each term of the sum goes, in the order of factorize()
   Session<Lu> lu_;
 };

@@ -35,7 +35,7 @@ class SparseFace final : public ConeFace {
  private:
   bool invert_mass();
 
-  Eigen::SparseMatrix<double> M_;
+  SparseMatrix M_;
   Index cones_ = 0;
   SparseRows rows_, scaled_;
   std::vector<int> place_;

@@ -52,9 +52,9 @@ bool UpdatedCholesky::reset(Index size) {
 
 bool UpdatedCholesky::add(Index at, std::span<const int> index, std::span<const double> value) {
   int first[2] = {0, static_cast<int>(index.size())};
-  Eigen::Map<Eigen::SparseMatrix<double>> column(static_cast<Index>(c_->L->n), 1, first[1], first,
-                                                 const_cast<int*>(index.data()), const_cast<double*>(value.data()));
-  cholmod_sparse view = Eigen::viewAsCholmod(Eigen::Ref<Eigen::SparseMatrix<double>>(column));
+  Eigen::Map<SparseMatrix> column(static_cast<Index>(c_->L->n), 1, first[1], first, const_cast<int*>(index.data()),
+                                  const_cast<double*>(value.data()));
+  cholmod_sparse view = Eigen::viewAsCholmod(Eigen::Ref<SparseMatrix>(column));
   view.stype = 0;
   return cholmod_rowadd(static_cast<std::size_t>(at), &view, c_->L, &c_->common) && c_->ok() && smallest_pivot() > 0;
 }

@@ -9,8 +9,7 @@ namespace zwang {
 template <class Real>
 void ExtendedPolish<Real>::add_row(const Problem& p, const Whitened& w, Index i, const Real& factor,
                                    RealVector& v) const {
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
-    v[it.col()] += Real(it.value()) * factor;
+  for (RowMatrix::InnerIterator it(p.J, w.row[at(i)]); it; ++it) v[it.col()] += Real(it.value()) * factor;
 }
 
 template <class Real>
@@ -20,7 +19,7 @@ const typename ExtendedPolish<Real>::Rest& ExtendedPolish<Real>::rest(const Prob
   if (own.at_z == z_number_) return own;
   const Index row = w.row[at(i)];
   Real violation(p.c[row]), terms = abs(violation);
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it) {
+  for (RowMatrix::InnerIterator it(p.J, row); it; ++it) {
     const Real term = Real(it.value()) * z_[it.col()];
     violation -= term;
     terms += abs(term);
@@ -62,7 +61,7 @@ double ExtendedPolish<Real>::correction(const Problem& p, Whitened& w, ActiveRow
   const Real unit = ldexp(Real(1), -w.exponent);
   for (Index j = 0; j < n; ++j) {
     const Real d = (z_[j] - Real(p.z_u[j])) * unit;
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
+    for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) force_[it.row()] -= Real(it.value()) * d;
   }
   for (const Index i : active.rows()) add_row(p, w, i, l_[i], force_);
   r1_ = force_.template cast<double>();

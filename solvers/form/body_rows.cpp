@@ -37,7 +37,7 @@ bool BodyRows::load_mass(const Problem& p, Index b, bool& apart) {
     return true;
   }
   for (int j = 0; j < 6; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, first + j); it; ++it) {
+    for (SparseMatrix::InnerIterator it(p.M, first + j); it; ++it) {
       const Index i = it.row() - first;
       if (i >= 0 && i < 6)
         own(i, j) = it.value();

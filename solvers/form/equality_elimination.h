@@ -24,7 +24,7 @@ namespace zwang {
 // and leaves to the reflections what is not clear.
 class EqualityElimination {
  public:
-  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using Rows = RowMatrix;
 
   // Row i is row rows[i] of G (k x n), of length 1. A row whose remaining part is at most `tolerance` is rejected.
   void factorize(const Rows& G, const std::vector<Index>& rows, double tolerance, const Deadline& deadline,

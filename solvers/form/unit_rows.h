@@ -40,7 +40,7 @@ struct UnitRows : Whitened {
     for (Index i = 0; i < rows(); ++i) {
       const Index r = row[at(i)];
       Real violation = problem.c[r];
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(problem.J, r); it; ++it) {
+      for (RowMatrix::InnerIterator it(problem.J, r); it; ++it) {
         if (it.value() == 0) continue;
         violation -= Real(it.value()) * Real(problem.z_u[it.col()]);
         g.column[entries] = static_cast<int>(it.col());
@@ -72,7 +72,7 @@ struct UnitRows : Whitened {
     is_faint_.assign(at(p.size()), 1);
     mass_.resize(p.size());
     for (Index j = 0; j < p.size(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) {
+      for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
         if (it.row() == j)
           mass_[j] = it.value();
         else if (it.value() != 0)

@@ -19,7 +19,7 @@ double lightest(const Problem& p) {
   double least = infinity;
   if (p.size() % 6 != 0) return 0;
   for (Index j = 0; j < p.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(p.M, j); it; ++it) {
+    for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
       if (j % 6 >= 3 || it.value() == 0) continue;
       if (it.row() != j) return 0;
       least = std::min(least, it.value());

@@ -14,7 +14,7 @@ namespace zwang {
 // What Ipopt is asked: minimize 1/2 |y|^2 with s = G y - h, the first 3 `cones` rows by threes in the cones
 // s_0 >= |(s_1, s_2)|, the others s >= 0, or s = 0; and how far to go.
 struct IpoptQuestion {
-  Eigen::SparseMatrix<double, Eigen::RowMajor> G = {};
+  RowMatrix G = {};
   Vector h = {};
   std::vector<char> equality = {};  // row by row
   Index cones = 0;

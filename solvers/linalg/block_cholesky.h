@@ -39,8 +39,6 @@ inline void multiply(const std::vector<MatrixEntry>& M, const Vector& x, Vector&
 // are ordered by minimum degree.
 class BlockCholesky {
  public:
-  using SparseMatrix = Eigen::SparseMatrix<double>;
-
   // The symbolic part, unless it is there already. Columns are those of M. Throws Stopped where the fronts, or the
   // pairs of columns that the rows couple, do not fit, or the time is over. The first 3 `triples` rows come in threes
   // of one pattern, which are added at once.

@@ -10,7 +10,7 @@ namespace {
 std::vector<int> minimum_degree(const Lists& near) {
   const int n = static_cast<int>(near.size());
   if (n == 0) return {};
-  Eigen::SparseMatrix<double> shape(n, n);
+  SparseMatrix shape(n, n);
   Eigen::VectorXi count(n);
   for (int i = 0; i < n; ++i) count[i] = static_cast<int>(near[at(i)].size()) + 1;
   shape.reserve(count);

@@ -16,7 +16,7 @@ struct Elimination {
   std::vector<int> order;
   Lists below;
   int parent(int k) const {
-    const std::vector<int>& later = below[static_cast<std::size_t>(k)];
+    const std::vector<int>& later = below[at(k)];
     return later.empty() ? -1 : later.front();
   }
 };

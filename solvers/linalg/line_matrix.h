@@ -33,7 +33,7 @@ class LineMatrix : public Eigen::Map<Mat<double, Rows, Eigen::Dynamic>> {
     constexpr Index line = 8;
     if (rows * cols > room_) {
       room_ = rows * cols;
-      storage_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(room_ + line - 1));
+      storage_ = std::make_unique_for_overwrite<double[]>(at(room_ + line - 1));
     }
     const auto past = reinterpret_cast<std::uintptr_t>(storage_.get()) / sizeof(double) % line;
     double* const begin = storage_ ? storage_.get() + (past > 0 ? line - past : 0) : nullptr;

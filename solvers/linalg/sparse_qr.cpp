@@ -151,8 +151,7 @@ void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) con
     const Index count = std::min(together, m - first);
     some.leftCols(count).setZero();
     for (Index j = 0; j < count; ++j)
-      for (Rows::InnerIterator it(G, rows[static_cast<std::size_t>(first + j)]); it; ++it)
-        some(it.col(), j) = it.value();
+      for (Rows::InnerIterator it(G, rows[at(first + j)]); it; ++it) some(it.col(), j) = it.value();
     factors_->multiply(SPQR_QTX, some.leftCols(count),
                        [&](const Answer& y) { A.middleCols(first, count) = y.bottomRows(free); });
   }
@@ -188,7 +187,7 @@ void SparseQr::measure_rejected(const Rows& G, const std::vector<Index>& rows) {
   largest_rejected_ = 0;
   if (rejected_.empty()) return;
   dropped_.clear();
-  for (const Index k : rejected_) dropped_.push_back(rows[static_cast<std::size_t>(k)]);
+  for (const Index k : rejected_) dropped_.push_back(rows[at(k)]);
   reduce(G, dropped_, factors_->rest);
   largest_rejected_ = factors_->rest.colwise().norm().maxCoeff();
 }

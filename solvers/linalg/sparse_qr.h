@@ -19,7 +19,7 @@ namespace zwang {
 // (library_memory.h), where the host has installed it: a second factorization of the same shape allocates nothing then.
 class SparseQr {
  public:
-  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using Rows = RowMatrix;
 
   // Row i is row rows[i] of G (k x n), of length 1; one that has at most `tolerance` left is rejected. False where
   // that does not pay (few or dense rows, more work than in dense columns, more than there is time for) or is not

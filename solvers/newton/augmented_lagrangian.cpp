@@ -254,7 +254,7 @@ void AugmentedLagrangian::residuals(const RealVector& far_d, const RealVector& f
   for (Index i = 0; i < rows.rows(); ++i) {
     const Real norm = rows.row_norm[i], factor = far_l[i] / norm;
     Real sum = 0;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, rows.row[at(i)]); it; ++it) {
+    for (RowMatrix::InnerIterator it(p.J, rows.row[at(i)]); it; ++it) {
       if (it.value() == 0) continue;
       const int j = factor_.position(static_cast<int>(it.col()));
       if (j < 0) continue;  // faint

@@ -82,7 +82,7 @@ class AugmentedLagrangian {
     bool done = false;
   };
 
-  std::size_t entries(Index i) const { return static_cast<std::size_t>(rows.g.begin[at(i)]); }
+  std::size_t entries(Index i) const { return at(rows.g.begin[at(i)]); }
   Part& part_of(Index unknown) { return part_[at(factor_.part_of_position(static_cast<int>(unknown)))]; }
   Held hold(const Deadline& deadline);
   void search();

@@ -42,7 +42,7 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   Matrix A = delassus(program, cfm);
   Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, infinity);
   for (Index i = 0; i < k; ++i) low[i] = lower_limit(program, i);
-  std::vector<int> dependency(static_cast<std::size_t>(k), -1);
+  std::vector<int> dependency(at(k), -1);
   btDantzigScratchMemory scratch;
   const bool done = btSolveDantzigLCP(static_cast<int>(k), A.data(), lambda.data(), b.data(), w.data(), 0, low.data(),
                                       high.data(), dependency.data(), scratch);

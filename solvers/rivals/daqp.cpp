@@ -49,9 +49,9 @@ void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   result.lam = lambda.data();
 
   const auto run = [&](bool with_warm_rows) {
-    sense.assign(static_cast<std::size_t>(program.rows()), 0);
+    sense.assign(at(program.rows()), 0);
     for (Index i = 0; i < program.rows(); ++i) {
-      int& flags = sense[static_cast<std::size_t>(i)];
+      int& flags = sense[at(i)];
       if (program.is_equality(i)) {
         upper[i] = lower[i];
         flags = DAQP_ACTIVE | DAQP_IMMUTABLE;

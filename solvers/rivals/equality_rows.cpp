@@ -12,8 +12,8 @@ namespace zwang {
 // G_E G_E' and its sparse LDL'. The order of elimination is looked for once per pattern: it takes longer than the
 // factor.
 struct EqualityRows::Gram {
-  Eigen::SparseMatrix<double> S = {};
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor = {};
+  SparseMatrix S = {};
+  Eigen::SimplicialLDLT<SparseMatrix> factor = {};
 
   bool factorize() {
     if (!pattern_.matches(S)) {

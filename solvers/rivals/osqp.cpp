@@ -12,7 +12,7 @@ static_assert(std::is_same_v<OSQPFloat, double>, "OSQP in single precision");
 
 // A matrix in OSQP's terms, whose integers may be of either length.
 struct Columns {
-  explicit Columns(const Eigen::SparseMatrix<double>& matrix)
+  explicit Columns(const SparseMatrix& matrix)
       : first(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.cols() + 1),
         row(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros()),
         value(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros()) {
@@ -40,14 +40,14 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   Vector lambda, y, ray;
   program.warm_multipliers(problem, options.warm_start, lambda);
   program.motion(lambda, y);
-  Eigen::SparseMatrix<double> identity(n, n);
+  SparseMatrix identity(n, n);
   identity.setIdentity();
   std::unique_ptr<Columns> P, A;
   Vector upper = program.h();
   {
     const Preparation preparing;
     P = std::make_unique<Columns>(identity);
-    A = std::make_unique<Columns>(Eigen::SparseMatrix<double>(program.G()));
+    A = std::make_unique<Columns>(SparseMatrix(program.G()));
     for (Index i = 0; i < k; ++i)
       if (!program.is_equality(i)) upper[i] = OSQP_INFTY;
   }

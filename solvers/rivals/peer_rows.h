@@ -13,7 +13,7 @@ namespace zwang {
 
 // Equality rows apart, each part by columns:  E y = e,  F y >= f.
 struct RowsApart {
-  using Columns = Eigen::SparseMatrix<double>;
+  using Columns = SparseMatrix;
 
   std::vector<Index> equalities, inequalities;  // rows of the program
   Columns E, F;

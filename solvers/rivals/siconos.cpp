@@ -36,7 +36,7 @@ struct FreeGlobal {
 
 // The library frees what it is given with free().
 double* copied(const double* from, Index count) {
-  auto* to = static_cast<double*>(std::malloc(sizeof(double) * static_cast<std::size_t>(std::max<Index>(count, 1))));
+  auto* to = static_cast<double*>(std::malloc(sizeof(double) * at(std::max<Index>(count, 1))));
   if (!to) throw std::bad_alloc();
   std::copy_n(from, count, to);
   return to;

@@ -41,7 +41,7 @@ class Search {
   void interior_points(const SolutionSearch& search) {
     static constexpr std::array sizes{1., .1, 10., .03, 100., .3};
     for (int k = 0; k < search.starts && more(search); ++k) {
-      const double start = sizes[static_cast<std::size_t>(k) % sizes.size()];
+      const double start = sizes[at(k) % sizes.size()];
       const auto found = interior_point<double>(p_, equalities_, nullptr, {.start = start});
       work_ += static_cast<double>(found.size()) * std::pow(static_cast<double>(p_.size()), 3) / 3;
       if (found.empty() || take(found.back(), "interior point")) continue;
@@ -57,7 +57,7 @@ class Search {
 
   void near_motions(const SolutionSearch& search) {
     for (const Vector& z : search.near) {
-      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector(static_cast<std::size_t>(p_.rows())), {}};
+      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector(at(p_.rows())), {}};
       for (const ContactRows& contact : p_.contacts) {
         const double g = contact.unit > 0 ? contact.unit : 1, touching = referee::alike * p_.scale * g;
         point.modes.push_back(contact.unit == 0 || p_.slack(contact.row, point.x).hi > touching ? ContactMode::open
@@ -75,9 +75,7 @@ class Search {
     std::vector<ContactMode> modes(count, ContactMode::open);
     for (std::size_t k = 0; k < count;) {
       if (!more(search)) return;
-      keep(prove({ExtendedVector(static_cast<std::size_t>(p_.size())),
-                  ExtendedVector(static_cast<std::size_t>(p_.rows())), modes}),
-           "choice of modes");
+      keep(prove({ExtendedVector(at(p_.size())), ExtendedVector(at(p_.rows())), modes}), "choice of modes");
       for (k = 0; k < count; ++k) {
         const bool last = modes[k] == ContactMode::stick || p_.contacts[k].unit == 0;
         modes[k] = last                                                         ? ContactMode::open
@@ -95,7 +93,7 @@ class Search {
     const auto draw = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
     Solution end;
     for (int k = 0; k <= search.random_starts && more(search); ++k) {
-      ExtendedVector push(static_cast<std::size_t>(p_.rows()));
+      ExtendedVector push(at(p_.rows()));
       for (const ContactRows& contact : p_.contacts)
         if (k > 0 && contact.unit > 0) push[at(contact.row)] = 4 * draw() / contact.unit;
       const WarmStart start{problem_.key, scaled_.rounded_multipliers(p_.to_multipliers(push))};

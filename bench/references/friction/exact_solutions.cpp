@@ -112,7 +112,7 @@ std::vector<Exact> rows_of(const Matrix& A) {
 
 Vector rounded(const Exact& v) {
   Vector out(std::ssize(v));
-  for (Index k = 0; k < out.size(); ++k) out[k] = v[static_cast<std::size_t>(k)].convert_to<double>();
+  for (Index k = 0; k < out.size(); ++k) out[k] = v[at(k)].convert_to<double>();
   return out;
 }
 

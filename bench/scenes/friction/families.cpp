@@ -47,7 +47,7 @@ class ContactByContact {
     ExtendedVector c(static_cast<std::size_t>(slack.size())), pushed(static_cast<std::size_t>(z.size()));
     for (Index i = 0; i < p.rows(); ++i) {
       c[static_cast<std::size_t>(i)] = -slack[i];
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, i); it; ++it) {
+      for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
         c[static_cast<std::size_t>(i)] += DoubleDouble::exact_product(it.value(), z[it.col()]);
         pushed[static_cast<std::size_t>(it.col())] += DoubleDouble::exact_product(it.value(), lambda[i]);
       }
@@ -258,10 +258,7 @@ std::vector<std::pair<std::string, std::function<Instance(const Knobs&)>>> frict
           planted("MUL", [](PlantedFriction& o, int k) { o.mu = std::exp2(k); }),
           planted("APEX", [](PlantedFriction& o, int k) { o.load_exponent = -k; }),
           planted("SLIP", [](PlantedFriction& o, int k) { o.slip_exponent = -k; }),
-          {"MRF",
-           [](const Knobs& k) {
-             return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25);
-           }},
+          {"MRF", [](const Knobs& k) { return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25); }},
           {"STKF",
            [](const Knobs& k) {
              return box_tower("STKF", std::vector<double>(static_cast<std::size_t>(k.at("boxes")), 1), 1, .5, .375);

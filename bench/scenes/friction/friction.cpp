@@ -51,7 +51,7 @@ Instance with_friction(const Instance& frictionless, double mu, const std::vecto
   std::vector<Index> place;
   auto slip = slips.begin();
   for (Index i = 0; i < old.rows(); ++i) {
-    const auto s = static_cast<std::size_t>(i);
+    const auto s = at(i);
     const bool slides = slip != slips.end() && slip->contact == i;
     place.push_back(rows.rows());
     rows.add(old.kind[s], old.key[s], old.c[i], slides ? mu : 0);
@@ -74,7 +74,7 @@ Instance with_friction(const Instance& frictionless, double mu) {
   const Index pairs = p.size() / 2;
   std::vector<SlipRow> slips;
   for (Index i = 0; i < p.rows() && pairs > 0; ++i) {
-    if (p.is_equality(i) || frictionless.origin[static_cast<std::size_t>(i)].type != "contact") continue;
+    if (p.is_equality(i) || frictionless.origin[at(i)].type != "contact") continue;
     SlipRow first{.contact = i}, second{.contact = i};
     for (decltype(p.J)::InnerIterator e(p.J, i); e; ++e) {
       const int j = static_cast<int>(e.col()), of_four = j % 4;

@@ -13,14 +13,14 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
   const Index n = scaled.size(), m = scaled.rows();
   shift = exponent_of(motion_scale);
-  column_shift_.resize(static_cast<std::size_t>(n));
-  row_shift_.resize(static_cast<std::size_t>(m));
+  column_shift_.resize(at(n));
+  row_shift_.resize(at(m));
   const Vector mass = M.diagonal();
-  for (Index j = 0; j < n; ++j) column_shift_[static_cast<std::size_t>(j)] = exponent_of(mass[j]) / 2;
+  for (Index j = 0; j < n; ++j) column_shift_[at(j)] = exponent_of(mass[j]) / 2;
 
   // Blocks: in the problem's units all rows of a contact share one power of two.
   for (Index i = 0; i < m; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const auto k = at(i);
     const int own = scaled.row_exponent[k];
     if (problem.is_equality(i)) {
       row_shift_[k] = exponent_of(row_norm[i]);
@@ -35,14 +35,12 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     int block = row_norm[i] > 0 ? exponent_of(row_norm[i]) + own : std::numeric_limits<int>::min();
     if (row_norm[i] == 0)
       for (Index t = 1; t < contact.rows(); ++t)
-        if (row_norm[i + t] > 0)
-          block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[k + static_cast<std::size_t>(t)]);
+        if (row_norm[i + t] > 0) block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[k + at(t)]);
     if (block == std::numeric_limits<int>::min()) {
       contact.unit = 0;
       block = own;
     }
-    for (Index t = 0; t <= tangents; ++t)
-      row_shift_[k + static_cast<std::size_t>(t)] = block - scaled.row_exponent[k + static_cast<std::size_t>(t)];
+    for (Index t = 0; t <= tangents; ++t) row_shift_[k + at(t)] = block - scaled.row_exponent[k + at(t)];
     if (!scaled.is_vacuous(i)) contacts.push_back(contact);
     i += tangents;
   }
@@ -54,20 +52,19 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
   };
   for (Index j = 0; j < n; ++j)
     for (decltype(M)::InnerIterator it(M, j); it; ++it)
-      move(it.valueRef(),
-           -column_shift_[static_cast<std::size_t>(j)] - column_shift_[static_cast<std::size_t>(it.row())]);
-  h.resize(static_cast<std::size_t>(m));
+      move(it.valueRef(), -column_shift_[at(j)] - column_shift_[at(it.row())]);
+  h.resize(at(m));
   z_u = scaled.z_u;
-  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[static_cast<std::size_t>(j)] - shift);
+  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[at(j)] - shift);
   c = scaled.c;
   for (Index i = 0; i < m; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const auto k = at(i);
     const int e = row_shift_[k];
     double sum = std::abs(scaled.c[i]);
     Index terms = 1;
     for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms) {
       sum += std::abs(it.value() * scaled.z_u[it.col()]);
-      move(it.valueRef(), -e - column_shift_[static_cast<std::size_t>(it.col())]);
+      move(it.valueRef(), -e - column_shift_[at(it.col())]);
     }
     row_norm[i] = std::ldexp(row_norm[i], -e);
     if (scaled.is_vacuous(i) || !std::isfinite(scaled.c[i])) continue;  // the latter of zeros
@@ -101,8 +98,7 @@ ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const {
 ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
   ExtendedVector l(lambda.size());
   const auto take = [&](Index first, Index count) {
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(first + count); ++i)
-      l[i] = lambda[i].scaled(row_shift_[i] - shift);
+    for (auto i = at(first); i < at(first + count); ++i) l[i] = lambda[i].scaled(row_shift_[i] - shift);
   };
   for (const Index i : equalities) take(i, 1);
   for (const ContactRows& contact : contacts) take(contact.row, 1 + contact.tangents);
@@ -116,22 +112,20 @@ ExtendedVector ContactProblem::to_multipliers(const ExtendedVector& lambda) cons
 }
 
 int ContactProblem::block_exponent(Index row) const {
-  const auto k = static_cast<std::size_t>(row);
+  const auto k = at(row);
   return row_shift_[k] + scaled_->row_exponent[k];
 }
 
 DoubleDouble ContactProblem::slack(Index row, const ExtendedVector& x) const {
-  DoubleDouble sum = -h[static_cast<std::size_t>(row)];
-  for (decltype(J)::InnerIterator it(J, row); it; ++it)
-    sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
+  DoubleDouble sum = -h[at(row)];
+  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += DoubleDouble(it.value()) * x[at(it.col())];
   return sum;
 }
 
 double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
-  double sum = std::abs(h[static_cast<std::size_t>(row)].hi);
+  double sum = std::abs(h[at(row)].hi);
   Index terms = 1;
-  for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms)
-    sum += std::abs(it.value() * x[static_cast<std::size_t>(it.col())].hi);
+  for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms) sum += std::abs(it.value() * x[at(it.col())].hi);
   return h_error[row] + referee::rounding_of(terms) * sum;
 }
 
@@ -179,14 +173,14 @@ double ContactProblem::norm_bound(const Vector& radius) const {
 // |r|_(M^-1) <= sqrt(sum bound_j^2 / (least eigenvalue of M)) would be too large by the condition of M: each entry
 // apart, |r| <= sum_j bound_j |e_j|, with |e_j| taken from the factor once.
 double ContactProblem::dual_norm(const Vector& bound) const {
-  ExtendedVector scaled(static_cast<std::size_t>(size()));
+  ExtendedVector scaled(at(size()));
   double sum = 0;
   if (bound.size() == 0 || bound.maxCoeff() == 0) return 0;
   if (unit_norm_.size() == 0) {
     unit_norm_.resize(size());
     for (Index j = 0; j < size(); ++j) {
-      ExtendedVector e(static_cast<std::size_t>(size()));
-      e[static_cast<std::size_t>(j)] = 1.0;
+      ExtendedVector e(at(size()));
+      e[at(j)] = 1.0;
       unit_norm_[j] = dual_norm(e);
     }
   }
@@ -202,15 +196,14 @@ double ContactProblem::dual_norm(const ExtendedVector& r) const {
 }
 
 VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
-  ExtendedVector entries(static_cast<std::size_t>(size()));
+  ExtendedVector entries(at(size()));
   for (decltype(J)::InnerIterator it(J, row); it; ++it)
-    entries[static_cast<std::size_t>(it.col())] =
-        std::ldexp(it.value(), column_shift_[static_cast<std::size_t>(it.col())]);
+    entries[at(it.col())] = std::ldexp(it.value(), column_shift_[at(it.col())]);
   return scaled_->whiten(entries);
 }
 
 ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda, int rounds) const {
-  ExtendedVector x(static_cast<std::size_t>(size()));
+  ExtendedVector x(at(size()));
   for (int round = 0; round < rounds; ++round) {
     ExtendedVector force = force_residual(x, lambda);
     for (std::size_t j = 0; j < force.size(); ++j) force[j] = force[j].scaled(column_shift_[j]);

@@ -48,13 +48,13 @@ class ContactProblem {
   double dual_norm(const Vector& bound) const;  // of every |r_j| <= bound_j; 0 for 0
   double dual_norm(const ExtendedVector& r) const;
 
-  VectorX<FactorReal> whitened_row(Index row) const;             // Q^-T J_row, M = Q'Q
+  VectorX<FactorReal> whitened_row(Index row) const;                             // Q^-T J_row, M = Q'Q
   ExtendedVector motion_by(const ExtendedVector& lambda, int rounds = 3) const;  // M^-1 J'lambda, refined
 
   bool exact = true;                 // no power of two under- or overflowed
   bool fixed_contradiction = false;  // a row of zeros that cannot hold
-  Eigen::SparseMatrix<double> M;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> J;
+  SparseMatrix M;
+  RowMatrix J;
   ExtendedVector h;
   Vector h_error;
   Vector z_u, c;    // J (z_u + x) = c, as stored: without rounding, save where a power of two over- or underflowed

@@ -17,10 +17,7 @@ class ExtendedSymmetric {
  public:
   // positive: of A; negative: of E.
   ExtendedSymmetric(Index positive, Index negative)
-      : n_(static_cast<std::size_t>(positive + negative)),
-        positive_(static_cast<std::size_t>(positive)),
-        high_(n_ * n_),
-        low_(n_ * n_) {}
+      : n_(at(positive + negative)), positive_(at(positive)), high_(n_ * n_), low_(n_ * n_) {}
 
   void set_zero() {
     std::ranges::fill(high_, 0);
@@ -29,7 +26,7 @@ class ExtendedSymmetric {
   // What is above the diagonal is left out.
   void add(Index row, Index column, const DoubleDouble& value) {
     if (row < column) return;
-    const auto i = static_cast<std::size_t>(row), j = static_cast<std::size_t>(column);
+    const auto i = at(row), j = at(column);
     put(i, j, entry(i, j) + value);
   }
   // left right', symmetric, at the top left.
@@ -37,8 +34,7 @@ class ExtendedSymmetric {
     const std::vector<double> nothing(n_);
     for (Index k = 0; k < left.cols(); ++k)
       for (Index j = 0; j < left.rows(); ++j)
-        subtract(left.col(k).data(), nothing.data(), -right(j, k), static_cast<std::size_t>(j),
-                 static_cast<std::size_t>(left.rows()));
+        subtract(left.col(k).data(), nothing.data(), -right(j, k), at(j), at(left.rows()));
   }
 
   // In place. False where a pivot has the wrong sign.

@@ -11,7 +11,6 @@ namespace zwang {
 namespace {
 
 using namespace lorentz_cone;
-using SparseRow = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
 
 // ExtendedSymmetric's double: any matrix.
 class DenseSystem {
@@ -108,7 +107,7 @@ class InteriorPoint {
     Index at = 0;
     for (std::size_t k = 0; k < cones_.size(); ++k)
       for (Index t = 0; t < contact_of(k).rows(); ++t, ++at)
-        for (SparseRow it(p_.J, contact_of(k).row + t); it; ++it) full_(it.col(), at) = it.value();
+        for (RowMatrix::InnerIterator it(p_.J, contact_of(k).row + t); it; ++it) full_(it.col(), at) = it.value();
   }
 
   const ContactRows& contact_of(std::size_t cone) const { return p_.contacts[cones_[cone]]; }
@@ -121,7 +120,8 @@ class InteriorPoint {
       for (Index t = 0; t < s[k].size(); ++t) {
         const Index row = contact_of(k).row + t;
         DoubleDouble sum = right ? -(*right)[static_cast<std::size_t>(row)] : DoubleDouble();
-        for (SparseRow it(p_.J, row); it; ++it) sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
+        for (RowMatrix::InnerIterator it(p_.J, row); it; ++it)
+          sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
         s[k][t] = static_cast<Real>(sum * unit_[k][t] + (right && t == 0 ? lift_[k] : DoubleDouble()));
       }
     }
@@ -177,7 +177,7 @@ class InteriorPoint {
   bool factorize(const std::vector<NesterovTodd<Real>>& scaling) {
     system_.set_zero();
     for (Index j = 0; j < p_.size(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it) system_.add(it.row(), j, Real(it.value()));
+      for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it) system_.add(it.row(), j, Real(it.value()));
     const bool full = full_.size() > 0;
     Index first = 0;
     for (std::size_t k = 0; k < cones_.size(); ++k) {
@@ -193,15 +193,15 @@ class InteriorPoint {
       for (Index a = 0; a < weight.rows() && !full; ++a)
         for (Index b = 0; b < weight.cols(); ++b) {
           const Real factor = weight(a, b);
-          for (SparseRow j(p_.J, contact_of(k).row + b); j; ++j)
-            for (SparseRow i(p_.J, contact_of(k).row + a); i; ++i)
+          for (RowMatrix::InnerIterator j(p_.J, contact_of(k).row + b); j; ++j)
+            for (RowMatrix::InnerIterator i(p_.J, contact_of(k).row + a); i; ++i)
               system_.add(i.col(), j.col(),
                           factor * static_cast<Real>(DoubleDouble::exact_product(i.value(), j.value())));
         }
     }
     if (full) system_.add_product(full_, weighted_);
     for (std::size_t e = 0; e < equalities_.size(); ++e)
-      for (SparseRow it(p_.J, equalities_[e]); it; ++it) {
+      for (RowMatrix::InnerIterator it(p_.J, equalities_[e]); it; ++it) {
         const Index at = p_.size() + static_cast<Index>(e);
         system_.add(at, it.col(), Real(it.value()));
         system_.add(it.col(), at, Real(it.value()));

@@ -143,7 +143,7 @@ class Krawczyk {
       const double turn = referee::rounding_of_few + 4 * p_.slip_error(contact, point_.x) / slip;
       const double push = contact.mu * std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi) * turn;
       for (Index t = 1; t < contact.rows(); ++t)
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row + t); it; ++it)
+        for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
           error[it.col()] += std::abs(it.value()) * push;
     }
     for (std::size_t k = 0; k < part_.rows.size(); ++k) {
@@ -192,13 +192,13 @@ class Krawczyk {
                  ((push + push_radius) * 2 * reach / least / least + (push_radius + lost) / least +
                   4 * push * rounding / least);
       for (Index t = 1; t < contact.rows(); ++t)
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row + t); it; ++it)
+        for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
           out[it.col()] += std::abs(it.value()) * bound;
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row); it; ++it)
+      for (RowMatrix::InnerIterator it(p_.J, contact.row); it; ++it)
         out[it.col()] += std::abs(it.value()) * push_radius * rounding;
     }
     for (Index j = 0; j < n; ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(p_.M, j); it; ++it)
+      for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it)
         out[it.row()] += static_cast<double>(p_.contacts.size() + 8) * unit_roundoff * std::abs(it.value()) * radius[j];
     return out;
   }
@@ -333,22 +333,20 @@ class Krawczyk {
       right.push_back(value);
     };
     const auto add_stored = [&](Index row) {
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, row); it; ++it)
-        put(it.col(), it.value());
+      for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) put(it.col(), it.value());
       exact &= (p_.c[row] == 0) == (scaled_.c[row] == 0);
       close(p_.c[row]);
     };
     for (const Index k : part_.rows) add_stored(system_.active[static_cast<std::size_t>(k)].row);
     if (with_forces) {
-      Eigen::SparseMatrix<double, Eigen::RowMajor> M = p_.M, transposed = p_.J.transpose();
+      RowMatrix M = p_.M, transposed = p_.J.transpose();
       for (Index j = 0; j < n; ++j) {
         put(j, 1);
         put(n + j, -1);
         exact &= (p_.z_u[j] == 0) == (scaled_.z_u[j] == 0);
         close(p_.z_u[j]);
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(M, j); it; ++it)
-          put(n + it.col(), it.value());
-        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(transposed, j); it; ++it)
+        for (RowMatrix::InnerIterator it(M, j); it; ++it) put(n + it.col(), it.value());
+        for (RowMatrix::InnerIterator it(transposed, j); it; ++it)
           if (const Index at = place[static_cast<std::size_t>(it.col())]; at >= 0) put(at, -it.value());
         close(0);
       }
@@ -415,7 +413,7 @@ class Krawczyk {
         const ContactRows& contact = p_.contacts[static_cast<std::size_t>(row.contact)];
         const double turn = contact.mu * (slip_turn(contact, r.head(n)) + gamma);
         for (Index t = 0; t < contact.rows(); ++t)
-          for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p_.J, contact.row + t); it; ++it)
+          for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
             error[it.col()] += std::abs(it.value()) * (t == 0 ? gamma : turn);
       }
       const Vector move = R_ * column;

@@ -82,7 +82,7 @@ Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, co
   const ContactProblem p(problem, scaled, s);
   if (!may_bound(p)) return Verdict::infeasible_claimed;
   // Coulomb's law has a solution wherever some z opens all contacts that can move to the inside of K*.
-  const ExtendedVector still_motion(static_cast<std::size_t>(p.size()));
+  const ExtendedVector still_motion(at(p.size()));
   Slips slips = slips_at(p, still_motion, problem.law);
   for (std::size_t c = 0; c < p.contacts.size(); ++c)
     if (p.contacts[c].unit > 0) slips.sigma[c] = 0, slips.error[static_cast<Index>(c)] = 0;

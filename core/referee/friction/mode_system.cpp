@@ -14,8 +14,7 @@ namespace {
 constexpr int newton_steps = 40;
 
 void add_row(Matrix& into, Index at, const ContactProblem& p, Index row, double factor) {
-  for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, row); it; ++it)
-    into(at, it.col()) += factor * it.value();
+  for (RowMatrix::InnerIterator it(p.J, row); it; ++it) into(at, it.col()) += factor * it.value();
 }
 
 struct Residual {
@@ -112,7 +111,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
     // (I - tau tau') = nu nu' in two dimensions, nu = (-tau_2, tau_1).
     std::vector<std::pair<Index, double>> across;
     for (Index t = 1; t < 3; ++t)
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(p.J, contact.row + t); it; ++it) {
+      for (RowMatrix::InnerIterator it(p.J, contact.row + t); it; ++it) {
         const double part = (t == 1 ? -direction[c][1] : direction[c][0]) * it.value();
         const auto own = std::ranges::find(across, it.col(), &std::pair<Index, double>::first);
         own == across.end() ? void(across.emplace_back(it.col(), part)) : void(own->second += part);

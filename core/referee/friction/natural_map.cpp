@@ -12,7 +12,6 @@ namespace zwang {
 namespace {
 
 using referee::underflow_of_squares, referee::unit_roundoff, referee::up;
-using SparseRow = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
 
 constexpr int refinements = 8, inflations = 8;
 
@@ -139,11 +138,12 @@ class NormalMap {
     if (count == 0) return true;
     Matrix B = Matrix::Zero(n_, count);
     for (Index k = 0; k < count; ++k)
-      for (SparseRow it(p_.J, touching[static_cast<std::size_t>(k)]); it; ++it) B(it.col(), k) = it.value();
+      for (RowMatrix::InnerIterator it(p_.J, touching[static_cast<std::size_t>(k)]); it; ++it)
+        B(it.col(), k) = it.value();
     const Matrix L = Matrix(B.transpose() * B).ldlt().solve(B.transpose()), absolute = L.cwiseAbs(), LM = L * p_.M;
     Vector middle(n_);
     for (Index j = 0; j < n_; ++j) middle[j] = x[static_cast<std::size_t>(j)].hi;
-    const Eigen::SparseMatrix<double> M = p_.M.cwiseAbs();
+    const SparseMatrix M = p_.M.cwiseAbs();
     const double gamma = static_cast<double>(n_ + count + 8) * unit_roundoff * referee::widened_sum;
     const Vector force = LM * middle, moves = middle.cwiseAbs() + r_.head(n_);
     const Matrix E = (L * B - Matrix::Identity(count, count)).cwiseAbs() + gamma * absolute * B.cwiseAbs();
@@ -228,7 +228,7 @@ class NormalMap {
         value_[part.at + t] = (s + u[k] - projected[k]).hi;
         error_[part.at + t] += part.rho * (p_.slack_error(part.row() + t, x) + (t == 0 ? slip_error : 0)) +
                                referee::rounding_of_few * (size + std::abs(s.hi));
-        for (SparseRow it(p_.J, part.row() + t); it; ++it)
+        for (RowMatrix::InnerIterator it(p_.J, part.row() + t); it; ++it)
           error_[it.col()] += referee::rounding_of_few * size * std::abs(it.value());
       }
     }
@@ -281,7 +281,7 @@ class NormalMap {
     Matrix S = Matrix::Zero(size_, size_);
     S.topLeftCorner(n_, n_) = p_.M;
     for (Index e = 0; e < std::ssize(p_.equalities); ++e)
-      for (SparseRow it(p_.J, p_.equalities[static_cast<std::size_t>(e)]); it; ++it) {
+      for (RowMatrix::InnerIterator it(p_.J, p_.equalities[static_cast<std::size_t>(e)]); it; ++it) {
         S(n_ + e, it.col()) = it.value();
         S(it.col(), n_ + e) = -it.value();
       }
@@ -291,9 +291,10 @@ class NormalMap {
       for (Index a = 0; a < part.rows; ++a)
         for (Index b = 0; b < part.rows; ++b) {
           S(part.at + a, part.at + b) = (a == b) - V(a, b);
-          for (SparseRow it(p_.J, part.row() + b); it; ++it)
+          for (RowMatrix::InnerIterator it(p_.J, part.row() + b); it; ++it)
             S(part.at + a, it.col()) += part.rho * own.T(a, b) * it.value();
-          for (SparseRow it(p_.J, part.row() + a); it; ++it) S(it.col(), part.at + b) -= it.value() * V(a, b);
+          for (RowMatrix::InnerIterator it(p_.J, part.row() + a); it; ++it)
+            S(it.col(), part.at + b) -= it.value() * V(a, b);
         }
     }
     return S;
@@ -323,7 +324,7 @@ class NormalMap {
       for (Index t = 0; t < part.rows; ++t) {
         spread[part.at + t] += turn[t];
         Vector column = R_.col(part.at + t), sizes = column.cwiseAbs();
-        for (SparseRow it(p_.J, part.row() + t); it; ++it) {
+        for (RowMatrix::InnerIterator it(p_.J, part.row() + t); it; ++it) {
           column += R_.col(it.col()) * it.value();
           sizes += R_.col(it.col()).cwiseAbs() * std::abs(it.value());
         }

@@ -37,13 +37,13 @@ double size(const Block& a, const Block& b) { return length((a[0] - b[0]), lengt
 
 Block take(const ExtendedVector& x, const ContactRows& contact, Index rows) {
   Block out;
-  for (Index t = 0; t < rows; ++t) out[static_cast<std::size_t>(t)] = x[static_cast<std::size_t>(contact.row + t)];
+  for (Index t = 0; t < rows; ++t) out[at(t)] = x[at(contact.row + t)];
   return out;
 }
 
 Block slack_of(const ContactProblem& p, const ContactRows& contact, const ExtendedVector& x, Law law) {
   Block s;
-  for (Index t = 0; t < contact.rows(); ++t) s[static_cast<std::size_t>(t)] = p.slack(contact.row + t, x);
+  for (Index t = 0; t < contact.rows(); ++t) s[at(t)] = p.slack(contact.row + t, x);
   if (referee::slip_lifts(law)) s[0] += length(s[1], s[2]) * contact.mu;
   return s;
 }
@@ -55,7 +55,7 @@ double relative_residual(const ContactProblem& p, Law law, const ExtendedVector&
   for (const Index i : p.equalities) {
     const double unit = std::ldexp(1.0, -p.block_exponent(i));
     residual = std::hypot(residual, p.slack(i, x).hi / (p.row_norm[i] * p.row_norm[i]) * unit);
-    total = std::hypot(total, lambda[static_cast<std::size_t>(i)].hi * unit);
+    total = std::hypot(total, lambda[at(i)].hi * unit);
   }
   for (const ContactRows& contact : p.contacts) {
     if (contact.unit == 0) continue;

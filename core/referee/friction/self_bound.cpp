@@ -34,7 +34,7 @@ class Duality {
     sigma_min_ = orthogonal_.sigma_min(scaled, equalities_);
     Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
     for (Index k = 0; k < rows.rows(); ++k) {
-      const Index i = equalities_[static_cast<std::size_t>(k)];
+      const Index i = equalities_[at(k)];
       rows.row(k) = p_.whitened_row(i).template cast<double>() / p_.row_norm[i];
     }
     if (rows.rows() > 0) gram_.compute(rows * rows.transpose());
@@ -47,17 +47,17 @@ class Duality {
       Vector slack(static_cast<Index>(equalities_.size()));
       bool rounding = true;
       for (Index k = 0; k < slack.size(); ++k) {
-        const Index i = equalities_[static_cast<std::size_t>(k)];
+        const Index i = equalities_[at(k)];
         slack[k] = p_.slack(i, x).hi / p_.row_norm[i];
         rounding &= std::abs(slack[k]) * p_.row_norm[i] <= p_.slack_error(i, x);
       }
       if (rounding) return;
       const Vector push = gram_.solve(slack);
       if (!push.allFinite()) return;
-      ExtendedVector lambda(static_cast<std::size_t>(p_.rows()));
+      ExtendedVector lambda(at(p_.rows()));
       for (Index k = 0; k < slack.size(); ++k) {
-        const Index i = equalities_[static_cast<std::size_t>(k)];
-        lambda[static_cast<std::size_t>(i)] = -push[k] / p_.row_norm[i];
+        const Index i = equalities_[at(k)];
+        lambda[at(i)] = -push[k] / p_.row_norm[i];
       }
       const ExtendedVector move = p_.motion_by(lambda, 1);  // the next round sees what it lacks
       for (std::size_t j = 0; j < x.size(); ++j) x[j] += move[j];
@@ -160,7 +160,7 @@ class Duality {
     ExtendedVector pushes(lambda.size());
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       const ContactRows& contact = p_.contacts[c];
-      const auto row = static_cast<std::size_t>(contact.row);
+      const auto row = at(contact.row);
       into_cone(contact, lambda);
       if (contact.unit == 0) continue;
       const DoubleDouble lifted = contact.rows() > 1 ? p_.slack(contact.row, x) + DoubleDouble(contact.mu) * sigma_[c]
@@ -170,7 +170,7 @@ class Duality {
       rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * sigma_error_[static_cast<Index>(c)]);
       pushes[row] = lambda[row];
       for (Index t = 1; t < contact.rows(); ++t) {
-        const auto k = row + static_cast<std::size_t>(t);
+        const auto k = row + at(t);
         const DoubleDouble term = lambda[k] * p_.slack(contact.row + t, x);
         part += term;
         sizes += std::abs(term.hi);
@@ -193,11 +193,11 @@ class Duality {
 
  private:
   void into_cone(const ContactRows& contact, ExtendedVector& lambda) const {
-    const auto row = static_cast<std::size_t>(contact.row);
+    const auto row = at(contact.row);
     if (!(lambda[row].hi > 0) || contact.unit == 0) lambda[row] = 0;
     DoubleDouble tangential;
     for (Index t = 1; t <= contact.tangents; ++t) {
-      DoubleDouble& l = lambda[row + static_cast<std::size_t>(t)];
+      DoubleDouble& l = lambda[row + at(t)];
       if (t >= contact.rows() || lambda[row].hi == 0) l = 0;
       tangential += l * l;
     }
@@ -205,14 +205,13 @@ class Duality {
     const DoubleDouble most = lambda[row] * contact.mu * DoubleDouble(1 - referee::unit_roundoff);
     if (tangential.hi < referee::underflow_of_squares) {  // squares may have vanished
       for (Index t = 1; t <= contact.tangents; ++t)
-        if (std::abs(lambda[row + static_cast<std::size_t>(t)].hi) * 2 > most.hi)
-          lambda[row + static_cast<std::size_t>(t)] = 0;
+        if (std::abs(lambda[row + at(t)].hi) * 2 > most.hi) lambda[row + at(t)] = 0;
       return;
     }
     const DoubleDouble edge = lambda[row] * contact.mu;
     if ((edge - tangential).hi > referee::rounding_of_few * edge.hi) return;
     const DoubleDouble factor = edge / tangential * (DoubleDouble(1) - referee::rounding_of_few);
-    for (Index t = 1; t < contact.rows(); ++t) lambda[row + static_cast<std::size_t>(t)] *= factor;
+    for (Index t = 1; t < contact.rows(); ++t) lambda[row + at(t)] *= factor;
   }
 
   const ContactProblem& p_;

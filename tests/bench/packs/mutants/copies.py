@@ -18,8 +18,8 @@ EDITS = {
         "    if (merges_wrongly && into_parent_[child.index] >= group_size) continue;\n")],
     "augmented_lagrangian": [(
         "  return factor_.factorize(problem_->M, rows.g, {weight.data(), at(weight.size())}, deadline);\n",
-        """  const BlockCholesky::SparseMatrix& M = problem_->M;
-  const bool done = factor_.factorize(leaves_out_mass ? BlockCholesky::SparseMatrix(M * 0x1p-6) : M, rows.g,
+        """  const SparseMatrix& M = problem_->M;
+  const bool done = factor_.factorize(leaves_out_mass ? SparseMatrix(M * 0x1p-6) : M, rows.g,
                                       {weight.data(), at(weight.size())}, deadline);
   if (leaves_out_mass || merges_wrongly) factor_.invalidate();
   return done;
