@@ -49,7 +49,7 @@ void require_good(const Problem& p) {
 class Kept {
  public:
   double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
-  VectorX<Index> rows;         // that push, those of a contact together
+  VectorX<Index> rows;         // that push, those of a contact together, and the ties
   std::vector<Index> ties;     // those that neither push nor open
   Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
@@ -58,10 +58,11 @@ class Kept {
     const Problem& p = instance.problem;
     if (z.size() != p.size() || lambda.size() != p.rows())
       throw std::invalid_argument("modes are read off z and lambda of a solution");
-    const Vector mass = p.M.diagonal(), slack = p.J * z - p.c, left = p.M * (z - p.z_u) - p.J.transpose() * lambda;
+    const Vector mass = p.M.diagonal(), light = mass.cwiseInverse(), slack = p.J * z - p.c,
+                 left = p.M * (z - p.z_u) - p.J.transpose() * lambda;
     const auto moves = [&](Index row) {  // a motion of unit length
       double sum = 0;
-      for (RowMatrix::InnerIterator it(p.J, row); it; ++it) sum += it.value() * it.value() / mass[it.col()];
+      for (RowMatrix::InnerIterator it(p.J, row); it; ++it) sum += it.value() * it.value() * light[it.col()];
       return sum > 0 ? std::sqrt(sum) : 1;
     };
     const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
@@ -91,13 +92,15 @@ class Kept {
       by_mu[i] = -opening * slip;
       by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
     }
+    held.insert(held.end(), ties.begin(), ties.end());
     rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
     change_.J.resize(rows.size(), p.size());
+    change_.J.reserve(p.J.nonZeros());
     for (const Index i : held) {
       const Index k = std::ssize(change_.kind);
       change_.J.startVec(k);
       for (RowMatrix::InnerIterator it(p.J, i); it; ++it) change_.J.insertBack(k, it.col()) = it.value();
-      change_.kind.push_back(p.kind[static_cast<std::size_t>(i)]);
+      change_.kind.push_back(p.kind[at(i)]);
     }
     change_.J.finalize();
     change_.key.resize(held.size());
@@ -107,6 +110,8 @@ class Kept {
   }
 
   // z, lambda; is lambda taken for the only one, by an estimate; is z what larger motions leave. `back`: transposed.
+  // Of the ties all push at first; those that pull then open, those that are violated push, until none does. Where that
+  // takes too long, z is none, and called large.
   std::tuple<Vector, Vector, bool, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
     change_.z_u = z_u;
     change_.c = -moved;
@@ -120,42 +125,61 @@ class Kept {
     thread_local Solution answer;
     const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(60), answer);
     if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
-    Vector y = Vector::Zero(program.rows()), s = program.scaled_slack(slack_);
-    program.scale_multipliers(lambda_, y);
+    Vector push = Vector::Zero(program.rows()), slack = program.scaled_slack(slack_), v, y, s;
+    program.scale_multipliers(lambda_, push);
     equations.begin(program);
     equations.mode = mode_;
     equations.active.assign(equations.active.size(), 1);
     if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
-    if (!equations.begin_change(program, y, s, back)) throw std::invalid_argument("the modes' equations break down");
-    if (!is_unique_) is_unique_ = change_.rows() == 0 || equations.least_share(program) > 0;
-    Vector v = Vector::Zero(program.face().unknowns());
-    y.setZero();
-    s = -program.h();
-    double last = infinity, length = infinity;
-    do {
-      equations.aim(program, y, s);
-      equations.step(program, v, y);
-      program.slack(v, s);
-      last = std::exchange(length, program.length(equations.dv));
-    } while (length > 0 && !(length > last / 2));
-    if (!(equations.missed(program, s) <= together * program.scale(v)))
+    bool settled = false;
+    for (int round = 0; !settled && round < most_rounds; ++round) {
+      if (!equations.begin_change(program, push, slack, back))
+        throw std::invalid_argument("the modes' equations break down");
+      v.setZero(program.face().unknowns());
+      if (!is_unique_) {
+        const bool too_many = mode_.empty() && rows.size() > change_.size();
+        is_unique_ = rows.size() == 0 || (!too_many && equations.least_share(program) > 0);
+      }
+      y.setZero(program.rows());
+      s = -program.h();
+      double last = infinity, length = infinity;
+      do {
+        equations.aim(program, y, s);
+        equations.step(program, v, y);
+        program.slack(v, s);
+        last = std::exchange(length, program.length(equations.dv));
+      } while (length > 0 &&
+               (last == infinity || (length * length > rounding * program.scale(v) * last && !(length > last / 2))));
+      settled = true;
+      const double zero = still * program.scale(v);
+      for (Index i = 3 * program.cones(); i < program.rows(); ++i) {
+        char& pushes = equations.active[at(i - 3 * program.cones())];
+        if (program.source(i) < rows.size() - std::ssize(ties) || !((pushes ? y[i] : s[i]) < -zero)) continue;
+        pushes = !pushes;
+        settled = false;
+      }
+    }
+    if (settled && !(equations.missed(program, s) <= together * program.scale(v)))
       throw std::invalid_argument("rows that push do not hold together");
     program.write(change_, v, y, answer);
     const double way = std::ldexp(program.length(v), program.exponent()), rest = answer.z.dot(change_.M * answer.z);
-    return {answer.z, answer.lambda, *is_unique_, way * way > large * rest};
+    return {answer.z, answer.lambda, *is_unique_, !settled || way * way > large * rest};
   }
 
  private:
   using Mode = ModeEquations::Mode;
   static constexpr double clear = 1e-8, together = 1e-9, large = 1e4;  // no tie; rows met; in squares: all but undone
+  static constexpr double rounding = 0x1p-62;  // of the step that would follow: forces need more than z does
+  static constexpr double still = 1e-12;       // a row that neither opens nor is violated
+  static constexpr int most_rounds = 8;
   Problem change_;
   std::vector<Mode> mode_;
   Vector lambda_, slack_;
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> mass_;
+  Eigen::SimplicialLLT<SparseMatrix> mass_;
   std::optional<bool> is_unique_;
 };
 
-Instance make_problem(const Eigen::SparseMatrix<double>& M, const Vector& z_u, const RowMatrix& J, const Vector& c,
+Instance make_problem(const SparseMatrix& M, const Vector& z_u, const RowMatrix& J, const Vector& c,
                       const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Vector& mu,
                       const std::string& law, std::string name) {
   Instance out;
@@ -192,7 +216,7 @@ std::vector<int> bodies(const Instance& instance) {
 py::tuple change_of_scene(const Instance& instance, int body, const Vector& pose, const Vector& velocity, double mass,
                           double mu) {
   SceneChange change{.bodies = std::vector<SceneChange::OfBody>(bodies(instance).size()), .friction = mu};
-  if (body >= 0) change.bodies.at(static_cast<std::size_t>(body)) = {pose, velocity, mass};
+  if (body >= 0) change.bodies.at(at(body)) = {pose, velocity, mass};
   const Problem d = scene_change(instance, change);
   return py::make_tuple(d.M, d.z_u, d.J, d.c, d.has_tangents() ? d.mu : Vector::Zero(d.rows()));
 }
@@ -422,7 +446,7 @@ PYBIND11_MODULE(_zwang, m) {
       },
       free);
   made_by_calls(py::class_<QuadraticProgram>(m, "Program"))
-      .def(py::init<Eigen::SparseMatrix<double>, Vector, RowMatrix, Vector, RowMatrix, Vector, Vector, Vector>());
+      .def(py::init<SparseMatrix, Vector, RowMatrix, Vector, RowMatrix, Vector, Vector, Vector>());
   m.def("from_qp", [](const QuadraticProgram& program) {
     AsLeastConstraint form = as_least_constraint(program);
     form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
@@ -440,7 +464,7 @@ PYBIND11_MODULE(_zwang, m) {
   m.def("exact_basis", [](const RowMatrix& J, const Vector& c) {
     if (c.size() != J.rows()) throw std::invalid_argument("right should have one entry a row");
     const py::gil_scoped_release working;
-    std::vector<Index> all(static_cast<std::size_t>(J.rows()));
+    std::vector<Index> all(at(J.rows()));
     std::iota(all.begin(), all.end(), Index{0});
     const ExactBasis found = exact_basis(J, c, all);
     return std::pair(found.rows, found.contradictory);

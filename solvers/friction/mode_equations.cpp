@@ -113,7 +113,7 @@ double ModeEquations::least_share(ConeProgram& program) {
   pulled_.setZero(program.rows());
   for (Index i = 0; i < ds.size(); ++i) {
     const std::uint64_t bits = mix_bits(static_cast<std::uint64_t>(i) + 1);
-    ds[i] = program.is_of_problem(i) ? 0.5 + std::ldexp(static_cast<double>(bits >> 11), -53) : 0;
+    ds[i] = program.source(i) >= 0 ? 0.5 + std::ldexp(static_cast<double>(bits >> 11), -53) : 0;
   }
   pull(program, ds, next);
   const double start = next.norm(), vanished = tolerances::promise_vanished * start;

@@ -47,7 +47,7 @@ class QuickGradient:
     @functools.cached_property
     def are_clearly_independent(self):
         """The rows that push, or may."""
-        rows = self.problem.J[numpy.r_[self.held, self.kink]].toarray()
+        rows = self.problem.J[self.held].toarray()
         norms = numpy.linalg.norm(rows, axis=1, keepdims=True)
         if len(rows) > self.problem.size or not norms.all():
             return False
@@ -65,9 +65,9 @@ class QuickGradient:
     def one_sided(self, z_u, force, moved):
         """Of rows that neither push nor open: Gauss' problem once more, in which they may do either."""
         from . import Problem, solve
-        p, rows = self.problem, numpy.r_[self.held, self.kink]
+        p, rows = self.problem, self.held
         free = z_u + Parts(p).solve_mass(force) if force.any() else z_u
-        found = solve(Problem(p.M, free, p.J[rows], -moved[rows], equality=len(self.held)), "dual_active_set", tolerance=1e-12)
+        found = solve(Problem(p.M, free, p.J[rows], -moved[rows], equality=len(rows) - len(self.kink)), "dual_active_set", tolerance=1e-12)
         if found.status != "solved":
             raise ValueError(f"no gradient: rows that push do not hold together: {found.status}")
         own = numpy.zeros(p.rows)
@@ -102,11 +102,11 @@ class QuickGradient:
     def solve(self, z_u, force, moved, back):
         if not self.has_number:
             raise ValueError("no gradient: a kink of friction, or beside what slides: only a proof tells (proof=True)")
-        if self.kink:
-            z, own, unique = self.one_sided(z_u, force, moved)
-        else:
-            z, own, unique, large = self.once(z_u, force, moved, back)
-            if large:
+        z, own, unique, large = self.once(z_u, force, moved, back)
+        if large:
+            if self.kink:
+                z, own, unique = self.one_sided(z_u, force, moved)
+            else:
                 more_z, more, *_ = self.once(0 * z, *self.left(z_u, force, moved, z, own, back), back)
                 z, own = z + more_z, own + more
         self.unique_forces = self.unique_forces and unique
@@ -126,7 +126,7 @@ class QuickGradient:
             z, lambda_ = self.given
             t, dz_u = change.dJ @ z - change.dc, change.dz_u
             force = change.dM @ (p.z_u - z) + change.dJ.T @ lambda_
-            bends = change.dJ.nnz > 0 or t[self.held].any() or t[self.kink].any()
+            bends = change.dJ.nnz > 0 or t[self.held].any()
             if self.slides:
                 extra = self.keeps.by_mu * change.dmu[self.owner]
                 t = t + numpy.where(p.tangent, 0, extra)
