@@ -285,7 +285,9 @@ struct Solved {
 Solved solve(const Instance& instance, const std::string& text, double tolerance, const std::string& accuracy,
              int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
   const MakeSolver make = [](std::string_view t) { return make_solver(t); };
-  make(text);  // a wrong name or setting is said before anything runs
+  thread_local std::string known;
+  if (text != known) make(text);  // a wrong name or setting is said before anything runs
+  known = text;
   if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
   SolveOptions().read_accuracy(accuracy);
   SolveRequest request{.solver = text,

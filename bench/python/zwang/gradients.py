@@ -37,7 +37,8 @@ class Derivative:
         self.dz = self.dlambda = self.enclosure = self.enclosure_lambda = None
         self.kink, self.one_sided, self.note = list(kink), one_sided, ""
         self.reach, self.reach_row = 0.0 if one_sided else math.inf, None
-        self.kink_names = [problem.row_names[i] for i in self.kink]
+        names = problem.row_names
+        self.kink_names = [names[i] for i in self.kink]
 
     @property
     def free(self):
@@ -115,7 +116,8 @@ class Gradient:
             self.borders()
             self.require_weak()
         self.kink = sorted(t.contact.row for t in self.ties)
-        self.kink_names = [problem.row_names[i] for i in self.kink]
+        names = problem.row_names
+        self.kink_names = [names[i] for i in self.kink]
         self.coefficients()
 
     def norm(self, v):

@@ -30,11 +30,15 @@ class QuickGradient:
         if not keeps.off <= 1e-8 * keeps.motion:
             raise ValueError(f"no gradient: the answer is off by {keeps.off / (keeps.motion or 1):.1e} of the motion, and modes are read to 1e-08")
         self.held, self.kink = keeps.rows, keeps.ties
-        rubs = (problem.mu[self.kink] > 0) & numpy.r_[problem.tangent, False][numpy.add(self.kink, 1)] if self.kink else numpy.zeros(0)
-        self.has_number = not self.kink or not (self.slides or rubs.any())
+        self.has_number = not self.kink or not (self.slides or self.rubs())
 
     def __repr__(self):
         return f"<zwang.Gradient of {self.problem.name}, without proof: {'kink: ' + ', '.join(self.kink_names) if self.kink else 'smooth'}>"
+
+    def rubs(self):
+        """Is there friction at a kink?"""
+        mu, tangent = self.problem.mu, self.problem.tangent
+        return any(mu[i] > 0 and i + 1 < len(tangent) and tangent[i + 1] for i in self.kink)
 
     @functools.cached_property
     def given(self):
@@ -58,9 +62,10 @@ class QuickGradient:
         """Of each row the contact, which has its mu."""
         return numpy.maximum.accumulate(numpy.where(self.problem.tangent, 0, numpy.arange(self.problem.rows)))
 
-    @property
+    @functools.cached_property
     def kink_names(self):
-        return [self.problem.row_names[i] for i in self.kink] if self.kink else []
+        names = self.problem.row_names if self.kink else []
+        return [names[i] for i in self.kink]
 
     def one_sided(self, z_u, force, moved):
         """Of rows that neither push nor open: Gauss' problem once more, in which they may do either."""
