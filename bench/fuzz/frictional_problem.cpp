@@ -42,13 +42,13 @@ Vector masses(Index n, int spread, SmallNumbers& draw) {
 
 DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>& before, SmallNumbers& draw) {
   if (!before.empty() && draw.integer(0, 3) == 0) {
-    DrawnContact copy = before[static_cast<std::size_t>(draw.index(std::ssize(before)))];
+    DrawnContact copy = before[at(draw.index(std::ssize(before)))];
     const bool opposed = draw.integer(0, 2) == 0;
     if (opposed) copy.rows[0] = {-copy.rows[0].J, -copy.rows[0].c - draw.integer(0, 2)};
     if (!opposed && draw.integer(0, 1) == 0) copy.rows[0].c -= draw.integer(0, 1);
     return copy;
   }
-  DrawnContact out{.mu = coefficients[static_cast<std::size_t>(draw.integer(0, 6))]};
+  DrawnContact out{.mu = coefficients[at(draw.integer(0, 6))]};
   for (int t = 0; t <= tangents; ++t) {
     const bool empty = draw.integer(0, 29) == 0;
     out.rows.push_back({empty ? Vector(Vector::Zero(n)) : draw.integers(n, 1),
@@ -83,10 +83,9 @@ Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = stored_l
   Vector push = Vector::Zero(n);
   std::vector<double> lambda;
   for (int k = 0; k < contacts; ++k) {
-    DrawnContact contact{.mu = std::ldexp(coefficients[static_cast<std::size_t>(draw.integer(1, 6))], -mu_bits)};
+    DrawnContact contact{.mu = std::ldexp(coefficients[at(draw.integer(1, 6))], -mu_bits)};
     const bool copied = k > 0 && draw.integer(0, 4) == 0;
-    for (int t = 0; t <= 2; ++t)
-      contact.rows.push_back({copied ? all.back().rows[static_cast<std::size_t>(t)].J : draw.integers(n, 2), 0});
+    for (int t = 0; t <= 2; ++t) contact.rows.push_back({copied ? all.back().rows[at(t)].J : draw.integers(n, 2), 0});
     if (copied) contact.mu = all.back().mu;
     std::array<double, 3> s{}, l{};
     const double size = std::exp2(draw.integer(-3, 1)), slip = std::exp2(draw.integer(-3, 1));

@@ -67,7 +67,7 @@ struct Slide {
     const Numbers slip = slack.segment(row + 1, tangents);
     const Hundred length = slip.norm();
     for (Index t = 0; t < tangents; ++t)
-      d[static_cast<std::size_t>(t)] = abs(slip[t]) < straight * length ? 0 : static_cast<double>(slip[t] / length);
+      d[at(t)] = abs(slip[t]) < straight * length ? 0 : static_cast<double>(slip[t] / length);
     l = static_cast<double>(force[row]);
     k = static_cast<double>(length / (mu * force[row]));
   }
@@ -104,7 +104,7 @@ class ProofSearch {
     Problem normal = p_;  // tangent rows say nothing
     normal.mu.resize(0);
     for (Index i = 0; i < p_.rows(); ++i)
-      if (p_.is_tangent(i)) normal.kind[static_cast<std::size_t>(i)] = RowKind::inequality, normal.c[i] = -infinity;
+      if (p_.is_tangent(i)) normal.kind[at(i)] = RowKind::inequality, normal.c[i] = -infinity;
     const ScaledProblem scaled(normal);
     RefereeActiveSet active(scaled);
     ExtendedVector guess;
@@ -118,7 +118,7 @@ class ProofSearch {
   }
 
  private:
-  bool counts(Index i) const { return counts_[static_cast<std::size_t>(i)]; }
+  bool counts(Index i) const { return counts_[at(i)]; }
   Hundred squared(const Numbers& v) const { return v.dot(M_ * v); }
   Numbers moved(const Numbers& force) const { return factor_.solve(Numbers(J_.transpose() * force)); }
 
@@ -128,7 +128,7 @@ class ProofSearch {
     lift.setIdentity();
     for (const Slide& it : slides)
       for (Index t = 0; t < it.tangents && !slip_lifts(p_.law); ++t)
-        lift.coeffRef(it.row, it.row + 1 + t) = -p_.mu[it.row] * it.d[static_cast<std::size_t>(t)];
+        lift.coeffRef(it.row, it.row + 1 + t) = -p_.mu[it.row] * it.d[at(t)];
     Rows rows;
     for (Index i = 0; i < p_.rows(); ++i)
       if (p_.is_equality(i)) rows.push_back(i);
@@ -148,7 +148,7 @@ class ProofSearch {
     const Dense W = pick * W_ * pick.transpose();
     const Numbers free = pick * free_slack;
     const Index size = std::ssize(rows), terms = 3 * std::ssize(slides);
-    const auto at = [&](Index row) { return std::ranges::find(rows, row) - rows.begin(); };
+    const auto place = [&](Index row) { return std::ranges::find(rows, row) - rows.begin(); };
     const Hundred lift = slip_lifts(p_.law) ? 0 : 1;
     Dense bends;
     std::vector<Slide> before(1);
@@ -165,7 +165,7 @@ class ProofSearch {
       }
       Index term = 0;
       for (const Slide& it : slides) {
-        const Index n = at(it.row), a = at(it.row + 1), b = a + it.tangents - 1;
+        const Index n = place(it.row), a = place(it.row + 1), b = a + it.tangents - 1;
         const Hundred mu = p_.mu[it.row], d0 = it.d[0], d1 = it.d[1], k = it.k;
         const Hundred bent = mu * it.l * (1 - d0 * d0 - d1 * d1) / 2;
         if (lift > 0 && n < static_cast<Index>(held)) {
@@ -196,7 +196,7 @@ class ProofSearch {
       inside = true;
       spread = {turned.cwiseAbs() * most, bends.cwiseAbs() * most};
       for (Index c = 0; 3 * c < terms; ++c) {
-        Slide& it = slides[static_cast<std::size_t>(c)];
+        Slide& it = slides[at(c)];
         const Hundred mu = p_.mu[it.row], k = it.k, friction = mu * it.l;
         const auto off = [&](const Numbers& value, const Numbers& by, Index row, const Hundred& near) {
           return Hundred(abs(value[row] - near) + by[row]);
@@ -204,7 +204,7 @@ class ProofSearch {
         Hundred sum = mu * off(force, spread.force, it.row, it.l);
         sum += lift * off(slack, spread.slack, it.row, k * mu * friction) / (k * mu);
         for (Index t = 0; t < it.tangents; ++t) {
-          const Hundred along = friction * it.d[static_cast<std::size_t>(t)];
+          const Hundred along = friction * it.d[at(t)];
           sum += off(force, spread.force, it.row + 1 + t, -along);
           sum += off(slack, spread.slack, it.row + 1 + t, k * along) / k;
         }
@@ -247,7 +247,7 @@ class ProofSearch {
         const Numbers s = slack.segment(i + 1, t), f = force.segment(i + 1, t);
         require(s.dot(f) + along.dot(slip) - f.cwiseAbs().dot(s.cwiseAbs()) <= 0 && (lift > 0 || closed <= room));
         for (Index k = 0; k < t && !it->curved(); ++k)
-          require(it->d[static_cast<std::size_t>(k)] != 0 || (slip[k] <= room && along[k] <= none));
+          require(it->d[at(k)] != 0 || (slip[k] <= room && along[k] <= none));
         require(it->curved() || lift == 0 || abs(slack[i] - mu * slip.norm()) <= room);
       } else {
         require(force[i] * closed <= none * motion && mu * force[i] * slip.norm() <= none * motion * (1 + mu));
@@ -281,7 +281,7 @@ class ProofSearch {
     proof["basis"] = basis;
     for (const Slide& it : slides) {
       proof["slides"].push_back({it.row, it.l, it.k, it.most});
-      for (Index t = 0; t < it.tangents; ++t) proof["slides"].back().push_back(it.d[static_cast<std::size_t>(t)]);
+      for (Index t = 0; t < it.tangents; ++t) proof["slides"].back().push_back(it.d[at(t)]);
     }
     state(point, spread.motion * spread.motion, z, lambda, proof);
   }
@@ -316,7 +316,7 @@ class ProofSearch {
     std::vector<Slide> slides;
     const auto push = [&](Index i, Index end, bool holds) {
       for (; i < end; ++i) {
-        const auto k = static_cast<std::size_t>(i);
+        const auto k = at(i);
         const DoubleDouble own = l[k].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[k]);
         force[i] = Hundred(own.hi) + Hundred(own.lo);
         if (holds) held.push_back(i);
@@ -358,7 +358,7 @@ class ProofSearch {
     std::size_t pulling = 0;
     for (Index i = 0; i < p_.rows(); ++i) {
       if (!counts(i)) force[i] = 0;
-      pulling += force[i] < 0 && p_.kind[static_cast<std::size_t>(i)] == RowKind::inequality;
+      pulling += force[i] < 0 && p_.kind[at(i)] == RowKind::inequality;
     }
     proof["imbalance"] = rounded_up(relative(squared(z.cast<Hundred>() - z_u_ - moved(force))));
     proof["pulling"] = pulling;

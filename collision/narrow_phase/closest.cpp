@@ -26,9 +26,7 @@ using Simplex = std::array<Corner, 4>;
 
 void keep_nearer(Nearest& best, const Simplex& s, const Nearest& candidate) {
   Vec3 v = Vec3::Zero();
-  for (int k = 0; k < candidate.count; ++k)
-    v += candidate.weight[static_cast<std::size_t>(k)] *
-         s[static_cast<std::size_t>(candidate.corner[static_cast<std::size_t>(k)])].w;
+  for (int k = 0; k < candidate.count; ++k) v += candidate.weight[at(k)] * s[at(candidate.corner[at(k)])].w;
   if (const double length2 = v.squaredNorm(); length2 < best.length2) {
     best = candidate;
     best.length2 = length2;
@@ -36,8 +34,8 @@ void keep_nearer(Nearest& best, const Simplex& s, const Nearest& candidate) {
 }
 
 void on_segment(Nearest& best, const Simplex& s, int i, int j) {
-  const Vec3& p = s[static_cast<std::size_t>(i)].w;
-  const Vec3 d = s[static_cast<std::size_t>(j)].w - p;
+  const Vec3& p = s[at(i)].w;
+  const Vec3 d = s[at(j)].w - p;
   const double length2 = d.squaredNorm(), along = -p.dot(d);
   if (!(along > 0)) return keep_nearer(best, s, {1, {i}, {1}, 0});
   if (along >= length2) return keep_nearer(best, s, {1, {j}, {1}, 0});
@@ -47,8 +45,7 @@ void on_segment(Nearest& best, const Simplex& s, int i, int j) {
 
 // Inside, or on one of the three edges.
 void on_triangle(Nearest& best, const Simplex& s, int i, int j, int k) {
-  const Vec3 &a = s[static_cast<std::size_t>(i)].w, &b = s[static_cast<std::size_t>(j)].w,
-             &c = s[static_cast<std::size_t>(k)].w;
+  const Vec3 &a = s[at(i)].w, &b = s[at(j)].w, &c = s[at(k)].w;
   const Vec3 n = (b - a).cross(c - a);
   const double area2 = n.squaredNorm();
   const double u = b.cross(c).dot(n), v = c.cross(a).dot(n), w = a.cross(b).dot(n);
@@ -113,7 +110,7 @@ Closest closest(std::span<const Vec3> a, std::span<const Vec3> b) {
     if (length - separation <= 1e-13 + 1e-12 * length) break;
     if (std::any_of(simplex.begin(), simplex.begin() + count, [&](const Corner& c) { return c.w == next.w; })) break;
 
-    simplex[static_cast<std::size_t>(count++)] = next;
+    simplex[at(count++)] = next;
     Nearest nearest;
     if (count == 2)
       on_segment(nearest, simplex, 0, 1);
@@ -125,8 +122,8 @@ Closest closest(std::span<const Vec3> a, std::span<const Vec3> b) {
 
     Simplex kept;
     v = on_b = Vec3::Zero();
-    for (std::size_t k = 0; k < static_cast<std::size_t>(nearest.count); ++k) {
-      kept[k] = simplex[static_cast<std::size_t>(nearest.corner[k])];
+    for (std::size_t k = 0; k < at(nearest.count); ++k) {
+      kept[k] = simplex[at(nearest.corner[k])];
       v += nearest.weight[k] * kept[k].w;
       on_b += nearest.weight[k] * kept[k].b;
     }

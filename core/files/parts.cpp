@@ -12,8 +12,7 @@ std::string bracketed(const std::string& name, std::size_t i) { return name + "[
 void require_finite(const hdf5::Group& group, const std::string& name, const std::vector<double>& values) {
   const auto bad = std::ranges::find_if(values, [](double x) { return !std::isfinite(x); });
   if (bad != values.end())
-    group.fail(bracketed(name, static_cast<std::size_t>(bad - values.begin())),
-               "not a number or infinite; expected a finite number");
+    group.fail(bracketed(name, at(bad - values.begin())), "not a number or infinite; expected a finite number");
 }
 
 std::vector<std::int64_t> read_at_least(const hdf5::Group& group, const std::string& name, std::size_t count) {
@@ -35,8 +34,7 @@ SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Stora
   const bool by_row = storage == Storage::rows, compressed = storage != Storage::triplets;
   const Index outer = by_row ? rows : cols, inner = by_row ? cols : rows;
   const std::vector<std::int64_t> i = read_at_least(group, "i", count);
-  const std::vector<std::int64_t> p =
-      read_at_least(group, "p", compressed ? static_cast<std::size_t>(outer) + 1 : count);
+  const std::vector<std::int64_t> p = read_at_least(group, "p", compressed ? at(outer) + 1 : count);
   std::vector<double> x = group.read<double>("x");
   if (x.size() < count)
     group.fail("x", "holds " + std::to_string(x.size()) + " numbers; expected " + std::to_string(count));

@@ -106,9 +106,7 @@ Entries read_blocks(Words& words, Index rows, Index columns, const std::string& 
              column = words.numbers<std::int64_t>(used, "an entry of index2");
   if (used < blocks) words.fail("index2 has " + std::to_string(used) + " entries; expected " + std::to_string(blocks));
   Entries entries;
-  const auto begin_of = [](const std::vector<std::int64_t>& end, std::int64_t k) {
-    return k > 0 ? end[static_cast<std::size_t>(k - 1)] : 0;
-  };
+  const auto begin_of = [](const std::vector<std::int64_t>& end, std::int64_t k) { return k > 0 ? end[at(k - 1)] : 0; };
   for (Index k = 0; k < blocks; ++k) {
     const Index block = words.count("the number of a block");
     const auto at = static_cast<std::size_t>(block);

@@ -141,29 +141,29 @@ bool Islands::several_blocks(const Problem& p, Unit unit) {
 // Islands of the blocks that several_blocks() left joined.
 void Islands::list(const Problem& p, Index unit) {
   const Index n = p.size();
-  island_.resize(static_cast<std::size_t>(n));
-  local_.resize(static_cast<std::size_t>(n));
+  island_.resize(at(n));
+  local_.resize(at(n));
   count_ = 0;
   for (Index b = 0; b * unit < n; ++b) {
     const Index r = blocks_.find(b);  // the first block of the island
-    const auto home = static_cast<std::size_t>(b * unit);
+    const auto home = at(b * unit);
     if (r == b) {
       island_[home] = static_cast<Index>(count_);
       next_island();
     } else {
-      island_[home] = island_[static_cast<std::size_t>(r * unit)];
+      island_[home] = island_[at(r * unit)];
     }
-    std::vector<Index>& columns = islands_[static_cast<std::size_t>(island_[home])].columns;
+    std::vector<Index>& columns = islands_[at(island_[home])].columns;
     for (Index k = b * unit; k < std::min(n, (b + 1) * unit); ++k) {
-      island_[static_cast<std::size_t>(k)] = island_[home];
-      local_[static_cast<std::size_t>(k)] = static_cast<Index>(columns.size());
+      island_[at(k)] = island_[home];
+      local_[at(k)] = static_cast<Index>(columns.size());
       columns.push_back(k);
     }
   }
   if (n == 0) next_island();
   const auto island_of = [&](Index row) -> Index {
     const int e = p.J.outerIndexPtr()[row];
-    return e == p.J.outerIndexPtr()[row + 1] ? -1 : island_[static_cast<std::size_t>(p.J.innerIndexPtr()[e])];
+    return e == p.J.outerIndexPtr()[row + 1] ? -1 : island_[at(p.J.innerIndexPtr()[e])];
   };
   Index own = 0;
   for (Index i = 0; i < p.rows(); ++i) {
@@ -173,7 +173,7 @@ void Islands::list(const Problem& p, Index unit) {
       for (Index t = 1; own < 0 && t <= p.tangents(i); ++t) own = island_of(i + t);
       own = std::max<Index>(own, 0);
     }
-    islands_[static_cast<std::size_t>(own)].rows.push_back(i);
+    islands_[at(own)].rows.push_back(i);
   }
 }
 
@@ -188,12 +188,12 @@ void Islands::fill(const Problem& p, const Island& island, Problem& part) const 
   part.law = p.law;
   extract(p.M, island.columns, island.columns, local_, n, n, part.M);
   extract(p.J, island.rows, island.columns, local_, m, n, part.J);
-  for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[static_cast<std::size_t>(k)]];
+  for (Index k = 0; k < n; ++k) part.z_u[k] = p.z_u[island.columns[at(k)]];
   for (std::size_t i = 0; i < island.rows.size(); ++i) {
     const Index row = island.rows[i];
     part.c[static_cast<Index>(i)] = p.c[row];
-    part.kind[i] = p.kind[static_cast<std::size_t>(row)];
-    part.key[i] = p.key[static_cast<std::size_t>(row)];
+    part.kind[i] = p.kind[at(row)];
+    part.key[i] = p.key[at(row)];
     if (p.has_tangents()) part.mu[static_cast<Index>(i)] = p.mu[row];
   }
 }
@@ -209,7 +209,7 @@ void Islands::join(const Island& island, const Solution& part, Index rows, Solut
   scatter(part.lambda, island.rows, whole.lambda);
   if (part.certificate.size() > 0 && whole.certificate.size() == 0)
     scatter(part.certificate, island.rows, whole.zero_certificate(rows));
-  for (const Index row : part.redundant) whole.redundant.push_back(island.rows[static_cast<std::size_t>(row)]);
+  for (const Index row : part.redundant) whole.redundant.push_back(island.rows[at(row)]);
   if (severity(part.status) > severity(whole.status)) whole.status = part.status;
   whole.iterations += part.iterations;
   whole.fallback = whole.fallback || part.fallback;

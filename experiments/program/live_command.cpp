@@ -75,7 +75,7 @@ int live_command(std::vector<std::string> words) {
   long frames = 0;
   bool live = false, was_late = false;
   Late late;
-  god::StepCost cost(static_cast<std::size_t>(std::min(most, 1l << 20)));
+  god::StepCost cost(at(std::min(most, 1l << 20)));
   std::vector<Pose<double>> targets;
   for (; frames < most && !interrupted; ++frames) {
     live = stream.receive(targets) || live;

@@ -12,14 +12,14 @@ namespace {
 // Heap blocks a frame, of the second of two rounds of a hand that goes up and down about the focus and opens and
 // closes; `depth`: how far that takes it.
 double per_frame(const Surroundings& s, double high, double depth) {
-  Simulation simulation = one_hand(s, hand_at(at(s.focus.x(), s.focus.y() - 0.1, high)));
+  Simulation simulation = one_hand(s, hand_at(posed(s.focus.x(), s.focus.y() - 0.1, high)));
   long blocks = 0;
   constexpr int frames = 315;
   for (int round = 0; round < 2; ++round) {
     blocks = -allocations();
     for (int k = 0; k < frames; ++k) {
       const double part = 0.5 - 0.5 * std::cos(0.02 * k);
-      const Frame& f = go(simulation, hand_at(at(s.focus.x(), s.focus.y() - 0.1, high - depth * part), 0.4 * part));
+      const Frame& f = go(simulation, hand_at(posed(s.focus.x(), s.focus.y() - 0.1, high - depth * part), 0.4 * part));
       EXPECT_GT(f.kept, 0);
     }
     blocks += allocations();
@@ -34,13 +34,13 @@ Surroundings floor() {
 }
 
 TEST(Allocations, NoneWhileTheRowsAreAsMany) {
-  Simulation simulation = one_hand(floor(), hand_at(at(0, 0, 0.05)));
-  for (int k = 0; k < 300; ++k) go(simulation, hand_at(at(0, 0, std::max(0.0, 0.05 - 2e-4 * k)), 0.1));
+  Simulation simulation = one_hand(floor(), hand_at(posed(0, 0, 0.05)));
+  for (int k = 0; k < 300; ++k) go(simulation, hand_at(posed(0, 0, std::max(0.0, 0.05 - 2e-4 * k)), 0.1));
   long blocks = 0;
   int same = 0, rows = 0;
   for (int k = 0; k < 300; ++k) {
     const long before = allocations();
-    const Frame& f = go(simulation, hand_at(at(1e-5 * k, 0, 0), 0.1));
+    const Frame& f = go(simulation, hand_at(posed(1e-5 * k, 0, 0), 0.1));
     if (f.rows == rows) blocks += allocations() - before, ++same;
     rows = f.rows;
   }

@@ -12,10 +12,10 @@ struct Pushed {
 Pushed push_box(double rate) {
   Options o = unverified();
   o.dt = 1 / rate;
-  Simulation s = one_hand(make_surroundings("box", ""), hand_at(at(-0.02, 0, 0.035)), o);
+  Simulation s = one_hand(make_surroundings("box", ""), hand_at(posed(-0.02, 0, 0.035)), o);
   Pushed out{};
   for (int k = 0; k < 1.4 * rate; ++k) {
-    const Frame& f = go(s, hand_at(at(-0.02 + 0.3 * std::min(k / rate, 0.8), 0, 0.035)));
+    const Frame& f = go(s, hand_at(posed(-0.02 + 0.3 * std::min(k / rate, 0.8), 0, 0.035)));
     EXPECT_GT(f.gap, 0);
     EXPECT_LE(f.separation, 1e-12);
     out.moved = f.loose[0].position.x() - 0.13;
@@ -40,7 +40,7 @@ TEST(Coupling, TheSamePushAtThreeRatesMovesABoxEqually) {
 // Both hands, with the box between them: their forces add up, so it stays where it is.
 Simulation two_hands(const Options& options, std::array<Target, 2>& targets) {
   const std::array<hand::Model, 2> models{hand::standard(), hand::mirrored(hand::standard())};
-  targets = {hand_at(at(-0.05, 0, 0.035)), hand_at(at(0.31, 0, 0.035))};
+  targets = {hand_at(posed(-0.05, 0, 0.035)), hand_at(posed(0.31, 0, 0.035))};
   return Simulation(make_surroundings("box", ""), models, targets, options);
 }
 

@@ -34,7 +34,7 @@ Pinched pinch(double mu, double rate, bool apart, double seconds, double stiffne
     const Vec3 widths(0.02, 0.03, 0.03);
     const Body body = box_body(widths, pad_mass, {side * (0.04 + 2e-4), 0, 0});
     clusters[apart && side > 0 ? 1 : 0].add(body, collision::Shape::rounded_box(widths, 0.002));
-    target.push_back(at(side * (0.04 - inside), 0, 0));
+    target.push_back(posed(side * (0.04 - inside), 0, 0));
   }
   Options o = rough(mu, rate);
   o.force_stiffness = k_f;
@@ -109,7 +109,7 @@ TEST(Grip, LetsGoInTheNextFrame) {
     }
     Simulation s(air, std::move(clusters), rough(0.8, rate));
     const auto step = [&](double deep) {
-      const std::vector<Pose<double>> target = {at(deep - 0.04, 0, 0), at(0.04 - deep, 0, 0)};
+      const std::vector<Pose<double>> target = {posed(deep - 0.04, 0, 0), posed(0.04 - deep, 0, 0)};
       return s.step(target);
     };
     for (int k = 0; k < rate / 2; ++k) {

@@ -12,19 +12,19 @@ using collision::Shape;
 using collision::Tree;
 
 TEST(Hand, ReachesAFreeTargetInOneStep) {
-  const Target start = hand_at(at(0, 0, 0.5));
+  const Target start = hand_at(posed(0, 0, 0.5));
   Simulation s = one_hand(floor_of(), start);
   EXPECT_EQ(go(s, start).distance, 0);
-  const Frame& f = go(s, hand_at(at(0.1, -0.2, 0.4, {0.5, 1, -0.7}), 0.4));
+  const Frame& f = go(s, hand_at(posed(0.1, -0.2, 0.4, {0.5, 1, -0.7}), 0.4));
   EXPECT_LE(f.distance, 1e-12);
   expect_sound(f);
 }
 
 TEST(Hand, StaysOutsideOfAFloorItIsPressedInto) {
-  Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.05)));
+  Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)));
   for (int k = 0; k < 300; ++k) {
     const double down = std::min(1.0, k / 150.0), z = 0.05 - 0.1 * down;
-    const Frame& f = go(s, hand_at(at(0, 0, z, {0.2 * std::sin(0.02 * k), 0, 0}), 0.3 * down));
+    const Frame& f = go(s, hand_at(posed(0, 0, z, {0.2 * std::sin(0.02 * k), 0, 0}), 0.3 * down));
     expect_sound(f);
     EXPECT_FALSE(f.held);
     for (const Pose<double>& pose : f.god) ASSERT_GT(pose.position.z(), 0.005);
@@ -32,12 +32,12 @@ TEST(Hand, StaysOutsideOfAFloorItIsPressedInto) {
 }
 
 TEST(Hand, SlidesOverAFloorWithoutArtificialFriction) {
-  Simulation s = one_hand(floor_of(), hand_at(at(-0.2, 0, 0.05)));
-  for (int k = 0; k < 100; ++k) go(s, hand_at(at(-0.2, 0, 0.05 - 6e-4 * k), 0.2));
-  for (int k = 0; k < 200; ++k) go(s, hand_at(at(-0.2, 0, -0.0094), 0.2));
-  Vec3 before = go(s, hand_at(at(-0.2, 0, -0.0094), 0.2)).god[0].position;
+  Simulation s = one_hand(floor_of(), hand_at(posed(-0.2, 0, 0.05)));
+  for (int k = 0; k < 100; ++k) go(s, hand_at(posed(-0.2, 0, 0.05 - 6e-4 * k), 0.2));
+  for (int k = 0; k < 200; ++k) go(s, hand_at(posed(-0.2, 0, -0.0094), 0.2));
+  Vec3 before = go(s, hand_at(posed(-0.2, 0, -0.0094), 0.2)).god[0].position;
   for (int k = 1; k <= 400; ++k) {
-    const Frame& f = go(s, hand_at(at(-0.2 + 0.0005 * k, 0.0003 * k, -0.0094), 0.2));
+    const Frame& f = go(s, hand_at(posed(-0.2 + 0.0005 * k, 0.0003 * k, -0.0094), 0.2));
     expect_sound(f);
     const Vec3 moved = f.god[0].position - before;
     before = f.god[0].position;
@@ -48,10 +48,10 @@ TEST(Hand, SlidesOverAFloorWithoutArtificialFriction) {
 
 TEST(Hand, NeverPopsThroughASheetOfNoThickness) {
   for (const double speed : {0.5, 5.0}) {
-    Simulation s = one_hand(sheet(), hand_at(at(0, 0, 0.1)));
+    Simulation s = one_hand(sheet(), hand_at(posed(0, 0, 0.1)));
     for (int k = 0; k < 300; ++k) {
       const double z = std::max(-0.2, 0.1 - speed * 1e-3 * k);
-      const Frame& f = go(s, hand_at(at(0.0001 * k, 0, z), 0.1));
+      const Frame& f = go(s, hand_at(posed(0.0001 * k, 0, z), 0.1));
       expect_sound(f);
       for (const Pose<double>& pose : f.god) ASSERT_GT(pose.position.z(), 0) << speed << " m/s, frame " << k;
     }
@@ -59,32 +59,32 @@ TEST(Hand, NeverPopsThroughASheetOfNoThickness) {
 }
 
 TEST(Hand, ComesBackAfterATeleportIfTheWayIsClear) {
-  Simulation s = one_hand(sheet(), hand_at(at(0, 0, 0.1)));
-  EXPECT_LE(go(s, hand_at(at(0.3, 0.2, 0.4, {0, 0, 2.5}), 0.4)).distance, 1e-12);
+  Simulation s = one_hand(sheet(), hand_at(posed(0, 0, 0.1)));
+  EXPECT_LE(go(s, hand_at(posed(0.3, 0.2, 0.4, {0, 0, 2.5}), 0.4)).distance, 1e-12);
   // Through the sheet: the hand stays on its side.
   for (int k = 0; k < 50; ++k) {
-    const Frame& f = go(s, hand_at(at(0, 0, -0.3), 0.4));
+    const Frame& f = go(s, hand_at(posed(0, 0, -0.3), 0.4));
     expect_sound(f);
     for (const Pose<double>& pose : f.god) ASSERT_GT(pose.position.z(), 0);
   }
-  go(s, hand_at(at(0, 0, 0.2), 0.4));
-  go(s, hand_at(at(0, 0, 0.2), 0.4));
-  EXPECT_LE(go(s, hand_at(at(0, 0, 0.2), 0.4)).distance, 1e-12);
+  go(s, hand_at(posed(0, 0, 0.2), 0.4));
+  go(s, hand_at(posed(0, 0, 0.2), 0.4));
+  EXPECT_LE(go(s, hand_at(posed(0, 0, 0.2), 0.4)).distance, 1e-12);
 }
 
 TEST(Hand, HoldsTheLastTargetWhereTrackingIsLostOrNotANumber) {
-  Simulation s = one_hand(sheet(), hand_at(at(0, 0, 0.1)));
-  Target lost = hand_at(at(0.2, 0, 0.1));
+  Simulation s = one_hand(sheet(), hand_at(posed(0, 0, 0.1)));
+  Target lost = hand_at(posed(0.2, 0, 0.1));
   lost.tracked = false;
   const Frame& f = go(s, lost);
   EXPECT_FALSE(f.tracked);
   EXPECT_EQ(f.god[0].position.x(), 0);
-  Target nan = hand_at(at(0.2, 0, 0.1));
+  Target nan = hand_at(posed(0.2, 0, 0.1));
   nan.angles[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(go(s, nan).tracked);
   EXPECT_EQ(f.god[0].position.x(), 0);
   for (const Pose<double>& pose : f.god) EXPECT_TRUE(pose.position.allFinite() && pose.rotation.allFinite());
-  EXPECT_LE(go(s, hand_at(at(0.2, 0, 0.1))).distance, 1e-12);
+  EXPECT_LE(go(s, hand_at(posed(0.2, 0, 0.1))).distance, 1e-12);
   EXPECT_TRUE(f.tracked);
 }
 
@@ -101,11 +101,11 @@ Surroundings cavity() {
 }
 
 TEST(Hand, AFistInABoxFindsNoWayOut) {
-  Simulation s = one_hand(cavity(), hand_at(at(0, -0.05, 0)));
+  Simulation s = one_hand(cavity(), hand_at(posed(0, -0.05, 0)));
   for (int k = 0; k < 400; ++k) {
     const double t = 0.02 * k;
-    const Frame& f = go(s, hand_at(at(0.3 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.3 * std::sin(1.3 * t),
-                                      {2 * std::sin(0.4 * t), std::sin(0.3 * t), 0}),
+    const Frame& f = go(s, hand_at(posed(0.3 * std::sin(t), 0.3 * std::sin(0.7 * t), 0.3 * std::sin(1.3 * t),
+                                         {2 * std::sin(0.4 * t), std::sin(0.3 * t), 0}),
                                    0.5 - 0.5 * std::cos(t)));
     expect_sound(f);
     for (const Pose<double>& pose : f.god) ASSERT_LT(pose.position.cwiseAbs().maxCoeff(), 0.15) << k;
@@ -115,11 +115,11 @@ TEST(Hand, AFistInABoxFindsNoWayOut) {
 TEST(Hand, KeepsItsLimitsWithTheRowsOfThePaperToo) {
   Options o = unverified();
   o.limits = Options::Limits::violated;
-  Simulation predictive = one_hand(floor_of(), hand_at(at(0, 0, 0.05))),
-             violated = one_hand(floor_of(), hand_at(at(0, 0, 0.05)), o);
+  Simulation predictive = one_hand(floor_of(), hand_at(posed(0, 0, 0.05))),
+             violated = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)), o);
   double worst = 0;
   for (int k = 0; k < 200; ++k) {
-    const Target target = hand_at(at(0, 0, 0.05 - 5e-4 * k, {0.004 * k, 0, 0}));
+    const Target target = hand_at(posed(0, 0, 0.05 - 5e-4 * k, {0.004 * k, 0, 0}));
     expect_sound(go(predictive, target));
     worst = std::max(worst, go(violated, target).limit);
   }
@@ -133,11 +133,11 @@ TEST(Hand, PrintedStepsLeaveTheJointsOpenAndTheCycleDoesNot) {
   printed.limits = Options::Limits::violated;
   printed.solver = "nnls_paper";
   printed.sub_steps = 1;
-  Simulation theirs = one_hand(floor_of(), hand_at(at(0, 0, 0.05)), printed),
-             ours = one_hand(floor_of(), hand_at(at(0, 0, 0.05)));
+  Simulation theirs = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)), printed),
+             ours = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)));
   double open = 0;
   for (int k = 0; k < 150; ++k) {
-    const Target target = hand_at(at(0, 0, 0.05 - 6e-4 * k, {0.003 * k, 0, 0}), 0.002 * k);
+    const Target target = hand_at(posed(0, 0, 0.05 - 6e-4 * k, {0.003 * k, 0, 0}), 0.002 * k);
     const Frame& f = go(theirs, target);
     ASSERT_GT(f.gap, 0);
     open = std::max(open, f.separation);
@@ -151,10 +151,10 @@ TEST(Hand, TheTimeOfContactTwiceNeverArrives) {
     Options o = unverified();
     o.toc_twice = twice;
     o.sub_steps = 1;
-    Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.3)), o);
-    for (int k = 0; k < 3; ++k) go(s, hand_at(at(0, 0, -0.3)));
+    Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.3)), o);
+    for (int k = 0; k < 3; ++k) go(s, hand_at(posed(0, 0, -0.3)));
     double low = 1;
-    for (const Pose<double>& pose : go(s, hand_at(at(0, 0, -0.3))).god) low = std::min(low, pose.position.z());
+    for (const Pose<double>& pose : go(s, hand_at(posed(0, 0, -0.3))).god) low = std::min(low, pose.position.z());
     return low;
   };
   EXPECT_GT(last_gap(true), last_gap(false) + 1e-4);
@@ -163,9 +163,9 @@ TEST(Hand, TheTimeOfContactTwiceNeverArrives) {
 TEST(Hand, SameMotionSameBits) {
   std::vector<Pose<double>> last[2];
   for (auto& poses : last) {
-    Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.05)));
+    Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)));
     for (int k = 0; k < 150; ++k)
-      poses = go(s, hand_at(at(3e-4 * k, 0, 0.05 - 5e-4 * k, {0, 0.002 * k, 0}), 0.002 * k)).god;
+      poses = go(s, hand_at(posed(3e-4 * k, 0, 0.05 - 5e-4 * k, {0, 0.002 * k, 0}), 0.002 * k)).god;
   }
   for (std::size_t b = 0; b < last[0].size(); ++b) {
     EXPECT_EQ(last[0][b].position, last[1][b].position);
@@ -179,12 +179,12 @@ TEST(Hand, AuditedByFcl) {
   std::vector<std::shared_ptr<const Tree>> meshes;
   for (const Object& o : pegs.objects) meshes.push_back(o.mesh);
   const Witness witness(meshes);
-  Simulation s = one_hand(pegs, hand_at(at(pegs.focus.x(), pegs.focus.y() - 0.1, 0.1)));
+  Simulation s = one_hand(pegs, hand_at(posed(pegs.focus.x(), pegs.focus.y() - 0.1, 0.1)));
   const std::vector<Shape> shapes = s.shapes();
   double deepest = 0;
   for (int k = 0; k < 400; ++k) {
     const double t = 0.01 * k;
-    const Frame& f = go(s, hand_at(at(pegs.focus.x() + 0.05 * std::sin(t), -0.1, 0.06 - 0.1 * std::min(1.0, t)),
+    const Frame& f = go(s, hand_at(posed(pegs.focus.x() + 0.05 * std::sin(t), -0.1, 0.06 - 0.1 * std::min(1.0, t)),
                                    0.2 - 0.2 * std::cos(t)));
     expect_sound(f);
     deepest = std::max(deepest, f.target_depth);

@@ -15,9 +15,9 @@ TEST(Release, AFistThatOpensOnATableIsNeverStuck) {
   for (int round = 0; round < 16; ++round) {
     const double z = draw.uniform(0.03, 0.06), curl = draw.uniform(0.7, 1);
     const Vec3 turn = draw.cube(0.3), aside = draw.cube(0.03);
-    Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.15, turn), curl));
-    for (int k = 0; k < 100; ++k) go(simulation, hand_at(at(0, 0, 0.15 + (z - 0.15) * k / 100, turn), curl));
-    const Target away = hand_at(at(aside.x(), aside.y(), z + draw.uniform(0, 0.05), Vec3(turn + draw.cube(0.3))));
+    Simulation simulation = one_hand(s, hand_at(posed(0, 0, 0.15, turn), curl));
+    for (int k = 0; k < 100; ++k) go(simulation, hand_at(posed(0, 0, 0.15 + (z - 0.15) * k / 100, turn), curl));
+    const Target away = hand_at(posed(aside.x(), aside.y(), z + draw.uniform(0, 0.05), Vec3(turn + draw.cube(0.3))));
     for (int k = 0; k < 200; ++k) {
       const Frame& f = go(simulation, away);
       ASSERT_GT(f.gap, 0);
@@ -34,11 +34,11 @@ TEST(Release, RestTeachesNoCaution) {
   for (int round = 0; round < 8; ++round) {
     const double curl = draw.uniform(0, 1);
     const Vec3 turn = draw.cube(0.3);
-    Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.08, turn), curl));
-    for (int k = 0; k < 100; ++k) go(simulation, hand_at(at(0, 0, 0.08 - 5e-4 * k, turn), curl));
+    Simulation simulation = one_hand(s, hand_at(posed(0, 0, 0.08, turn), curl));
+    for (int k = 0; k < 100; ++k) go(simulation, hand_at(posed(0, 0, 0.08 - 5e-4 * k, turn), curl));
     double rest = 0, aside = 0;
-    for (int k = 0; k < 200; ++k) rest = go(simulation, hand_at(at(0, 0, 0.03, turn), curl)).distance;
-    for (int k = 0; k < 60; ++k) aside = go(simulation, hand_at(at(0.02, 0, 0.03, turn), curl)).distance;
+    for (int k = 0; k < 200; ++k) rest = go(simulation, hand_at(posed(0, 0, 0.03, turn), curl)).distance;
+    for (int k = 0; k < 60; ++k) aside = go(simulation, hand_at(posed(0.02, 0, 0.03, turn), curl)).distance;
     EXPECT_NEAR(aside, rest, 1e-6) << "round " << round;
   }
 }
@@ -48,10 +48,10 @@ TEST(Release, RestTeachesNoCaution) {
 TEST(Release, AJumpIsNotAPaceToKeep) {
   Surroundings s{.name = "floor"};
   s.objects.push_back(fixed(meshes::plate({1, 1, 0.1}, 200000), {{0, 0, -0.05}, Mat3::Identity()}));
-  Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.05), 0.2));
-  for (int k = 0; k < 200; ++k) go(simulation, hand_at(at(0, 0, 0.05 - 3e-4 * k), 0.2));
-  const int still = go(simulation, hand_at(at(0, 0, -0.01), 0.2)).raw;
-  EXPECT_LT(go(simulation, hand_at(at(0.04, 0, -0.01), 0.2)).raw, 2 * still);
+  Simulation simulation = one_hand(s, hand_at(posed(0, 0, 0.05), 0.2));
+  for (int k = 0; k < 200; ++k) go(simulation, hand_at(posed(0, 0, 0.05 - 3e-4 * k), 0.2));
+  const int still = go(simulation, hand_at(posed(0, 0, -0.01), 0.2)).raw;
+  EXPECT_LT(go(simulation, hand_at(posed(0.04, 0, -0.01), 0.2)).raw, 2 * still);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using std::numbers::pi;
 
 const Shape finger = Shape::capsule(0.1, 0.008);  // along y
 
-Pose<double> at(double x, double z) { return {{x, 0, z}, Mat3::Identity()}; }
+Pose<double> posed(double x, double z) { return {{x, 0, z}, Mat3::Identity()}; }
 
 struct Bench {
   Surroundings surroundings;
@@ -58,7 +58,7 @@ struct Bench {
 };
 
 TEST(Resolution, WhatIsClearStaysAsItIs) {
-  Bench bench({loose_box({0, 0, 0.03})}, {at(0, -0.02)});
+  Bench bench({loose_box({0, 0, 0.03})}, {posed(0, -0.02)});
   bench.move(0, {0.001, 0, 0.03}, {1, 0, -1});
   const Resolved r = bench.resolve();
   EXPECT_EQ(r.overlapping + r.rounds + r.returned + r.swept, 0);
@@ -67,7 +67,7 @@ TEST(Resolution, WhatIsClearStaysAsItIs) {
 }
 
 TEST(Resolution, ABoxIsPushedOutOfAFingerAndFallsInNoMore) {
-  Bench bench({loose_box({0, 0, 0.03})}, {at(0.01, -0.0081)});
+  Bench bench({loose_box({0, 0, 0.03})}, {posed(0.01, -0.0081)});
   bench.move(0, {0, 0, 0.0285}, {0.2, 0, -1.5});
   const Resolved r = bench.resolve();
   EXPECT_EQ(r.overlapping, 1);
@@ -93,7 +93,7 @@ TEST(Resolution, ABoxIsPushedOutOfAFingerAndFallsInNoMore) {
 
 // Two fingers 0.5 mm nearer to each other than the box is high, and it was driven in between.
 TEST(Resolution, WedgedBetweenTwoFingersItGoesBack) {
-  Bench bench({loose_box({0.0333, 0, 0.03})}, {at(0, -0.00775), at(0, 0.06775)});
+  Bench bench({loose_box({0.0333, 0, 0.03})}, {posed(0, -0.00775), posed(0, 0.06775)});
   bench.move(0, {0.0295, 0, 0.03}, {-3.8, 0, 0});
   const Resolved r = bench.resolve();
   EXPECT_EQ(r.returned, 1);
@@ -103,7 +103,7 @@ TEST(Resolution, WedgedBetweenTwoFingersItGoesBack) {
 }
 
 TEST(Resolution, AStackIsMovedAsOne) {
-  Bench bench({loose_box({0, 0, 0.03}), loose_box({0, 0, 0.09})}, {at(0.012, -0.0081), at(-0.012, -0.0081)});
+  Bench bench({loose_box({0, 0, 0.03}), loose_box({0, 0, 0.09})}, {posed(0.012, -0.0081), posed(-0.012, -0.0081)});
   bench.move(0, {0, 0, 0.0285}, {0, 0, -1});
   bench.move(1, {0, 0, 0.0885}, {0, 0, -1});
   const Resolved r = bench.resolve();
@@ -115,11 +115,11 @@ TEST(Resolution, AStackIsMovedAsOne) {
 }
 
 TEST(Resolution, ItIsNotPushedDeepIntoABlock) {
-  Bench roomy({loose_box({0, 0, 0.03}), fixed_block({0, 0, 0.0706}, {0.2, 0.2, 0.02})}, {at(0, -0.0081)});
+  Bench roomy({loose_box({0, 0, 0.03}), fixed_block({0, 0, 0.0706}, {0.2, 0.2, 0.02})}, {posed(0, -0.0081)});
   roomy.move(0, {0, 0, 0.0285}, {0, 0, -1});
   EXPECT_EQ(roomy.resolve().returned, 0);
   EXPECT_GE(roomy.gaps().second, -5e-4);
-  Bench tight({loose_box({0.0333, 0, 0.03}), fixed_block({0, 0, 0.07}, {0.2, 0.2, 0.02})}, {at(0, -0.00675)});
+  Bench tight({loose_box({0.0333, 0, 0.03}), fixed_block({0, 0, 0.07}, {0.2, 0.2, 0.02})}, {posed(0, -0.00675)});
   tight.move(0, {0.0295, 0, 0.03}, {-3.8, 0, 0});
   const Resolved r = tight.resolve();
   EXPECT_EQ(r.returned, 1);
@@ -127,7 +127,7 @@ TEST(Resolution, ItIsNotPushedDeepIntoABlock) {
 }
 
 TEST(Resolution, WhatLiesWhereAnotherGoesBackToGoesBackToo) {
-  Bench bench({loose_box({0.0333, 0, 0.03}), loose_box({0.0935, 0, 0.03})}, {at(0, -0.00775), at(0, 0.06775)});
+  Bench bench({loose_box({0.0333, 0, 0.03}), loose_box({0.0935, 0, 0.03})}, {posed(0, -0.00775), posed(0, 0.06775)});
   bench.move(0, {0.0295, 0, 0.03}, {-3.8, 0, 0});
   bench.move(1, {0.0896, 0, 0.03}, {-3.8, 0, 0});
   const Resolved r = bench.resolve();
@@ -137,7 +137,7 @@ TEST(Resolution, WhatLiesWhereAnotherGoesBackToGoesBackToo) {
 
 TEST(Resolution, NothingJumpsOverAFinger) {
   for (const double speed : {10., 40., 200.}) {
-    Bench bench({loose_box({0, 0, 0.05}, 0.02)}, {at(0, 0)});
+    Bench bench({loose_box({0, 0, 0.05}, 0.02)}, {posed(0, 0)});
     bench.move(0, {0, 0, 0.05 - speed * 1e-3}, {0, 0, -speed});
     const Resolved r = bench.resolve();
     EXPECT_GT(bench.physics.pose(0).position.z(), 0.0179) << speed;
@@ -173,7 +173,7 @@ TEST(Resolution, ATurningBarIsStoppedOnItsWay) {
 
 TEST(Resolution, SameCallsSameBits) {
   const auto run = [] {
-    Bench bench({loose_box({0, 0, 0.03}), loose_box({0, 0, 0.09})}, {at(0.02, -0.0081), at(-0.012, -0.0081)});
+    Bench bench({loose_box({0, 0, 0.03}), loose_box({0, 0, 0.09})}, {posed(0.02, -0.0081), posed(-0.012, -0.0081)});
     for (int k = 0; k < 50; ++k) {
       for (std::size_t o = 0; o < 2; ++o) bench.before[o] = bench.physics.pose(o);
       bench.physics.step(1e-3, {});

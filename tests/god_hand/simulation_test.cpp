@@ -24,8 +24,8 @@ Simulation with(const Surroundings& surroundings, GodObjects objects) {
 }
 
 TEST(SingleBody, SlidesOnAFloorAndIsHeldUpByIt) {
-  Simulation s = with(floor_of(), one_body(at(0, 0, 0.1)));
-  Pose<double> target = at(0, 0, -0.01);
+  Simulation s = with(floor_of(), one_body(posed(0, 0, 0.1)));
+  Pose<double> target = posed(0, 0, -0.01);
   for (int k = 0; k < 20; ++k) s.step(std::span(&target, 1));
   Vec3 before = s.step(std::span(&target, 1)).god[0].position;
   EXPECT_NEAR(before.z(), 0.0202, 1e-6);
@@ -45,7 +45,7 @@ TEST(Chain, StaysClosedOverAnEdge) {
   constexpr double length = 0.05;
   std::vector<Pose<double>> target;
   for (int k = 0; k < 6; ++k) {
-    target.push_back(at(0, length * k, 0.1));
+    target.push_back(posed(0, length * k, 0.1));
     Body link = box_body({0.014, length, 0.014}, 0.02, target.back().position);
     objects.add(link, Shape::capsule(length, 0.007));
     if (k == 0) continue;
@@ -70,7 +70,7 @@ TEST(SeveralBodies, MeetEachOther) {
   GodObjects objects;
   std::vector<Pose<double>> target;
   for (int k = 0; k < 4; ++k) {
-    target.push_back(at(0.06 * k, 0, 0));
+    target.push_back(posed(0.06 * k, 0, 0));
     Body ball = box_body({0.04, 0.04, 0.04}, 0.1, target.back().position);
     objects.add(ball, Shape::sphere(0.02));
   }
@@ -90,9 +90,9 @@ TEST(Simulation, VerifiedFramesDoNotDependOnTheSolver) {
     Options o = unverified();
     o.solver = k == 0 ? "dual_active_set" : "cholesky";
     o.verify = 1;
-    Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.02)), o);
+    Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.02)), o);
     for (int frame = 0; frame < 40; ++frame) {
-      const Frame& f = go(s, hand_at(at(2e-4 * frame, 0, 0.02 - 1e-3 * frame), 0.2));
+      const Frame& f = go(s, hand_at(posed(2e-4 * frame, 0, 0.02 - 1e-3 * frame), 0.2));
       EXPECT_EQ(f.verified, Verdict::solved) << o.solver << " frame " << frame;
       last[k] = f.god;
     }
@@ -103,12 +103,12 @@ TEST(Simulation, VerifiedFramesDoNotDependOnTheSolver) {
 TEST(Simulation, RefusesWhatItCannotDoInOneLine) {
   Options o = unverified();
   o.solver = "dual_activ_set";
-  EXPECT_THROW(one_hand(floor_of(), hand_at(at(0, 0, 0.1)), o), std::invalid_argument);
-  Target nan = hand_at(at(0, 0, 0.1));
+  EXPECT_THROW(one_hand(floor_of(), hand_at(posed(0, 0, 0.1)), o), std::invalid_argument);
+  Target nan = hand_at(posed(0, 0, 0.1));
   nan.palm.position.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(one_hand(floor_of(), nan), std::runtime_error);
   EXPECT_THROW(with(floor_of(), GodObjects{}), std::invalid_argument);
-  EXPECT_THROW(one_hand(floor_of(), hand_at(at(0, 0, 0.1))).step(std::span<const Target>{}), std::invalid_argument);
+  EXPECT_THROW(one_hand(floor_of(), hand_at(posed(0, 0, 0.1))).step(std::span<const Target>{}), std::invalid_argument);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace zwang::god {
 
-inline Pose<double> at(double x, double y, double z, const Vec3& turn = Vec3::Zero()) {
+inline Pose<double> posed(double x, double y, double z, const Vec3& turn = Vec3::Zero()) {
   return {{x, y, z}, rotation(turn)};
 }
 

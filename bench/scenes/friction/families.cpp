@@ -44,19 +44,19 @@ class ContactByContact {
   Instance planted(std::string family, const Vector& z, const Vector& lambda, const Vector& slack) const {
     Instance out = instance(std::move(family), Vector::Zero(z.size()));
     Problem& p = out.problem;
-    ExtendedVector c(static_cast<std::size_t>(slack.size())), pushed(static_cast<std::size_t>(z.size()));
+    ExtendedVector c(at(slack.size())), pushed(at(z.size()));
     for (Index i = 0; i < p.rows(); ++i) {
-      c[static_cast<std::size_t>(i)] = -slack[i];
+      c[at(i)] = -slack[i];
       for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
-        c[static_cast<std::size_t>(i)] += DoubleDouble::exact_product(it.value(), z[it.col()]);
-        pushed[static_cast<std::size_t>(it.col())] += DoubleDouble::exact_product(it.value(), lambda[i]);
+        c[at(i)] += DoubleDouble::exact_product(it.value(), z[it.col()]);
+        pushed[at(it.col())] += DoubleDouble::exact_product(it.value(), lambda[i]);
       }
-      p.c[i] = c[static_cast<std::size_t>(i)].hi;
+      p.c[i] = c[at(i)].hi;
     }
     bool exact = true;
     for (const DoubleDouble& value : c) exact &= value.lo == 0;
     for (Index j = 0; j < z.size(); ++j) {
-      const DoubleDouble free = DoubleDouble(z[j]) - pushed[static_cast<std::size_t>(j)] / mass_[j];
+      const DoubleDouble free = DoubleDouble(z[j]) - pushed[at(j)] / mass_[j];
       p.z_u[j] = free.hi;
       exact &= free.lo == 0;
     }
@@ -215,7 +215,7 @@ Instance planted_friction(const PlantedFriction& o) {
     const auto arm = [&]() -> Vec3 { return draw.eighths(3, 8); };
     const Vec3 here = arm(), there = arm();
     p.contact(frame_rows(n, body, here, other == body ? -1 : other, there, integer_frame(draw), rows),
-              std::vector<double>(static_cast<std::size_t>(rows), 0), o.mu, numbered("planted ", k));
+              std::vector<double>(at(rows), 0), o.mu, numbered("planted ", k));
     const Index i = rows * k;
     const double push = std::exp2(draw.integer(-3, 3)), size = std::exp2(draw.integer(-3, 3));
     const std::array<double, 2> direction{(draw.integer(0, 1) ? 1. : -1.) * (o.tangents == 1 ? 5 : 3),
@@ -224,7 +224,7 @@ Instance planted_friction(const PlantedFriction& o) {
     if (mode == 0) slack[i] = size;
     if (mode > 0) lambda[i] = 5 * push * (mode == 1 ? std::exp2(o.load_exponent) : 1);
     for (Index t = 0; t < o.tangents; ++t) {
-      const double d = direction[static_cast<std::size_t>(t)];
+      const double d = direction[at(t)];
       if (mode == 0) slack[i + 1 + t] = draw.integer(-16, 16) / 8.0;
       if (mode == 1) {
         slack[i + 1 + t] = size * d * std::exp2(o.slip_exponent);
@@ -260,9 +260,7 @@ std::vector<std::pair<std::string, std::function<Instance(const Knobs&)>>> frict
           planted("SLIP", [](PlantedFriction& o, int k) { o.slip_exponent = -k; }),
           {"MRF", [](const Knobs& k) { return box_tower("MRF", {1, std::exp2(k.at("k"))}, 1, .5, .25); }},
           {"STKF",
-           [](const Knobs& k) {
-             return box_tower("STKF", std::vector<double>(static_cast<std::size_t>(k.at("boxes")), 1), 1, .5, .375);
-           }},
+           [](const Knobs& k) { return box_tower("STKF", std::vector<double>(at(k.at("boxes")), 1), 1, .5, .375); }},
           {"RANK", [](const Knobs& k) { return box_tower("RANK", {1}, static_cast<int>(k.at("k")), .5, .25); }},
           {"JAM", [=](const Knobs& k) { return jam_point(beside(.75, k, "beyond"), -1).instance; }},
           {"HELD", [=](const Knobs& k) { return held_point(beside(.75, k, "above")).instance; }},

@@ -39,7 +39,7 @@ class InteriorPoint {
       : p_(p),
         equalities_(equalities),
         turns_(!sigma),
-        force_(static_cast<std::size_t>(p.rows())),
+        force_(at(p.rows())),
         system_(p.size(), std::ssize(equalities)) {
     for (std::size_t c = 0; c < p.contacts.size(); ++c) {
       const ContactRows& contact = p.contacts[c];
@@ -55,7 +55,7 @@ class InteriorPoint {
 
   std::vector<InteriorAnswer> solve(const InteriorOptions& options) {
     const std::size_t count = cones_.size();
-    x_.resize(static_cast<std::size_t>(p_.size()));
+    x_.resize(at(p_.size()));
     y_.resize(count);
     w_.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
@@ -119,9 +119,8 @@ class InteriorPoint {
       s[k].resize(unit_[k].size());
       for (Index t = 0; t < s[k].size(); ++t) {
         const Index row = contact_of(k).row + t;
-        DoubleDouble sum = right ? -(*right)[static_cast<std::size_t>(row)] : DoubleDouble();
-        for (RowMatrix::InnerIterator it(p_.J, row); it; ++it)
-          sum += DoubleDouble(it.value()) * x[static_cast<std::size_t>(it.col())];
+        DoubleDouble sum = right ? -(*right)[at(row)] : DoubleDouble();
+        for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) sum += DoubleDouble(it.value()) * x[at(it.col())];
         s[k][t] = static_cast<Real>(sum * unit_[k][t] + (right && t == 0 ? lift_[k] : DoubleDouble()));
       }
     }
@@ -132,8 +131,7 @@ class InteriorPoint {
   ExtendedVector multipliers(const Blocks& y) const {
     ExtendedVector lambda = force_;
     for (std::size_t k = 0; k < y.size(); ++k)
-      for (Index t = 0; t < y[k].size(); ++t)
-        lambda[static_cast<std::size_t>(contact_of(k).row + t)] = double_double(y[k][t]) * unit_[k][t];
+      for (Index t = 0; t < y[k].size(); ++t) lambda[at(contact_of(k).row + t)] = double_double(y[k][t]) * unit_[k][t];
     return lambda;
   }
 
@@ -215,9 +213,9 @@ class InteriorPoint {
     turn(push);
     for (std::size_t k = 0; k < push.size(); ++k) push[k] = scaling[k].times(target[k] + scaling[k].times(push[k]));
     ExtendedVector weights = multipliers(push);
-    for (const Index i : equalities_) weights[static_cast<std::size_t>(i)] = 0;
+    for (const Index i : equalities_) weights[at(i)] = 0;
     const ExtendedVector right = p_.force_residual(ExtendedVector(x_.size()), weights);
-    const auto n = static_cast<std::size_t>(p_.size());
+    const auto n = at(p_.size());
     VectorX<Real> step(std::ssize(left_));
     for (std::size_t j = 0; j < left_.size(); ++j)
       step[static_cast<Index>(j)] = -static_cast<Real>(left_[j] + (j < n ? right[j] : DoubleDouble()));
@@ -265,7 +263,7 @@ class InteriorPoint {
     }
     for (std::size_t j = 0; j < x_.size(); ++j) x_[j] += double_double(step) * dx_[j];
     for (std::size_t e = 0; e < equalities_.size(); ++e)
-      force_[static_cast<std::size_t>(equalities_[e])] -= double_double(step * dforce_[static_cast<Index>(e)]);
+      force_[at(equalities_[e])] -= double_double(step * dforce_[static_cast<Index>(e)]);
     return true;
   }
 

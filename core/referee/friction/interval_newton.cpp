@@ -48,7 +48,7 @@ class Krawczyk {
     ModeProof proof{.point = point_};
     const Index n = p_.size(), rank = static_cast<Index>(part_.rows.size()), N = n + rank;
     for (const Index k : part_.frozen) {  // a double, so that its value has a place among exact equations
-      DoubleDouble& l = point_.lambda[static_cast<std::size_t>(system_.active[static_cast<std::size_t>(k)].row)];
+      DoubleDouble& l = point_.lambda[at(system_.active[at(k)].row)];
       l = l.hi;
     }
     R_ = derivative().partialPivLu().inverse();
@@ -96,8 +96,8 @@ class Krawczyk {
     Matrix A = Matrix::Zero(n + rank, n + rank);
     A.topLeftCorner(n, n) = system_.H;
     for (Index k = 0; k < rank; ++k) {
-      A.col(n + k).head(n) = -system_.N.col(part_.columns[static_cast<std::size_t>(k)]);
-      A.row(n + k).head(n) = system_.S.row(part_.rows[static_cast<std::size_t>(k)]);
+      A.col(n + k).head(n) = -system_.N.col(part_.columns[at(k)]);
+      A.row(n + k).head(n) = system_.S.row(part_.rows[at(k)]);
     }
     return A;
   }
@@ -112,10 +112,9 @@ class Krawczyk {
       if (!std::isfinite(size)) return false;
       if (!(size < last / 4)) break;
       last = size;
-      for (Index j = 0; j < p_.size(); ++j) point_.x[static_cast<std::size_t>(j)] -= step[j];
+      for (Index j = 0; j < p_.size(); ++j) point_.x[at(j)] -= step[j];
       for (std::size_t k = 0; k < part_.columns.size(); ++k)
-        point_.lambda[static_cast<std::size_t>(system_.active[static_cast<std::size_t>(part_.columns[k])].row)] -=
-            step[p_.size() + static_cast<Index>(k)];
+        point_.lambda[at(system_.active[at(part_.columns[k])].row)] -= step[p_.size() + static_cast<Index>(k)];
       if (!settle_forces(p_, point_)) return false;
     }
     residuals(value, value_error);
@@ -124,8 +123,7 @@ class Krawczyk {
 
   double multiplier_radius(Index row, const Vector& r) const {
     for (std::size_t k = 0; k < part_.columns.size(); ++k)
-      if (system_.active[static_cast<std::size_t>(part_.columns[k])].row == row)
-        return r[p_.size() + static_cast<Index>(k)];
+      if (system_.active[at(part_.columns[k])].row == row) return r[p_.size() + static_cast<Index>(k)];
     return 0;
   }
 
@@ -134,20 +132,20 @@ class Krawczyk {
     const Index n = p_.size();
     const ExtendedVector force = p_.force_residual(point_.x, point_.lambda);
     error.head(n) = p_.force_error(point_.x, point_.lambda);
-    for (Index j = 0; j < n; ++j) value[j] = force[static_cast<std::size_t>(j)].hi;
+    for (Index j = 0; j < n; ++j) value[j] = force[at(j)].hi;
     error.head(n) += unit_roundoff * value.head(n).cwiseAbs();
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       if (point_.modes[c] != ContactMode::slide) continue;
       const ContactRows& contact = p_.contacts[c];
       const double slip = p_.slip(contact, point_.x).hi;
       const double turn = referee::rounding_of_few + 4 * p_.slip_error(contact, point_.x) / slip;
-      const double push = contact.mu * std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi) * turn;
+      const double push = contact.mu * std::abs(point_.lambda[at(contact.row)].hi) * turn;
       for (Index t = 1; t < contact.rows(); ++t)
         for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
           error[it.col()] += std::abs(it.value()) * push;
     }
     for (std::size_t k = 0; k < part_.rows.size(); ++k) {
-      const Index row = system_.active[static_cast<std::size_t>(part_.rows[k])].row, at = n + static_cast<Index>(k);
+      const Index row = system_.active[at(part_.rows[k])].row, at = n + static_cast<Index>(k);
       value[at] = p_.slack(row, point_.x).hi;
       error[at] = p_.slack_error(row, point_.x) + unit_roundoff * std::abs(value[at]);
     }
@@ -177,14 +175,14 @@ class Krawczyk {
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       if (point_.modes[c] != ContactMode::slide) continue;
       const ContactRows& contact = p_.contacts[c];
-      const double push = std::abs(point_.lambda[static_cast<std::size_t>(contact.row)].hi);
+      const double push = std::abs(point_.lambda[at(contact.row)].hi);
       const double push_radius = multiplier_radius(contact.row, r);
       const double reach = slip_reach(contact, radius);
       const double error = p_.slip_error(contact, point_.x);
       const double least = least_slip(contact, radius);
       if (!(least > 0)) return Vector::Constant(r.size(), std::numeric_limits<double>::quiet_NaN());
       // The direction turns by at most reach / least; (I - tau tau')/|s_t| changes by at most 2 reach / least^2.
-      const double lost = std::max(0.0, -point_.lambda[static_cast<std::size_t>(contact.row)].hi);
+      const double lost = std::max(0.0, -point_.lambda[at(contact.row)].hi);
       const double rounding = static_cast<double>(n + 40) * unit_roundoff + error / least;
       double bound = contact.mu * push_radius * (reach / least + rounding);
       if (contact.rows() > 2)
@@ -238,7 +236,7 @@ class Krawczyk {
     if (p_.fixed_contradiction) off({.off = infinity});
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       const ContactRows& contact = p_.contacts[c];
-      const auto row = static_cast<std::size_t>(contact.row);
+      const auto row = at(contact.row);
       if (point_.modes[c] == ContactMode::open) {
         const double slack = p_.slack(contact.row, point_.x).hi;
         if (contact.unit == 0) {  // exact: it holds or not
@@ -259,7 +257,7 @@ class Krawczyk {
     }
     Doubt dropped;
     for (const Index k : part_.dropped_rows) {
-      const ModeSystem::Row& row = system_.active[static_cast<std::size_t>(k)];
+      const ModeSystem::Row& row = system_.active[at(k)];
       dropped.slacks.push_back(row.row);
       dropped.off = std::hypot(dropped.off, (std::abs(p_.slack(row.row, point_.x).hi) +
                                              p_.slack_error(row.row, point_.x) + p_.reach(row.row, radius)) /
@@ -280,14 +278,14 @@ class Krawczyk {
   // mu l_n >= |l_t|.
   template <class Ask>
   void ask_cone(const ContactRows& contact, const Vector& r, double weight, const Ask& ask) const {
-    const auto row = static_cast<std::size_t>(contact.row);
+    const auto row = at(contact.row);
     const DoubleDouble edge = DoubleDouble(contact.mu) * point_.lambda[row];
     DoubleDouble squares;
     double spread = contact.mu * multiplier_radius(contact.row, r);
     std::vector<std::pair<Index, double>> sum{{contact.row, contact.mu}};
     Doubt doubt{.off = weight, .of_force = true};
     for (Index t = 1; t < contact.rows(); ++t) {
-      const DoubleDouble l = point_.lambda[row + static_cast<std::size_t>(t)];
+      const DoubleDouble l = point_.lambda[row + at(t)];
       squares += l * l;
       spread += multiplier_radius(contact.row + t, r);
       if (std::abs(l.hi) > referee::aligned * edge.hi)
@@ -301,7 +299,7 @@ class Krawczyk {
             ? 0
             : referee::rounding_of_few * (std::abs(tangential.hi) + std::abs(edge.hi)) + referee::underflow_of_squares;
     if (sum.size() <= 2) doubt.forces.push_back(std::move(sum));  // else the edge is not linear
-    if (doubt.forces.size() < static_cast<std::size_t>(contact.rows() - 1)) doubt.forces = {{}};
+    if (doubt.forces.size() < at(contact.rows() - 1)) doubt.forces = {{}};
     ask((edge - tangential).hi, rounding + up(spread), std::move(doubt));
   }
 
@@ -310,12 +308,12 @@ class Krawczyk {
   // friction of contacts with one tangent that slide.
   bool met_with_equality(const std::vector<Doubt>& doubts, bool with_forces) const {
     const Index n = p_.size();
-    std::vector<Index> place(static_cast<std::size_t>(p_.rows()), -1);
+    std::vector<Index> place(at(p_.rows()), -1);
     Index unknowns = 2 * n;
     for (std::size_t c = 0; c < p_.contacts.size(); ++c)
       for (Index t = 0; t < p_.contacts[c].rows() && point_.modes[c] != ContactMode::open; ++t)
-        place[static_cast<std::size_t>(p_.contacts[c].row + t)] = unknowns++;
-    for (const Index i : p_.equalities) place[static_cast<std::size_t>(i)] = unknowns++;
+        place[at(p_.contacts[c].row + t)] = unknowns++;
+    for (const Index i : p_.equalities) place[at(i)] = unknowns++;
     const auto imposed = static_cast<double>(part_.rows.size()), size = static_cast<double>(unknowns);
     const auto more = static_cast<double>(part_.dropped_rows.size() + doubts.size());
     const double work = with_forces ? size * size * size : (imposed + more) * imposed * static_cast<double>(n);
@@ -337,7 +335,7 @@ class Krawczyk {
       exact &= (p_.c[row] == 0) == (scaled_.c[row] == 0);
       close(p_.c[row]);
     };
-    for (const Index k : part_.rows) add_stored(system_.active[static_cast<std::size_t>(k)].row);
+    for (const Index k : part_.rows) add_stored(system_.active[at(k)].row);
     if (with_forces) {
       RowMatrix M = p_.M, transposed = p_.J.transpose();
       for (Index j = 0; j < n; ++j) {
@@ -351,15 +349,15 @@ class Krawczyk {
         close(0);
       }
       for (const Index k : part_.frozen) {
-        const auto row = static_cast<std::size_t>(system_.active[static_cast<std::size_t>(k)].row);
+        const auto row = at(system_.active[at(k)].row);
         put(place[row], 1);
         close(point_.lambda[row].hi);
       }
       for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
         const ContactRows& contact = p_.contacts[c];
         if (point_.modes[c] != ContactMode::slide || contact.rows() != 2) continue;
-        put(place[static_cast<std::size_t>(contact.row + 1)], 1);
-        put(place[static_cast<std::size_t>(contact.row)], system_.direction[c][0] > 0 ? contact.mu : -contact.mu);
+        put(place[at(contact.row + 1)], 1);
+        put(place[at(contact.row)], system_.direction[c][0] > 0 ? contact.mu : -contact.mu);
         close(0);
       }
     }
@@ -368,7 +366,7 @@ class Krawczyk {
       for (const Index row : doubt.slacks) add_stored(row);
       for (const auto& sum : doubt.forces) {
         if (!with_forces || sum.empty()) return false;
-        for (const auto& [row, factor] : sum) put(place[static_cast<std::size_t>(row)], factor);
+        for (const auto& [row, factor] : sum) put(place[at(row)], factor);
         close(0);
       }
     }
@@ -387,7 +385,7 @@ class Krawczyk {
     const auto count = static_cast<Index>(part_.frozen.size());
     if (count == 0) return 0;
     Matrix right = Matrix::Zero(n + rank, count);
-    for (Index k = 0; k < count; ++k) right.col(k).head(n) = system_.N.col(part_.frozen[static_cast<std::size_t>(k)]);
+    for (Index k = 0; k < count; ++k) right.col(k).head(n) = system_.N.col(part_.frozen[at(k)]);
     const Matrix change = R_ * right;
     Matrix multipliers(rank + count, count);
     multipliers.topRows(rank) = change.bottomRows(rank);
@@ -408,9 +406,9 @@ class Krawczyk {
     for (const Index k : part_.frozen) {
       Vector column = Vector::Zero(r.size()), error = Vector::Zero(r.size());
       column.head(n) = system_.N.col(k);
-      const ModeSystem::Row& row = system_.active[static_cast<std::size_t>(k)];
+      const ModeSystem::Row& row = system_.active[at(k)];
       if (row.slides) {
-        const ContactRows& contact = p_.contacts[static_cast<std::size_t>(row.contact)];
+        const ContactRows& contact = p_.contacts[at(row.contact)];
         const double turn = contact.mu * (slip_turn(contact, r.head(n)) + gamma);
         for (Index t = 0; t < contact.rows(); ++t)
           for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
@@ -467,7 +465,7 @@ ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled
   const auto count = static_cast<Index>(system.active.size());
   Eigen::FullPivLU<Matrix> lu;
   if (count > 0) lu.compute(system.coupling(mass));
-  std::size_t rank = static_cast<std::size_t>(count) + 1;
+  std::size_t rank = at(count) + 1;
   for (const double threshold : referee::independent_pivots) {
     const Part part = independent_part(lu, count, threshold);
     if (part.rows.size() == std::exchange(rank, part.rows.size())) continue;

@@ -26,9 +26,8 @@ Residual residual_of(const ModeSystem& system, const ModePoint& point) {
   const ContactProblem& p = *system.problem;
   Residual r{.force = Vector(p.size()), .rows = Vector(static_cast<Index>(system.active.size()))};
   const ExtendedVector force = p.force_residual(point.x, point.lambda);
-  for (Index j = 0; j < p.size(); ++j) r.force[j] = force[static_cast<std::size_t>(j)].hi;
-  for (Index k = 0; k < r.rows.size(); ++k)
-    r.rows[k] = system.row_residual(system.active[static_cast<std::size_t>(k)], point.x).hi;
+  for (Index j = 0; j < p.size(); ++j) r.force[j] = force[at(j)].hi;
+  for (Index k = 0; k < r.rows.size(); ++k) r.rows[k] = system.row_residual(system.active[at(k)], point.x).hi;
   r.finite = r.force.allFinite() && r.rows.allFinite();
   return r;
 }
@@ -40,10 +39,9 @@ std::vector<ContactMode> modes_by_size(const ContactProblem& p, const ExtendedVe
   std::vector<ContactMode> modes;
   for (const ContactRows& contact : p.contacts) {
     const double g = contact.unit > 0 ? contact.unit : 1;
-    const double l_n = lambda[static_cast<std::size_t>(contact.row)].hi * g, s_n = p.slack(contact.row, x).hi / g;
+    const double l_n = lambda[at(contact.row)].hi * g, s_n = p.slack(contact.row, x).hi / g;
     double l_t = 0;
-    for (Index t = 1; t < contact.rows(); ++t)
-      l_t = std::hypot(l_t, lambda[static_cast<std::size_t>(contact.row + t)].hi * g);
+    for (Index t = 1; t < contact.rows(); ++t) l_t = std::hypot(l_t, lambda[at(contact.row + t)].hi * g);
     const double s_t = p.slip(contact, x).hi / g;
     const double zero = cut * (std::abs(l_n) + l_t + std::abs(s_n) + s_t);
     if (contact.unit == 0 || l_n <= zero)
@@ -58,9 +56,9 @@ bool settle_forces(const ContactProblem& p, ModePoint& point) {
   bool usable = true;
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
-    const auto row = static_cast<std::size_t>(contact.row);
+    const auto row = at(contact.row);
     const Index used = point.modes[c] == ContactMode::open ? 0 : contact.rows();
-    for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
+    for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + at(t)] = 0;
     if (point.modes[c] != ContactMode::slide) continue;
     const DoubleDouble slip = p.slip(contact, point.x);
     if (!(slip.hi > referee::underflow_of_squares)) {
@@ -68,8 +66,7 @@ bool settle_forces(const ContactProblem& p, ModePoint& point) {
       continue;
     }
     for (Index t = 1; t < contact.rows(); ++t)
-      point.lambda[row + static_cast<std::size_t>(t)] =
-          -(point.lambda[row] * contact.mu * (p.slack(contact.row + t, point.x) / slip));
+      point.lambda[row + at(t)] = -(point.lambda[row] * contact.mu * (p.slack(contact.row + t, point.x) / slip));
   }
   return usable;
 }
@@ -89,12 +86,12 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
   row_size = column_size = Vector::Ones(count);
   Matrix columns = Matrix::Zero(count, p.size());
   for (Index k = 0; k < count; ++k) {
-    const Row& row = active[static_cast<std::size_t>(k)];
+    const Row& row = active[at(k)];
     add_row(S, k, p, row.row, 1);
     add_row(columns, k, p, row.row, 1);
     if (p.row_norm[row.row] > 0) row_size[k] = column_size[k] = p.row_norm[row.row];
     if (!row.slides) continue;
-    const auto c = static_cast<std::size_t>(row.contact);
+    const auto c = at(row.contact);
     const ContactRows& contact = p.contacts[c];
     const DoubleDouble slip = p.slip(contact, point.x);
     if (!(slip.hi > referee::underflow_of_squares)) {
@@ -102,10 +99,9 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
       return;
     }
     for (Index t = 1; t < contact.rows(); ++t) {
-      direction[c][static_cast<std::size_t>(t - 1)] = (p.slack(contact.row + t, point.x) / slip).hi;
-      add_row(columns, k, p, contact.row + t, -contact.mu * direction[c][static_cast<std::size_t>(t - 1)]);
-      column_size[k] = std::hypot(
-          column_size[k], contact.mu * direction[c][static_cast<std::size_t>(t - 1)] * p.row_norm[contact.row + t]);
+      direction[c][at(t - 1)] = (p.slack(contact.row + t, point.x) / slip).hi;
+      add_row(columns, k, p, contact.row + t, -contact.mu * direction[c][at(t - 1)]);
+      column_size[k] = std::hypot(column_size[k], contact.mu * direction[c][at(t - 1)] * p.row_norm[contact.row + t]);
     }
     if (contact.rows() < 3) continue;
     // (I - tau tau') = nu nu' in two dimensions, nu = (-tau_2, tau_1).
@@ -116,7 +112,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
         const auto own = std::ranges::find(across, it.col(), &std::pair<Index, double>::first);
         own == across.end() ? void(across.emplace_back(it.col(), part)) : void(own->second += part);
       }
-    const double weight = contact.mu * std::max(0.0, point.lambda[static_cast<std::size_t>(contact.row)].hi) / slip.hi;
+    const double weight = contact.mu * std::max(0.0, point.lambda[at(contact.row)].hi) / slip.hi;
     for (const auto& [i, a] : across)
       for (const auto& [j, b] : across) H(i, j) += weight * a * b;
   }
@@ -134,9 +130,9 @@ Matrix ModeSystem::coupling(const Eigen::LLT<Matrix>& mass) const {
 DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) const {
   const DoubleDouble s = problem->slack(row.row, x);
   if (!sigma || row.contact < 0) return s;
-  const ContactRows& contact = problem->contacts[static_cast<std::size_t>(row.contact)];
+  const ContactRows& contact = problem->contacts[at(row.contact)];
   if (row.row != contact.row) return s;
-  const DoubleDouble lift = (*sigma)[static_cast<std::size_t>(row.contact)];
+  const DoubleDouble lift = (*sigma)[at(row.contact)];
   return s + DoubleDouble(contact.mu) * (row.slides ? lift - problem->slip(contact, x) : lift);
 }
 
@@ -145,7 +141,7 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
     if (contact.unit == 0) continue;
-    const auto row = static_cast<std::size_t>(contact.row);
+    const auto row = at(contact.row);
     ContactMode& mode = point.modes[c];
     const ContactMode before = mode;
     const double l_n = point.lambda[row].hi, s_n = p.slack(contact.row, point.x).hi;
@@ -153,11 +149,11 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
       if (s_n < -holds) mode = ContactMode::stick;
     } else if (l_n < -holds) {
       mode = ContactMode::open;
-      for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + static_cast<std::size_t>(t)] = 0;
+      for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + at(t)] = 0;
     } else if (mode == ContactMode::stick && contact.rows() > 1) {
       DoubleDouble squares;
       for (Index t = 1; t < contact.rows(); ++t) {
-        const DoubleDouble& l = point.lambda[row + static_cast<std::size_t>(t)];
+        const DoubleDouble& l = point.lambda[row + at(t)];
         squares += l * l;
       }
       const DoubleDouble tangential = sqrt(squares);
@@ -165,9 +161,9 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
       if ((tangential - DoubleDouble(contact.mu) * point.lambda[row]).hi > holds) {
         mode = ContactMode::slide;
         // A first slip against the force, by a push on the contact alone.
-        ExtendedVector push(static_cast<std::size_t>(p.rows()));
+        ExtendedVector push(at(p.rows()));
         for (Index t = 1; t < contact.rows(); ++t) {
-          const auto k = row + static_cast<std::size_t>(t);
+          const auto k = row + at(t);
           push[k] = point.lambda[k] *
                     (-referee::first_slip / l_t / (p.row_norm[contact.row + t] * p.row_norm[contact.row + t]));
         }
@@ -219,9 +215,8 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
       best = point;
     }
     if (!(last > referee::refined_modes) || without_gain > 3) break;
-    for (Index j = 0; j < p.size(); ++j) point.x[static_cast<std::size_t>(j)] += move[j];
-    for (Index k = 0; k < change.size(); ++k)
-      point.lambda[static_cast<std::size_t>(system->active[static_cast<std::size_t>(k)].row)] += change[k];
+    for (Index j = 0; j < p.size(); ++j) point.x[at(j)] += move[j];
+    for (Index k = 0; k < change.size(); ++k) point.lambda[at(system->active[at(k)].row)] += change[k];
   }
   point = best;
   return least;

@@ -87,7 +87,7 @@ class NormalMap {
       if (!std::isfinite(length)) return {};
       if (!(length < last / 4)) break;
       last = length;
-      for (Index j = 0; j < size_; ++j) at_[static_cast<std::size_t>(j)] -= step[j];
+      for (Index j = 0; j < size_; ++j) at_[at(j)] -= step[j];
     }
     for (int round = 0; round < inflations && precondition(); ++round) {
       const Vector image = (moved_ + error_ + turned()) * up(1);
@@ -101,7 +101,7 @@ class NormalMap {
   bool none_within(const ExtendedVector& x, double distance) {
     r_ = Vector::Zero(size_);
     for (Index j = 0; j < n_; ++j) r_[j] = up(distance * p_.dual_norm(Vector(Vector::Unit(n_, j))));
-    ExtendedVector lambda(static_cast<std::size_t>(p_.rows()));
+    ExtendedVector lambda(at(p_.rows()));
     std::vector<Index> touching = p_.equalities, places(touching.size());
     std::iota(places.begin(), places.end(), n_);
     for (const Part& part : parts_) {
@@ -138,11 +138,10 @@ class NormalMap {
     if (count == 0) return true;
     Matrix B = Matrix::Zero(n_, count);
     for (Index k = 0; k < count; ++k)
-      for (RowMatrix::InnerIterator it(p_.J, touching[static_cast<std::size_t>(k)]); it; ++it)
-        B(it.col(), k) = it.value();
+      for (RowMatrix::InnerIterator it(p_.J, touching[at(k)]); it; ++it) B(it.col(), k) = it.value();
     const Matrix L = Matrix(B.transpose() * B).ldlt().solve(B.transpose()), absolute = L.cwiseAbs(), LM = L * p_.M;
     Vector middle(n_);
-    for (Index j = 0; j < n_; ++j) middle[j] = x[static_cast<std::size_t>(j)].hi;
+    for (Index j = 0; j < n_; ++j) middle[j] = x[at(j)].hi;
     const SparseMatrix M = p_.M.cwiseAbs();
     const double gamma = static_cast<double>(n_ + count + 8) * unit_roundoff * referee::widened_sum;
     const Vector force = LM * middle, moves = middle.cwiseAbs() + r_.head(n_);
@@ -152,8 +151,8 @@ class NormalMap {
     const Vector spread = LM.cwiseAbs() * r_.head(n_) + 2 * gamma * (absolute * (M * moves)) + E * force.cwiseAbs();
     const Vector radius = (spread + E.rowwise().sum() * (spread.maxCoeff() / (1 - rest))) * up(1);
     for (Index k = 0; k < count; ++k) {
-      lambda[static_cast<std::size_t>(touching[static_cast<std::size_t>(k)])] = force[k];
-      r_[places[static_cast<std::size_t>(k)]] = radius[k];
+      lambda[at(touching[at(k)])] = force[k];
+      r_[places[at(k)]] = radius[k];
     }
     return true;
   }
@@ -199,10 +198,10 @@ class NormalMap {
 
   void start(const ExtendedVector& x, const ExtendedVector& lambda) {
     at_ = x;
-    for (const Index i : p_.equalities) at_.push_back(lambda[static_cast<std::size_t>(i)]);
+    for (const Index i : p_.equalities) at_.push_back(lambda[at(i)]);
     for (const Part& part : parts_)
       for (Index t = 0; t < part.rows; ++t)
-        at_.push_back(lambda[static_cast<std::size_t>(part.row() + t)] - lifted(part, t, part.contact.mu, x));
+        at_.push_back(lambda[at(part.row() + t)] - lifted(part, t, part.contact.mu, x));
   }
 
   // F at the centre, and bounds on its error.
@@ -210,10 +209,10 @@ class NormalMap {
     const ExtendedVector x = centre();
     value_.resize(size_);
     error_ = Vector::Constant(size_, underflow_of_squares);
-    lambda_.assign(static_cast<std::size_t>(p_.rows()), {});
+    lambda_.assign(at(p_.rows()), {});
     for (Index e = 0; e < std::ssize(p_.equalities); ++e) {
-      const Index i = p_.equalities[static_cast<std::size_t>(e)];
-      lambda_[static_cast<std::size_t>(i)] = at_[static_cast<std::size_t>(n_ + e)];
+      const Index i = p_.equalities[at(e)];
+      lambda_[at(i)] = at_[at(n_ + e)];
       value_[n_ + e] = p_.slack(i, x).hi;
       error_[n_ + e] += p_.slack_error(i, x);
     }
@@ -222,9 +221,9 @@ class NormalMap {
       const double mu = lift(part), slip_error = mu * p_.slip_error(part.contact, x);
       const double size = std::abs(u[0].hi) + std::abs(u[1].hi) + std::abs(u[2].hi);
       for (Index t = 0; t < part.rows; ++t) {
-        const auto k = static_cast<std::size_t>(t);
+        const auto k = at(t);
         const DoubleDouble s = lifted(part, t, mu, x);
-        lambda_[static_cast<std::size_t>(part.row() + t)] = projected[k];
+        lambda_[at(part.row() + t)] = projected[k];
         value_[part.at + t] = (s + u[k] - projected[k]).hi;
         error_[part.at + t] += part.rho * (p_.slack_error(part.row() + t, x) + (t == 0 ? slip_error : 0)) +
                                referee::rounding_of_few * (size + std::abs(s.hi));
@@ -233,7 +232,7 @@ class NormalMap {
       }
     }
     const ExtendedVector force = p_.force_residual(x, lambda_);
-    for (Index j = 0; j < n_; ++j) value_[j] = force[static_cast<std::size_t>(j)].hi;
+    for (Index j = 0; j < n_; ++j) value_[j] = force[at(j)].hi;
     error_.head(n_) += p_.force_error(x, lambda_);
     error_ = (error_ + unit_roundoff * value_.cwiseAbs()) * up(1);
   }
@@ -281,7 +280,7 @@ class NormalMap {
     Matrix S = Matrix::Zero(size_, size_);
     S.topLeftCorner(n_, n_) = p_.M;
     for (Index e = 0; e < std::ssize(p_.equalities); ++e)
-      for (RowMatrix::InnerIterator it(p_.J, p_.equalities[static_cast<std::size_t>(e)]); it; ++it) {
+      for (RowMatrix::InnerIterator it(p_.J, p_.equalities[at(e)]); it; ++it) {
         S(n_ + e, it.col()) = it.value();
         S(it.col(), n_ + e) = -it.value();
       }

@@ -32,11 +32,11 @@ Mat3 allowed(const UniversalJoint& j, const Mat3& parent, const Mat3& child) {
 // own where the limit looks from the child.
 void hold(const JointLimit& limit, BodyId child, std::span<Pose<double>> poses) {
   const auto [a, b] = limit.bodies;
-  const Pose<double>&of_a = poses[static_cast<std::size_t>(a)], &of_b = poses[static_cast<std::size_t>(b)];
+  const Pose<double>&of_a = poses[at(a)], &of_b = poses[at(b)];
   const double beyond = limit.beyond(of_a, of_b);
   if (beyond == 0) return;
   const double back = (b == child ? 1 : -1) * static_cast<int>(limit.side) * beyond;
-  Mat3& R = poses[static_cast<std::size_t>(child)].rotation;
+  Mat3& R = poses[at(child)].rotation;
   R = rotation(back * of_a.turn(limit.axis)) * R;
 }
 
@@ -58,13 +58,12 @@ Skeleton::Skeleton(Scene scene) : bodies_(scene.bodies.size()) {
 
   std::vector<char> waits(bodies_, 0);
   for (const Link& link : links)
-    if (waits[static_cast<std::size_t>(link.bodies[1])]++)
+    if (waits[at(link.bodies[1])]++)
       throw std::invalid_argument("god object " + std::to_string(link.bodies[1]) + " hangs on two joints");
   while (!links.empty()) {
-    const auto ready = std::find_if(links.begin(), links.end(),
-                                    [&](const Link& l) { return !waits[static_cast<std::size_t>(l.bodies[0])]; });
+    const auto ready = std::find_if(links.begin(), links.end(), [&](const Link& l) { return !waits[at(l.bodies[0])]; });
     if (ready == links.end()) throw std::invalid_argument("the joints of the god objects close a loop");
-    waits[static_cast<std::size_t>(ready->bodies[1])] = 0;
+    waits[at(ready->bodies[1])] = 0;
     links_.push_back(std::move(*ready));
     links.erase(ready);
   }
@@ -73,8 +72,8 @@ Skeleton::Skeleton(Scene scene) : bodies_(scene.bodies.size()) {
 void Skeleton::close(std::span<Pose<double>> poses, bool limits) const {
   for (std::size_t b = 0; b < bodies_; ++b) make_orthonormal(poses[b].rotation);
   for (const Link& link : links_) {
-    const Pose<double>& parent = poses[static_cast<std::size_t>(link.bodies[0])];
-    Pose<double>& child = poses[static_cast<std::size_t>(link.bodies[1])];
+    const Pose<double>& parent = poses[at(link.bodies[0])];
+    Pose<double>& child = poses[at(link.bodies[1])];
     std::visit(
         [&](const auto& joint) {
           child.rotation = allowed(joint, parent.rotation, child.rotation);
@@ -91,8 +90,7 @@ double Skeleton::separation(std::span<const Pose<double>> poses) const {
   for (const Link& link : links_)
     std::visit(
         [&](const auto& joint) {
-          const Pose<double>&a = poses[static_cast<std::size_t>(link.bodies[0])],
-                &b = poses[static_cast<std::size_t>(link.bodies[1])];
+          const Pose<double>&a = poses[at(link.bodies[0])], &b = poses[at(link.bodies[1])];
           most = std::max(most, (a * joint.anchor_a - b * joint.anchor_b).norm());
         },
         link.joint);
@@ -103,8 +101,7 @@ double Skeleton::excess(std::span<const Pose<double>> poses) const {
   double most = 0;
   for (const Link& link : links_)
     for (const JointLimit& limit : link.limits)
-      most = std::max(most, limit.beyond(poses[static_cast<std::size_t>(limit.bodies[0])],
-                                         poses[static_cast<std::size_t>(limit.bodies[1])]));
+      most = std::max(most, limit.beyond(poses[at(limit.bodies[0])], poses[at(limit.bodies[1])]));
   return most;
 }
 

@@ -93,18 +93,18 @@ double largest_disturbance(std::span<const Holding> contacts, const Vec3& weight
 Held held_hardest(const Frame& frame, const Surroundings& surroundings) {
   std::vector<double> pressed(surroundings.objects.size(), 0);
   const auto presses = [&](const FrameContact& c) {
-    return c.object >= 0 && c.push > 0 && surroundings.objects[static_cast<std::size_t>(c.object)].loose();
+    return c.object >= 0 && c.push > 0 && surroundings.objects[at(c.object)].loose();
   };
   for (const FrameContact& c : frame.contacts)
-    if (presses(c)) pressed[static_cast<std::size_t>(c.object)] += c.push;
+    if (presses(c)) pressed[at(c.object)] += c.push;
   const auto hardest = std::ranges::max_element(pressed);
   Held held;
   if (hardest == pressed.end() || *hardest == 0) return held;
-  const auto object = static_cast<std::size_t>(hardest - pressed.begin());
+  const auto object = at(hardest - pressed.begin());
   std::size_t loose = 0;
   for (std::size_t o = 0; o < object; ++o) loose += surroundings.objects[o].loose();
   for (const FrameContact& c : frame.contacts)
-    if (presses(c) && static_cast<std::size_t>(c.object) == object)
+    if (presses(c) && at(c.object) == object)
       held.contacts.push_back({c.point - frame.loose[loose].position, -c.normal, c.push});
   held.weight = surroundings.objects[object].mass * surroundings.gravity;
   return held;

@@ -129,8 +129,8 @@ void Measures::measure_grip(std::span<const Pose<double>> objects, const Options
   pressed_.assign(objects.size(), 0);
   wanted_.assign(objects.size(), 0);
   for (const FrameContact& c : frame.contacts) {
-    if (c.object < 0 || !loose_[static_cast<std::size_t>(c.object)] || c.push <= nothing) continue;
-    const auto body = static_cast<std::size_t>(c.body), object = static_cast<std::size_t>(c.object);
+    if (c.object < 0 || !loose_[at(c.object)] || c.push <= nothing) continue;
+    const auto body = at(c.body), object = at(c.object);
     const Vec3 apart = surface_way(start_[body], frame.god[body], c.point) -
                        surface_way(start_object_[object], objects[object], c.point);
     frame.slip = std::max(frame.slip, (apart - c.normal.dot(apart) * c.normal).norm() / options.dt);

@@ -99,7 +99,7 @@ Recording adroit_recording(const JointTable& table) {
   note(out.notes, put_in_order(track.frames), "with the step of another");
   const auto whole = std::count_if(track.frames.begin(), track.frames.end(),
                                    [](const RecordedTrack::Sample& f) { return f.hand.has_value(); });
-  if (2 * static_cast<std::size_t>(whole) < table.rows.size() || whole < 2)
+  if (2 * at(whole) < table.rows.size() || whole < 2)
     table.refuse("most rows are not whole: a number in every column expected");
   if (track.frames.back().time - track.frames.front().time > 600)
     table.refuse("more than 10 minutes: steps of 0.01 s expected");

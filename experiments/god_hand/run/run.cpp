@@ -49,9 +49,8 @@ Setup set_up(Record& record) {
   record.god = setup.tool ? fingerprint(*setup.tool) : 0;
   record.hands = setup.motion.hands.size();
   record.bodies = setup.tool ? setup.tool->objects.shapes.size() : record.hands * hand::bodies;
-  record.loose =
-      static_cast<std::size_t>(std::count_if(setup.surroundings.objects.begin(), setup.surroundings.objects.end(),
-                                             [](const Object& object) { return object.loose(); }));
+  record.loose = at(std::count_if(setup.surroundings.objects.begin(), setup.surroundings.objects.end(),
+                                  [](const Object& object) { return object.loose(); }));
   record.held_over = 0;
   for (const Track& track : setup.motion.hands) {
     record.held_over += track.held_over;
@@ -76,7 +75,7 @@ long simulate(const std::filesystem::path& directory, const Record& record, cons
     const Frame& frame = play.step(k);
     writer.write(frame);
     progress(static_cast<double>(k + 1) / static_cast<double>(record.asked.frames),
-             grouped(static_cast<std::size_t>(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");
+             grouped(at(k + 1)) + " frames, " + std::to_string(frame.kept) + " contacts");
     if ((k + 1) % checkpoint_every != 0) continue;
     writer.flush();
     write_checkpoint(directory, {k + 1, simulation.checkpoint()});

@@ -34,7 +34,7 @@ void Scenery::place(collision::World& world, std::size_t object, const Pose<doub
 }
 
 int Scenery::object_of(int collider) const {
-  return collider < first_ ? -1 : static_cast<int>(parts_[static_cast<std::size_t>(collider - first_)].object);
+  return collider < first_ ? -1 : static_cast<int>(parts_[at(collider - first_)].object);
 }
 
 }  // namespace zwang::god

@@ -47,7 +47,7 @@ Contacts::Contacts(const GodObjects& objects, const Surroundings& surroundings) 
     world_.add(objects.shapes[b], objects.scene.bodies[b].pose, objects.filters[b]);
   choose_corners(objects);
   scenery_ = Scenery(world_, surroundings, [](const Object&) { return Scenery::Role{object_filter}; });
-  motion_.assign(static_cast<std::size_t>(world_.size()), Vec<double, 6>::Zero());
+  motion_.assign(at(world_.size()), Vec<double, 6>::Zero());
 }
 
 // A corner that coincides with a thicker one, or an earlier one as thick, of a body that it does not meet (at a
@@ -95,8 +95,7 @@ void Contacts::meet(Touches touches, double activation) {
   const std::size_t first = rows_.size();
   const auto [a, b] = std::pair(touches[0].a, touches[0].b);
   if (world_.mesh(b) != nullptr)
-    for (std::size_t corner = 0; corner < corners_[static_cast<std::size_t>(a)].size(); ++corner)
-      meet_mesh(a, corner, b, activation);
+    for (std::size_t corner = 0; corner < corners_[at(a)].size(); ++corner) meet_mesh(a, corner, b, activation);
   else
     meet_shape(a, b, activation);
   find_planes(a, b, first, activation);
@@ -106,7 +105,7 @@ void Contacts::meet(Touches touches, double activation) {
 }
 
 void Contacts::meet_mesh(int a, std::size_t corner, int b, double activation) {
-  const Corner& mine = corners_[static_cast<std::size_t>(a)][corner];
+  const Corner& mine = corners_[at(a)][corner];
   if (mine.said_by != a) return;
   const Pose<double>& mesh = world_.pose(b);
   const double radius = world_.shape(a)->radius();
@@ -127,7 +126,7 @@ void Contacts::meet_shape(int a, int b, double activation) {
   const Shape &mine = *world_.shape(a), &theirs = *world_.shape(b);
   const Pose<double>&at_a = world_.pose(a), &at_b = world_.pose(b);
   const double apart = mine.radius() + theirs.radius();
-  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(a)];
+  const std::vector<Corner>& corners = corners_[at(a)];
   for (std::size_t corner = 0; corner < corners.size(); ++corner) {
     if (corners[corner].said_by != a) continue;
     const Vec3 center = at_a * corners[corner].at;
@@ -153,7 +152,7 @@ void Contacts::meet_shape(int a, int b, double activation) {
 void Contacts::find_planes(int a, int b, std::size_t first_row, double activation) {
   const Pose<double>& pose = world_.pose(a);
   const double radius = world_.shape(a)->radius();
-  const std::vector<Corner>& corners = corners_[static_cast<std::size_t>(a)];
+  const std::vector<Corner>& corners = corners_[at(a)];
   const auto keeps_off = [&](const Corner& corner, const Vec3& n, const Vec3& p) {
     const Vec3 center = pose * corner.at;
     const double height = n.dot(center - p) - radius, thick = world_.shape(corner.said_by)->radius();
@@ -216,7 +215,7 @@ int Contacts::complete(std::span<const Vec<double, 6>> motion, double gap, bool 
   std::copy(motion.begin(), motion.end(), motion_.begin());
   for (std::size_t i = 0; i < left_.size(); ++i) {
     const Touch& t = left_[i];
-    const Vec<double, 6>& way = motion_[static_cast<std::size_t>(t.a)];
+    const Vec<double, 6>& way = motion_[at(t.a)];
     const Vec3 path = way.head<3>() + way.tail<3>().cross(t.point_a - world_.pose(t.a).position);
     if (t.gap + t.normal.dot(path) >= gap) continue;
     make_row(i);

@@ -98,7 +98,7 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
     const Cluster& cluster = clusters[c];
     for (std::size_t r = 0; r < cluster.rows().size(); ++r) {
       const collision::Touch& t = cluster.rows()[r].touch;
-      const auto body = static_cast<std::size_t>(t.a);
+      const auto body = at(t.a);
       const int object = cluster.object_of(t.b);
       const Pose<double>&start = cluster.solved_at()[body], &end = cluster.poses()[body];
       const Vec3 local = start.rotation.transpose() * (t.point_a - start.position);
@@ -107,15 +107,14 @@ void Coupling::collect(std::span<const Cluster> clusters, const Physics* physics
       const Vec3 friction = cluster.friction(r) * -(options_.dt * options_.dt * options_.force_stiffness);
       frame.contacts.push_back({first_body + t.a, object < 0 ? -1 - first_body - t.b : object, point, t.normal, t.gap,
                                 std::min(push, options_.force_cap), friction});
-      if (object < 0 || (push <= 0 && grasps_.empty()) ||
-          !surroundings_->objects[static_cast<std::size_t>(object)].loose() || !physics)
+      if (object < 0 || (push <= 0 && grasps_.empty()) || !surroundings_->objects[at(object)].loose() || !physics)
         continue;
       const Pose<double>& target = cluster.targets()[body];
       const Vec3 along = -t.normal, stretched = target * local;
       const double closing = along.dot(velocity_at(memory_.target_velocity[c][body], stretched - target.position));
       const double stretch = along.dot(stretched - point);
       Push p{};
-      p.cluster = c, p.body = t.a, p.object = static_cast<std::size_t>(object), p.row = r;
+      p.cluster = c, p.body = t.a, p.object = at(object), p.row = r;
       p.contact = frame.contacts.size() - 1;
       p.lever = t.point_a - physics->pose(p.object).position, p.along = along;
       p.most = push * options_.dt;
@@ -149,7 +148,7 @@ void Coupling::hold(std::span<const Cluster> clusters, const Physics& physics, F
     for (Push& p : pushes_) {
       if (p.cluster != c || !solved) continue;
       grasps_[c].read(p.row, p.given, p.received);
-      p.god_at = clusters[c].poses()[static_cast<std::size_t>(p.body)].position;
+      p.god_at = clusters[c].poses()[at(p.body)].position;
       p.object_at = physics.pose(p.object).position;
     }
   }

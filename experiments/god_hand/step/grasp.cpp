@@ -38,13 +38,12 @@ void Grasp::write_contacts(const Cluster& cluster) {
   pads.all.clear();
   const auto lead = [&](BodyId body, const Vec3& arm) -> Vec3 {
     if (body >= static_cast<BodyId>(lead_.size())) return Vec3::Zero();
-    const Vec<double, 6>& of_bone = lead_[static_cast<std::size_t>(body)];
+    const Vec<double, 6>& of_bone = lead_[at(body)];
     return of_bone.head<3>() + of_bone.tail<3>().cross(arm);
   };
   // What a bone leads by is no slip.
   for (Contact& c : hard.all) {
-    const Body &a = scene_.bodies[static_cast<std::size_t>(c.bodies[0])],
-               &b = scene_.bodies[static_cast<std::size_t>(c.bodies[1])];
+    const Body &a = scene_.bodies[at(c.bodies[0])], &b = scene_.bodies[at(c.bodies[1])];
     const Vec3 point = a.pose * c.point_a;
     c.surface = b.pose.rotation.transpose() *
                 (lead(c.bodies[0], point - a.pose.position) - lead(c.bodies[1], point - b.pose.position)) / options_.dt;
@@ -59,8 +58,8 @@ void Grasp::free_objects(const Cluster& cluster, const Physics& physics, std::sp
   for (std::size_t b = cluster.size(); b < scene_.bodies.size(); ++b) scene_.bodies[b].motion = zwang::Motion::fixed;
   for (const Contacts::Row& row : cluster.rows()) {
     const int o = cluster.object_of(row.touch.b);
-    if (o >= 0 && surroundings_->objects[static_cast<std::size_t>(o)].loose())
-      scene_.bodies[cluster.size() + static_cast<std::size_t>(o)].motion = zwang::Motion::free;
+    if (o >= 0 && surroundings_->objects[at(o)].loose())
+      scene_.bodies[cluster.size() + at(o)].motion = zwang::Motion::free;
   }
   for (std::size_t o = 0; o < surroundings_->objects.size(); ++o) {
     Body& body = scene_.bodies[cluster.size() + o];
@@ -105,9 +104,8 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
     motion_.push_back(solution.z.segment<6>(6 * static_cast<Index>(b)) * dt * dt);
   for (std::size_t r = 0; r < row_at_.size(); ++r) {
     const int o = cluster.object_of(cluster.rows()[r].touch.b);
-    if (o < 0 || !surroundings_->objects[static_cast<std::size_t>(o)].loose() || solution.lambda[row_at_[r]] <= 0)
-      continue;
-    const auto object = static_cast<std::size_t>(o);
+    if (o < 0 || !surroundings_->objects[at(o)].loose() || solution.lambda[row_at_[r]] <= 0) continue;
+    const auto object = at(o);
     if (std::find(held_.begin(), held_.end(), object) == held_.end()) held_.push_back(object);
   }
   if (options_.pads > 0) stay_outside(cluster, deadline.left());

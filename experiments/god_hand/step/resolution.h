@@ -67,8 +67,8 @@ class Resolution {
   void put_back(Loose& loose, Resolved& out);
   void meet(double reach, double ahead);
   void slow(Physics& physics);
-  Loose* loose_of(int collider) { return owner_[static_cast<std::size_t>(collider)]; }
-  const Loose* loose_of(int collider) const { return owner_[static_cast<std::size_t>(collider)]; }
+  Loose* loose_of(int collider) { return owner_[at(collider)]; }
+  const Loose* loose_of(int collider) const { return owner_[at(collider)]; }
   bool is_god(int collider) const { return collider < static_cast<int>(gods_.size()); }
 
   std::vector<Object> objects_;

@@ -82,8 +82,7 @@ void FromScene::add_joints() {
       const Joint& joint = file_.joints[k];
       if (joint.type == "slider" || joint.type == "distance" || joint.type == "rope")
         joint.written["type"].fail("ball, hinge, universal or weld in a god object");
-      char &a = reached[static_cast<std::size_t>(joint.bodies[0])],
-           &b = reached[static_cast<std::size_t>(joint.bodies[1])];
+      char &a = reached[at(joint.bodies[0])], &b = reached[at(joint.bodies[1])];
       if (done[k] || (!a && !b)) continue;
       if (a && b)
         joint.written.fail("no loop: '" + joint.name + "' joins bodies of a god object that are joined already");

@@ -19,7 +19,7 @@ Options with_friction(int iterations = 100, double budget = 0) {
 // Goes down for 200 frames, then aside.
 auto target_of(int frame) {
   const double down = std::min(frame, 200) * 1e-3, aside = std::max(frame - 200, 0) * 5e-4;
-  return hand_at(at(aside, 0, 0.2 - down), 0.3);
+  return hand_at(posed(aside, 0, 0.2 - down), 0.3);
 }
 
 // A hand comes down on the floor and a loose box, goes on into both, and slides aside. No frame is not true to its
@@ -27,7 +27,7 @@ auto target_of(int frame) {
 std::vector<Frame> slide(const Options& options) {
   Surroundings s = floor_of();
   s.objects.push_back(loose_box({0, 0.06, 0.031}));
-  Simulation simulation = one_hand(s, hand_at(at(0, 0, 0.2)), options);
+  Simulation simulation = one_hand(s, hand_at(posed(0, 0, 0.2)), options);
   std::vector<Frame> frames;
   for (int k = 0; k < frames_of_each; ++k) {
     const Frame& f = frames.emplace_back(go(simulation, target_of(k)));
@@ -94,7 +94,8 @@ TEST(Accuracy, AFrameIsAsNearAsWasAsked) {
   Options exact = with_friction(), near = exact;
   near.accuracy = "1e-4m/s";
   near.verify = 1;
-  Simulation a = one_hand(scene, hand_at(at(0, 0, 0.2)), exact), b = one_hand(scene, hand_at(at(0, 0, 0.2)), near);
+  Simulation a = one_hand(scene, hand_at(posed(0, 0, 0.2)), exact),
+             b = one_hand(scene, hand_at(posed(0, 0, 0.2)), near);
   double most = 0;
   for (int k = 0; k < frames_of_each; ++k) {
     b.restore(a.checkpoint());

@@ -6,7 +6,7 @@ namespace {
 using collision::Shape;
 
 // A right hand at -x and a left one at x, face to face, that far from the middle.
-std::array<Target, 2> hands_at(double apart) { return {hand_at(at(-apart, 0, 0.1)), hand_at(at(apart, 0, 0.1))}; }
+std::array<Target, 2> hands_at(double apart) { return {hand_at(posed(-apart, 0, 0.1)), hand_at(posed(apart, 0, 0.1))}; }
 
 Simulation two_hands(const Surroundings& surroundings, const Options& options, double apart) {
   const std::array models = {hand::standard(), hand::mirrored(hand::standard())};

@@ -28,7 +28,7 @@ TEST(Paper, TimeOfContactTwiceNeverReachesTheWall) {
   GodObjects objects;
   objects.add(box_body({0.02, 0.02, 0.02}, 0.1, {0, 0, radius + way}), Shape::sphere(radius));
   Simulation s = with(floor_of(), std::move(objects), paper());
-  const Pose<double> target = at(0, 0, radius - way);
+  const Pose<double> target = posed(0, 0, radius - way);
   for (int n = 1; n <= 12; ++n) {
     double covered = 1 - (s.step(std::span(&target, 1)).god[0].position.z() - radius) / way;
     EXPECT_NEAR(covered, n / (n + 1.), margin) << n;
@@ -42,10 +42,10 @@ TEST(Paper, TimeOfContactTwiceNeverReachesTheWall) {
 TEST(Paper, RowsAreWhatWasMetAndAskForNothing) {
   Options o = paper();
   o.toc_twice = false;
-  Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.05)), o);
+  Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.05)), o);
   int met = 0;
   for (int k = 0; k < 80; ++k) {
-    const Frame& f = go(s, hand_at(at(0, 0, 0.05 - 1e-3 * k), 0.2));
+    const Frame& f = go(s, hand_at(posed(0, 0, 0.05 - 1e-3 * k), 0.2));
     ASSERT_GE(f.gap, 0) << k;
     EXPECT_EQ(f.kept, f.raw);
     EXPECT_LE(f.sub_steps, 1);
@@ -74,7 +74,7 @@ TEST(Paper, LinearStepOpensAHingeByWhatTheChordLeaves) {
       if (cycle) o.commit = Options::Commit::cycle;
       Simulation s = with(Surroundings{.name = "nothing"}, std::move(objects), o);
       const Mat3 R = rotation(Vec3(turn, 0, 0));
-      const std::vector<Pose<double>> target = {at(0, 0, 0), {R * Vec3(0, r, 0), R}};
+      const std::vector<Pose<double>> target = {posed(0, 0, 0), {R * Vec3(0, r, 0), R}};
       const double I = swung.inertia(0, 0), m = swung.mass,
                    w = (m * r * r * std::sin(turn) + I * turn) / (m * r * r + I);
       const double open = s.step(target).separation;
@@ -87,10 +87,10 @@ TEST(Paper, LinearStepOpensAHingeByWhatTheChordLeaves) {
 }
 
 TEST(Origin, SaysWhatAFrameCameFrom) {
-  Simulation s = one_hand(floor_of(), hand_at(at(0, 0, 0.15)));
+  Simulation s = one_hand(floor_of(), hand_at(posed(0, 0, 0.15)));
   std::array<int, origin_names.size()> count{};
   for (int k = 0; k < 150; ++k) {
-    const Frame& f = go(s, hand_at(at(2e-4 * k, 0, 0.15 - 1.4e-3 * k), 0.3));
+    const Frame& f = go(s, hand_at(posed(2e-4 * k, 0, 0.15 - 1.4e-3 * k), 0.3));
     ++count[static_cast<std::size_t>(f.origin)];
     EXPECT_EQ(f.held, f.origin == Origin::held);
     if (f.kept == 0) {

@@ -80,9 +80,9 @@ TEST(ModelMechanism, FollowsAndBends) {
   const Tool tool = tool_of(model(finger), ".xml");
   HandMotion motion{.name = "push", .hands = {Track{.model = hand::standard()}}, .duration = 1};
   motion.hands[0].patience = 2;
-  append(motion.hands[0], {0, closed(0, at(0, 0, 0.1))});
-  append(motion.hands[0], {0.5, closed(1.6, at(0, 0, -0.02))});
-  append(motion.hands[0], {1, closed(1.6, at(0.05, 0, -0.02))});
+  append(motion.hands[0], {0, closed(0, posed(0, 0, 0.1))});
+  append(motion.hands[0], {0.5, closed(1.6, posed(0, 0, -0.02))});
+  append(motion.hands[0], {1, closed(1.6, posed(0.05, 0, -0.02))});
   Play play(floor_of(), motion, unverified(), &tool);
   Kept kept;
   for (long k = 0; k <= 1000; ++k) kept.add(play.step(k));

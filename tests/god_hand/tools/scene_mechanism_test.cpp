@@ -74,7 +74,7 @@ TEST(SceneMechanism, DrivesComposeAlongTheTree) {
   const std::string joints =
       hinge("h", "a", "b", 0.1, ", \"drive\": 0.5") + "," + hinge("i", "b", "c", 0.2, ", \"drive\": 0.25");
   const Tool tool = tool_of(scene(rods, joints), ".json");
-  const std::vector<Pose<double>> poses = tool.poses(closed(1, at(1, 2, 3)));
+  const std::vector<Pose<double>> poses = tool.poses(closed(1, posed(1, 2, 3)));
   EXPECT_NEAR(angle_of(tool, "h", poses), 0.5, 1e-14);
   EXPECT_NEAR(angle_of(tool, "i", poses), 0.25, 1e-14);
   // From the root's middle: 50 mm to the first hinge, 100 mm to the second, 50 mm to the middle of the last rod.
@@ -124,8 +124,8 @@ TEST(SceneMechanism, BallsUniversalJointsAndWeldsHold) {
         "axis": [1, 0, 0], "axis_b": [0, 0, 1]}, {"type": "weld", "a": "d", "b": "c", "at": [0, 0.3, 0]})";
   const Tool tool = tool_of(scene(rods + ",\n" + rod("d", 3), joints), ".json");
   HandMotion motion{.name = "swing", .hands = {Track{.model = hand::standard()}}, .duration = 1};
-  append(motion.hands[0], {0, {.palm = at(0, 0, 0.3)}});
-  append(motion.hands[0], {0.5, {.palm = at(0, 0, -0.1, {0.5, 0, 0.3})}});
+  append(motion.hands[0], {0, {.palm = posed(0, 0, 0.3)}});
+  append(motion.hands[0], {0.5, {.palm = posed(0, 0, -0.1, {0.5, 0, 0.3})}});
   motion.hands[0].patience = 2;
   Play play(floor_of(), motion, unverified(), &tool);
   Kept kept;

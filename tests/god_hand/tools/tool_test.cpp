@@ -67,7 +67,7 @@ TEST(Tool, AKeyHoldsWhereItIsTurned) {
 
 TEST(Tool, AGripperClosesAsFarAsThereIsRoom) {
   const Tool tool = make_tool("gripper");
-  Target open{.palm = at(0, 0, 0.2)}, shut = open;
+  Target open{.palm = posed(0, 0, 0.2)}, shut = open;
   shut.angles[4] = 1.1;
   const auto between = [](std::span<const Pose<double>> p) {
     return (p[1] * Vec3(0, 0.03, 0) - p[2] * Vec3(0, 0.03, 0)).norm();
