@@ -7,7 +7,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <Eigen/SparseCholesky>
 #include <atomic>
 #include <cstdlib>
 #include <numeric>
@@ -19,7 +18,7 @@
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/referee/exact_rank.h>
-#include <zwang/solvers/friction/mode_equations.h>
+#include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
 
 namespace py = pybind11;
@@ -43,141 +42,6 @@ void require_good(const Problem& p) {
   require_matching_sizes(p);
   if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
 }
-
-// How an answer changes while no contact changes its mode: M z = M z_u + force + J'lambda of the rows that push,
-// J z + moved = 0, but for what slides (ModeEquations).
-class Kept {
- public:
-  double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
-  VectorX<Index> rows;         // that push, those of a contact together, and the ties
-  std::vector<Index> ties;     // those that neither push nor open
-  Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
-
-  Kept(const Instance& instance, const Vector& z, const Vector& lambda)
-      : change_{.M = instance.problem.M, .law = instance.problem.law} {
-    const Problem& p = instance.problem;
-    if (z.size() != p.size() || lambda.size() != p.rows())
-      throw std::invalid_argument("modes are read off z and lambda of a solution");
-    const Vector mass = p.M.diagonal(), light = mass.cwiseInverse(), slack = p.J * z - p.c,
-                 left = p.M * (z - p.z_u) - p.J.transpose() * lambda;
-    const auto moves = [&](Index row) {  // a motion of unit length
-      double sum = 0;
-      for (RowMatrix::InnerIterator it(p.J, row); it; ++it) sum += it.value() * it.value() * light[it.col()];
-      return sum > 0 ? std::sqrt(sum) : 1;
-    };
-    const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
-    motion = std::max(length(z), length(p.z_u));
-    off = length(left.cwiseQuotient(mass));
-    by_mu.setZero(p.rows());
-    std::vector<Index> held;
-    const double zero = clear * motion, opening = ConeLaw::of(p.law).opening();
-    for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
-      tangents = p.has_tangents() ? p.tangents(i) : 0;
-      const double mu = tangents > 0 ? p.mu[i] : 0, slip = slack.segment(i + 1, tangents).norm();
-      const double unit = moves(i), across = mu > 0 ? moves(i + 1) : 1;
-      const double push = lambda[i] * unit, gap = (slack[i] - opening * mu * slip) / unit, slides = slip / across;
-      const double spare = mu > 0 ? (mu * lambda[i] - lambda.segment(i + 1, tangents).norm()) * across : infinity;
-      const bool holds = p.is_equality(i) || push > zero;
-      off = std::max(off, p.is_equality(i) ? std::abs(gap) : std::max({-push, -gap, std::min(push, gap), -spare}));
-      if (mu > 0 && holds) off = std::max(off, std::min(spare, slides));
-      if (!holds && gap > zero) continue;
-      if (!holds || (spare <= zero && slides <= zero)) {
-        ties.push_back(i);
-        continue;
-      }
-      for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) held.push_back(r);
-      if (mu == 0) continue;
-      mode_.push_back(slides > zero ? Mode::slide : Mode::stick);
-      if (mode_.back() == Mode::stick) continue;
-      by_mu[i] = -opening * slip;
-      by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
-    }
-    held.insert(held.end(), ties.begin(), ties.end());
-    rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
-    change_.J.resize(rows.size(), p.size());
-    change_.J.reserve(p.J.nonZeros());
-    for (const Index i : held) {
-      const Index k = std::ssize(change_.kind);
-      change_.J.startVec(k);
-      for (RowMatrix::InnerIterator it(p.J, i); it; ++it) change_.J.insertBack(k, it.col()) = it.value();
-      change_.kind.push_back(p.kind[at(i)]);
-    }
-    change_.J.finalize();
-    change_.key.resize(held.size());
-    if (!mode_.empty()) change_.mu = p.mu(held);
-    lambda_ = lambda(held);
-    slack_ = slack(held);
-  }
-
-  // z, lambda; is lambda taken for the only one, by an estimate; is z what larger motions leave. `back`: transposed.
-  // Of the ties all push at first; those that pull then open, those that are violated push, until none does. Where that
-  // takes too long, z is none, and called large.
-  std::tuple<Vector, Vector, bool, bool> solve(const Vector& z_u, const Vector& force, const Vector& moved, bool back) {
-    change_.z_u = z_u;
-    change_.c = -moved;
-    require_matching_sizes(change_);
-    if (!force.isZero(0)) {
-      if (mass_.rows() == 0) mass_.compute(change_.M);
-      change_.z_u += mass_.solve(force);
-    }
-    thread_local ConeProgram program;  // fresh: twice the time
-    thread_local ModeEquations equations;
-    thread_local Solution answer;
-    const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(60), answer);
-    if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
-    Vector push = Vector::Zero(program.rows()), slack = program.scaled_slack(slack_), v, y, s;
-    program.scale_multipliers(lambda_, push);
-    equations.begin(program);
-    equations.mode = mode_;
-    equations.active.assign(equations.active.size(), 1);
-    if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
-    bool settled = false;
-    for (int round = 0; !settled && round < most_rounds; ++round) {
-      if (!equations.begin_change(program, push, slack, back))
-        throw std::invalid_argument("the modes' equations break down");
-      v.setZero(program.face().unknowns());
-      if (!is_unique_) {
-        const bool too_many = mode_.empty() && rows.size() > change_.size();
-        is_unique_ = rows.size() == 0 || (!too_many && equations.least_share(program) > 0);
-      }
-      y.setZero(program.rows());
-      s = -program.h();
-      double last = infinity, length = infinity;
-      do {
-        equations.aim(program, y, s);
-        equations.step(program, v, y);
-        program.slack(v, s);
-        last = std::exchange(length, program.length(equations.dv));
-      } while (length > 0 &&
-               (last == infinity || (length * length > rounding * program.scale(v) * last && !(length > last / 2))));
-      settled = true;
-      const double zero = still * program.scale(v);
-      for (Index i = 3 * program.cones(); i < program.rows(); ++i) {
-        char& pushes = equations.active[at(i - 3 * program.cones())];
-        if (program.source(i) < rows.size() - std::ssize(ties) || !((pushes ? y[i] : s[i]) < -zero)) continue;
-        pushes = !pushes;
-        settled = false;
-      }
-    }
-    if (settled && !(equations.missed(program, s) <= together * program.scale(v)))
-      throw std::invalid_argument("rows that push do not hold together");
-    program.write(change_, v, y, answer);
-    const double way = std::ldexp(program.length(v), program.exponent()), rest = answer.z.dot(change_.M * answer.z);
-    return {answer.z, answer.lambda, *is_unique_, !settled || way * way > large * rest};
-  }
-
- private:
-  using Mode = ModeEquations::Mode;
-  static constexpr double clear = 1e-8, together = 1e-9, large = 1e4;  // no tie; rows met; in squares: all but undone
-  static constexpr double rounding = 0x1p-62;  // of the step that would follow: forces need more than z does
-  static constexpr double still = 1e-12;       // a row that neither opens nor is violated
-  static constexpr int most_rounds = 8;
-  Problem change_;
-  std::vector<Mode> mode_;
-  Vector lambda_, slack_;
-  Eigen::SimplicialLLT<SparseMatrix> mass_;
-  std::optional<bool> is_unique_;
-};
 
 Instance make_problem(const SparseMatrix& M, const Vector& z_u, const RowMatrix& J, const Vector& c,
                       const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Vector& mu,
@@ -388,14 +252,21 @@ PYBIND11_MODULE(_zwang, m) {
       .def_property_readonly("redundant", [](const Solved& s) { return s.solution.redundant; })
       .def_readonly("seconds", &Solved::seconds);
 
-  made_by_calls(py::class_<Kept>(m, "Kept"))
-      .def(py::init<const Instance&, const Vector&, const Vector&>())
-      .def_readonly("off", &Kept::off)
-      .def_readonly("motion", &Kept::motion)
-      .def_readonly("rows", &Kept::rows)
-      .def_readonly("ties", &Kept::ties)
-      .def_readonly("by_mu", &Kept::by_mu)
-      .def("solve", &Kept::solve);
+  made_by_calls(py::class_<SolutionDerivative>(m, "SolutionDerivative"))
+      .def(py::init([](const Instance& instance, const Vector& z, const Vector& lambda) {
+        return SolutionDerivative(instance.problem, z, lambda);
+      }))
+      .def_readonly("off", &SolutionDerivative::off)
+      .def_readonly("motion", &SolutionDerivative::motion)
+      .def_readonly("rows", &SolutionDerivative::rows)
+      .def_readonly("ties", &SolutionDerivative::ties)
+      .def_readonly("by_mu", &SolutionDerivative::by_mu)
+      .def("solve",
+           [](SolutionDerivative& own, const Vector& dz_u, const Vector& force, const Vector& moved, bool back) {
+             SolutionDerivative::Change change = own.solve(dz_u, force, moved, back);
+             return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
+                               change.is_small);
+           });
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))
       .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })

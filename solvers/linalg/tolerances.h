@@ -189,6 +189,12 @@ inline constexpr double promise_softness = 1e-8, promise_vanished = 1e-6, promis
 // reach.
 inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
 
+// A derivative (solvers/friction/solution_derivative.h), relative to the motion. What is nearer to another mode is a
+// tie; the step that would follow where passes end, as forces need more than z does; a row that neither opens nor is
+// violated; rows that are met; and, in squares, larger motions that all but undo each other.
+inline constexpr double derivative_tie = 1e-8, derivative_ends = 0x1p-62, derivative_still = 1e-12;
+inline constexpr double derivative_meets = 1e-9, derivative_undone = 1e4;
+
 // Unknowns up to which rows are dense whatever they are, and a sparse method has nothing to gain.
 inline constexpr int few_unknowns = 150;
 

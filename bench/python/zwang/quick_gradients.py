@@ -1,7 +1,7 @@
 """Derivatives of a solution without a proof, for inner loops (docs/python.md#gradients).
 
 With t = dJ z - dc the change of a solution keeps the rows that push, J dz + t = 0, and of a contact that slides the plane of its ray, while its
-force turns with the slip: linear equations, which one factor solves (_zwang.Kept, solvers/friction/mode_equations.h).
+force turns with the slip: linear equations, which one factor solves (solvers/friction/solution_derivative.h).
 """
 import functools
 
@@ -24,7 +24,7 @@ class QuickGradient:
         self.problem, self.solution, self.laid, self.unique_forces = problem, solution, laid, True
         try:
             solved = isinstance(solution, _zwang.Solution)
-            keeps = self.keeps = _zwang.Kept(problem, *((solution.z, solution.lambda_) if solved else self.given))
+            keeps = self.keeps = _zwang.SolutionDerivative(problem, *((solution.z, solution.lambda_) if solved else self.given))
         except ValueError as bad:
             raise ValueError(f"no gradient: {bad}") from None
         if not keeps.off <= 1e-8 * keeps.motion:
@@ -82,10 +82,10 @@ class QuickGradient:
     def once(self, z_u, force, moved, back):
         own = numpy.zeros(self.problem.rows)
         try:
-            z, own[self.held], unique, large = self.keeps.solve(z_u, force, moved[self.held], back)
+            z, own[self.held], *words = self.keeps.solve(z_u, force, moved[self.held], back)
         except ValueError as bad:
             raise ValueError(f"no gradient: {bad}") from None
-        return z, own, unique, large
+        return z, own, *words
 
     def left(self, z_u, force, moved, z, own, back):
         """What z and own leave of the force and of the rows, in long doubles: of what slides the plane's part, in its normal row."""
@@ -107,13 +107,12 @@ class QuickGradient:
     def solve(self, z_u, force, moved, back):
         if not self.has_number:
             raise ValueError("no gradient: a kink of friction, or beside what slides: only a proof tells (proof=True)")
-        z, own, unique, large = self.once(z_u, force, moved, back)
-        if large:
-            if self.kink:
-                z, own, unique = self.one_sided(z_u, force, moved)
-            else:
-                more_z, more, *_ = self.once(0 * z, *self.left(z_u, force, moved, z, own, back), back)
-                z, own = z + more_z, own + more
+        z, own, unique, settled, small = self.once(z_u, force, moved, back)
+        if self.kink and (small or not settled):
+            z, own, unique = self.one_sided(z_u, force, moved)
+        elif small:
+            more_z, more, *_ = self.once(0 * z, *self.left(z_u, force, moved, z, own, back), back)
+            z, own = z + more_z, own + more
         self.unique_forces = self.unique_forces and unique
         if not self.unique_forces and self.slides:
             raise ValueError("no gradient: forces are not unique beside contacts that slide: only a proof tells (proof=True)")

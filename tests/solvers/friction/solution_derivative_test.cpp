@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/solvers/friction/solution_derivative.h>
+#include <zwang/solvers/registry.h>
+
+namespace zwang {
+namespace {
+
+const SolveOptions tight{.tolerance = 1e-13};
+
+Vector random_vector(Index size, unsigned seed) {
+  std::srand(seed);
+  return Vector::Random(size);
+}
+
+double length(const Problem& p, const Vector& v) { return std::sqrt(v.dot(p.M * v)); }
+
+// The row of each entry of `moved`, in dJ z - dc with dJ = 0.
+Vector moved_by(const SolutionDerivative& of, const Vector& dc) { return -dc(of.rows); }
+
+struct Case {
+  const char *scene, *solver;
+  Law law;
+};
+class Smooth : public testing::TestWithParam<Case> {};
+
+// Central differences of solves, whose error is near 1e-13 / h; larger steps change the modes of a hand.
+TEST_P(Smooth, DerivativesAreThoseOfDifferences) {
+  const auto [scene, solver, law] = GetParam();
+  const Problem p = under(law, make_scenes(scene).at(0).problem);
+  AnySolver method = make_solver(solver);
+  const Solution at = method.solve(p, tight);
+  SolutionDerivative of(p, at.z, at.lambda);
+  ASSERT_TRUE(of.ties.empty());
+  ASSERT_LE(of.off, 1e-9 * of.motion);
+  Vector dc = random_vector(p.rows(), 2);
+  for (Index i = 0; i < p.rows(); ++i) dc[i] *= p.is_equality(i) ? 0 : of.motion;
+  const Vector dz_u = of.motion * random_vector(p.size(), 1), force = of.motion * random_vector(p.size(), 3);
+  const Vector by_force = Eigen::MatrixXd(p.M).llt().solve(force);
+  const SolutionDerivative::Change change = of.solve(dz_u, force, moved_by(of, dc));
+  EXPECT_TRUE(change.is_settled);
+  constexpr double h = 1e-8;
+  const auto moved = [&](double by) {
+    Problem q = p;
+    q.z_u += by * (dz_u + by_force);
+    q.c += by * dc;
+    return method.solve(q, tight).z;
+  };
+  const Vector difference = (moved(h) - moved(-h)) / (2 * h);
+  EXPECT_LE(length(p, change.z - difference), 1e-4 * length(p, difference));
+}
+
+// g'(dz) of a direction is the direction's product with what comes back of g.
+TEST_P(Smooth, TheWayBackIsTheTransposed) {
+  const auto [scene, solver, law] = GetParam();
+  const Problem p = under(law, make_scenes(scene).at(0).problem);
+  const Solution at = make_solver(solver).solve(p, tight);
+  SolutionDerivative of(p, at.z, at.lambda);
+  const Vector dz_u = random_vector(p.size(), 4), g = random_vector(p.size(), 5), none = Vector::Zero(p.size());
+  const Vector dz = of.solve(dz_u, none, Vector::Zero(of.rows.size())).z;
+  const Vector back = of.solve(none, g, Vector::Zero(of.rows.size()), true).z;
+  EXPECT_NEAR(g.dot(dz), dz_u.dot(p.M * back), 1e-10 * g.norm() * dz.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Smooth,
+                         testing::Values(Case{"hand(contacts=16)", "dual_active_set", Law::frictionless},
+                                         Case{"hand(contacts=16,mu=0.5)", "cone", Law::convex},
+                                         Case{"hand(contacts=16,mu=0.5)", "cone", Law::coulomb},
+                                         Case{"pile(spheres=40,mu=0.5)", "cone", Law::convex}));
+
+// A block rests on two walls without pushing one of them: x >= 0 pushes, y >= 0 is a tie.
+Problem corner() {
+  Problem p{.M = Matrix::Identity(2, 2).sparseView(), .z_u = Vector::Zero(2), .law = Law::frictionless};
+  p.z_u[0] = -1;
+  p.J = Matrix::Identity(2, 2).sparseView();
+  p.c = Vector::Zero(2);
+  p.kind.assign(2, RowKind::inequality);
+  p.key.resize(2);
+  return p;
+}
+
+TEST(SolutionDerivativeAtATie, TheRowOpensOrHolds) {
+  const Problem p = corner();
+  SolutionDerivative of(p, Vector::Zero(2), Vector::Unit(2, 0));
+  ASSERT_EQ(of.ties, std::vector<Index>{1});
+  const Vector none = Vector::Zero(2);
+  for (const double way : {2.0, -2.0}) {
+    const SolutionDerivative::Change change = of.solve(Vector::Unit(2, 0) + way * Vector::Unit(2, 1), none, none);
+    EXPECT_TRUE(change.is_settled);
+    EXPECT_NEAR(change.z[0], 0, 1e-15);
+    EXPECT_NEAR(change.z[1], std::max(0.0, way), 1e-15);
+    EXPECT_NEAR(change.lambda[1], std::max(0.0, -way), 1e-15);
+  }
+}
+
+TEST(SolutionDerivativeOfBadInput, IsRefusedInOneLine) {
+  const Problem p = corner();
+  EXPECT_THROW(SolutionDerivative(p, Vector::Zero(3), Vector::Zero(2)), std::invalid_argument);
+  SolutionDerivative of(p, Vector::Zero(2), Vector::Unit(2, 0));
+  EXPECT_THROW(of.solve(Vector::Zero(2), Vector::Zero(2), Vector::Zero(5)), std::invalid_argument);
+  EXPECT_THROW(of.solve(Vector::Zero(1), Vector::Zero(2), Vector::Zero(2)), std::invalid_argument);
+}
+
+TEST(SolutionDerivativeOfABox, SaysThatForcesAreNotUnique) {
+  const Problem p = make_scenes("tower(boxes=1)").at(0).problem;
+  const Solution at = make_solver("dual_active_set").solve(p, tight);
+  SolutionDerivative of(p, at.z, at.lambda);
+  EXPECT_FALSE(of.solve(Vector::Ones(p.size()), Vector::Zero(p.size()), Vector::Zero(of.rows.size())).is_unique);
+}
+
+}  // namespace
+}  // namespace zwang
