@@ -189,7 +189,8 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
       if (!sees) modes_.begin(program_, inside_);
       run_modes(job, most_modes);
       if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
-    } else if (takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
+    } else if (inside_.residual() <= accepted_error(options.tolerance) * program_.scale(inside_.v) &&
+               takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
       if (!program_.law().lifts()) return End::accepted;
       modes_.begin(program_, inside_);
       if (modes_stay(options)) return End::accepted;

@@ -78,6 +78,17 @@ TEST_F(Fuzz, AnInteriorPointAloneProvesNoContradictionWhereThereIsNone) {
       run({.seed = 93, .first = 2991, .count = 1, .solvers = "cone:finish=off", .accuracy = "1e-4", .friction = true}));
 }
 
+// Of both the gap and the natural residual were nothing, while M v and G'y were a hundredth of the motion apart.
+TEST_F(Fuzz, AnInteriorPointAloneClaimsNothingOfAnIterateThatIsOutOfBalance) {
+  for (const std::uint64_t number : {10980, 38051})
+    expect_no_fault(run({.seed = 723,
+                         .first = number,
+                         .count = 1,
+                         .solvers = "cone:finish=off",
+                         .accuracy = "1e-4",
+                         .friction = true}));
+}
+
 // Each was called solved with another z by one of these, or infeasible by a proof that pulls at a contact (202): rows
 // less than 2^-60 apart, found violated by less than long double shows; wedges of rows that touch, which a single row's
 // violation hides; multipliers of 1e13 whose rounding moves z; an inequality that repeats an equality row, which a
