@@ -72,13 +72,14 @@ double free_memory(const fs::path& groups) {
 
 MemoryCap::MemoryCap() {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds seldom(100);  // reading takes longer than a small solve
-  thread_local Clock::time_point read_at;
-  thread_local double most = 0;
-  if (const auto now = Clock::now(); read_at == Clock::time_point() || now - read_at > seldom) {
-    most = address_space() + free_memory();
-    read_at = now;
+  constexpr std::chrono::milliseconds seldom(100);  // looking takes longer than a small solve
+  thread_local Clock::time_point seen;
+  thread_local double free = 0;
+  if (const auto now = Clock::now(); seen == Clock::time_point() || now - seen > seldom) {
+    free = free_memory();
+    seen = now;
   }
+  const double most = address_space() + free;
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || !(most < static_cast<double>(limit.rlim_cur))) return;
   before_ = limit.rlim_cur;

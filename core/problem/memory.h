@@ -8,8 +8,8 @@ namespace zwang {
 // (RLIMIT_AS); infinity where none of them can be read. `groups`: where the kernel shows control groups.
 double free_memory(const std::filesystem::path& groups = "/sys/fs/cgroup");
 
-// As long as it lives, this process cannot grow beyond what was free at its beginning, or a tenth of a second before: an
-// allocation then fails with std::bad_alloc, where the kernel would kill some process instead.
+// As long as it lives, this process cannot grow by more than was free at its beginning, or a tenth of a second before:
+// an allocation then fails with std::bad_alloc, where the kernel would kill some process instead.
 class MemoryCap {
  public:
   MemoryCap();
