@@ -226,6 +226,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("bodies", &bodies)
       .def("_scene_change", &change_of_scene)
+      .def("_weigh", [](const Instance& i, const Vector& z) -> Vector { return i.problem.M * z; })
       .def("_push", [](const Instance& i, const Vector& f) -> Vector { return i.problem.J.transpose() * f; })
       .def_property_readonly("row_names",
                              [](const Instance& i) {

@@ -40,7 +40,6 @@ class SolutionDerivative {
   Problem change_;  // whose answer is the change: the rows that push, and the ties
   std::vector<Mode> mode_;
   Vector lambda_, slack_;  // of its rows
-  std::optional<SparseCholesky<double>> mass_;
   std::optional<bool> is_unique_;
 };
 

@@ -242,7 +242,7 @@ def gradient_of(problem, solution, *, law=None, proof=True):
 
     solution: what solve() returned, (z, lambda), or z. law: the solution is one of problem.under(law), and derivatives are those with
     respect to the problem as it is given, mu included. g.jvp(dM=, dz_u=, dJ=, dc=, dmu=) gives a Derivative in that direction,
-    g.vjp(z_bar, lambda_bar=None) a dict of gradients, one a name. Which rows hold, open and slide is proven at the solution itself,
+    g.vjp(z_bar, lambda_bar=None, wrt=...) a dict of gradients, one a name. Which rows hold, open and slide is proven at the solution itself,
     to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
 
     proof=False: for inner loops. Modes are read off (z, lambda), which has to be a solution to 1e-8 of the motion; what is closer to a

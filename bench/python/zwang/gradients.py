@@ -546,11 +546,12 @@ class Gradient:
         together = vertex.p.J[rows]
         return len(exact_basis(together, numpy.zeros(len(rows)))[0]) == len(rows)
 
-    def vjp(self, z_bar, lambda_bar=None):
+    def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """The gradient of a number whose gradient with respect to z is z_bar (n), and to lambda lambda_bar (m), with respect to the
-        problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m). Where forces are not unique, J and c
-        have none, and None stands there. Raises ValueError at a kink."""
-        return self.backward(z_bar, lambda_bar)[0]
+        problem: a dict of "M" (n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or of those of them that wrt names (M and
+        J are full matrices). Where forces are not unique, J and c have none, and None stands there. Raises ValueError at a kink."""
+        names, out = wanted(wrt), self.backward(z_bar, lambda_bar)[0]
+        return {name: out[name] for name in names}
 
     def within_contacts(self):
         """Whether the only rows that depend on each other are the edges of one contact: they do so whatever changes."""
@@ -739,6 +740,13 @@ def gradient_of(problem, solution, law, proof=True):
         return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_, laid)
     except Unproven as unproven:
         raise ValueError(f"no gradient: {unproven}") from None
+
+
+def wanted(wrt):
+    names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+    if not names or not all(name in NAMES for name in names):
+        raise ValueError(f"wrt should be names among {', '.join(NAMES)}")
+    return names
 
 
 def parameters(wrt, direction):

@@ -8,7 +8,7 @@ import functools
 import numpy
 
 from . import _zwang
-from .gradients import NOT_UNIQUE, Change, Derivative, Parts, answer, finite
+from .gradients import NAMES, NOT_UNIQUE, Change, Derivative, Parts, answer, finite, wanted
 
 class QuickDerivative(Derivative):
     enclosure = enclosure_lambda = reach = reach_row = free = None
@@ -144,9 +144,10 @@ class QuickGradient:
             out.dlambda = own if extra is None else own + extra
         return out
 
-    def vjp(self, z_bar, lambda_bar=None):
+    def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """As Gradient.vjp."""
-        p = self.problem
+        p, names = self.problem, wanted(wrt)
+        asked = NAMES if self.laid else names
         if self.kink:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
         z_bar = finite(z_bar, "z_bar", p.size)
@@ -154,12 +155,20 @@ class QuickGradient:
         push, t_bar = self.solve(numpy.zeros(p.size), z_bar, bar, True)
         if lambda_bar is not None and not self.unique_forces:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
-        mu_bar = numpy.zeros(p.rows)
-        if self.slides:
-            numpy.add.at(mu_bar, self.owner, self.keeps.by_mu * numpy.where(p.tangent, p.J @ push + bar, t_bar))
-        M, (z, lambda_) = p.M, self.given
-        by_M = numpy.outer(push, z - p.z_u)
-        out = {"M": -0.5 * (by_M + by_M.T), "z_u": M @ push, "J": None, "c": None, "mu": mu_bar}
-        if self.unique_forces:
-            out["J"], out["c"] = numpy.outer(lambda_, push) + numpy.outer(t_bar, z), -t_bar
-        return self.laid.back(out, {name: 0 * bar for name, bar in out.items() if bar is not None})[0] if self.laid else out
+        out, (z, lambda_) = dict.fromkeys(asked), self.given
+        if "M" in asked:
+            by_M = numpy.outer(push, z - p.z_u)
+            out["M"] = -0.5 * (by_M + by_M.T)
+        if "z_u" in asked:
+            out["z_u"] = p._weigh(push)
+        if "mu" in asked:
+            out["mu"] = numpy.zeros(p.rows)
+            if self.slides:
+                numpy.add.at(out["mu"], self.owner, self.keeps.by_mu * numpy.where(p.tangent, p.J @ push + bar, t_bar))
+        if "J" in asked and self.unique_forces:
+            out["J"] = numpy.outer(lambda_, push) + numpy.outer(t_bar, z)
+        if "c" in asked and self.unique_forces:
+            out["c"] = -t_bar
+        if self.laid:
+            out = self.laid.back(out, {name: 0 * bar for name, bar in out.items() if bar is not None})[0]
+        return {name: out[name] for name in names}

@@ -691,6 +691,22 @@ class WithoutProof(unittest.TestCase):
                         self.assertTrue(along.one_sided)
                         self.near(along.dz, exact[0][0], max(abs(float(e)) for e in [1, *exact[0][0], *exact[0][1]]))
 
+    def test_a_backward_pass_gives_what_it_is_asked_for(self):
+        p = zwang.scene("hand(contacts=4,mu=0.5)").under("convex")
+        solution, z_bar = zwang.solve(p, "cone", tolerance=1e-12), numpy.ones(p.size)
+        for proof in (False, True):
+            g = zwang.gradient_of(p, solution, proof=proof)
+            every = g.vjp(z_bar)
+            self.assertEqual(sorted(every), ["J", "M", "c", "mu", "z_u"])
+            for wrt in ("c", ("mu", "z_u"), ["J", "M"]):
+                some = g.vjp(z_bar, wrt=wrt)
+                self.assertEqual(list(some), [wrt] if isinstance(wrt, str) else list(wrt))
+                for name, bar in some.items():
+                    numpy.testing.assert_array_equal(bar, every[name])
+            for wrong in ("z", (), ("c", "lambda")):
+                with self.assertRaisesRegex(ValueError, "wrt should be names among M, z_u, J, c, mu"):
+                    g.vjp(z_bar, wrt=wrong)
+
     def test_what_only_a_proof_tells_is_refused(self):
         box = zwang.scene("tower(boxes=1)")
         g = zwang.gradient_of(box, zwang.solve(box), proof=False)
