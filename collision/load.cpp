@@ -27,7 +27,7 @@ fs::path place_of(const StoredFile& file, const MeshFileOptions& options) {
 // Far more than a sound file needs: the slowest format takes a second for 10 MB, the most wasteful 30 bytes a byte.
 IsolationLimits limits_of(const StoredFile& file) {
   const double bytes = static_cast<double>(file.bytes.size()) * (file.packed() ? 8 : 1);
-  return {.seconds = 5 + bytes / 1e6, .bytes = (std::size_t{1} << 30) + at(80 * bytes)};
+  return {.seconds = 5 + bytes / 1e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(80 * bytes)};
 }
 
 // A tree as the cache holds it and as the child process writes it: the report, then the tree.

@@ -257,6 +257,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def(py::init([](const Instance& instance, const Vector& z, const Vector& lambda) {
         return SolutionDerivative(instance.problem, z, lambda);
       }))
+      .def_property_readonly_static("tie", [](const py::object&) { return tolerances::derivative_tie; })
       .def_readonly("off", &SolutionDerivative::off)
       .def_readonly("motion", &SolutionDerivative::motion)
       .def_readonly("rows", &SolutionDerivative::rows)

@@ -47,7 +47,7 @@ void keep_families(const std::string& families, std::vector<Instance>& instances
       throw std::invalid_argument("no problem of family '" + family + "'" + did_you_mean(family, present));
   if (kept.empty()) return;
   const auto is_kept = [&](const Instance& i) { return std::ranges::find(kept, i.family) != kept.end(); };
-  given = at(std::ranges::count_if(std::span(instances).first(given), is_kept));
+  given = static_cast<std::size_t>(std::ranges::count_if(std::span(instances).first(given), is_kept));
   std::erase_if(instances, [&](const Instance& i) { return !is_kept(i); });
 }
 

@@ -40,7 +40,7 @@ Index read_spacedim(const hdf5::Group& group, bool rolling, std::size_t contact_
   const auto dim = group.read_one<std::int64_t>("spacedim");
   if (rolling ? dim != 3 && dim != 5 : dim != 2 && dim != 3)
     group.fail("spacedim", "is " + std::to_string(dim) + "; expected " + (rolling ? "3 or 5" : "2 or 3"));
-  if (contact_rows % at(dim) != 0)
+  if (contact_rows % static_cast<std::size_t>(dim) != 0)
     group.fail("",
                std::to_string(contact_rows) + " contact rows; expected a multiple of spacedim " + std::to_string(dim));
   return dim;

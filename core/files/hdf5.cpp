@@ -136,10 +136,11 @@ Group Group::open(const std::filesystem::path& file) {
   std::error_code absent;
   const auto bytes = static_cast<double>(std::filesystem::file_size(file, absent));
   if (!absent)
-    isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + at(20 * bytes)}, [&file] {
-      open_here(file).rehearse(deepest);
-      return std::string();
-    });
+    isolated(file, {.seconds = 5 + bytes / 5e6, .bytes = (std::size_t{1} << 30) + static_cast<std::size_t>(20 * bytes)},
+             [&file] {
+               open_here(file).rehearse(deepest);
+               return std::string();
+             });
   return open_here(file);
 }
 

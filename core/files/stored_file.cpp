@@ -37,7 +37,7 @@ StoredFile read_stored(const fs::path& file) {
   if (!fs::is_regular_file(file, error)) refuse(file, "a pipe or device, not a file");
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in) refuse(file, "not readable");
-  std::string bytes(at(in.tellg()), '\0');
+  std::string bytes(static_cast<std::size_t>(in.tellg()), '\0');
   in.seekg(0);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) refuse(file, "cannot be read to its end");
   if (bytes.empty()) refuse(file, "0 bytes");

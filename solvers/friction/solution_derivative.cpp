@@ -66,6 +66,7 @@ SolutionDerivative::Change SolutionDerivative::solve(const Vector& dz_u, const V
   change_.z_u = dz_u;
   change_.c = -moved;
   require_matching_sizes(change_);
+  if (force.size() != change_.size()) throw std::invalid_argument("force should have one entry an unknown");
   thread_local SparseCholesky<double> mass;  // fresh, all of these take twice the time
   if (!force.isZero(0)) {
     if (!mass.factorize(change_.M)) throw std::invalid_argument("M is not positive definite");
@@ -77,7 +78,8 @@ SolutionDerivative::Change SolutionDerivative::solve(const Vector& dz_u, const V
   thread_local ConeProgram program;
   thread_local ModeEquations equations;
   thread_local Solution answer;
-  const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(), answer);
+  constexpr double most_seconds = 60;
+  const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(most_seconds), answer);
   if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
   Vector push = Vector::Zero(program.rows()), slack = program.scaled_slack(slack_), v, y, s;
   program.scale_multipliers(lambda_, push);

@@ -60,21 +60,6 @@ def _check_indices(matrix):
         raise ValueError(f"the sparse format {matrix.format} is not known")
 
 
-def _is_canonical(matrix):
-    """Whether entries ascend within each row or column, none of them twice. (scipy's own word is kept, whatever is written in since.)"""
-    place, borders = matrix.indices, matrix.indptr[1:-1]
-    ascends = place[1:] > place[:-1]
-    ascends[borders[(borders > 0) & (borders < len(place))] - 1] = True
-    return matrix.dtype == numpy.float64 and bool(ascends.all())
-
-
-def _compressed(array, kind):
-    lines = array if kind is scipy.sparse.csr_matrix else array.T
-    filled = lines != 0
-    first = numpy.concatenate([[0], numpy.cumsum(numpy.count_nonzero(filled, axis=1))])
-    return kind((lines[filled], numpy.nonzero(filled)[1], first), shape=array.shape)
-
-
 def _matrix(matrix, name, columns, by_rows):
     """Any matrix as float64 in compressed columns or rows, sorted, without duplicates."""
     kind = scipy.sparse.csr_matrix if by_rows else scipy.sparse.csc_matrix
@@ -85,17 +70,15 @@ def _matrix(matrix, name, columns, by_rows):
             raise ValueError("it has complex entries")
         if scipy.sparse.issparse(matrix):
             _check_indices(matrix)
-            if not isinstance(matrix, kind) or not _is_canonical(matrix):
-                matrix = kind(matrix, dtype=numpy.float64, copy=True)
-                matrix.sum_duplicates()
-                matrix.sort_indices()
         else:
             matrix = numpy.asarray(matrix, dtype=numpy.float64)
             if matrix.ndim == 1 and by_rows:
                 matrix = matrix.reshape(1, -1)
             if matrix.ndim != 2:
                 raise ValueError(f"it has the shape {matrix.shape}")
-            matrix = _compressed(matrix, kind)
+        matrix = kind(matrix, dtype=numpy.float64, copy=True)
+        matrix.sum_duplicates()
+        matrix.sort_indices()
     except (TypeError, ValueError, OverflowError, IndexError) as bad:
         raise ValueError(f"{name} should be a matrix of numbers: {bad}") from None
     if matrix.nnz >= 2**31 or max(matrix.shape) >= 2**31:
@@ -246,7 +229,7 @@ def gradient_of(problem, solution, *, law=None, proof=True):
     to which the given one need only be near. Raises ValueError, with one line, where there is no solution or nothing is proven.
 
     proof=False: for inner loops. Modes are read off (z, lambda), which has to be a solution to 1e-8 of the motion; what is closer to a
-    tie than that is named as a kink. The derivative is one factorization, without enclosure and reach, and refused where only the
+    tie than that is named as a kink. The derivative is one factorization, or a few at a kink, without enclosure and reach, and refused where only the
     proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
     from . import gradients

@@ -60,7 +60,7 @@ SolutionCount count_solutions(const Problem& problem, double seconds) {
   }
   const auto is_exact = [](const CoulombSolution& s) { return s.delta == 0; };
   std::ranges::stable_partition(out.solutions, is_exact);
-  out.proven = at(std::ranges::count_if(out.solutions, is_exact));
+  out.proven = static_cast<std::size_t>(std::ranges::count_if(out.solutions, is_exact));
   out.kind = continuum || exact      ? SolutionCount::Kind::continuum
              : out.solutions.empty() ? SolutionCount::Kind::none_found
                                      : SolutionCount::Kind::at_least;
