@@ -35,7 +35,9 @@ int fuzz_command(std::vector<std::string> words) {
   options.add_flag("--friction", fuzz.friction,
                    "contacts with friction instead, under Coulomb's law; with --accuracy the convex one");
   options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
-  options.add_option("--solvers", fuzz.solvers, "a,b,...; default: all native ones but nnls_paper");
+  options.add_option("--solvers", fuzz.solvers,
+                     "a,b,...; default: all native ones but nnls_paper; with --near none of first order, whose small "
+                     "residuals say nothing of z there");
   options.add_option("--accuracy", fuzz.accuracy, "asked of all, as of ./zwang solve: checks what they promise")
       ->type_name("A");
   within(from_to(1, 64), options.add_option("--jobs", jobs, "processes; default: one a core"));
