@@ -34,7 +34,7 @@ struct SparseQr::Factors {
   SparsityPattern places;  // of the analysis
   double work = 0;         // operations, by the analysis
   Vector rotated, all, x;  // storage of the calls below
-  Matrix some, rest;
+  Matrix some;
 
   Factors() {
     const LibraryMemory::Use use(memory);
@@ -115,9 +115,7 @@ bool SparseQr::factorize(const Rows& G, const std::vector<Index>& rows, double t
 
   list_columns();
   estimate_smallest();
-  if (!(smallest_ >= tolerances::clear_pivot)) return false;
-  measure_rejected(G, rows);
-  return holds_ = true;
+  return holds_ = smallest_ >= tolerances::clear_pivot;
 }
 
 // Column k of R is row Q1fill[k]; Rmap tells the accepted ones in a matrix that is short of rank.
@@ -171,25 +169,6 @@ void SparseQr::solve_transposed(Vector& w) const {
   all.setZero(factors_->qr->nacols);
   for (Index k = 0; const Index place : place_) all[place] = w[k++];
   factors_->solve(SPQR_RTX_EQUALS_B, all, [&](const Answer& y) { w = y.col(0).head(w.size()); });
-}
-
-void SparseQr::express(const Matrix& X, Matrix& W) const {
-  W.resize(std::ssize(place_), X.cols());
-  factors_->multiply(SPQR_QTX, X.topRows(n_), [&](const Answer& rotated) {
-    factors_->solve(SPQR_RX_EQUALS_B, rotated, [&](const Answer& y) {
-      for (Index k = 0; const Index place : place_) W.row(k++) = y.row(place);
-    });
-  });
-}
-
-// What the accepted rows leave of a rejected one.
-void SparseQr::measure_rejected(const Rows& G, const std::vector<Index>& rows) {
-  largest_rejected_ = 0;
-  if (rejected_.empty()) return;
-  dropped_.clear();
-  for (const Index k : rejected_) dropped_.push_back(rows[at(k)]);
-  reduce(G, dropped_, factors_->rest);
-  largest_rejected_ = factors_->rest.colwise().norm().maxCoeff();
 }
 
 // Inverse iteration with R'R from alternating signs: a few steps come within a small factor, which error() allows for.

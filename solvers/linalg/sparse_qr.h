@@ -31,7 +31,6 @@ class SparseQr {
   const std::vector<Index>& order() const { return order_; }        // accepted, as positions in `rows`, in R's order
   const std::vector<Index>& rejected() const { return rejected_; }  // likewise
   double smallest_accepted() const { return smallest_; }            // estimate of R's smallest singular value
-  double largest_rejected() const { return largest_rejected_; }     // length outside the accepted rows
 
   // x := Q'x and x := Q x over the first n entries, the range first; A := N'G' of rows of G.
   void rotate(Eigen::Ref<Vector> x) const { multiply(true, x); }
@@ -40,8 +39,6 @@ class SparseQr {
   // w := R^-1 w and w := R^-T w over the first rank entries.
   void solve(Eigen::Ref<Vector> w) const;
   void solve_transposed(Vector& w) const;
-  // W := R^-1 of the range of Q'X, column by column; X has n rows or more.
-  void express(const Matrix& X, Matrix& W) const;
 
  private:
   struct Factors;
@@ -49,7 +46,6 @@ class SparseQr {
   bool load(const Rows& G, const std::vector<Index>& rows);
   void multiply(bool transposed, Eigen::Ref<Vector> x) const;
   void list_columns();
-  void measure_rejected(const Rows& G, const std::vector<Index>& rows);
   void estimate_smallest();
 
   Session<Factors> factors_;
@@ -57,8 +53,7 @@ class SparseQr {
   Deadline deadline_;
   Index n_ = 0;
   std::vector<Index> order_, place_, rejected_;  // place_: of an accepted row among R's columns, dropped ones included
-  std::vector<Index> dropped_;                   // the rejected as rows of G
-  double smallest_ = 1, largest_rejected_ = 0;
+  double smallest_ = 1;
 };
 
 }  // namespace zwang

@@ -14,7 +14,6 @@ bool SparseQr::factorize(const Rows&, const std::vector<Index>&, double, const D
 void SparseQr::reduce(const Rows&, std::span<const Index>, Matrix&) const { absent(); }
 void SparseQr::solve(Eigen::Ref<Vector>) const { absent(); }
 void SparseQr::solve_transposed(Vector&) const { absent(); }
-void SparseQr::express(const Matrix&, Matrix&) const { absent(); }
 void SparseQr::multiply(bool, Eigen::Ref<Vector>) const { absent(); }
 
 }  // namespace zwang
