@@ -58,7 +58,7 @@ void LawsonHanson::settle(std::span<const char> free) {
 }
 
 Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
-                           const Limits& limits) {
+                           int& iterations, const Limits& limits) {
   const Index k = E.cols();
   qr_.reset(E.rows(), k);
   if (x_.size() < k)
@@ -87,8 +87,7 @@ Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const ch
 
   // A gradient below `noise` is what rounding leaves of zero.
   const double noise = tolerances::violation * std::numeric_limits<double>::epsilon() * f.norm();
-  const int last = limits.iterations - iterations_;
-  for (int step = 0;; ++step) {
+  for (;;) {
     if (limits.deadline.passed()) return Status::time_limit;
     w_.head(k).noalias() = E.transpose() * r_;
     Index best = -1;
@@ -99,8 +98,8 @@ Status LawsonHanson::solve(const Columns& E, const Vector& f, std::span<const ch
         best = j;
       }
     if (best < 0) return Status::solved;
-    if (step >= last) return Status::iteration_limit;
-    ++iterations_;
+    if (iterations >= limits.iterations) return Status::iteration_limit;
+    ++iterations;
     if (!enter(E, best)) {
       state_[at(best)] = State::barred;
       continue;

@@ -27,24 +27,21 @@ class LawsonHanson {
   using Columns = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
 
   struct Limits {
-    int iterations;  // to add to those already counted
+    int iterations;
     Deadline deadline = Deadline();
-    std::function<void()> each = {};  // called after every iteration; none in timed runs
+    std::function<void()> each = {};  // called after every iteration that changes the passive set
   };
 
   double threshold = tolerances::dependent_column;  // relative pivot of a column
 
-  void restart() { iterations_ = 0; }  // zero the count of iterations
-
   // Solved, or the limit that was met. `warm`: columns to try as passive first. E is N x k, f is N, free is k.
   Status solve(const Columns& E, const Vector& f, std::span<const char> free, std::span<const Index> warm,
-               const Limits& limits);
+               int& iterations, const Limits& limits);
 
   auto x() const { return x_.head(std::ssize(state_)); }                // k
   const Vector& residual() const { return r_; }                         // f - E x
   std::span<const Index> passive() const { return passive_; }           // in the order of the QR
   std::span<const Index> dependent_free() const { return dependent_; }  // free columns that were left out
-  int iterations() const { return iterations_; }
 
  private:
   bool enter(const Columns& E, Index column);
@@ -56,7 +53,6 @@ class LawsonHanson {
   Vector x_, w_, length_, rotated_, trial_;  // room for the most columns there were
   std::vector<Index> passive_, dependent_;
   std::vector<char> state_;  // 0 zero, 1 passive, 2 barred
-  int iterations_ = 0;
 };
 
 }  // namespace zwang

@@ -49,7 +49,8 @@ void LeastDistance::project(Index row) {
   column_.push_back(row);
 }
 
-Status LeastDistance::solve(std::span<const Index> warm, int most_iterations, const std::function<void()>& each) {
+Status LeastDistance::solve(std::span<const Index> warm, int& iterations, int most_iterations,
+                            const std::function<void()>& each) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const Index n = w_->size();
   infeasible_ = false;
@@ -59,7 +60,6 @@ Status LeastDistance::solve(std::span<const Index> warm, int most_iterations, co
     const auto place = std::ranges::lower_bound(column_, i);
     if (place != column_.end() && *place == i) warm_.push_back(place - column_.begin());
   }
-  least_squares_.restart();
   sigma_ = columns() > 0 ? std::max(0.0, h_.head(columns()).maxCoeff()) : 0;
   if (sigma_ == 0) return Status::solved;  // the equality rows' solution violates nothing
   f_.setZero(n + 1);
@@ -69,7 +69,7 @@ Status LeastDistance::solve(std::span<const Index> warm, int most_iterations, co
   for (int round = 0; round < rounds; ++round) {
     for (Index j = 0; j < columns(); ++j) E_(n, j) = std::max(h_[j] / sigma_, -tolerances::horizon);
     const Status end =
-        least_squares_.solve(E_.leftCols(columns()), f_, free_, warm_, {most_iterations, *deadline_, each});
+        least_squares_.solve(E_.leftCols(columns()), f_, free_, warm_, iterations, {most_iterations, *deadline_, each});
     if (end != Status::solved) return end;
     warm_.assign(least_squares_.passive().begin(), least_squares_.passive().end());
     infeasible_ = r.norm() <= tolerances::zero_residual * eps * std::max(1.0, least_squares_.x().lpNorm<1>());

@@ -24,10 +24,9 @@ class LeastDistance {
   // Both are kept until the next reset.
   void reset(const Whitened& rows, const Deadline& deadline);
   // From inequality rows of an earlier frame. Ends solved, at a limit, or infeasible where nothing is left of r, which
-  // is no proof yet. `each`, where there is one, is called after every iteration.
-  Status solve(std::span<const Index> warm, int most_iterations, const std::function<void()>& each);
+  // is no proof yet. `each` as in lawson_hanson.h.
+  Status solve(std::span<const Index> warm, int& iterations, int most_iterations, const std::function<void()>& each);
 
-  int iterations() const { return least_squares_.iterations(); }
   QrRows& equalities() { return equalities_; }
   // The inequality rows that push; where infeasible, those that contradict each other, the heaviest first.
   const std::vector<Index>& pushing() const { return pushing_; }

@@ -15,14 +15,13 @@ void Nnls::Method::solve(const Problem& p, const Nnls& settings, const SolveOpti
   if (!begin(rows_, p, options, deadline, s)) return;
   nearest_.reset(rows_, deadline);
 
-  std::function<void()> each;
-  if (options.observe)
-    each = [&] {
-      write(p, s);
-      options.observe(nearest_.iterations(), s.z, s.lambda);
-    };
-  const Status end = nearest_.solve(warm_rows_.find(p, rows_, options.warm_start), options.max_iterations, each);
-  s.iterations = nearest_.iterations();
+  const auto each = [&] {
+    if (!options.observe) return;
+    write(p, s);
+    options.observe(s.iterations, s.z, s.lambda);
+  };
+  const Status end = nearest_.solve(warm_rows_.find(p, rows_, options.warm_start), s.iterations, options.max_iterations,
+                                    std::ref(each));
 
   if (end == Status::time_limit || end == Status::iteration_limit) {
     write(p, s);

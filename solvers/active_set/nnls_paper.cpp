@@ -68,16 +68,13 @@ void NnlsPaper::solve(const Problem& p, const SolveOptions& options, Solution& s
     rows_.primal(p, y_, s.z);
     rows_.multipliers(p, least_squares_.x(), s.lambda);
   };
-  std::function<void()> each;
-  if (options.observe)
-    each = [&] {
-      write();
-      options.observe(least_squares_.iterations(), s.z, s.lambda);
-    };
-  least_squares_.restart();
-  s.status = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start),
-                                  {options.max_iterations, deadline, each});
-  s.iterations = least_squares_.iterations();
+  const auto each = [&] {
+    if (!options.observe) return;
+    write();
+    options.observe(s.iterations, s.z, s.lambda);
+  };
+  s.status = least_squares_.solve(Gt_, s_, rows_.equality, warm_rows_.find(p, rows_, options.warm_start), s.iterations,
+                                  {options.max_iterations, deadline, std::ref(each)});
   for (const Index i : least_squares_.dependent_free()) s.redundant.push_back(rows_.row[at(i)]);
   write();
 }
