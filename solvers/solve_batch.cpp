@@ -22,18 +22,14 @@ void BatchSolver::solve(std::span<const Problem> problems, const SolveOptions& o
                                 std::to_string(solutions.size()) + " solutions");
   if (options.observe) throw std::invalid_argument("a batch has no observer: several threads would call it");
 
-  struct Failure {
-    std::size_t problem;
-    std::exception_ptr what;
-  };
   std::atomic<std::size_t> next = 0;
-  std::vector<Failure> failures(solvers_.size(), {problems.size(), nullptr});
+  std::vector<std::exception_ptr> failures(problems.size());
   const auto work = [&](std::size_t thread) {
     for (std::size_t k = next++; k < problems.size(); k = next++) {
       try {
         solvers_[thread].solve(problems[k], options, solutions[k]);
       } catch (...) {
-        if (k < failures[thread].problem) failures[thread] = {k, std::current_exception()};
+        failures[k] = std::current_exception();
       }
     }
   };
@@ -42,8 +38,8 @@ void BatchSolver::solve(std::span<const Problem> problems, const SolveOptions& o
     for (std::size_t t = 1; t < std::min(solvers_.size(), problems.size()); ++t) others.emplace_back(work, t);
     work(0);
   }
-  const auto first = std::ranges::min_element(failures, {}, &Failure::problem);
-  if (first->what) std::rethrow_exception(first->what);
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace zwang
