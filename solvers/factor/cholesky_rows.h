@@ -3,8 +3,8 @@
 #include <vector>
 
 #include <zwang/solvers/factor/active_rows.h>
-#include <zwang/solvers/factor/updated_cholesky.h>
 #include <zwang/solvers/linalg/tolerances.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -22,16 +22,18 @@ class CholeskyRows : public ActiveRows {
   double append(Index row) override;
   double share(Index row) override;
   void drop(Index position) override;
-  double smallest_pivot() const override { return size() ? std::sqrt(factor_.smallest_pivot()) : 1; }
+  double smallest_pivot() const override;
   double contraction() const override { return rounding_over(smallest_pivot() * smallest_pivot()); }
   void combine(Vector& v, Part t) override { project(v, t, 2); }
   void correct(Vector& r1, Part r2) override;
 
  private:
+  struct Cholmod;
+
   bool factor_row(Index row);
   void project(Vector& v, Part t, int passes);
 
-  UpdatedCholesky factor_;
+  Session<Cholmod> factor_;  // opened by reset()
   std::vector<char> inside_;
   std::vector<int> index_;
   std::vector<double> value_;
