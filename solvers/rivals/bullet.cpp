@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include <zwang/solvers/first_order/stop.h>
+#include <zwang/solvers/rivals/peer_rows.h>
 
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built and used in double precision");
 
@@ -25,10 +25,7 @@ Matrix delassus(const UnitProgram& program, double cfm) {
 void write(const UnitProgram& program, const Problem& problem, const Vector& lambda, Solution& solution) {
   Vector y;
   program.motion(lambda, y);
-  program.write(problem, y, lambda, solution);
-  if (solution.z.allFinite()) return;
-  solution.empty_z();
-  solution.empty_lambda();
+  write_answer(problem, program, y, lambda, {}, solution);
 }
 
 }  // namespace

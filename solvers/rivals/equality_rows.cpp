@@ -1,32 +1,10 @@
 #include <zwang/solvers/rivals/equality_rows.h>
 
-#include <Eigen/SparseCholesky>
-
 #include <algorithm>
 
-#include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/finish/farkas.h>
 
 namespace zwang {
-
-// G_E G_E' and its sparse LDL'. The order of elimination is looked for once per pattern: it takes longer than the
-// factor.
-struct EqualityRows::Gram {
-  SparseMatrix S = {};
-  Eigen::SimplicialLDLT<SparseMatrix> factor = {};
-
-  bool factorize() {
-    if (!pattern_.matches(S)) {
-      pattern_.keep(S);
-      factor.analyzePattern(S);
-    }
-    factor.factorize(S);
-    return factor.info() == Eigen::Success;
-  }
-
- private:
-  SparsityPattern pattern_;
-};
 
 void EqualityRows::find(const UnitProgram& program) {
   equality_.clear();
@@ -40,9 +18,11 @@ bool EqualityRows::clearly_independent(const UnitProgram& program) {
   if (count == 0) return true;
   if (count > program.size()) return false;
   const UnitProgram::Rows G = program.some(equality_);
-  Gram& gram = gram_.open();
-  gram.S = G * G.transpose();
-  return gram.factorize() && gram.factor.vectorD().minCoeff() > tolerances::clear_squared_share;
+  const SparseMatrix S = G * G.transpose();
+  if (!gram_.factorize(S)) return false;
+  double least = 1;
+  for (int j = 0; j < count; ++j) least = std::min(least, gram_.pivot(j));
+  return least * least > tolerances::clear_squared_share;
 }
 
 void EqualityRows::factorize(const UnitProgram& program) {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <zwang/solvers/form/unit_program.h>
+#include <zwang/solvers/linalg/sparse_cholesky.h>
 #include <zwang/solvers/linalg/tolerances.h>
-#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -16,8 +16,8 @@ class EqualityRows {
  public:
   static constexpr double dependent = tolerances::rival_dependent;
 
-  // A sparse LDL' of G_E G_E', far cheaper than the QR: its pivots are the squared distances of the rows to those
-  // before them. True when none is small.
+  // By sparse Cholesky of G_E G_E', far cheaper than the QR: its pivots are the distances of the rows to those before
+  // them. True when none is small.
   bool clearly_independent(const UnitProgram& program);
 
   void factorize(const UnitProgram& program);
@@ -38,9 +38,7 @@ class EqualityRows {
   Eigen::ColPivHouseholderQR<Matrix> qr_;  // of G_E': n x (equality rows)
   Index rank_ = 0;
   std::vector<Index> equality_, kept_, dropped_;
-
-  struct Gram;
-  Session<Gram> gram_;
+  SparseCholesky<double> gram_;  // of G_E G_E'
 };
 
 }  // namespace zwang

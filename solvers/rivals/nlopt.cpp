@@ -176,10 +176,7 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
     y = dense.motion(v);
   }
   solution.iterations = dense.evaluations;
-  if (y.allFinite())
-    program.write(problem, y, Vector(), solution);
-  else
-    solution.empty_z();
+  write_answer(problem, program, y, {}, {}, solution);
 }
 
 template struct Nlopt<NloptMethod::slsqp>;
