@@ -71,7 +71,7 @@ void JointSpaceActiveSet::order_by_body() {
 
 bool JointSpaceActiveSet::prepare(const Problem& p) {
   reason_ = {};
-  if (!form_.build(p)) return refuse(form_.reason());
+  if (const auto refused = form_.build(p); !refused.empty()) return refuse(refused);
   if (form_.smallest_pivot() < tolerances::clear_pivot) return refuse("nearly dependent joints");
   climb_.reset(form_.freedom(), static_cast<Index>(form_.inequalities().size()));
   climb_.fixed_length = form_.y_E().norm();

@@ -89,9 +89,9 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
 }
 
 template <class Scalar>
-bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
+std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
   const auto r = at(joint(group.front()).count);
-  if (r > 6) return refuse("more than six rows between two bodies");
+  if (r > 6) return "more than six rows between two bodies";
   const std::size_t d = 6 - r;
 
   // Rows of C and D; lanes without a joint hold one that is easy.
@@ -135,7 +135,7 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     all += q[k].beta;
   }
   const double pivot = least(narrowest) + 0 * total(all);  // NaN where one is not finite
-  if (!(pivot > tolerances::clear_pivot)) return refuse("rows of one joint that are nearly dependent on its child");
+  if (!(pivot > tolerances::clear_pivot)) return "rows of one joint that are nearly dependent on its child";
   smallest_pivot_ = std::min(smallest_pivot_, pivot);
   for (std::size_t i = r > 0 ? r - 1 : 0; i < 6; ++i) form(i, r);
 
@@ -198,21 +198,21 @@ bool JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
     for (std::size_t j = 0; j < 6; ++j) row[j] = B[j][i];
     if (i >= d) write(row, &Blocks::S, i);
   }
-  return true;
+  return {};
 }
 
-bool JointTree::factorize(const BodyRows& rows) {
-  reason_ = {};
+std::string_view JointTree::factorize(const BodyRows& rows) {
   smallest_pivot_ = 1;
   graph_.build(rows);
   blocks_.resize(graph_.joints().size());
   for (std::size_t g = 0; g < graph_.groups(); ++g) {
     const auto group = graph_.group(g);
-    if (!(group.size() == 1 ? eliminate<double>(rows, group) : eliminate<Pack>(rows, group))) return false;
+    const auto refused = group.size() == 1 ? eliminate<double>(rows, group) : eliminate<Pack>(rows, group);
+    if (!refused.empty()) return refused;
   }
   rest_.resize(BodyRows::lanes, rows.bodies());
   v_.resize(freedom());
-  return true;
+  return {};
 }
 
 void JointTree::null_space(Matrix& Nt) const {

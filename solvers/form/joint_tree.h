@@ -33,8 +33,7 @@ class JointTree {
   using Block = BodyRows::Block;
   using Motion = BodyRows::Motion;
 
-  bool factorize(const BodyRows& rows);
-  std::string_view reason() const { return reason_; }  // why factorize() refused
+  std::string_view factorize(const BodyRows& rows);  // "" or why it refuses
 
   Index freedom() const { return graph_.freedom(); }
   const std::vector<Index>& tree_rows() const { return graph_.tree_rows(); }  // of BodyRows, in the order of mu below
@@ -75,21 +74,16 @@ class JointTree {
 
   // Scalar: double for one joint, eight lanes for a group.
   template <class Scalar>
-  bool eliminate(const BodyRows& rows, std::span<const int> group);
+  std::string_view eliminate(const BodyRows& rows, std::span<const int> group);
   template <class Scalar>
   bool accumulate(std::span<const int> group, std::array<std::array<Scalar, 6>, 6>& R);
   const JointGraph::Joint& joint(int position) const { return graph_.joints()[at(position)]; }
-  bool refuse(std::string_view why) {
-    reason_ = why;
-    return false;
-  }
 
   JointGraph graph_;
   std::vector<Blocks> blocks_;  // of the graph's joints
   double smallest_pivot_ = 1;
   mutable Vector v_;
   mutable Motion rest_;
-  std::string_view reason_;
 };
 
 }  // namespace zwang

@@ -10,16 +10,9 @@ constexpr Index packet = BodyRows::lanes;
 
 }  // namespace
 
-bool NullSpaceForm::build(const Problem& problem) {
-  reason_ = {};
-  if (!rows_.build(problem)) {
-    reason_ = "rows that are not of jointed bodies";
-    return false;
-  }
-  if (!tree_.factorize(rows_)) {
-    reason_ = tree_.reason();
-    return false;
-  }
+std::string_view NullSpaceForm::build(const Problem& problem) {
+  if (!rows_.build(problem)) return "rows that are not of jointed bodies";
+  if (const auto refused = tree_.factorize(rows_); !refused.empty()) return refused;
   inequalities_.resize(rows_.row.size());
   std::size_t count = 0;
   for (Index i = 0; i < rows_.rows(); ++i) {
@@ -31,10 +24,7 @@ bool NullSpaceForm::build(const Problem& problem) {
   equalities_.insert(equalities_.end(), tree_.cut().begin(), tree_.cut().end());
   smallest_pivot_ = tree_.smallest_pivot();
   const bool needs_N = !inequalities_.empty() || !tree_.cut().empty();
-  if (needs_N && tree_.freedom() > most_freedom) {
-    reason_ = "too many freedoms for a dense reduced form";
-    return false;
-  }
+  if (needs_N && tree_.freedom() > most_freedom) return "too many freedoms for a dense reduced form";
   const auto tree_rows = static_cast<Index>(tree_.tree_rows().size());
   all_.resize(tree_.freedom());
   tree_mu_.resize(tree_rows);
@@ -44,14 +34,11 @@ bool NullSpaceForm::build(const Problem& problem) {
   freedom_ = tree_.freedom() - static_cast<Index>(tree_.cut().size());
   padded_ = (freedom_ + packet - 1) / packet * packet;
   has_basis_ = false;
-  if (!tree_.cut().empty() && !close_loops()) {
-    reason_ = "loops whose joints are redundant";
-    return false;
-  }
+  if (!tree_.cut().empty() && !close_loops()) return "loops whose joints are redundant";
   for (std::size_t k = 0; k < equalities_.size(); ++k) sigma_[static_cast<Index>(k)] = rows_.h[equalities_[k]];
   tree_.shift(sigma_, y_E_);
   meet_cut(sigma_, y_E_);
-  return true;
+  return {};
 }
 
 // (G_cut N)' = Q [R; 0] by reflections; the last columns of Q are what the loops leave of N.

@@ -20,8 +20,7 @@ class NullSpaceForm {
  public:
   using Motion = JointTree::Motion;  // lanes x bodies: y by body
 
-  bool build(const Problem& problem);
-  std::string_view reason() const { return reason_; }
+  std::string_view build(const Problem& problem);  // "" or why it refuses
 
   const BodyRows& rows() const { return rows_; }
   Index freedom() const { return freedom_; }
@@ -56,7 +55,6 @@ class NullSpaceForm {
   Vector scale_, beta_;
   mutable Vector all_, tree_mu_, sigma_, cut_mu_;
   mutable Motion rest_;
-  std::string_view reason_;
 };
 
 }  // namespace zwang

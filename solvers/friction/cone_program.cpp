@@ -186,8 +186,8 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   has_cones_ = p.has_tangents() && want != Want::normals;
   law_ = has_cones_ ? ConeLaw::of(p.law) : ConeLaw();
   const bool dense = want == Want::dense;
-  const bool joints = want != Want::way_back && has_equalities(p) && joints_.build(p) && joints_.freedom() > 0 &&
-                      joints_.freedom() <= tolerances::few_unknowns &&
+  const bool joints = want != Want::way_back && has_equalities(p) && joints_.build(p).empty() &&
+                      joints_.freedom() > 0 && joints_.freedom() <= tolerances::few_unknowns &&
                       joints_.smallest_pivot() >= tolerances::clear_pivot;
   const bool full = p.size() <= tolerances::few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));
   form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;

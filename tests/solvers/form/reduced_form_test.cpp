@@ -22,10 +22,7 @@ TEST(NullSpaceForm, SpansTheFreeMotionsOfRandomMechanisms) {
     for (unsigned seed = 0; seed < seeds(graph, 200); ++seed) {
       const Problem p = random_mechanism(graph, seed, 0.5);
       NullSpaceForm form;
-      if (!form.build(p)) {
-        EXPECT_FALSE(form.reason().empty());
-        continue;
-      }
+      if (!form.build(p).empty()) continue;
       ++reduced;
       const Index f = form.freedom(), rows = static_cast<Index>(form.equalities().size());
       const double precision = 1e-12 / form.smallest_pivot();  // digits go joint by joint along a chain
