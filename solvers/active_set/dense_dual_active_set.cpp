@@ -85,7 +85,7 @@ void DenseDualActiveSet::scan() {
   by_rows_.accumulate(1, v_.data(), slack_.data());
 }
 
-Index DenseDualActiveSet::most_violated() {
+Index DenseDualActiveSet::choose() {
   const double length = std::sqrt(fixed_length * fixed_length + lanes::dot(v_.data(), v_.data(), padded_));
   double* const key = key_.data();
   Packet least = all(0);
@@ -189,10 +189,8 @@ bool DenseDualActiveSet::accept(const Vector& v, const Vector& u) {
   const bool clean = restore_dual_feasibility();
   if (!has_climbed()) return clean;
   scan();
-  return clean && most_violated() < 0;
+  return clean && choose() < 0;
 }
-
-Index DenseDualActiveSet::choose() { return most_violated(); }
 
 bool DenseDualActiveSet::is_dependent(double length) {
   const bool dependent = !(length > rank_tolerance) || size() == freedom_;

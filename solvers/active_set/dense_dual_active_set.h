@@ -97,7 +97,6 @@ class DenseDualActiveSet {
   void enter(Index p, double multiplier, double length);
   void refresh();
   bool restore_dual_feasibility();
-  Index most_violated();
 
   Index freedom_ = 0, padded_ = 0, rows_ = 0, padded_rows_ = 0;
   lanes::Columns A_;
