@@ -159,8 +159,7 @@ bool Cholesky::Method::attempt(const Problem& p, ActiveRows& active, std::span<c
     polish_.judge(p, w_, active, options, s);
     return s.status == Status::solved;
   }
-  return polish_.run(p, w_, active, options, s) != Polish::Outcome::failed &&
-         s.status != Status::solved_ill_conditioned;
+  return polish_.run(p, w_, active, options, s) && s.status != Status::solved_ill_conditioned;
 }
 
 void Cholesky::solve(const Problem& p, const SolveOptions& options, Solution& s) {

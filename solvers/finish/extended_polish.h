@@ -14,8 +14,6 @@ struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::Do
 
 namespace zwang {
 
-enum class PolishOutcome { solved, infeasible, failed };
-
 // The active rows make Gauss' problem linear:  M d = J_A' l,  J_A d = b_A,  with d = z - z_u and b = c - J z_u.
 // It is solved by iterative refinement (Bjorck 1967, BIT 7, for the augmented system): residuals come from the
 // problem's own M, J, c in Real (long double or DoubleDouble), corrections from the double factors of the active unit
@@ -31,22 +29,20 @@ enum class PolishOutcome { solved, infeasible, failed };
 template <class Real>
 class ExtendedPolish {
  public:
-  using Outcome = PolishOutcome;
-
-  // `active` is changed when the guess was wrong. On `solved` and `infeasible` the solution is complete; on `failed` it
-  // holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear.
+  // `active` is changed when the guess was wrong. The solution is complete, solved or infeasible; where this is false
+  // it holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear.
   // passes_on: more digits follow, and what is blurred in these is left to them at once.
-  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
-              Solution& solution, bool passes_on = false);
+  bool run(const Problem& problem, const Whitened& rows, ActiveRows& active, const SolveOptions& options,
+           Solution& solution, bool passes_on = false);
 
   // Is there a Farkas vector on `support` (rows, most important first) and the rows already active? If so the solution
   // holds it. Changes active.
-  bool certify(const Problem& problem, Whitened& rows, ActiveRows& active, std::span<const Index> support,
+  bool certify(const Problem& problem, const Whitened& rows, ActiveRows& active, std::span<const Index> support,
                Solution& solution);
 
   bool is_blurred() const { return is_blurred_; }  // a row is taken for a combination of others, or makes a wedge
   // Whether `unit`, multipliers of the unit rows, is a Farkas vector. If so the solution holds it.
-  bool certify(const Problem& problem, Whitened& rows, const Vector& unit, Solution& solution);
+  bool certify(const Problem& problem, const Whitened& rows, const Vector& unit, Solution& solution);
 
  private:
   using RealVector = VectorX<Real>;
@@ -60,37 +56,37 @@ class ExtendedPolish {
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
-  void prepare(const Problem& p, Whitened& w);
-  void add_row(const Problem& p, const Whitened& w, Index i, const Real& factor, RealVector& v) const;
-  const Rest& rest(const Problem& p, const Whitened& w, Index i);
-  double correction(const Problem& p, Whitened& w, ActiveRows& active);
-  Real unit(const Whitened& w, Index i) const { return l_[i] * Real(w.row_norm[i]); }  // the multiplier of a unit row
-  bool refine(const Problem& p, Whitened& w, ActiveRows& active);
-  Index pulling_row(const Whitened& w, const ActiveRows& active) const;
-  Index violated_row(const Problem& p, const Whitened& w, Real& worst);
+  void prepare(const Problem& p, const Whitened& w);
+  void add_row(Index i, const Real& factor, RealVector& v) const;
+  const Rest& rest(Index i);
+  double correction(ActiveRows& active);
+  Real unit(Index i) const { return l_[i] * Real(w_->row_norm[i]); }  // the multiplier of a unit row
+  bool refine(ActiveRows& active);
+  Index pulling_row(const ActiveRows& active) const;
+  Index violated_row(Real& worst);
   double express(ActiveRows& active, Index row);
-  double express_again(const Problem& p, Whitened& w, ActiveRows& active, Index row);
-  bool farkas(const Problem& p, Whitened& w, const ActiveRows& active, Index row, Solution& s);
-  bool proves(const Problem& p, const Whitened& w, Solution& s);
-  bool exchange(const Whitened& w, ActiveRows& active, Index row);
+  double express_again(ActiveRows& active, Index row);
+  bool farkas(const ActiveRows& active, Index row, Solution& s);
+  bool proves(Solution& s);
+  bool exchange(ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position);
-  double inherited(const Problem& p, const Whitened& w, const ActiveRows& active);
-  void doubt_active(const Problem& p, const Whitened& w, const ActiveRows& active);
-  Index doubt_others(const Problem& p, Whitened& w, ActiveRows& active, double limit, bool passes_on = false);
-  Blocking<Real> blocking(const Whitened& w, const ActiveRows& active, Real sign) const;
-  double detour(const Whitened& w, const ActiveRows& active, Real sign, double share, double violation) const;
-  void write(const Problem& p, const Whitened& w, Solution& s) const;
-  bool wedge(const Whitened& w);
+  double inherited(const ActiveRows& active);
+  void doubt_active(const ActiveRows& active);
+  Index doubt_others(ActiveRows& active, double limit, bool passes_on);
+  Blocking<Real> blocking(const ActiveRows& active, Real sign) const;
+  double detour(const ActiveRows& active, Real sign, double share, double violation) const;
+  void write(Solution& s) const;
+  bool wedge();
   double share(ActiveRows& active, Index row) const;  // of a row outside
-  double bound(const Whitened& w, ActiveRows& active) const;
-  void name_redundant(const Problem& p, const Whitened& w, ActiveRows& active, Solution& s);
+  double bound(ActiveRows& active) const;
+  void name_redundant(ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
-  Real violation(const Problem& p, const Whitened& w, Index i) { return rest(p, w, i).violation; }
+  Real violation(Index i) { return rest(i).violation; }
   // What rounding can hide in a violation.
-  double hidden(const Problem& p, const Whitened& w, Index i) {
-    return real_eps * static_cast<double>(rest(p, w, i).terms);
-  }
+  double hidden(Index i) { return real_eps * static_cast<double>(rest(i).terms); }
 
+  const Problem* p_ = nullptr;  // those of the last run() or certify()
+  const Whitened* w_ = nullptr;
   RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
   RealVector z_, l_;    // n, k: the point, and the multipliers of the rows as given, times 2^-exponent
   RealVector force_;    // n

@@ -14,25 +14,24 @@ bool in_range(const Whitened& w) {
 
 }  // namespace
 
-Polish::Outcome Polish::run(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options,
-                            Solution& s) {
+bool Polish::run(const Problem& p, const Whitened& w, ActiveRows& active, const SolveOptions& options, Solution& s) {
   const bool passes_on = w.rows() > 0 && in_range(w);
-  const Outcome first = ExtendedPolish::run(p, w, active, options, s, passes_on);
-  if (!passes_on || first == Outcome::infeasible || s.status == Status::solved) return first;
+  const bool first = ExtendedPolish::run(p, w, active, options, s, passes_on);
+  if (!passes_on || s.status == Status::infeasible || s.status == Status::solved) return first;
   first_ = s;
   s.message.clear();
-  const Outcome second = double_double_.run(p, w, active, options, s);
+  const bool second = double_double_.run(p, w, active, options, s);
   s.fallback = s.fallback || first_.status != Status::solved_ill_conditioned || !is_blurred();
-  if (second != Outcome::failed) return second;
+  if (second) return true;
   s = first_;
   return first;
 }
 
 // Tried before: the answer's own residuals. They are rounding in z, which hides what a row that all but depends on the
 // active ones asks for: answers among such rows were called solved, and far away.
-void Polish::judge(const Problem& p, Whitened& w, ActiveRows& active, const SolveOptions& options, Solution& s) {
+void Polish::judge(const Problem& p, const Whitened& w, ActiveRows& active, const SolveOptions& options, Solution& s) {
   polished_ = s;
-  const bool solved = run(p, w, active, options, polished_) == Outcome::solved;
+  const bool solved = run(p, w, active, options, polished_) && polished_.status != Status::infeasible;
   const auto length = [&](const auto& motion) {
     off_ = motion;
     if (p.size() > 0) w.factor.multiply_upper(off_);

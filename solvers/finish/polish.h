@@ -10,11 +10,11 @@ namespace zwang {
 // double-double, as long as the double factors contract: to 2^-45.
 class Polish : public ExtendedPolish<FactorReal> {
  public:
-  Outcome run(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
-              Solution& solution);
+  bool run(const Problem& problem, const Whitened& rows, ActiveRows& active, const SolveOptions& options,
+           Solution& solution);
   // For methods that stand alone (polish=off): the status that the z and lambda in `solution` deserve, which stay as
   // they are, beside the polished answer from these active rows. Changes active.
-  void judge(const Problem& problem, Whitened& rows, ActiveRows& active, const SolveOptions& options,
+  void judge(const Problem& problem, const Whitened& rows, ActiveRows& active, const SolveOptions& options,
              Solution& solution);
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace zwang {
 namespace {
@@ -14,25 +15,6 @@ bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.
 bool has_equalities(const Problem& p) { return std::ranges::find(p.kind, RowKind::equality) != p.kind.end(); }
 
 }  // namespace
-
-double ConeProgram::row_norm(Index unit) const {
-  return form_ == Form::joints     ? joints_.rows().row_norm[unit]
-         : form_ == Form::whitened ? whitened_.row_norm[unit]
-                                   : unit_rows_.row_norm[unit];
-}
-
-int ConeProgram::exponent() const {
-  return form_ == Form::joints     ? joints_.rows().exponent
-         : form_ == Form::whitened ? whitened_.exponent
-                                   : unit_rows_.exponent;
-}
-
-void ConeProgram::add_row(Index source, Index unit, double factor, double h) {
-  source_.push_back(source);
-  source_unit_.push_back(unit);
-  factor_.push_back(factor);
-  collected_h_.push_back(h);
-}
 
 // A contact of a body that cannot move: s = -c is data. False where it contradicts the law, which is then written.
 bool ConeProgram::meets_immobile(const Problem& p, Index row, double mu, Solution& solution) const {
@@ -53,30 +35,25 @@ template <class Rows>
 bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution) {
   unit_of_.assign(at(p.rows()), -1);
   for (Index k = 0; k < rows.rows(); ++k) unit_of_[at(rows.row[at(k)])] = k;
-  source_.clear();
-  source_unit_.clear();
-  factor_.clear();
-  collected_h_.clear();
+  row_.clear();
   mu_.clear();
   equality_.clear();
   const auto slips = [&](Index i) { return has_cones_ && !p.is_equality(i) && p.tangents(i) > 0 && p.mu[i] > 0; };
   const auto violation = [&](Index k) {
-    if (form_ == Form::joints) return joints_.rows().h[k] - joints_.rows().dot(k, joints_.y_E());
-    return static_cast<double>(rows.h[k]);
+    return form_ == Form::joints ? rows.h[k] - joints_.rows().dot(k, joints_.y_E()) : rows.h[k];
   };
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i) || !slips(i) || !std::isfinite(p.c[i])) continue;
     double longest = 0, trace = 0;
     for (Index q = 0; q <= p.tangents(i); ++q)
-      if (const Index k = unit_of_[at(i + q)]; k >= 0)
-        longest = std::max(longest, static_cast<double>(rows.row_norm[k]));
+      if (const Index k = unit_of_[at(i + q)]; k >= 0) longest = std::max(longest, rows.row_norm[k]);
     if (!(longest > 0)) {
       if (!meets_immobile(p, i, p.mu[i], solution)) return false;
       continue;
     }
     // Squares of rows of 1e200 do not fit a double.
     const int size = std::ilogb(longest);
-    const auto norm = [&](Index k) { return std::ldexp(static_cast<double>(rows.row_norm[k]), -size); };
+    const auto norm = [&](Index k) { return std::ldexp(rows.row_norm[k], -size); };
     for (Index q = 0; q <= p.tangents(i); ++q)
       if (const Index k = unit_of_[at(i + q)]; k >= 0) trace += norm(k) * norm(k);
     const double unit = std::sqrt(3 / trace);
@@ -84,20 +61,21 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
     for (Index q = 0; q < 3; ++q) {
       const double own = q == 0 ? unit / p.mu[i] : unit;
       if (q > p.tangents(i))
-        add_row(-1, -1, 0, 0);
+        row_.push_back({-1, -1, 0, 1, 0});
       else if (const Index k = unit_of_[at(i + q)]; k >= 0)
-        add_row(i + q, k, own * norm(k), own * norm(k) * violation(k));
+        row_.push_back({i + q, k, own * norm(k), rows.row_norm[k], own * norm(k) * violation(k)});
       else
-        add_row(i + q, -1, std::ldexp(own, -size), std::ldexp(own * p.c[i + q], -rows.exponent - size));
+        row_.push_back({i + q, -1, std::ldexp(own, -size), 1, std::ldexp(own * p.c[i + q], -rows.exponent - size)});
     }
   }
   for (Index i = 0; i < p.rows(); ++i) {
     const Index k = unit_of_[at(i)];
     if (p.is_tangent(i) || k < 0 || slips(i) || (p.is_equality(i) && form_ == Form::joints)) continue;
     equality_.push_back(p.is_equality(i));
-    add_row(i, k, 1, violation(k));
+    row_.push_back({i, k, 1, rows.row_norm[k], violation(k)});
   }
-  h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
+  exponent_ = rows.exponent;
+  free_norm_ = rows.free_norm;
   return true;
 }
 
@@ -118,7 +96,8 @@ void ConeProgram::measure_start() {
 void ConeProgram::state(ConeLaw law, const Vector* slips) {
   ++factors_;
   law_ = law;
-  h_ = Eigen::Map<const Vector>(collected_h_.data(), std::ssize(collected_h_));
+  h_.resize(rows());
+  for (Index r = 0; r < rows(); ++r) h_[r] = row_[at(r)].h;
   if (slips)
     for (Index k = 0; k < cones(); ++k) h_[3 * k] -= (*slips)[k];
   measure_start();
@@ -128,14 +107,14 @@ void ConeProgram::fill_dense() {
   const Index n = form_ == Form::joints ? joints_.freedom() : whitened_.size();
   dense_face_.reset(n, cones(), rays());
   for (Index r = 0; r < rows(); ++r) {
-    const Index k = source_unit_[at(r)];
-    if (k < 0) continue;
-    Eigen::Map<Vector> row(dense_face_.row(r), dense_face_.padded());
+    const Row& own = row_[at(r)];
+    if (own.unit < 0) continue;
+    Eigen::Map<Vector> out(dense_face_.row(r), dense_face_.padded());
     if (form_ == Form::joints) {
-      joints_.reduce_row(k, row.data());
-      row *= factor_[at(r)];
+      joints_.reduce_row(own.unit, out.data());
+      out *= own.factor;
     } else {
-      whitened_.add(k, factor_[at(r)], row);
+      whitened_.add(own.unit, own.factor, out);
     }
   }
   dense_face_.rows_are_set();
@@ -146,34 +125,28 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
   sparse_rows_.column.clear();
   sparse_rows_.value.clear();
   const SparseRows& g = unit_rows_.g;
-  const auto end_row = [&] { sparse_rows_.begin.push_back(static_cast<int>(sparse_rows_.column.size())); };
-  for (Index k = 0; k < cones(); ++k) {
+  // A cone's rows have one pattern, a single row its own.
+  for (std::size_t first = 0, count = 3; first < row_.size(); first += count) {
+    if (first == at(3 * cones())) count = 1;
+    const std::span together(&row_[first], count);
     pattern_.clear();
-    for (Index q = 0; q < 3; ++q)
-      if (const Index i = source_unit_[at(3 * k + q)]; i >= 0)
-        pattern_.insert(pattern_.end(), g.column.begin() + g.begin[at(i)], g.column.begin() + g.begin[at(i) + 1]);
+    for (const Row& row : together)
+      if (row.unit >= 0)
+        pattern_.insert(pattern_.end(), g.column.begin() + g.begin[at(row.unit)],
+                        g.column.begin() + g.begin[at(row.unit) + 1]);
     std::ranges::sort(pattern_);
     pattern_.erase(std::unique(pattern_.begin(), pattern_.end()), pattern_.end());
-    for (Index q = 0; q < 3; ++q) {
-      const std::size_t first = sparse_rows_.column.size();
+    for (const Row& row : together) {
+      const std::size_t begin = sparse_rows_.column.size();
       sparse_rows_.column.insert(sparse_rows_.column.end(), pattern_.begin(), pattern_.end());
       sparse_rows_.value.resize(sparse_rows_.column.size(), 0);
-      end_row();
-      const Index i = source_unit_[at(3 * k + q)];
-      if (i < 0) continue;
-      for (auto e = at(g.begin[at(i)]); e < at(g.begin[at(i) + 1]); ++e) {
+      sparse_rows_.begin.push_back(static_cast<int>(sparse_rows_.column.size()));
+      if (row.unit < 0) continue;
+      for (auto e = at(g.begin[at(row.unit)]); e < at(g.begin[at(row.unit) + 1]); ++e) {
         const auto place = std::ranges::lower_bound(pattern_, g.column[e]) - pattern_.begin();
-        sparse_rows_.value[first + at(place)] = factor_[at(3 * k + q)] * g.value[e];
+        sparse_rows_.value[begin + at(place)] = row.factor * g.value[e];
       }
     }
-  }
-  for (Index r = 3 * cones(); r < rows(); ++r) {
-    const Index i = source_unit_[at(r)];
-    for (auto e = at(g.begin[at(i)]); e < at(g.begin[at(i) + 1]); ++e) {
-      sparse_rows_.column.push_back(g.column[e]);
-      sparse_rows_.value.push_back(g.value[e]);
-    }
-    end_row();
   }
   sparse_face_.reset(p, sparse_rows_, cones(), options, deadline);
 }
@@ -182,7 +155,6 @@ bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense
 
 bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options, const Deadline& deadline,
                         Solution& solution) {
-  ++factors_;
   has_cones_ = p.has_tangents() && want != Want::normals;
   law_ = has_cones_ ? ConeLaw::of(p.law) : ConeLaw();
   const bool dense = want == Want::dense;
@@ -198,25 +170,23 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
     if (!collect(p, joints_.rows(), solution)) return false;
     constexpr Index pay_for_N = 48;
     if (rows() >= pay_for_N) joints_.form_basis();
-    fill_dense();
-    free_norm_ = joints_.rows().free_norm;
     motion_.resize(BodyRows::lanes, joints_.rows().bodies());
     rest_.resize(BodyRows::lanes, joints_.rows().bodies());
     mu_E_.resize(std::ssize(joints_.equalities()));
   } else if (form_ == Form::whitened) {
     if (!begin(whitened_, p, options, deadline, solution) || !collect(p, whitened_, solution)) return false;
-    const Preparation preparing;
-    fill_dense();
-    free_norm_ = whitened_.free_norm;
   } else {
     if (!begin(unit_rows_, p, options, deadline, solution) || !collect(p, unit_rows_, solution)) return false;
-    const Preparation preparing;
-    fill_sparse(p, options, deadline);
-    free_norm_ = unit_rows_.free_norm;
   }
+  joint_norm_ = joints ? joints_.y_E().norm() : 0;
+  const Preparation preparing;
+  if (dense_)
+    fill_dense();
+  else
+    fill_sparse(p, options, deadline);
   work_.setZero(face().unknowns());
   force_.setZero(face().unknowns());
-  measure_start();
+  state(law_);
   return true;
 }
 
@@ -225,18 +195,14 @@ double ConeProgram::length(const Vector& v) {
   return std::sqrt(std::max(0.0, work_.dot(v)));
 }
 
-double ConeProgram::scale(const Vector& v) {
-  return std::max({free_norm_, length(v), form_ == Form::joints ? joints_.y_E().norm() : 0.0});
-}
+double ConeProgram::scale(const Vector& v) { return std::max({free_norm_, length(v), joint_norm_}); }
 
 double ConeProgram::tied() const {
   if (form_ == Form::joints) return joints_.rows().tied() / joints_.smallest_pivot();
   return (form_ == Form::whitened ? whitened_.factor : unit_rows_.factor).tied();
 }
 
-double ConeProgram::reach() const {
-  return std::max({free_norm_, start_, form_ == Form::joints ? joints_.y_E().norm() : 0.0});
-}
+double ConeProgram::reach() const { return std::max({free_norm_, start_, joint_norm_}); }
 
 ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) const {
   Residual out;
@@ -246,7 +212,7 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
     out.natural = std::max(out.natural, own.natural);
     out.gap += own.gap;
     // And the normal row as a unit row, where its tangents are much longer or shorter.
-    if (source_unit_[at(3 * k)] >= 0) out.natural = std::max(out.natural, -s[3 * k] / factor_[at(3 * k)]);
+    if (const Row& row = row_[at(3 * k)]; row.unit >= 0) out.natural = std::max(out.natural, -s[3 * k] / row.factor);
   }
   for (Index r = 0; r < rays(); ++r) {
     const double l = y[3 * cones() + r], own = s[3 * cones() + r];
@@ -285,8 +251,8 @@ double ConeProgram::imbalance(const Vector& v, const Vector& y) {
 
 void ConeProgram::scale_multipliers(const Vector& lambda, Vector& y) const {
   for (Index r = 0; r < rows(); ++r) {
-    const Index k = source_unit_[at(r)];
-    y[r] = k >= 0 ? std::ldexp(lambda[source_[at(r)]] * row_norm(k) / factor_[at(r)], -exponent()) : 0;
+    const Row& row = row_[at(r)];
+    y[r] = row.unit >= 0 ? std::ldexp(lambda[row.source] * row.norm / row.factor, -exponent_) : 0;
   }
 }
 
@@ -297,19 +263,19 @@ void ConeProgram::read(const Problem& p, const Vector& z, const Vector& lambda, 
   if (form_ == Form::sparse) {
     for (Index j = 0; j < v.size(); ++j) {
       const Index column = sparse_face_.column(j);
-      v[j] = std::ldexp(z[column] - p.z_u[column], -exponent());
+      v[j] = std::ldexp(z[column] - p.z_u[column], -exponent_);
     }
   } else {
     short_ = z - p.z_u;
     whitened_.factor.multiply_upper(short_);
-    for (Index j = 0; j < short_.size(); ++j) v[j] = std::ldexp(short_[j], -exponent());
+    for (Index j = 0; j < short_.size(); ++j) v[j] = std::ldexp(short_[j], -exponent_);
   }
 }
 
 Vector ConeProgram::scaled_slack(const Vector& slack) const {
   return Vector::NullaryExpr(rows(), [&](Index r) {
-    const Index i = source_[at(r)], k = source_unit_[at(r)];
-    return i < 0 ? 0 : std::ldexp(slack[i] * factor_[at(r)] / (k < 0 ? 1 : row_norm(k)), -exponent());
+    const Row& row = row_[at(r)];
+    return row.source < 0 ? 0 : std::ldexp(row.of_source(slack[row.source]), -exponent_);
   });
 }
 
@@ -345,11 +311,14 @@ void ConeProgram::divide_by_mass(Vector& f) {
   for (Index j = 0; j < f.size(); ++j) f[j] = short_[sparse_face_.column(j)];
 }
 
-// What the joints carry of the force in rest_ and of y.
-void ConeProgram::joint_multipliers(const Vector& y, Vector& lambda, int exponent) {
+// Multipliers of the problem's rows from y; with joints, what these carry of y and of the force in rest_.
+void ConeProgram::write_multipliers(const Vector& y, int exponent, Vector& lambda) {
+  for (Index r = 0; r < rows(); ++r)
+    if (const Row& row = row_[at(r)]; row.source >= 0) lambda[row.source] = std::ldexp(row.of_source(y[r]), exponent);
+  if (form_ != Form::joints) return;
   const BodyRows& rows = joints_.rows();
   for (Index r = 0; r < y.size(); ++r)
-    if (const Index k = source_unit_[at(r)]; k >= 0) rows.add(k, -y[r] * factor_[at(r)], rest_);
+    if (const Row& row = row_[at(r)]; row.unit >= 0) rows.add(row.unit, -y[r] * row.factor, rest_);
   joints_.multipliers(rest_, mu_E_);
   for (std::size_t e = 0; e < joints_.equalities().size(); ++e) {
     const Index k = joints_.equalities()[e];
@@ -357,17 +326,17 @@ void ConeProgram::joint_multipliers(const Vector& y, Vector& lambda, int exponen
   }
 }
 
-// Multipliers of the problem's rows from y: row r is factor times a unit row.
 void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solution& solution) {
   Solution& s = solution;
   if (s.lambda.size() != p.rows()) s.spare.lambda.set_zero(s.lambda, p.rows());
   if (s.z.size() != p.size()) s.spare.z.set_zero(s.z, p.size());
   s.lambda.setZero();
-  for (Index r = 0; r < rows(); ++r)
-    if (source_[at(r)] >= 0)
-      s.lambda[source_[at(r)]] = source_unit_[at(r)] >= 0
-                                     ? std::ldexp(y[r] * factor_[at(r)] / row_norm(source_unit_[at(r)]), exponent())
-                                     : std::ldexp(y[r] * factor_[at(r)], exponent());
+  if (form_ == Form::joints) {
+    joints_.expand(v, motion_);
+    motion_ += joints_.y_E();
+    rest_ = motion_;
+  }
+  write_multipliers(y, exponent_, s.lambda);
   if (form_ == Form::whitened) {
     short_ = v.head(whitened_.size());
     whitened_.primal(p, short_, s.z);
@@ -375,32 +344,21 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
   }
   s.z = p.z_u;
   if (form_ == Form::sparse) {
-    for (Index j = 0; j < v.size(); ++j) s.z[sparse_face_.column(j)] += std::ldexp(v[j], exponent());
+    for (Index j = 0; j < v.size(); ++j) s.z[sparse_face_.column(j)] += std::ldexp(v[j], exponent_);
     unit_rows_.move_faint(s.lambda, s.z);
     return;
   }
-  const BodyRows& rows_of = joints_.rows();
-  joints_.expand(v, motion_);
-  motion_ += joints_.y_E();
-  rest_ = motion_;
-  joint_multipliers(y, s.lambda, exponent());
-  for (Index b = 0; b < rows_of.bodies(); ++b) {
-    const BodyRows::Lanes step = BodyRows::times(rows_of.mass[at(b)].L_inverse_t, motion_.col(b));
-    for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent());
+  for (Index b = 0; b < joints_.rows().bodies(); ++b) {
+    const BodyRows::Lanes step = BodyRows::times(joints_.rows().mass[at(b)].L_inverse_t, motion_.col(b));
+    for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent_);
   }
 }
 
 void ConeProgram::write_certificate(const Problem& p, const Vector& y, Solution& solution) {
   solution.empty_z();
   solution.empty_lambda();
-  Vector& u = solution.zero_certificate(p.rows());
-  for (Index r = 0; r < rows(); ++r)
-    if (const Index k = source_unit_[at(r)]; source_[at(r)] >= 0)
-      u[source_[at(r)]] = k >= 0 ? y[r] * factor_[at(r)] / row_norm(k) : y[r] * factor_[at(r)];
-  if (form_ == Form::joints) {
-    rest_.setZero();
-    joint_multipliers(y, u, 0);
-  }
+  rest_.setZero();
+  write_multipliers(y, 0, solution.zero_certificate(p.rows()));
   solution.status = Status::infeasible;
 }
 

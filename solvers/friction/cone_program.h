@@ -41,17 +41,18 @@ class ConeProgram {
   ConeLaw law() const { return law_; }
   Index cones() const { return std::ssize(mu_); }
   Index rays() const { return std::ssize(equality_); }
-  Index rows() const { return 3 * cones() + rays(); }
+  Index rows() const { return std::ssize(row_); }
   double mu(Index k) const { return mu_[at(k)]; }
   // mu where it is so far from 1 that the rows N / mu and T of a cone are of different sizes; else 1.
   double tilt(Index k) const { return mu(k) < 1 / tolerances::cone_far || mu(k) > tolerances::cone_far ? mu(k) : 1; }
   bool is_equality(Index ray) const { return equality_[at(ray)] != 0; }
-  Index source(Index r) const { return source_[at(r)]; }  // the problem's row; -1: a planar contact's second tangent
+  Index source(Index r) const { return row_[at(r)].source; }  // the problem's; -1: a planar contact's second tangent
   const Vector& h() const { return h_; }
   ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
   bool is_dense() const { return dense_; }
-  void couple() { sparse_face_.couple(); }         // of sparse rows: takes_unsymmetric() from now on
-  DenseFace& dense_face() { return dense_face_; }  // where it is
+  void couple() { sparse_face_.couple(); }  // of sparse rows: takes_unsymmetric() from now on
+  bool couples() { return law_.lifts() && face().takes_unsymmetric(); }  // slip lifts, and that is differentiated
+  DenseFace& dense_face() { return dense_face_; }                        // where it is
   // As the face's; and how many were made so far, of these rows and others.
   bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
     ++factors_;
@@ -92,8 +93,8 @@ class ConeProgram {
   void cut(Vector& y) const;                                      // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
-  double tied() const;   // as SparseCholesky's, over the smallest pivot of joints
-  int exponent() const;  // lengths are in units of 2^exponent
+  double tied() const;                        // as SparseCholesky's, over the smallest pivot of joints
+  int exponent() const { return exponent_; }  // lengths are in units of 2^exponent
 
   // Multipliers of an earlier frame; false where there are none.
   bool warm(const Problem& problem, const WarmStart* warm, Vector& y);
@@ -107,12 +108,10 @@ class ConeProgram {
   template <class Rows>
   bool collect(const Problem& problem, const Rows& rows, Solution& solution);
   void measure_start();
-  void add_row(Index source, Index unit, double factor, double h);
   bool meets_immobile(const Problem& problem, Index row, double mu, Solution& solution) const;
   void fill_dense();
   void fill_sparse(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
-  void joint_multipliers(const Vector& y, Vector& lambda, int exponent);
-  double row_norm(Index unit) const;
+  void write_multipliers(const Vector& y, int exponent, Vector& lambda);
 
   Form form_ = Form::whitened;
   ConeLaw law_;
@@ -126,15 +125,19 @@ class ConeProgram {
   DenseFace dense_face_;
   SparseFace sparse_face_;
 
-  std::vector<Index> unit_of_;      // of the problem's row: which unit row, or -1
-  std::vector<Index> source_;       // of row r here: the problem's row, or -1
-  std::vector<Index> source_unit_;  // the unit row, or -1 for a zero row
-  std::vector<double> factor_;      // the row here is that unit row times this
+  struct Row {
+    Index source, unit;   // the problem's row, or -1; its unit row, or -1 for a zero row
+    double factor, norm;  // this row is the unit row times `factor`, that the problem's over `norm`
+    double h;             // without slips
+    double of_source(double own) const { return own * factor / norm; }
+  };
+  std::vector<Index> unit_of_;  // of the problem's row: which unit row, or -1
+  std::vector<Row> row_;
   std::vector<double> mu_;
   std::vector<char> equality_;
-  std::vector<double> collected_h_;
   Vector h_;
-  double free_norm_ = 0, start_ = 1;
+  int exponent_ = 0;
+  double free_norm_ = 0, joint_norm_ = 0, start_ = 1;
   SparseRows sparse_rows_;
   std::vector<int> pattern_;
   Vector work_, force_, short_, mu_E_, lambda_;

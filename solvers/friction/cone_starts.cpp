@@ -83,13 +83,13 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
 }
 
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  if (!program_.law().lifts() || !program_.face().takes_unsymmetric()) return End::failed;
+  if (!program_.couples()) return End::failed;
   begun_ = job.solution.iterations;
   return from_inside(job, start, Way::quick);
 }
 
 ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
-  if (!program_.law().lifts() || !program_.face().takes_unsymmetric()) return End::failed;
+  if (!program_.couples()) return End::failed;
   const double unit = program_.start();
   if (inside_.follows() && (!program_.is_dense() || inside_.gap() <= tolerances::cone_far_end * unit * unit))
     return End::failed;
@@ -132,7 +132,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
     inside_.begin(program_, start);
   else
     inside_.let_go(program_);
-  const bool couples = program_.law().lifts() && program_.face().takes_unsymmetric();
+  const bool couples = program_.couples();
   double target = follows   ? tolerances::cone_path_regime
                   : couples ? tolerances::cone_coupled_regime
                             : tolerances::cone_regime;
@@ -205,8 +205,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
 }
 
 ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
-  if (!program_.law().lifts() || program_.is_dense() || !program_.face().takes_unsymmetric()) return End::failed;
-  if (!sweeps_.begin(program_)) return End::failed;
+  if (program_.is_dense() || !program_.couples() || !sweeps_.begin(program_)) return End::failed;
   Vector &v = swept_.v, &y = swept_.y;
   v.setZero(program_.face().unknowns());
   y = job.best.y;

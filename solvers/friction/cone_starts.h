@@ -3,6 +3,7 @@
 #include <zwang/solvers/friction/contact_sweeps.h>
 #include <zwang/solvers/friction/mode_newton.h>
 #include <zwang/solvers/friction/promise.h>
+#include <zwang/solvers/newton_start.h>
 
 namespace zwang {
 
@@ -10,7 +11,7 @@ namespace zwang {
 // into the regime where the modes of the contacts show, then Newton's method on the modes.
 class ConeStarts {
  public:
-  enum class End { accepted, failed, limit, written };  // written: the answer is in the solution
+  using End = NewtonStart::End;
   // Of an interior point: `quick` is given up where the problem is hard, `path` keeps to the central path.
   enum class Way { free, quick, path };
   // The best iterate there is, by its natural residual.

@@ -113,7 +113,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   rounding_.setZero(lanes::round_up(nc));
   path_ = 0;
   sees_end_ = false;
-  const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
+  const bool couples = program.couples();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
   scalings_.resize(at((nc + few - 1) / few * Few::numbers));
@@ -423,7 +423,7 @@ void InteriorPoint::let_go(ConeProgram& program) {
 }
 
 bool InteriorPoint::step(ConeProgram& program) {
-  const bool couples = program.law().lifts() && program.face().takes_unsymmetric();
+  const bool couples = program.couples();
   if (!std::isfinite(gap_) || !std::isfinite(residual_)) return false;
   if (!weigh(program, couples)) return false;
   if (!program.factorize(D_, ray_weight_, !couples)) return false;

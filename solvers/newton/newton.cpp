@@ -29,7 +29,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   if (cold && inside && polish && (held == many_left || held == none) && p.size() > tolerances::few_unknowns) {
     const auto end = from_inside(p, options, deadline, s);
     if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
-    all_but_known = end == NewtonStart::End::near;
+    all_but_known = end == NewtonStart::End::accepted;
   }
   const bool bounds = polish && prover_ && (many || (L_.l.array() > 0).count() > L_.unknowns()) &&
                       L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
@@ -57,7 +57,7 @@ NewtonStart::End Newton::from_inside(const Problem& p, const SolveOptions& optio
                                      Solution& s) {
   using enum NewtonStart::End;
   const auto end = start ? start(p, options, deadline, s) : failed;
-  if (end == near) L_.hold_pushing(s.z, s.lambda, deadline);
+  if (end == accepted) L_.hold_pushing(s.z, s.lambda, deadline);
   if (end != written || s.status != Status::infeasible || polish_.certify_again(L_, p, deadline, s)) return end;
   s.spare.certificate.set_zero(s.certificate, 0);
   return failed;

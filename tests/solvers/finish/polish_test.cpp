@@ -23,8 +23,8 @@ TEST(ExtendedPolish, InDoubleDoubleAloneAgreesWithEnumerationAndBoundsItsError) 
     for (Index i = 0; i < rows.rows(); ++i)
       if (rows.equality[static_cast<std::size_t>(i)]) active.append(i);
     ExtendedPolish<DoubleDouble> polish;
-    const PolishOutcome outcome = polish.run(p, rows, active, SolveOptions{.tolerance = 1e-10, .accuracy = 1e-4}, s);
-    ASSERT_EQ(outcome, truth ? PolishOutcome::solved : PolishOutcome::infeasible) << p.name;
+    ASSERT_TRUE(polish.run(p, rows, active, SolveOptions{.tolerance = 1e-10, .accuracy = 1e-4}, s)) << p.name;
+    ASSERT_EQ(s.status == Status::infeasible, !truth) << p.name;
     if (!truth) continue;
     ++solved;
     EXPECT_EQ(s.status, Status::solved) << p.name;
