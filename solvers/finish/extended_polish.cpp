@@ -7,11 +7,6 @@
 namespace zwang {
 
 template <class Real>
-void ExtendedPolish<Real>::add_row(Index i, const Real& factor, RealVector& v) const {
-  for (RowMatrix::InnerIterator it(p_->J, w_->row[at(i)]); it; ++it) v[it.col()] += Real(it.value()) * factor;
-}
-
-template <class Real>
 const typename ExtendedPolish<Real>::Rest& ExtendedPolish<Real>::rest(Index i) {
   using std::abs, std::ldexp;
   Rest& own = rest_[at(i)];
@@ -100,13 +95,6 @@ bool ExtendedPolish<Real>::refine(ActiveRows& active) {
     last = length;
   }
   return true;
-}
-
-template <class Real>
-void ExtendedPolish<Real>::remove(ActiveRows& active, Index position) {
-  state_[at(active[position])] = State::outside;
-  l_[active[position]] = 0;
-  active.drop(position);
 }
 
 // The active row with the most negative multiplier, or active.size().
@@ -372,11 +360,6 @@ void ExtendedPolish<Real>::write(Solution& s) const {
     const Real own = w_->equality[at(i)] ? l_[i] : std::max(l_[i], Real(0));
     s.lambda[w_->row[at(i)]] = static_cast<double>(ldexp(own, w_->exponent));
   }
-}
-
-template <class Real>
-double ExtendedPolish<Real>::share(ActiveRows& active, Index row) const {
-  return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
 }
 
 // z is the projection of z_u onto the active rows, so z_u - z is in their span. A point that meets all rows, away from

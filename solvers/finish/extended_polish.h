@@ -57,7 +57,9 @@ class ExtendedPolish {
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
   void prepare(const Problem& p, const Whitened& w);
-  void add_row(Index i, const Real& factor, RealVector& v) const;
+  void add_row(Index i, const Real& factor, RealVector& v) const {
+    for (RowMatrix::InnerIterator it(p_->J, w_->row[at(i)]); it; ++it) v[it.col()] += Real(it.value()) * factor;
+  }
   const Rest& rest(Index i);
   double correction(ActiveRows& active);
   Real unit(Index i) const { return l_[i] * Real(w_->row_norm[i]); }  // the multiplier of a unit row
@@ -69,7 +71,11 @@ class ExtendedPolish {
   bool farkas(const ActiveRows& active, Index row, Solution& s);
   bool proves(Solution& s);
   bool exchange(ActiveRows& active, Index row);
-  void remove(ActiveRows& active, Index position);
+  void remove(ActiveRows& active, Index position) {
+    state_[at(active[position])] = State::outside;
+    l_[active[position]] = 0;
+    active.drop(position);
+  }
   double inherited(const ActiveRows& active);
   void doubt_active(const ActiveRows& active);
   Index doubt_others(ActiveRows& active, double limit, bool passes_on);
@@ -77,7 +83,9 @@ class ExtendedPolish {
   double detour(const ActiveRows& active, Real sign, double share, double violation) const;
   void write(Solution& s) const;
   bool wedge();
-  double share(ActiveRows& active, Index row) const;  // of a row outside
+  double share(ActiveRows& active, Index row) const {  // of a row outside
+    return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
+  }
   double bound(ActiveRows& active) const;
   void name_redundant(ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.

@@ -24,10 +24,9 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
 }  // namespace
 
 void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  DualIteration iteration(dual, problem, options, solution);
-  if (!iteration.begin()) return;
-  UnitProgram& program = dual.program;
-  Vector &lambda = dual.lambda, &y = dual.y;
+  if (!iteration.begin(problem, options, solution)) return;
+  UnitProgram& program = iteration.program;
+  Vector &lambda = iteration.lambda, &y = iteration.y;
   ahead = lambda;
   y_ahead = y;
   double curvature = largest_eigenvalue(program, power_iterations, next, y_next), momentum = 1;

@@ -29,7 +29,7 @@ struct Apgd {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  DualIteration::Workspace dual = {};
+  DualIteration iteration = {};
   Vector ahead = {}, y_ahead = {};  // the extrapolated point and G' of it
   Vector next = {}, y_next = {};    // the candidate
   Vector gradient = {};

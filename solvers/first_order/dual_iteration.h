@@ -7,8 +7,8 @@
 
 namespace zwang {
 
-// What surrounds every step of a first-order method on the dual of a unit program (pgs.h, apgd.h): where it starts, the
-// limits of steps and time, the proof that there is no solution, and the observer.
+// The iterate of a first-order method on the dual of a unit program (pgs.h, apgd.h), and what surrounds every step:
+// where it starts, the limits of steps and time, the proof that there is no solution, and the observer.
 //
 //   while (iteration.goes_on(limit)) {
 //     ... moves lambda and y ...
@@ -17,32 +17,27 @@ namespace zwang {
 //   }
 class DualIteration {
  public:
-  struct Workspace {
-    UnitProgram program;
-    Vector lambda, y;  // the iterate and G' lambda
-    Vector marked, drift, motion;
-    Sharpening sharpening;
-  };
-
-  DualIteration(Workspace& work, const Problem& problem, const SolveOptions& options, Solution& solution)
-      : work_(work), problem_(problem), options_(options), solution_(solution), deadline_(options.time_limit) {}
+  UnitProgram program;
+  Vector lambda, y;  // y = G' lambda
 
   // Builds the program and starts from the multipliers of an earlier frame. False where the answer is already written.
-  bool begin();
+  // All three are kept until the next begin().
+  bool begin(const Problem& problem, const SolveOptions& options, Solution& solution);
   // False at an end that is none of the method's own, which the solution then names.
   bool goes_on(int limit);
   // Counts the step and shows it to the observer. True where the accuracy that was asked for is proven; then written.
   bool step_done();
-  void write() { work_.program.write(problem_, work_.y, work_.lambda, solution_); }
+  void write() { program.write(*problem_, y, lambda, *solution_); }
 
  private:
   bool runs_off();
 
-  Workspace& work_;
-  const Problem& problem_;
-  const SolveOptions& options_;
-  Solution& solution_;
+  const Problem* problem_ = nullptr;
+  const SolveOptions* options_ = nullptr;
+  Solution* solution_ = nullptr;
   Deadline deadline_;
+  Vector marked_, drift_, motion_;
+  Sharpening sharpening_;
   Prover* prover_ = nullptr;
 };
 

@@ -5,10 +5,9 @@
 namespace zwang {
 
 void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  DualIteration iteration(dual, problem, options, solution);
-  if (!iteration.begin()) return;
-  UnitProgram& program = dual.program;
-  Vector &lambda = dual.lambda, &y = dual.y;
+  if (!iteration.begin(problem, options, solution)) return;
+  UnitProgram& program = iteration.program;
+  Vector &lambda = iteration.lambda, &y = iteration.y;
   LinearConvergenceEstimate contraction;
   while (iteration.goes_on(max_sweeps)) {
     before = y;

@@ -26,7 +26,7 @@ struct Pgs {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  DualIteration::Workspace dual = {};
+  DualIteration iteration = {};
   Vector before = {};
 };
 

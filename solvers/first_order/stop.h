@@ -12,9 +12,7 @@ namespace zwang {
 // by rho per iteration leaves d rho / (1 - rho). A short step alone says little where rho is 0.999.
 class LinearConvergenceEstimate {
  public:
-  void record(double step) {
-    steps_[count_++ % window] = step;
-  }
+  void record(double step) { steps_[count_++ % window] = step; }
   // Steps no longer than `rounding` have arrived: they shrink no more.
   double distance_to_go(double rounding) const {
     const double last = steps_[(count_ + window - 1) % window];

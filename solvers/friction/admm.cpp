@@ -13,11 +13,10 @@ constexpr double apart = 5, change = 3;  // of the residuals, and of the penalty
 }  // namespace
 
 void Admm::solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  ConeIteration iteration(inner, problem, options, solution);
-  if (!iteration.begin()) return;
-  ConeProgram& program = inner.program;
+  if (!iteration.begin(problem, options, solution)) return;
+  ConeProgram& program = iteration.program;
   ConeFace& face = program.face();
-  Vector &v = inner.v, &y = inner.y, &s = inner.s;
+  Vector &v = iteration.v, &y = iteration.y, &s = iteration.s;
   const Index nc = program.cones();
   w.setZero(program.rows());
   sum.setZero(program.rows());

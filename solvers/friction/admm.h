@@ -24,7 +24,7 @@ struct Admm {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  ConeIteration::Workspace inner = {};
+  ConeIteration iteration = {};
   Vector w = {}, sum = {}, ray_weight = {};
   std::vector<double> D = {};
 };

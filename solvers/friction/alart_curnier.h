@@ -21,9 +21,23 @@ struct AlartCurnier {
   static std::vector<Setting<AlartCurnier>> settings() {
     return {{"max_steps", &AlartCurnier::max_steps, "Newton steps before giving up"}};
   }
-  void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
+    if (!iteration.begin(problem, options, solution)) return;
+    modes.begin(iteration.program, iteration.v, iteration.y);
+    while (iteration.goes_on(max_steps)) {
+      if (!modes.step(iteration.program)) {
+        solution.status = Status::numerical_failure;
+        solution.message = "the matrix of the modes breaks down";
+        break;
+      }
+      iteration.v = modes.v;
+      iteration.y = modes.y;
+      if (iteration.step_done()) break;
+    }
+    iteration.end();
+  }
 
-  ConeIteration::Workspace inner = {};
+  ConeIteration iteration = {};
   ModeNewton modes = {};
 };
 static_assert(Solver<AlartCurnier>);

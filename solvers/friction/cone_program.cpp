@@ -79,7 +79,13 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
   return true;
 }
 
-void ConeProgram::measure_start() {
+void ConeProgram::state(ConeLaw law, const Vector* slips) {
+  ++factors_;
+  law_ = law;
+  h_.resize(rows());
+  for (Index r = 0; r < rows(); ++r) h_[r] = row_[at(r)].h;
+  if (slips)
+    for (Index k = 0; k < cones(); ++k) h_[3 * k] -= (*slips)[k];
   start_ = 0;
   const double opening = law_.opening();
   for (Index k = 0; k < cones(); ++k) {
@@ -91,16 +97,6 @@ void ConeProgram::measure_start() {
     start_ = std::max(start_, is_equality(r) ? std::abs(own) : own);
   }
   if (!(start_ > 0)) start_ = std::max(free_norm_, std::numeric_limits<double>::min());
-}
-
-void ConeProgram::state(ConeLaw law, const Vector* slips) {
-  ++factors_;
-  law_ = law;
-  h_.resize(rows());
-  for (Index r = 0; r < rows(); ++r) h_[r] = row_[at(r)].h;
-  if (slips)
-    for (Index k = 0; k < cones(); ++k) h_[3 * k] -= (*slips)[k];
-  measure_start();
 }
 
 void ConeProgram::fill_dense() {
@@ -163,7 +159,6 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
                       joints_.smallest_pivot() >= tolerances::clear_pivot;
   const bool full = p.size() <= tolerances::few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));
   form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;
-  dense_ = form_ != Form::sparse;
   if (form_ == Form::joints) {
     solution.reset(p.size(), p.rows());
     const Preparation preparing;
@@ -180,7 +175,7 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   }
   joint_norm_ = joints ? joints_.y_E().norm() : 0;
   const Preparation preparing;
-  if (dense_)
+  if (is_dense())
     fill_dense();
   else
     fill_sparse(p, options, deadline);

@@ -48,11 +48,12 @@ class ConeProgram {
   bool is_equality(Index ray) const { return equality_[at(ray)] != 0; }
   Index source(Index r) const { return row_[at(r)].source; }  // the problem's; -1: a planar contact's second tangent
   const Vector& h() const { return h_; }
-  ConeFace& face() { return dense_ ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
-  bool is_dense() const { return dense_; }
-  void couple() { sparse_face_.couple(); }  // of sparse rows: takes_unsymmetric() from now on
-  bool couples() { return law_.lifts() && face().takes_unsymmetric(); }  // slip lifts, and that is differentiated
-  DenseFace& dense_face() { return dense_face_; }                        // where it is
+  ConeFace& face() { return is_dense() ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }
+  bool is_dense() const { return form_ != Form::sparse; }
+  void couple() { sparse_face_.couple(); }  // of sparse rows: as of dense ones from now on
+  // Does slip lift, and is that differentiated?
+  bool couples() { return law_.lifts() && face().takes_unsymmetric(); }
+  DenseFace& dense_face() { return dense_face_; }  // where it is
   // As the face's; and how many were made so far, of these rows and others.
   bool factorize(const std::vector<double>& D, const Vector& ray_weight, bool symmetric) {
     ++factors_;
@@ -107,7 +108,6 @@ class ConeProgram {
   enum class Form { joints, whitened, sparse };
   template <class Rows>
   bool collect(const Problem& problem, const Rows& rows, Solution& solution);
-  void measure_start();
   bool meets_immobile(const Problem& problem, Index row, double mu, Solution& solution) const;
   void fill_dense();
   void fill_sparse(const Problem& problem, const SolveOptions& options, const Deadline& deadline);
@@ -116,7 +116,6 @@ class ConeProgram {
   Form form_ = Form::whitened;
   ConeLaw law_;
   bool has_cones_ = false;
-  bool dense_ = true;
   long factors_ = 0;
   NullSpaceForm joints_;
   Whitened whitened_;

@@ -4,9 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include <zwang/solvers/law/second_order_cone.h>
-#include <zwang/solvers/linalg/lanes.h>
-
 namespace zwang {
 namespace {
 
@@ -59,35 +56,6 @@ constexpr Index few = Pack::lanes;
   Threes{from}.store(own.data());
   std::copy_n(own.begin(), 3 * (nc - k), &x[3 * k]);
 }
-// What weigh() knows of a few cones; whatever behind the last one.
-struct Few {
-  static constexpr Index numbers = 8 * few;
-
-  soc::Scaling<Pack> scaling;
-  Pack slope1, slope2;  // of the shift
-
-  [[gnu::always_inline]] static Few load(const double* x) {
-    const auto at = [x](Index i) { return Pack::load(x + i * few); };
-    return {{at(0), at(1), at(2), at(3), at(4), at(5)}, at(6), at(7)};
-  }
-  [[gnu::always_inline]] void store(double* x) const {
-    const auto& [a0, a1, a2, eta, inverse_eta, share] = scaling;
-    for (const Pack* own : {&a0, &a1, &a2, &eta, &inverse_eta, &share, &slope1, &slope2}) own->store(x), x += few;
-  }
-  // D.
-  [[gnu::always_inline]] std::array<Pack, 9> weight() const {
-    std::array<Pack, 9> D = scaling.weight();
-    for (std::size_t i = 0; i < 3; ++i) {
-      D[i + 3] += D[i] * slope1;
-      D[i + 6] += D[i] * slope2;
-    }
-    return D;
-  }
-};
-template <class Visit>
-void for_few(Index nc, const Visit& visit) {
-  for (Index k = 0; k < nc; k += few) visit(k);
-}
 [[gnu::always_inline]] inline Three<Pack> operator+(const Three<Pack>& a, const Three<Pack>& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
@@ -116,7 +84,7 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   const bool couples = program.couples();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
-  scalings_.resize(at((nc + few - 1) / few * Few::numbers));
+  few_.resize(at((nc + few - 1) / few));
   degree_ = 2 * nc;
   const double first = size * program.start();
   program.slack(v, s);
@@ -150,11 +118,11 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
 void InteriorPoint::measure_rows(const ConeProgram& program) {
   left_ = s - w;
   if (const double lift = program.law().lift; lift > 0)
-    for_few(program.cones(), [&](Index k) {
+    for (Index k = 0; k < program.cones(); k += few) {
       const Three<Pack> own = cones(s, k, program.cones());
       const Pack shift = Pack(lift) * slip(own[1], own[2], Pack::load(&rounding_[k]));
       for (Index l = 0; l < std::min(few, program.cones() - k); ++l) left_[3 * (k + l)] += shift.data()[l];
-    });
+    }
 }
 
 void InteriorPoint::measure(ConeProgram& program) {
@@ -172,7 +140,7 @@ bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
   const Index nc = program.cones();
   const double slope = coupling_ * program.law().lift;
   bool inside = true;
-  for_few(nc, [&](Index k) {
+  for (Index k = 0; k < nc; k += few) {
     Few own{soc::Scaling<Pack>::of(cones(y, k, nc).data(), cones(w, k, nc).data()), Pack(0), Pack(0)};
     if (couples) {
       const Three<Pack> slack = cones(s, k, nc);
@@ -181,14 +149,14 @@ bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
       own.slope1 = share * slack[1];
       own.slope2 = share * slack[2];
     }
-    own.store(&scalings_[at(k / few * Few::numbers)]);
+    few_[at(k / few)] = own;
     const std::array<Pack, 9> D = couples ? own.weight() : own.scaling.weight();
     for (Index l = 0; l < std::min(few, nc - k); ++l) {
       inside = inside && own.scaling.a0.data()[l] > 0 && own.scaling.eta.data()[l] > 0 &&
                own.scaling.inverse_eta.data()[l] > 0;
       for (std::size_t i = 0; i < 9; ++i) D_[at(9 * (k + l)) + i] = D[i].data()[l];
     }
-  });
+  }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     ray_weight_[r] = program.is_equality(r) ? 1 / tolerances::cone_softness : y[i] / w[i];
@@ -199,12 +167,11 @@ bool InteriorPoint::weigh(const ConeProgram& program, bool couples) {
 // The affine target: dy = target_ - D ds.
 void InteriorPoint::aim(const ConeProgram& program) {
   const Index nc = program.cones();
-  for_few(nc, [&](Index k) {
+  for (Index k = 0; k < nc; k += few) {
     const Three<Pack> own = cones(y, k, nc);
-    const Three<Pack> back =
-        soc::multiply(Few::load(&scalings_[at(k / few * Few::numbers)]).scaling.weight(), cones(left_, k, nc));
+    const Three<Pack> back = soc::multiply(few_[at(k / few)].scaling.weight(), cones(left_, k, nc));
     set_cones(Three<Pack>{-own[0], -own[1], -own[2]} - back, k, nc, target_);
-  });
+  }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     target_[i] = (program.is_equality(r) ? 0 : -y[i]) - ray_weight_[r] * left_[i];
@@ -218,13 +185,13 @@ void InteriorPoint::direct(ConeProgram& program) {
   dv_ -= mass_ + aim_;
   program.face().solve(dv_);
   program.face().slack(dv_, ds_);
-  for_few(nc, [&](Index k) {
-    const Few own = Few::load(&scalings_[at(k / few * Few::numbers)]);
+  for (Index k = 0; k < nc; k += few) {
+    const Few& own = few_[at(k / few)];
     const Three<Pack> d = cones(ds_, k, nc), left = cones(left_, k, nc);
     set_cones(cones(target_, k, nc) - soc::multiply(own.weight(), d), k, nc, dy_);
     const Pack normal = left[0] + Pack::load(&bend_[k]) + d[0] + own.slope1 * d[1] + own.slope2 * d[2];
     set_cones({normal, left[1] + d[1], left[2] + d[2]}, k, nc, dw_);
-  });
+  }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * nc + r;
     dy_[i] = target_[i] - ray_weight_[r] * ds_[i];
@@ -262,14 +229,14 @@ double InteriorPoint::gap_after(const ConeProgram& program, double step) const {
 // Mehrotra's corrector: target_ += W^-1 (l \ (centre e - (W dy) o (W^-1 dw))), l = W y.
 void InteriorPoint::correct(const ConeProgram& program, double centre) {
   const Index nc = program.cones();
-  for_few(nc, [&](Index k) {
-    const soc::Scaling<Pack> W = Few::load(&scalings_[at(k / few * Few::numbers)]).scaling;
+  for (Index k = 0; k < nc; k += few) {
+    const soc::Scaling<Pack>& W = few_[at(k / few)].scaling;
     const Three<Pack> product =
         soc::product(W.times(cones(dy_, k, nc).data()), W.inverse_times(cones(dw_, k, nc).data()));
     const Three<Pack> x =
         soc::quotient<Pack>(W.times(cones(y, k, nc).data()), {Pack(centre) - product[0], -product[1], -product[2]});
     set_cones(cones(target_, k, nc) + W.inverse_times(x.data()), k, nc, target_);
-  });
+  }
   for (Index r = 0; r < program.rays(); ++r)
     if (const Index i = 3 * nc + r; !program.is_equality(r)) target_[i] += (centre - dy_[i] * dw_[i]) / w[i];
 }
@@ -277,8 +244,8 @@ void InteriorPoint::correct(const ConeProgram& program, double centre) {
 // What the shift is along that part of the predictor beyond its slope.
 void InteriorPoint::bend(const ConeProgram& program, double part) {
   const Index nc = program.cones();
-  for_few(nc, [&](Index k) {
-    const Few own = Few::load(&scalings_[at(k / few * Few::numbers)]);
+  for (Index k = 0; k < nc; k += few) {
+    const Few& own = few_[at(k / few)];
     const Three<Pack> from = cones(s, k, nc), d = cones(ds_, k, nc);
     const Pack rounding = path_ > 0 ? Pack::load(&rounding_[k]) : Pack(tolerances::cone_slip_rounding * gap_);
     const Pack size = slip(from[1], from[2], rounding), end = slip(from[1] + d[1], from[2] + d[2], rounding);
@@ -287,7 +254,7 @@ void InteriorPoint::bend(const ConeProgram& program, double part) {
     beyond.store(&bend_[k]);
     const std::array<Pack, 9> D = own.weight();
     set_cones(cones(target_, k, nc) - Three<Pack>{D[0] * beyond, D[1] * beyond, D[2] * beyond}, k, nc, target_);
-  });
+  }
 }
 
 // How far the iterate is from the path at that gap, in units of the way to the boundary.

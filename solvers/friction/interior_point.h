@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <zwang/solvers/friction/cone_program.h>
+#include <zwang/solvers/linalg/lanes.h>
 
 namespace zwang {
 
@@ -47,6 +48,20 @@ class InteriorPoint {
   bool proves_infeasible(ConeProgram& program, Vector& u);
 
  private:
+  using Pack = lanes::PackOf<1>;
+  struct Few {  // what weigh() knows of a few cones, one a lane; whatever behind the last one
+    second_order_cone::Scaling<Pack> scaling;
+    Pack slope1, slope2;                                         // of the shift
+    [[gnu::always_inline]] std::array<Pack, 9> weight() const {  // D
+      std::array<Pack, 9> D = scaling.weight();
+      for (std::size_t i = 0; i < 3; ++i) {
+        D[i + 3] += D[i] * slope1;
+        D[i + 6] += D[i] * slope2;
+      }
+      return D;
+    }
+  };
+
   void measure_rows(const ConeProgram& program);
   void measure(ConeProgram& program);
   bool weigh(const ConeProgram& program, bool couples);
@@ -70,7 +85,7 @@ class InteriorPoint {
   bool sees_end_ = false;
   Vector left_share_, force_share_, aim_, rounding_, begun_y_, begun_w_, begun_s_;
   std::vector<double> D_;
-  std::vector<double> scalings_;  // and slopes of the shift, of a few cones at once
+  std::vector<Few> few_;
   Index degree_ = 1;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace zwang {
 
@@ -18,9 +17,6 @@ void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector&
   residual = program.residual(y, s);
   last_ = residual.natural;
   chosen_ = false;
-  best_v_ = v;
-  best_y_ = y;
-  best_s_ = s;
 }
 
 // An iterate inside the cones tells the modes by which of two paired eigenvalues is the larger.
@@ -67,7 +63,7 @@ bool ModeNewton::step(ConeProgram& program) {
 // but no farther than to where the rows that hold are violated least. (Of contacts that slide, less load on one may
 // violate it more: then all the way.)
 double ModeNewton::room(const ConeProgram& program, const Vector& way, const Vector& slack_way) const {
-  double along = 0, square = 0, most = std::numeric_limits<double>::infinity();
+  double along = 0, square = 0, most = infinity;
   const auto holds = [&](Index i) {
     along -= s[i] * slack_way[i];
     square += slack_way[i] * slack_way[i];
@@ -112,12 +108,13 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
   constexpr int patience = 12;    // steps for which the residual need not halve
   constexpr double thrown = 200;  // times the best residual: modes that were told by an iterate have been left
   const bool told = chosen_;
-  ConeProgram::Residual best = residual;
-  if (chosen_) best.natural = std::numeric_limits<double>::infinity();
+  best_ = *this;
+  double& best = best_.residual.natural;
+  if (chosen_) best = infinity;
   settled = false;
-  double halved = best.natural;
+  double halved = best;
   int since = 0;
-  for (int taken = 0; taken < most && !(best.natural <= goal) && !deadline.passed(); ++taken) {
+  for (int taken = 0; taken < most && !(best <= goal) && !deadline.passed(); ++taken) {
     const double before = last_;
     const bool begins = chosen_ || taken == 0;
     y_before_ = y;
@@ -127,27 +124,20 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     const double moved = equations_.dv.norm(), nothing = tolerances::cone_exact * program.scale(v);
     const bool stays = last_ > 0.5 * before;  // while it falls, the last digits are still to come
     settled = same && stays && last_ <= leaves && moved <= nothing;
-    if (last_ < best.natural || settled) {
-      best = residual;
-      best_v_ = v;
-      best_y_ = y;
-      best_s_ = s;
-    } else if (taken >= 3 && best.natural > tolerances::cone_hopeless * program.start()) {
+    if (last_ < best || settled)
+      best_ = *this;
+    else if (taken >= 3 && best > tolerances::cone_hopeless * program.start())
       break;
-    }
     if (settled || (taken >= 5 && last_ > tolerances::cone_lost * program.scale(v))) break;
-    if (told && last_ > thrown * best.natural) break;
+    if (told && last_ > thrown * best) break;
     since = last_ < 0.5 * halved ? 0 : since + 1;
     halved = since == 0 ? last_ : halved;
     if (since > patience) break;
     if (same && program.is_dense() && last_ > 0.5 * before && last_ < tolerances::cone_hopeless * program.start())
       shift(program);
   }
-  v = best_v_;
-  y = best_y_;
-  s = best_s_;
-  residual = best;
-  last_ = best.natural;
+  static_cast<ModePoint&>(*this) = best_;
+  last_ = best;
 }
 
 }  // namespace zwang

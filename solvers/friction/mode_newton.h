@@ -7,6 +7,12 @@
 
 namespace zwang {
 
+// Where Newton's method on the modes is.
+struct ModePoint {
+  Vector v, y, s;  // s = G v - h
+  ConeProgram::Residual residual;
+};
+
 // From near a solution of a cone program to it: Newton's method on the equations of the modes that contacts are in
 // (cone_law.h; Alart & Curnier 1991, Comput. Methods Appl. Mech. Eng. 92),
 // with a proximal term in the multipliers, y = y_before - s / softness, so that redundant contacts do no harm: each
@@ -16,10 +22,8 @@ namespace zwang {
 // Rows that depend on each other may disagree: by the rounding of what they were written from, or because not all of
 // them carry in the end. Then every step hands on a little of the load among them and nothing moves, for thousands of
 // steps. run() goes all the way at once, to where one of them lets go.
-class ModeNewton {
+class ModeNewton : public ModePoint {
  public:
-  Vector v, y, s;
-  ConeProgram::Residual residual;
   // The last step of run() kept the modes, moved v by no more than rounding, and did not halve the residual: what is
   // left of it is what the rows disagree by.
   bool settled = false;
@@ -40,7 +44,8 @@ class ModeNewton {
   void shift(ConeProgram& program);
 
   ModeEquations equations_;
-  Vector way_, push_, slack_way_, best_v_, best_y_, best_s_, y_before_;
+  ModePoint best_;  // of run()
+  Vector way_, push_, slack_way_, y_before_;
   double last_ = 0;
   bool chosen_ = false, changed_ = false;  // the modes: before the next step, by the last one
 };

@@ -23,7 +23,7 @@ struct Nsgs {
   }
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  ConeIteration::Workspace inner = {};
+  ConeIteration iteration = {};
   ContactSweeps sweeps = {};
 };
 static_assert(Solver<Nsgs>);
