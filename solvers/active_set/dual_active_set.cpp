@@ -58,8 +58,7 @@ void DualActiveSet::Careful::solve(const Problem& p, const DualActiveSet& settin
   }
   if (end == Status::infeasible && polish_.certify(p, rows_, climb_.unit(), s)) return;
   if (settings.polish) {
-    const bool failed = !polish_.run(p, rows_, climb_.active(), options, s);
-    if (!failed || end == Status::infeasible) return;
+    if (polish_.run(p, rows_, climb_.active(), options, s) || end == Status::infeasible) return;
     write(p, s);
     s.status = Status::solved_ill_conditioned;
   } else if (end == Status::solved) {

@@ -186,17 +186,22 @@ bool ExtendedPolish<Real>::proves(Solution& s) {
   const double rest = r1_.norm() + real_eps * parts;  // and what rounding in Real hides
   const bool proven = r1_.norm() <= row_rounding * parts && work > tolerances::violation * real_eps * noise &&
                       static_cast<double>(work / noise) >= tolerances::out_of_reach * reach * rest;
-  if (proven) s.zero_certificate(p_->rows()) = certificate_;
-  return proven;
+  if (!proven) return false;
+  s.zero_certificate(p_->rows()) = certificate_;
+  s.status = Status::infeasible;
+  return true;
 }
 
-// The combination mu_ of a violated row as a proof, u = +-(e_row - mu). Joints that a weld repeats agree to the
-// rounding of their poses only; the contacts then have a part of 1e-17 in the combination, of either sign. What has the
-// wrong sign and cannot leave in exchange() is cut off. The proof is judged after rounding to double, so of three
-// normalizations the one that rounds best is kept (rows in small integers then give integers).
+// A violated row that depends on the active ones, and its combination mu_ of them, as a proof, u = +-(e_row - mu).
+// Joints that a weld repeats agree to the rounding of their poses only; the contacts then have a part of 1e-17 in the
+// combination, of either sign. What has the wrong sign and cannot leave in exchange() is cut off. The proof is judged
+// after rounding to double, so of three normalizations the one that rounds best is kept (rows in small integers then
+// give integers).
 template <class Real>
-bool ExtendedPolish<Real>::farkas(const ActiveRows& active, Index row, Solution& s) {
+bool ExtendedPolish<Real>::farkas(ActiveRows& active, Index row, Solution& s) {
   using std::abs;
+  express(active, row);
+  express_again(active, row);
   const Real sign = w_->equality[at(row)] && violation(row) < 0 ? -1 : 1;
   const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w_->row_norm[i]); };
   Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
@@ -260,12 +265,7 @@ bool ExtendedPolish<Real>::certify(const Problem& p, const Whitened& w, ActiveRo
   prepare(p, w);
   for (const Index i : support) {
     if (active.share(i) > tolerances::certain_share && active.accepts(active.append(i))) continue;
-    express(active, i);
-    express_again(active, i);
-    if (farkas(active, i, s)) {
-      s.status = Status::infeasible;
-      return true;
-    }
+    if (farkas(active, i, s)) return true;
   }
   return false;
 }
@@ -410,9 +410,7 @@ bool ExtendedPolish<Real>::certify(const Problem& p, const Whitened& w, const Ve
   certificate_.setZero(p.rows());
   for (Index i = 0; i < w.rows(); ++i)
     if (w.equality[at(i)] || unit[i] > 0) certificate_[w.row[at(i)]] = unit[i] / largest / w.row_norm[i];
-  if (!(largest > 0) || !proves(s)) return false;
-  s.status = Status::infeasible;
-  return true;
+  return largest > 0 && proves(s);
 }
 
 template <class Real>
@@ -465,12 +463,7 @@ bool ExtendedPolish<Real>::run(const Problem& p, const Whitened& w, ActiveRows& 
       s.message = "a violated row is too close to a combination of the active ones";
       break;
     }
-    express(active, entering);
-    express_again(active, entering);
-    if (farkas(active, entering, s)) {
-      s.status = Status::infeasible;
-      return true;
-    }
+    if (farkas(active, entering, s)) return true;
     if (exchange(active, entering)) continue;
     if (worst > tolerances::dependent_violation) {
       s.message = "a row that depends on others to rounding contradicts them, but not provably";

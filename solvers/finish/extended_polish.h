@@ -68,7 +68,7 @@ class ExtendedPolish {
   Index violated_row(Real& worst);
   double express(ActiveRows& active, Index row);
   double express_again(ActiveRows& active, Index row);
-  bool farkas(const ActiveRows& active, Index row, Solution& s);
+  bool farkas(ActiveRows& active, Index row, Solution& s);
   bool proves(Solution& s);
   bool exchange(ActiveRows& active, Index row);
   void remove(ActiveRows& active, Index position) {

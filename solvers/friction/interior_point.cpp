@@ -79,8 +79,6 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   for (Vector* x : {&y, &w, &s, &left_, &ds_, &dy_, &dw_, &target_, &sum_}) x->setZero(m);
   for (Vector* x : {&v, &dv_, &force_, &mass_, &aim_}) x->setZero(n);
   rounding_.setZero(lanes::round_up(nc));
-  path_ = 0;
-  sees_end_ = false;
   const bool couples = program.couples();
   ray_weight_.setZero(program.rays());
   D_.assign(at(9 * nc), 0);
@@ -110,9 +108,8 @@ void InteriorPoint::begin(ConeProgram& program, double size) {
   }
   degree_ = std::max<Index>(degree_, 1);
   bend_.setZero(rounding_.size());
-  coupling_ = last_step_ = 1;
   if (program.is_dense() && !couples) program.face().force(y, v);
-  measure(program);
+  let_go(program);
 }
 
 void InteriorPoint::measure_rows(const ConeProgram& program) {

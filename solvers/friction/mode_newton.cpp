@@ -136,7 +136,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     if (same && program.is_dense() && last_ > 0.5 * before && last_ < tolerances::cone_hopeless * program.start())
       shift(program);
   }
-  static_cast<ModePoint&>(*this) = best_;
+  static_cast<ModeIterate&>(*this) = best_;
   last_ = best;
 }
 

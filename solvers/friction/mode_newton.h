@@ -8,7 +8,7 @@
 namespace zwang {
 
 // Where Newton's method on the modes is.
-struct ModePoint {
+struct ModeIterate {
   Vector v, y, s;  // s = G v - h
   ConeProgram::Residual residual;
 };
@@ -22,7 +22,7 @@ struct ModePoint {
 // Rows that depend on each other may disagree: by the rounding of what they were written from, or because not all of
 // them carry in the end. Then every step hands on a little of the load among them and nothing moves, for thousands of
 // steps. run() goes all the way at once, to where one of them lets go.
-class ModeNewton : public ModePoint {
+class ModeNewton : public ModeIterate {
  public:
   // The last step of run() kept the modes, moved v by no more than rounding, and did not halve the residual: what is
   // left of it is what the rows disagree by.
@@ -44,7 +44,7 @@ class ModeNewton : public ModePoint {
   void shift(ConeProgram& program);
 
   ModeEquations equations_;
-  ModePoint best_;  // of run()
+  ModeIterate best_;  // of run()
   Vector way_, push_, slack_way_, y_before_;
   double last_ = 0;
   bool chosen_ = false, changed_ = false;  // the modes: before the next step, by the last one
