@@ -66,7 +66,8 @@ TEST_P(Climbs, LeastDistanceEndsAtTheOptimumFromAnyStart) {
   for (const bool warm : {false, true}) {
     LeastDistance nearest;
     nearest.reset(w_, deadline_);
-    ASSERT_EQ(nearest.solve(warm ? inequalities() : std::vector<Index>(), 1000, {}), Status::solved);
+    int iterations = 0;
+    ASSERT_EQ(nearest.solve(warm ? inequalities() : std::vector<Index>(), iterations, 1000, {}), Status::solved);
     Vector y, unit;
     nearest.locate(y, unit);
     expect_optimum(y, unit);
@@ -103,7 +104,8 @@ TEST(ClimbsOfContradictions, EndWithTheProof) {
   expect_proof(climb.unit());
   LeastDistance nearest;
   nearest.reset(w, deadline);
-  ASSERT_EQ(nearest.solve({}, 100, {}), Status::infeasible);
+  iterations = 0;
+  ASSERT_EQ(nearest.solve({}, iterations, 100, {}), Status::infeasible);
   Vector y, unit;
   nearest.locate(y, unit);
   expect_proof(unit);
