@@ -508,14 +508,17 @@ class Gradient:
         equal = numpy.isin(rows, p.equal)
         found = linprog(-(gain[rows] / unit) / (abs(gain[rows] / unit).max(initial=0) or 1.0),
                         A_eq=(scipy.sparse.diags(1 / unit) @ p.J[rows]).T, b_eq=goal / size,
-                        bounds=[(None if e else 0, None) for e in equal], method="highs-ds")
+                        bounds=[(None if e else 0, None) for e in equal], method="highs-ds",
+                        options={"presolve": False, "primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10})
         if found.status == 3:
             raise Unproven("pushed in this direction, rows that hold contradict each other")
         if found.status != 0:
             raise Unproven("forces are not unique, and no share of them was found in this direction")
         force = numpy.zeros(p.m)
         force[rows] = found.x * size / unit
-        pushing = {int(i) for i, f, e in zip(rows, found.x, equal) if e or f > 1e-9 * abs(found.x).max()}
+        pushing = {int(i) for i, f, e in zip(rows, found.x, equal) if e or f > 1e-12 * abs(found.x).max()}
+        if not self.carries_alone(sorted(pushing), rows):
+            raise Unproven("forces are not unique, and no share of them was found in this direction")
         modes = [HELD if c.row in pushing else OPEN for c in p.contacts]
         vertex = object.__new__(Gradient)
         vertex.problem, vertex.p, vertex.unique_forces = self.problem, p, True
@@ -538,6 +541,14 @@ class Gradient:
             out.dz = out.enclosure = None
             out.note = "forces are not unique, and a change of J acts on them: no number"
         return out
+
+    def carries_alone(self, pushing, held):
+        """Whether forces of `pushing` and of no other row can hold z where all of `held` meet: M (z - z_u) = J_pushing' lambda and
+        J_held z = c contradict each other nowhere, which is decided in rationals. (A linear program takes forces for nothing that
+        are small to it: rows with a force of 1e-7 of the largest once went for rows without one.)"""
+        p, one = self.p, scipy.sparse.identity(self.p.n)
+        system = scipy.sparse.bmat([[one, -one, None], [None, p.M, -p.J[pushing].T], [p.J[held], None, None]], format="csr")
+        return not len(exact_basis(system, numpy.r_[p.z_u, numpy.zeros(p.n), p.c[held]])[1])
 
     @staticmethod
     def one_share(vertex, out):

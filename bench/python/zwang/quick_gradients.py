@@ -119,6 +119,11 @@ class QuickGradient:
         else:
             change = Change(Parts(self.laid.given if self.laid else p), dM, dz_u, dJ, dc, dmu)
             change = self.laid.forward(change) if self.laid else change
+            if change.dJ.nnz:
+                bent, rows = (abs(J[self.held]).sum(axis=1).A1 > 0 for J in (change.dJ, p.J))
+                slides = numpy.bincount(self.owner, abs(self.keeps.by_mu), p.rows)[self.owner] > 0
+                if (bent & ~rows & ~slides[self.held]).any():
+                    raise ValueError("no gradient: a row without entries gets some: it may ask for any motion")
             z, lambda_ = self.given
             t, dz_u = change.dJ @ z - change.dc, change.dz_u
             force = change.dM @ (p.z_u - z) + change.dJ.T @ lambda_

@@ -559,6 +559,31 @@ class NotUnique(unittest.TestCase):
         self.assertTrue(up.one_sided and down.one_sided)
         self.assertEqual((up.kink, down.kink), ([1, 2], [0, 3]))
 
+    def test_a_force_that_is_small_to_a_linear_program_is_a_force(self):
+        """z_y is held between two rows; the lower one carries f, beside a force of 1, and is lowered."""
+        for f in (1e-3, 1e-7, 5e-10, 1e-12, 1e-15):
+            between = zwang.Problem(numpy.eye(2), [-1, -f], [[1, 0], [0, 1], [0, -1]], [0, 0, 0])
+            try:
+                along = zwang.gradient(between, zwang.solve(between), "c", [0, -1, 0])
+            except ValueError as none:
+                self.assertLess(f, 1e-10)
+                self.assertIn("no share of them was found", str(none))
+            else:
+                numpy.testing.assert_allclose(along.dz, [0, -1], atol=1e-15)
+
+    def test_rows_that_contradict_each_other_in_this_direction_are_refused(self):
+        twice = zwang.Problem(numpy.diag([1.0, 2, 1]), [0, -2, 1], [[-1, 1, -1], [-1, 1, 1], [-2, 2, -2]], [1, 1, 2], equality=[False, False, True])
+        change = {"J": [[0, -1, -1], [-1, -2, 2], [-1, -1, 1]], "c": [0, 0, -1]}
+        with self.assertRaisesRegex(ValueError, "contradict each other"):
+            zwang.gradient(twice, zwang.solve(twice), change)
+
+    def test_a_row_of_zeros_that_gets_entries_has_none(self):
+        empty = zwang.Problem([[0.1]], [0.0], [[0.0]], [0.0], equality=[True])
+        of = zwang.gradient_of(empty, zwang.solve(empty), proof=False)
+        self.assertEqual(of.jvp(dz_u=[1.0]).dz, 1)
+        with self.assertRaisesRegex(ValueError, "a row without entries"):
+            of.jvp(dz_u=[1.0], dJ=[[1.0]])
+
     def test_rows_that_turn_apart_have_none_though_they_fit_to_first_order(self):
         """x >= 0 and -x >= 0 become x + t y >= 0 and -x + t y >= 0: what was a line is a cone, for any t."""
         slot = zwang.Problem(numpy.eye(2), [0, 0], [[1, 0], [-1, 0]], [0, 0])
