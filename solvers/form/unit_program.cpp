@@ -78,6 +78,7 @@ double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lp
 void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {
   warm_rows_.multipliers(problem, whitened_, warm, lambda);
   lambda /= sigma_;
+  if (!(lambda.lpNorm<1>() <= tolerances::warm_start)) lambda.setZero();
 }
 
 void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {

@@ -282,7 +282,7 @@ bool ConeProgram::warm(const Problem& p, const WarmStart* warm, Vector& y) {
   all_rows_.equality.assign(at(p.rows()), 1);  // so that no sign is asked for
   warm_rows_.multipliers(p, all_rows_, warm, lambda_);
   read(lambda_, y);
-  return y.allFinite() && y.squaredNorm() > 0;
+  return y.squaredNorm() > 0 && y.lpNorm<1>() <= tolerances::warm_start;
 }
 
 void ConeProgram::read(const Vector& lambda, Vector& y) const {
