@@ -74,7 +74,7 @@ std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesyst
                        const std::function<void(std::size_t, const std::string& name)>& progress,
                        const std::atomic<bool>& interrupted) {
   const Conditions here = conditions();
-  Dispatcher dispatcher([](std::string_view text) { return make_solver(text); });
+  Dispatcher dispatcher;
   const Run one{.solver = run.solver, .foreign = runs_apart(run.solver), .tolerance = run.tolerance};
   std::string name = run.solver, settings;
   if (const std::size_t colon = name.find(':'); colon != std::string::npos) {

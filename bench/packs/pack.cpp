@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <zwang/bench/references/reference.h>
-#include <zwang/bench/results/cell.h>
+#include <zwang/bench/results/record_file.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/suite/plan.h>
 #include <zwang/core/files/embedded.h>

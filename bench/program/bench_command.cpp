@@ -99,10 +99,8 @@ int bench_gradients(const CLI::App& options, const Asked& asked) {
                                                     [&](const char* own) { return option->check_lname(own); }))
       throw std::invalid_argument("--gradients asks --scenes under --law: " + option->get_name() +
                                   " has no part in it");
-  std::string laws;
-  for (const Law law : asked.suite.laws) laws.append(laws.empty() ? "" : ",").append(to_string(law));
-  return compare_gradients(
-      {new_directory(asked.out, "").string(), std::to_string(asked.suite.seed), laws, asked.suite.scenes});
+  return compare_gradients({new_directory(asked.out, "").string(), std::to_string(asked.suite.seed),
+                            words_of(asked.suite.laws), asked.suite.scenes});
 }
 
 }  // namespace

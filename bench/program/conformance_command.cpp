@@ -11,6 +11,7 @@
 #include <zwang/bench/suite/plan.h>
 #include <zwang/bench/suite/progress.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
@@ -31,7 +32,7 @@ std::string verdict(const ConformanceResult& result, double accepted) {
 template <class Each>
 Law each_check(const std::string& solver, const Marks& marks, const Each& each) {
   const Run run{.solver = solver, .foreign = runs_apart(solver), .tolerance = marks.tolerance};
-  Dispatcher desk([](std::string_view text) { return make_solver(text); });
+  Dispatcher desk;
   Law law = stored_law;
   SolveTime time;
   const ConformanceSolve solve = conformance_solve(run, desk, time, &law);
@@ -106,11 +107,8 @@ int conformance_command(std::vector<std::string> words) {
   within(above(0), options.add_option("--accept", marks.accepted, "how far an answer may be off; default: 1e-6"));
   within(above(0, "s"), options.add_option("--time-limit", marks.time_limit, "CPU time of each check; default: 2"));
   if (!read(options, std::move(words))) return done;
-  std::vector<std::string> chosen = split_solvers(names);
-  if (names.empty()) {
-    chosen.clear();
-    for (const SolverEntry& entry : solvers()) chosen.push_back(entry.name);
-  }
+  const std::vector<std::string> chosen =
+      names.empty() ? names_of(solvers(), &SolverEntry::name) : split_solvers(names);
   for (const std::string& solver : chosen) make_solver(solver);
   const int failed = chosen.size() == 1 ? run_checks(chosen[0], marks) : map_of(chosen, marks);
   return failed == 0 ? done : found;

@@ -103,11 +103,9 @@ void print_help(std::span<const Command> commands) {
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {
-  std::vector<std::string> names;
-  for (const Command& c : commands) {
-    if (c.name == word) return c.run(std::move(rest));
-    names.push_back(c.name);
-  }
+  if (const auto known = std::ranges::find(commands, word, &Command::name); known != commands.end())
+    return known->run(std::move(rest));
+  std::vector<std::string> names = names_of(commands, &Command::name);
   for (const Word& known : words_of_zwang)
     if (known.program == "script") names.emplace_back(known.name);
   throw std::invalid_argument("no command '" + word + "'" + did_you_mean(word, names) + " (./zwang --help lists all)");

@@ -27,11 +27,9 @@ std::string some_of(std::vector<std::string> names, std::size_t most) {
 
 // The problem of that name, or the only one.
 Instance choose(const std::string& file, std::vector<Instance> all, const std::string& name) {
-  std::vector<std::string> names;
-  for (Instance& instance : all) {
+  const std::vector<std::string> names = names_of(all, [](const Instance& i) { return i.problem.name; });
+  for (Instance& instance : all)
     if (instance.problem.name == name || (name.empty() && all.size() == 1)) return std::move(instance);
-    names.push_back(instance.problem.name);
-  }
   if (!name.empty()) throw std::invalid_argument(file + ": no problem '" + name + "'" + did_you_mean(name, names));
   throw std::invalid_argument(file + " holds " + std::to_string(names.size()) +
                               " problems: choose one with --problem (" + some_of(names, 5) + ")");
@@ -161,7 +159,7 @@ int solve_command(std::vector<std::string> words) {
     cell.result.problem_file = file;
   };
   const std::atomic<bool> interrupted = false;
-  Dispatcher desk([](std::string_view text) { return make_solver(text); });
+  Dispatcher desk;
   run_flow({assemble, {run}, {.time_limit = time_limit, .budget = budget}, keep}, desk, interrupted);
   const auto points =
       with_trace ? trace(instance, run, desk, time_limit, time_limit, interrupted) : std::vector<TracePoint>();

@@ -3,18 +3,14 @@
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
-#include <zwang/core/problem/law.h>
+#include <zwang/bench/suite/plan.h>
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
 namespace {
 
 // The classes of problems it reads: QP, and the laws under which it reads cones of friction.
-std::string read_by(const SolverEntry& e) {
-  std::string text = "QP";
-  for (const Law law : e.laws) text += ", " + std::string(to_string(law));
-  return text;
-}
+std::string read_by(const SolverEntry& e) { return e.laws.empty() ? "QP" : "QP, " + words_of(e.laws, ", "); }
 
 void print_whole(const SolverEntry& e) {
   std::printf("%-18s %s%s\n", e.name.c_str(), e.method.c_str(), e.foreign ? " (in a process of its own)" : "");

@@ -17,6 +17,7 @@
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
@@ -37,12 +38,6 @@ py::class_<T> made_by_calls(py::class_<T> type) {
   return type;
 }
 
-// What bench, judge and solve say of numbers that nobody can work with.
-void require_good(const Problem& p) {
-  require_matching_sizes(p);
-  if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
-}
-
 Instance make_problem(const SparseMatrix& M, const Vector& z_u, const RowMatrix& J, const Vector& c,
                       const py::array_t<bool>& equality, const py::array_t<bool>& tangent, const Vector& mu,
                       const std::string& law, std::string name) {
@@ -59,7 +54,9 @@ Instance make_problem(const SparseMatrix& M, const Vector& z_u, const RowMatrix&
   }
   p.mu = mu;
   p.law = parse_law(law);
-  require_good(p);
+  // What bench, judge and solve say of numbers that nobody can work with.
+  require_matching_sizes(p);
+  if (const std::string bad = why_bad(p); !bad.empty()) throw std::invalid_argument(bad);
   return out;
 }
 
@@ -134,13 +131,6 @@ void add_python_solver(const std::string& name, py::function call, const std::st
               .make = [kept](std::string_view) -> AnySolver { return PythonSolver{*kept}; }});
 }
 
-// Under which it reads tangent rows.
-std::vector<std::string> laws_of(const SolverEntry& entry) {
-  std::vector<std::string> words;
-  for (const Law law : entry.laws) words.emplace_back(to_string(law));
-  return words;
-}
-
 struct Solved {
   Solution solution;
   double seconds = 0;
@@ -148,9 +138,8 @@ struct Solved {
 
 Solved solve(const Instance& instance, const std::string& text, double tolerance, const std::string& accuracy,
              int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
-  const MakeSolver make = [](std::string_view t) { return make_solver(t); };
   thread_local std::string known;
-  if (text != known) make(text);  // a wrong name or setting is said before anything runs
+  if (text != known) make_solver(text);  // a wrong name or setting is said before anything runs
   known = text;
   if (!(tolerance > 0 && tolerance < 1)) throw std::invalid_argument("tolerance should lie between 0 and 1");
   SolveOptions().read_accuracy(accuracy);
@@ -169,18 +158,10 @@ Solved solve(const Instance& instance, const std::string& text, double tolerance
   const Run run{.solver = text, .foreign = runs_apart(text), .tolerance = tolerance, .accuracy = accuracy};
   std::optional<py::gil_scoped_release> free;
   if (!keep_python) free.emplace();
-  Dispatcher dispatcher(make);
+  Dispatcher dispatcher;
   if (run.foreign) dispatcher.child.load(instance.problem);
   SolveReply reply = dispatcher.run(instance.problem, run, request, nullptr);
   return {std::move(reply.solution), reply.seconds};
-}
-
-// Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
-void bench(SuiteOptions options, const std::filesystem::path& directory, bool progress) {
-  const Plan plan = make_plan(std::move(options));
-  std::atomic<bool> interrupted = false;
-  run_suite(plan, {.directory = directory, .cache = reference_cache(), .command = "zwang.bench", .quiet = !progress},
-            interrupted);
 }
 
 void judge_answers(const std::filesystem::path& directory, const std::vector<std::filesystem::path>& files,
@@ -188,9 +169,8 @@ void judge_answers(const std::filesystem::path& directory, const std::vector<std
   const Pack pack(directory);
   std::vector<Answers> contestants;
   for (const std::filesystem::path& file : files) contestants.push_back(read_answers(file, pack));
-  std::atomic<bool> interrupted = false;
   judge_pack(pack, std::move(contestants),
-             {.directory = out, .cache = reference_cache(), .command = "zwang.judge_pack", .quiet = true}, interrupted);
+             {.directory = out, .cache = reference_cache(), .command = "zwang.judge_pack", .quiet = true}, false);
 }
 
 }  // namespace
@@ -290,7 +270,7 @@ PYBIND11_MODULE(_zwang, m) {
     std::vector<py::dict> all;
     for (const SolverEntry& e : solvers())
       all.push_back(py::dict("name"_a = e.name, "method"_a = e.method, "limits"_a = e.limits, "foreign"_a = e.foreign,
-                             "exact"_a = e.exact, "laws"_a = laws_of(e)));
+                             "exact"_a = e.exact, "laws"_a = split(words_of(e.laws))));
     return all;
   });
   m.def("scenes", [] {
@@ -346,6 +326,7 @@ PYBIND11_MODULE(_zwang, m) {
   });
   m.def("judge_pack", &judge_answers, free);
   m.def("add_solver", &add_python_solver);
+  // Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
   m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
                     const std::vector<std::filesystem::path>& files, const std::string& chosen,
                     const std::vector<double>& tolerances, int repetitions, std::uint64_t seed,
@@ -362,7 +343,9 @@ PYBIND11_MODULE(_zwang, m) {
                          .seed = seed};
     std::optional<py::gil_scoped_release> working;
     if (!keep_python) working.emplace();
-    bench(std::move(options), directory, progress);
+    run_suite(make_plan(std::move(options)),
+              {.directory = directory, .cache = reference_cache(), .command = "zwang.bench", .quiet = !progress},
+              false);
   });
 }
 

@@ -5,35 +5,35 @@
 #include <nlohmann/json.hpp>
 
 #include <zwang/bench/timing/conditions.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-std::string fixed_conditions() {
+Json fixed_conditions() {
   const Conditions c = conditions();
-  return Json{{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
-              {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}}
-      .dump();
+  return {{"commit", c.commit},         {"dirty", c.dirty}, {"compiler", c.compiler},  {"flags", c.flags},
+          {"build_type", c.build_type}, {"cpu", c.cpu},     {"libraries", c.libraries}};
 }
 
-std::string load_record(const fs::path& directory, const std::string& kind) {
+Json load_record(const fs::path& directory, const std::string& kind) {
   const fs::path file = directory / "run.json";
   std::ifstream in(file);
   if (!in) throw BadFile(directory.string() + " holds no " + kind + ": run.json is missing");
-  const Json record = Json::parse(in, nullptr, false);
+  Json record = Json::parse(in, nullptr, false);
   if (!record.is_object()) throw BadFile(file.string() + ": not a JSON object");
-  return record.dump(2);
+  return record;
 }
 
-void replace_record(const fs::path& directory, const std::string& record) {
-  replace_file(directory / "run.json", record + "\n");
+void replace_record(const fs::path& directory, const Json& record) {
+  replace_file(directory / "run.json", record.dump(2) + "\n");
 }
 
-void require_same_conditions(const fs::path& directory, const std::string& record, const std::string& therefore,
+void require_same_conditions(const fs::path& directory, const Json& stored, const std::string& therefore,
                              bool any_cpu) {
-  const Json here = Json::parse(fixed_conditions()), stored = Json::parse(record);
+  const Json here = fixed_conditions();
   for (const auto& [name, value] : here.items())
     if (const Json was = stored.value(name, Json()); was != value && !(any_cpu && name == "cpu"))
       throw BadFile(directory.string() + " cannot go on, " + therefore + ": its " + name + " is " + was.dump() +
@@ -52,5 +52,13 @@ std::string now_iso8601() {
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   return text;
 }
+
+std::string cell_name(const std::string& commit, const std::string& problem_file, const std::string& problem_sha256,
+                      const std::string& solver, double tolerance) {
+  const std::string digits = printed("%.17g", tolerance);
+  return sha256(commit + '\n' + problem_file + '\n' + problem_sha256 + '\n' + solver + '\n' + digits).substr(0, 32);
+}
+
+std::string problem_file(std::size_t position) { return printed("problems/%04zu.h5", position); }
 
 }  // namespace zwang

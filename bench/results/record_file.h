@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include <zwang/core/files/problem_file.h>
@@ -8,14 +9,15 @@
 
 namespace zwang {
 
-// DIR/run.json, which every run keeps: how it is written, read back and compared with the program that would go on.
-// A record is the text of one JSON object.
+// The files in the folder of a run, and DIR/run.json, which every run keeps: how it is written, read back and compared
+// with the program that would go on.
+// A record is one JSON object.
 
 // The conditions that decide the results and times of a run.
-std::string fixed_conditions();
+nlohmann::ordered_json fixed_conditions();
 
 // `kind`: "run", "simulated run", for the message. Throws BadFile where there is no record, or none of JSON.
-std::string load_record(const std::filesystem::path& directory, const std::string& kind);
+nlohmann::ordered_json load_record(const std::filesystem::path& directory, const std::string& kind);
 
 // What `read` makes of the record in this folder. Whatever is wrong with its values is a BadFile, also where the same
 // value typed as an option would be wrong use.
@@ -31,11 +33,11 @@ auto from_record(const std::filesystem::path& directory, Read read) {
 }
 
 // Replaces the file in one step: a killed run leaves the old one or the new one. Throws BadFile.
-void replace_record(const std::filesystem::path& directory, const std::string& record);
+void replace_record(const std::filesystem::path& directory, const nlohmann::ordered_json& record);
 
 // Throws BadFile when the run of this record was begun under other conditions; `therefore`: "its times would not
 // compare". `any_cpu`: on whichever machine.
-void require_same_conditions(const std::filesystem::path& directory, const std::string& record,
+void require_same_conditions(const std::filesystem::path& directory, const nlohmann::ordered_json& record,
                              const std::string& therefore, bool any_cpu = false);
 
 // There is a record or results of any command in this folder.
@@ -43,5 +45,13 @@ bool holds_run(const std::filesystem::path& directory);
 
 // "2026-11-20T23:54:03Z"
 std::string now_iso8601();
+
+// What names one cell of a suite, one solver on one problem at one tolerance: 32 hexadecimal digits, from the problem's
+// place in the suite and its contents, the solver with its settings, and the commit of the program.
+std::string cell_name(const std::string& commit, const std::string& problem_file, const std::string& problem_sha256,
+                      const std::string& solver, double tolerance);
+
+// "problems/0007.h5": the file of a suite's problem.
+std::string problem_file(std::size_t position);
 
 }  // namespace zwang

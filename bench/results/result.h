@@ -65,20 +65,15 @@ struct Result {
   double range_gap = unknown;  // |J k - c| / |c| of nnls_paper
   std::string message = {};
   std::string machine = {};  // the CPU it ran on
-  std::string cell = {};     // its name (cell.h); "" outside a suite
+  std::string cell = {};     // its name (record_file.h); "" outside a suite
 
-  // The error against the reference, or without one the proven upper bound; NaN when there is neither.
-  double error() const { return std::isnan(metrics.z_error) ? metrics.z_bound : metrics.z_error; }
   // An answer that came with its problem, "recorded:mujoco" in place of a solver: it has no time and is no run; its
   // claim is "unsolved", since nobody solved it here.
   static constexpr std::string_view recorded = "recorded:";
   bool is_recorded() const { return solver.starts_with(recorded); }
-  std::string claim() const { return std::string(to_string(claimed)); }
-  std::string verdict() const { return std::string(to_string(metrics.verdict)); }
-  bool claims_solved() const { return claimed == Status::solved; }
   // Claims an answer (or that there is none) that the referee refutes, or promises an accuracy that it has not.
   bool lies() const {
-    return ((claims_solved() || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong) ||
+    return ((claimed == Status::solved || claimed == Status::infeasible) && metrics.verdict == Verdict::wrong) ||
            promise == "broken";
   }
   bool is_right() const { return zwang::is_right(metrics.verdict); }

@@ -20,13 +20,9 @@ inline std::string sealed(std::string object) {
   return object.append(seal_start).append(printed("%08lx", check)).append("\"}");
 }
 
-inline bool has_seal(std::string_view line) {
-  return line.size() > seal_size && line.substr(line.size() - seal_size).starts_with(seal_start);
-}
-
 // The line ends with the check of what stands before it.
 inline bool is_intact(std::string_view line) {
-  return has_seal(line) && sealed(std::string(line.substr(0, line.size() - seal_size)) + "}") == line;
+  return line.size() > seal_size && sealed(std::string(line.substr(0, line.size() - seal_size)) + "}") == line;
 }
 
 }  // namespace zwang

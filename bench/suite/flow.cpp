@@ -22,6 +22,30 @@ Instance with_proven_answer(Instance instance, const std::vector<Cell>& cells) {
   return instance;
 }
 
+// The row of results that a run leaves: `r` from describe(), the referee's findings, the times.
+Result to_result(Result r, const Instance& instance, const Run& run, const Timed& timed) {
+  r.solver = run.solver;
+  r.foreign = run.foreign;
+  r.tolerance = run.tolerance;
+  r.accuracy = run.accuracy;
+  judge(r, instance, timed.solution);
+  r.repetitions = static_cast<int>(timed.samples.size());
+  const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;
+  if (prepare_s > 0) r.prepare_s = prepare_s;
+  if (!timed.samples.empty()) {
+    const Quartiles q = quartiles(timed.samples);
+    r.solve_s = q.median;
+    r.solve_s_q1 = q.q1;
+    r.solve_s_q3 = q.q3;
+    r.setup_s = std::max(0.0, timed.first_s - q.median);
+    r.allocations = timed.allocations;
+  } else if (timed.first_s > 0) {
+    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = timed.first_s;
+    r.repetitions = 1;
+  }
+  return r;
+}
+
 }  // namespace
 
 bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>& interrupted) {
@@ -51,29 +75,6 @@ bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>&
   cells.insert(cells.begin(), std::make_move_iterator(recorded.begin()), std::make_move_iterator(recorded.end()));
   flow.append(instance, cells);
   return true;
-}
-
-Result to_result(Result r, const Instance& instance, const Run& run, const Timed& timed) {
-  r.solver = run.solver;
-  r.foreign = run.foreign;
-  r.tolerance = run.tolerance;
-  r.accuracy = run.accuracy;
-  judge(r, instance, timed.solution);
-  r.repetitions = static_cast<int>(timed.samples.size());
-  const double prepare_s = timed.prepare_s.empty() ? timed.first_prepare_s : quartiles(timed.prepare_s).median;
-  if (prepare_s > 0) r.prepare_s = prepare_s;
-  if (!timed.samples.empty()) {
-    const Quartiles q = quartiles(timed.samples);
-    r.solve_s = q.median;
-    r.solve_s_q1 = q.q1;
-    r.solve_s_q3 = q.q3;
-    r.setup_s = std::max(0.0, timed.first_s - q.median);
-    r.allocations = timed.allocations;
-  } else if (timed.first_s > 0) {
-    r.solve_s = r.solve_s_q1 = r.solve_s_q3 = timed.first_s;
-    r.repetitions = 1;
-  }
-  return r;
 }
 
 }  // namespace zwang

@@ -30,7 +30,4 @@ struct Flow {
 // here. False when interrupted; nothing is appended then.
 bool run_flow(const Flow& flow, Dispatcher& dispatcher, const std::atomic<bool>& interrupted);
 
-// The row of results that a run leaves: `problem` from describe(), the referee's findings, the times.
-Result to_result(Result problem, const Instance& instance, const Run& run, const Timed& timed);
-
 }  // namespace zwang

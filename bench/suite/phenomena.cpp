@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <zwang/bench/results/records.h>
@@ -37,17 +36,10 @@ ConformanceSolve conformance_solve(const Run& run, Dispatcher& desk, SolveTime& 
 
 void write_phenomena(const std::filesystem::path& directory, std::span<const Run> runs, Dispatcher& desk,
                      const std::atomic<bool>& interrupted) {
-  std::map<std::string, Run> tightest;
-  std::vector<std::string> order;
-  for (const Run& run : runs) {
-    if (!tightest.contains(run.solver)) order.push_back(run.solver);
-    tightest[run.solver] = run;  // tolerances go from loose to tight
-  }
   const auto file = directory / "conformance.jsonl";
   std::filesystem::remove(file);
   std::vector<std::string> lines;
-  for (const std::string& solver : order) {
-    const Run& run = tightest[solver];
+  for (const Run& run : runs) {
     Law law = stored_law;
     SolveTime time = patience;
     const ConformanceSolve solve = conformance_solve(run, desk, time, &law, &interrupted);

@@ -20,8 +20,8 @@ struct SolveTime {
 ConformanceSolve conformance_solve(const Run& run, Dispatcher& desk, SolveTime& time, Law* stated = nullptr,
                                    const std::atomic<bool>* interrupted = nullptr);
 
-// DIR/conformance.jsonl: every solver on every phenomenon of friction (bench/conformance), at its tightest tolerance,
-// under the nearest law to Coulomb's that it reads. One line a solver and phenomenon.
+// DIR/conformance.jsonl: every solver on every phenomenon of friction (bench/conformance), under the nearest law to
+// Coulomb's that it reads. One line a run and phenomenon.
 void write_phenomena(const std::filesystem::path& directory, std::span<const Run> runs, Dispatcher& desk,
                      const std::atomic<bool>& interrupted);
 

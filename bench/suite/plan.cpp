@@ -39,8 +39,7 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
 
 // "": all. Throws std::invalid_argument where a family has no problem here.
 void keep_families(const std::string& families, std::vector<Instance>& instances, std::size_t& given) {
-  std::vector<std::string> present;
-  for (const Instance& i : instances) present.push_back(i.family);
+  const std::vector<std::string> present = names_of(instances, &Instance::family);
   const std::vector<std::string> kept = split(families);
   for (const std::string& family : kept)
     if (std::ranges::find(present, family) == present.end())
@@ -94,11 +93,8 @@ std::span<const Suite> suites() {
 }
 
 const Suite& find_suite(const std::string& name) {
-  std::vector<std::string> names;
-  for (const Suite& s : suites()) {
-    if (s.name == name) return s;
-    names.push_back(s.name);
-  }
+  if (const auto found = std::ranges::find(suites(), name, &Suite::name); found != suites().end()) return *found;
+  std::vector<std::string> names = names_of(suites(), &Suite::name);
   names.emplace_back("collision");  // a suite without solvers, run by bench_collision
   throw std::invalid_argument("no suite '" + name + "'" + did_you_mean(name, names) + " (" + joined(names) + ")");
 }
@@ -126,12 +122,15 @@ std::vector<Law> parse_laws(const std::string& text) {
   return laws;
 }
 
+std::string words_of(std::span<const Law> laws, const char* separator) {
+  return joined(names_of(laws, [](Law law) { return to_string(law); }), separator);
+}
+
 static std::string expected_laws(const SolverEntry& entry) {
-  std::string text;
-  for (const Law law : all_laws)
-    if (entry.laws.empty() ? !has_cones(law) : entry.reads(law))
-      text.append(text.empty() ? "" : " or ").append(to_string(law));
-  return text;
+  std::vector<Law> read;
+  std::ranges::copy_if(all_laws, std::back_inserter(read),
+                       [&](Law law) { return entry.laws.empty() ? !has_cones(law) : entry.reads(law); });
+  return words_of(read, " or ");
 }
 
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among) {
@@ -173,6 +172,13 @@ std::string Plan::title() const {
   return own ? "your problems" : options.suite + " suite";
 }
 
+std::vector<Run> Plan::tightest_runs() const {
+  std::vector<Run> tightest;
+  std::ranges::copy_if(runs, std::back_inserter(tightest),
+                       [&](const Run& run) { return run.tolerance == options.tolerances.back(); });
+  return tightest;
+}
+
 Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   const Suite& suite = find_suite(options.suite);
   Plan plan;
@@ -197,8 +203,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   if (options.solvers.empty())
     for (const std::string& text : split_solvers(suite.solvers))
       if (find_solver(text, among)) options.solvers += (options.solvers.empty() ? "" : ",") + text;
-  if (options.solvers.empty())
-    for (const SolverEntry& e : among) options.solvers += (options.solvers.empty() ? "" : ",") + e.name;
+  if (options.solvers.empty()) options.solvers = joined(names_of(among, &SolverEntry::name), ",");
 
   std::sort(options.tolerances.rbegin(), options.tolerances.rend());
   options.tolerances.erase(std::unique(options.tolerances.begin(), options.tolerances.end()), options.tolerances.end());

@@ -65,7 +65,7 @@ struct Plan {
   bool second_witness = false;  // references are checked by a second method
   Shard shard = {};             // whose problems are run; budgets that shorten time limits are off in a part
   bool conformance = false;
-  bool answers = false;  // the runs are answers that files hold: there is nothing to time or to trace
+  bool answers = false;                  // the runs are answers that files hold: there is nothing to time or to trace
   std::vector<Instance> instances = {};  // of all parts
   // Of several laws: what an instance under a simpler one is under Coulomb's.
   std::map<std::size_t, Instance> coulomb = {};
@@ -74,6 +74,7 @@ struct Plan {
   std::size_t size() const { return problems() * runs.size(); }
   std::string title() const;  // "standard suite", or "your problems"
   std::size_t solvers() const { return runs.size() / options.tolerances.size(); }
+  std::vector<Run> tightest_runs() const;  // at the tightest tolerance: one a solver
 };
 
 // `among`: the solvers there are. Throws std::invalid_argument (unknown names, tolerances outside (0, 1)) or BadFile
@@ -82,6 +83,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among = solver
 
 // "pyramid,convex" -> laws, each once. Throws std::invalid_argument.
 std::vector<Law> parse_laws(const std::string& text);
+std::string words_of(std::span<const Law> laws, const char* separator = ",");  // and back
 
 // "" or one line: which of the plan's solvers cannot read the law of how many of its problems.
 std::string laws_not_read(const Plan& plan, std::span<const SolverEntry> among);

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/results/records.h>
 #include <zwang/bench/timing/conditions.h>
@@ -27,17 +26,11 @@ void visit_options(Options& o, Each each) {
   visit("shard", o.shard);
 }
 
-std::string joined(const std::vector<Law>& laws) {
-  std::string text;
-  for (const Law law : laws) text.append(text.empty() ? "" : ",").append(to_string(law));
-  return text;
-}
-
 Json to_json(const SuiteOptions& options) {
   Json j;
   visit_options(options, [&j](const std::string& name, const auto& value, const Column&) {
     if constexpr (std::is_same_v<decltype(value), const std::vector<Law>&>)
-      j[name] = value.empty() ? Json() : Json(joined(value));
+      j[name] = value.empty() ? Json() : Json(words_of(value));
     else
       j[name] = value;
   });
@@ -56,7 +49,7 @@ SuiteOptions options_from(const Json& j) {
 }
 
 Json load(const std::filesystem::path& directory) {
-  Json j = Json::parse(load_record(directory, "run"));
+  Json j = load_record(directory, "run");
   if (j.value("kind", "") == "simulation")
     throw BadFile((directory / "run.json").string() + ": the record of a simulated run, not of a suite");
   for (const char* key : {"command", "started", "finished", "notes", "options", "problem_sha256"})
@@ -87,7 +80,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
             {"title", plan.title()},     {"command", record.command},
             {"started", record.started}, {"finished", record.finished.empty() ? Json(nullptr) : Json(record.finished)},
             {"seed", plan.options.seed}};
-  j.update(Json::parse(fixed_conditions()));
+  j.update(fixed_conditions());
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   j["tolerances"] = plan.options.tolerances;
@@ -99,7 +92,7 @@ void write_run_record(const std::filesystem::path& directory, const Plan& plan, 
   j["problem_names"] = names;
   if (plan.answers) j["answers"] = true;
   j["notes"] = record.notes;
-  replace_record(directory, j.dump(2));
+  replace_record(directory, j);
 }
 
 RunRecord read_run_record(const std::filesystem::path& directory) {
@@ -120,7 +113,7 @@ SuiteOptions options_to_resume(const std::filesystem::path& directory, const Sui
   const Json options = j.at("options"), asked = to_json(typed);
   if (!options.is_object()) throw BadFile((directory / "run.json").string() + ": its options are no object");
   const bool part = options.value("shard", Json("")) != "";  // each of its lines names its machine
-  require_same_conditions(directory, j.dump(), "its times would not compare", part);
+  require_same_conditions(directory, j, "its times would not compare", part);
   for (const auto& [name, value] : asked.items())
     if (const Json stored = options.value(name, Json()); is_given(name) && stored != value)
       throw std::invalid_argument(directory.string() + " cannot go on with other options: its " + name + " is " +

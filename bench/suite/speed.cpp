@@ -123,9 +123,7 @@ bool write_speed(const std::filesystem::path& directory, const std::filesystem::
 void write_sequences(const Plan& plan, const std::filesystem::path& directory, const std::filesystem::path& cache,
                      Dispatcher& desk, const std::atomic<bool>& interrupted) {
   ResultFile out(directory / "speed.jsonl", true);
-  std::vector<Run> tightest;
-  for (const Run& run : plan.runs)
-    if (run.tolerance == plan.options.tolerances.back()) tightest.push_back(run);
+  const std::vector<Run> tightest = plan.tightest_runs();
   std::vector<Sequence> sequences;
   for (const Instance& frame : plan.instances) {
     if (sequences.empty() || sequences.back().name != frame.family) sequences.push_back({frame.family, {}});

@@ -4,7 +4,6 @@
 
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/references/witnesses.h>
-#include <zwang/bench/results/cell.h>
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/results/seal.h>
 #include <zwang/bench/suite/flow.h>
@@ -97,10 +96,9 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
 
   for (std::size_t b = 0; b < plan.instances.size() && !interrupted; ++b) {
     if (!plan.shard.holds(b)) continue;
-    CellKey key{.problem_file = problem_file(b), .problem_sha256 = problem_sha256(plan.instances[b].problem)};
+    const std::string file = problem_file(b), sha256 = problem_sha256(plan.instances[b].problem);
     const auto cell = [&](const std::string& solver, double tolerance) {
-      key.solver = solver, key.tolerance = tolerance;
-      return key.name(here.commit);
+      return cell_name(here.commit, file, sha256, solver, tolerance);
     };
     std::vector<Run> runs;
     for (const Run& run : plan.runs)
@@ -117,14 +115,14 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
       FoundReference found = reference_for(instance, settings.cache, {plan.second_witness});
       instance.reference = std::move(found.reference);
       if (!found.note.empty()) record.notes.push_back(instance.problem.name + ": " + found.note);
-      write_problem(directory / key.problem_file, instance);
+      write_problem(directory / file, instance);
       return instance;
     };
     const auto append = [&](const Instance&, std::vector<Cell>& cells) {
       std::vector<std::string> lines;
       const std::optional<Reference> coulomb = coulomb_reference_of(plan, b, settings.cache);
       for (auto& [result, timed] : cells) {
-        result.problem_file = key.problem_file;
+        result.problem_file = file;
         result.batch = static_cast<int>(b);
         result.machine = here.cpu;
         if (const Vector& z = timed.solution.z; coulomb && z.size() == coulomb->z.size() && z.allFinite())
@@ -152,7 +150,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     if (settings.between) settings.between();
   }
 
-  if (!interrupted && plan.conformance) write_phenomena(directory, plan.runs, desk, interrupted);
+  if (!interrupted && plan.conformance) write_phenomena(directory, plan.tightest_runs(), desk, interrupted);
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
   if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
   if (!interrupted && !plan.speed && !plan.answers && (plan.shard.of == 1 || plan.options.trace)) {

@@ -62,7 +62,6 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
     const auto& problems = families[{i.family, i.problem.law}];
     if (plan.shard.holds(b) && (plan.options.trace || problems[problems.size() / 2] == &i)) chosen.push_back(&i);
   }
-  const double tightest = plan.options.tolerances.back();
   const double start = wall_seconds();
   std::size_t left = chosen.size(), cut = 0;
   ResultFile out(directory / "traces.jsonl", true);
@@ -72,8 +71,7 @@ void write_traces(const Plan& plan, const std::filesystem::path& directory, cons
     // What is left of the budget is shared by the problems left, and within a problem by the solvers.
     const double share = (budget - (wall_seconds() - start)) / static_cast<double>(left--);
     std::vector<std::string> lines;
-    for (const Run& run : plan.runs) {
-      if (run.tolerance != tightest) continue;
+    for (const Run& run : plan.tightest_runs()) {
       const double each = share / static_cast<double>(plan.solvers());
       auto points = each > 0 ? trace(instance, run, desk, std::min(plan.time_limit, each), each, interrupted)
                              : std::vector<TracePoint>();

@@ -25,7 +25,9 @@ struct Run {
 
 // Where runs take place: native solvers here, foreign ones in the child.
 struct Dispatcher {
-  explicit Dispatcher(MakeSolver make) : here(make), child(std::move(make)) {}
+  // By default of those that are registered.
+  explicit Dispatcher(MakeSolver make = [](std::string_view text) { return make_solver(text); })
+      : here(make), child(std::move(make)) {}
   SolveReply run(const Problem& problem, const Run& run, SolveRequest call, const std::atomic<bool>* interrupted);
 
   SolveService here;

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstdarg>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -41,6 +42,14 @@ inline std::string joined(const std::vector<std::string>& texts, const char* sep
   std::string all;
   for (const std::string& text : texts) all += (&text == &texts.front() ? "" : separator) + text;
   return all;
+}
+
+// The name of each, for joined() and did_you_mean(): names_of(entries, &Entry::name).
+template <class Range, class Name>
+std::vector<std::string> names_of(const Range& entries, Name name) {
+  std::vector<std::string> names;
+  for (const auto& entry : entries) names.emplace_back(std::invoke(name, entry));
+  return names;
 }
 
 // "a,b" -> a | b.

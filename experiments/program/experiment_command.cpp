@@ -33,7 +33,7 @@ void say(const json& line) { std::printf("%s\n", line.dump(-1, ' ', false, json:
 
 // Through the flow of the suites, from the problem to what the referee says. Nothing when interrupted.
 std::optional<Cell> timed(const std::function<Instance()>& assemble, const Run& run, const BatchLimits& limits) {
-  static Dispatcher dispatcher([](std::string_view solver) { return make_solver(solver); });
+  static Dispatcher dispatcher;
   std::optional<Cell> cell;
   const auto append = [&cell](const Instance&, std::vector<Cell>& cells) { cell = std::move(cells[0]); };
   run_flow({.assemble = assemble, .runs = {run}, .limits = limits, .append = append}, dispatcher, stop_on_interrupt());

@@ -91,7 +91,7 @@ struct Read {
 };
 
 Json load(const std::filesystem::path& directory) {
-  Json j = Json::parse(load_record(directory, "simulated run"));
+  Json j = load_record(directory, "simulated run");
   if (j.value("kind", "") != "simulation")
     throw BadFile((directory / "run.json").string() + ": not the record of a simulated run");
   return j;
@@ -126,12 +126,12 @@ struct Fingerprint {
 void write_record(const std::filesystem::path& directory, const Record& r) {
   const Conditions c = conditions();
   Json j = {{"zwang", c.version}, {"kind", "simulation"}};
-  j.update(Json::parse(fixed_conditions()));
+  j.update(fixed_conditions());
   j["debug"] = c.debug;
   j["cores"] = c.cores;
   each_entry(r, Write{j});
   if (r.finished.empty()) j["finished"] = nullptr;
-  replace_record(directory, j.dump(2));
+  replace_record(directory, j);
 }
 
 Record read_record(const std::filesystem::path& directory) {
@@ -149,7 +149,7 @@ Record read_record(const std::filesystem::path& directory) {
 }
 
 void require_same_program(const std::filesystem::path& directory) {
-  require_same_conditions(directory, load(directory).dump(), "its numbers would not be the same");
+  require_same_conditions(directory, load(directory), "its numbers would not be the same");
 }
 
 std::uint64_t fingerprint(const HandMotion& motion) {
