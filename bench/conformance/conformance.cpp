@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <zwang/bench/scenes/friction/families.h>
+#include <zwang/bench/scenes/row_by_row.h>
 #include <zwang/core/problem/law.h>
-#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -33,21 +33,13 @@ struct Model {
 
   // Accelerations z of one implicit step from velocity v: c_n = -J_n v/dt, c_t = (v_surface - J_t v)/dt.
   Problem problem(const Vector& v) const {
-    Problem p{.name = "conformance", .z_u = force, .law = stored_law};
-    p.M = mass.asDiagonal();
-    RowWriter rows;
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const ModelContact& contact = contacts[k];
-      for (std::size_t t = 0; t < contact.rows.size(); ++t) {
-        const Vector& row = contact.rows[t];
-        const double wanted = t == 1 ? contact.surface : 0;
-        rows.add(t == 0 ? RowKind::inequality : RowKind::tangent, {k + 1, static_cast<std::uint32_t>(t)},
-                 (wanted - row.dot(v)) / step, t == 0 ? contact.mu : 0);
-        rows.entries(row);
-      }
+    RowByRow rows(mass, force);
+    for (const ModelContact& contact : contacts) {
+      std::vector<double> c;
+      for (const Vector& row : contact.rows) c.push_back(((c.size() == 1 ? contact.surface : 0) - row.dot(v)) / step);
+      rows.add_contact(contact.rows, c, contact.mu, "");
     }
-    rows.write(p);
-    return p;
+    return rows.finish().problem;
   }
   Problem problem() const { return problem(Vector::Zero(mass.size())); }
 };

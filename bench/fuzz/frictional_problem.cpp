@@ -5,6 +5,7 @@
 #include <zwang/bench/fuzz/small_problem.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
 namespace {
@@ -16,31 +17,29 @@ struct DrawnContact {
   double mu = 0;
 };
 
-// Rows first, then mu at each normal one.
 void set_contacts(Problem& p, const std::vector<DrawnRow>& equalities, const std::vector<DrawnContact>& contacts) {
-  std::vector<DrawnRow> rows = equalities;
-  for (const DrawnContact& contact : contacts) rows.insert(rows.end(), contact.rows.begin(), contact.rows.end());
-  set_rows(p, rows, std::ssize(equalities));
-  p.mu.setZero(p.rows());
-  Index at = std::ssize(equalities);
+  RowWriter out;
+  for (const DrawnRow& row : equalities) {
+    out.add(RowKind::equality, {static_cast<std::uint64_t>(out.rows()) + 1, 0}, row.c);
+    out.entries(row.J);
+  }
   for (std::size_t k = 0; k < contacts.size(); ++k)
-    for (std::size_t t = 0; t < contacts[k].rows.size(); ++t, ++at) {
-      p.key[static_cast<std::size_t>(at)] = {k + 100, static_cast<std::uint32_t>(t)};
-      if (t == 0)
-        p.mu[at] = contacts[k].mu;
-      else
-        p.kind[static_cast<std::size_t>(at)] = RowKind::tangent;
+    for (std::uint32_t t = 0; const DrawnRow& row : contacts[k].rows) {
+      out.add(t == 0 ? RowKind::inequality : RowKind::tangent, {k + 100, t}, row.c, t == 0 ? contacts[k].mu : 0);
+      out.entries(row.J);
+      ++t;
     }
+  out.write(p);
   p.law = stored_law;
 }
 
-Vector masses(Index n, int spread, SmallNumbers& draw) {
+Vector masses(Index n, int spread, Draw& draw) {
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
   return D;
 }
 
-DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>& before, SmallNumbers& draw) {
+DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>& before, Draw& draw) {
   if (!before.empty() && draw.integer(0, 3) == 0) {
     DrawnContact copy = before[at(draw.index(std::ssize(before)))];
     const bool opposed = draw.integer(0, 2) == 0;
@@ -59,7 +58,7 @@ DrawnContact any_contact(Index n, int tangents, const std::vector<DrawnContact>&
   return out;
 }
 
-void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
+void small_integers(Problem& p, int tangents, Draw& draw) {
   const Index n = draw.integer(2, 6);
   const int contacts = draw.integer(1, 4), equalities = draw.integer(0, 3) == 0 ? 1 : 0;
   const Vector D = masses(n, 1, draw);
@@ -73,7 +72,7 @@ void small_integers(Problem& p, int tangents, SmallNumbers& draw) {
 }
 
 // z* and lambda* first, mode by mode; then c = J z* - s* and, M being diagonal in powers of two, z_u without rounding.
-Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = stored_law, int mu_bits = 0) {
+Reference planted(Problem& p, Draw& draw, int bodies, Law law = stored_law, int mu_bits = 0) {
   const Index n = 3 * draw.integer(1, bodies);
   const int contacts = draw.integer(1, static_cast<int>(n)), spread = draw.integer(0, 2) == 0 ? 12 : 2;
   const double lift = 1 - lift_of(law);
@@ -123,7 +122,7 @@ Reference planted(Problem& p, SmallNumbers& draw, int bodies, Law law = stored_l
 }  // namespace
 
 Problem frictional_problem(std::uint64_t seed, std::uint64_t number) {
-  SmallNumbers draw(static_cast<double>(mix_bits(seed ^ 0x5f3759df, number) >> 12));
+  Draw draw(static_cast<double>(mix_bits(seed ^ 0x5f3759df, number) >> 12));
   Problem p{.name = "friction " + std::to_string(seed) + " " + std::to_string(number)};
   const auto kind = number % 10;
   if (kind < 4)
@@ -136,7 +135,7 @@ Problem frictional_problem(std::uint64_t seed, std::uint64_t number) {
 }
 
 Instance planted_problem(std::uint64_t seed, std::uint64_t number, Law law) {
-  SmallNumbers draw(static_cast<double>(mix_bits(seed ^ 0x2545f491, number) >> 12));
+  Draw draw(static_cast<double>(mix_bits(seed ^ 0x2545f491, number) >> 12));
   Instance out{.problem = {.name = "planted " + std::to_string(seed) + " " + std::to_string(number)}};
   const int mu_bits = draw.integer(0, 6);
   out.reference = planted(out.problem, draw, 2, law, mu_bits);

@@ -208,7 +208,7 @@ void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
 }
 
 void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
-  SmallNumbers draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
+  Draw draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
   // The last normal row: mu is read nowhere else.
   Index row = problem.rows() - 1;
   while (problem.is_tangent(row)) --row;
@@ -232,7 +232,7 @@ void Fuzzer::with_spoilt_friction(std::uint64_t number, Problem problem) {
 
 // Multipliers that fit nothing: of a few of the rows, of rows that do not exist, of the wrong sign.
 void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& problem) {
-  SmallNumbers draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
+  Draw draw(static_cast<double>(number % (std::uint64_t{1} << 50)));
   WarmStart warm;
   for (const RowKey& key : problem.key)
     if (draw.integer(0, 1)) warm.key.push_back(key);

@@ -26,7 +26,7 @@ struct Invented {
 
 // Rows become copies of the ones before them, nearly so, or face them with a gap of 2^-10 to 2^-52 or none; rows, and
 // the ground's unit against mu, are scaled.
-void twist(Problem& p, SmallNumbers& draw) {
+void twist(Problem& p, Draw& draw) {
   Matrix J(p.J);
   const auto chance = [&](int of) { return draw.integer(1, of) == 1; };
   const auto size = [&](Index i) { return 1 + (p.has_tangents() ? p.tangents(i) : 0); };
@@ -60,7 +60,7 @@ void twist(Problem& p, SmallNumbers& draw) {
 }
 
 // Answers of all kinds, and what the rationals say of them.
-std::vector<Invented> invent(const Problem& p, const ExactSolutions& truth, SmallNumbers& draw) {
+std::vector<Invented> invent(const Problem& p, const ExactSolutions& truth, Draw& draw) {
   const auto any = [&] { return draw.integers(p.rows(), 3); };
   std::vector<Invented> out;
   std::vector<ExactSolutions::Rounded> known = truth.solutions();
@@ -94,7 +94,7 @@ std::vector<Invented> invent(const Problem& p, const ExactSolutions& truth, Smal
 }
 
 // Combinations of rows that may push against each other.
-Vector certificate(const Problem& p, const FoundReference& found, SmallNumbers& draw) {
+Vector certificate(const Problem& p, const FoundReference& found, Draw& draw) {
   Vector u = Vector::Zero(p.rows());
   if (found.reference && found.reference->certificate.size() == p.rows() && draw.integer(0, 1) == 0)
     u = found.reference->certificate;
@@ -115,7 +115,7 @@ std::size_t referee_class(std::uint64_t number) {
 
 void question_referee(std::uint64_t seed, std::uint64_t number, FuzzTally& tally,
                       const std::function<void(std::string, Instance)>& report) {
-  SmallNumbers draw(static_cast<double>(mix_bits(seed ^ 0x3c6ef372, number) >> 12));
+  Draw draw(static_cast<double>(mix_bits(seed ^ 0x3c6ef372, number) >> 12));
   const std::size_t kind = referee_class(number);
   const bool planted = kind == 3 || (kind == 2 && number % 2 == 0);
   Instance instance;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <sstream>
 
+#include <zwang/core/problem/row_writer.h>
+
 namespace zwang {
 
 std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number) {
@@ -17,7 +19,7 @@ std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number) {
   return x;
 }
 
-Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw) {
+Matrix coupled_mass(const Vector& D, int most, Draw& draw) {
   const Index n = D.size();
   Matrix L = Matrix::Identity(n, n);
   for (Index k = 0; k < n; ++k) {
@@ -27,33 +29,30 @@ Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw) {
   return L * D.asDiagonal() * L.transpose();
 }
 
-const DrawnRow& any_of(const std::vector<DrawnRow>& rows, SmallNumbers& draw) {
+const DrawnRow& any_of(const std::vector<DrawnRow>& rows, Draw& draw) {
   return rows[at(draw.index(static_cast<Index>(rows.size())))];
 }
 
 void set_rows(Problem& p, const std::vector<DrawnRow>& rows, Index equalities) {
-  Matrix J(static_cast<Index>(rows.size()), p.size());
-  p.c.resize(J.rows());
-  for (Index i = 0; i < J.rows(); ++i) {
-    const DrawnRow& row = rows[at(i)];
-    J.row(i) = row.J;
-    p.c[i] = row.c;
-    p.kind.push_back(i < equalities ? RowKind::equality : RowKind::inequality);
-    p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+  RowWriter out;
+  for (const DrawnRow& row : rows) {
+    const Index i = out.rows();
+    out.add(i < equalities ? RowKind::equality : RowKind::inequality, {static_cast<std::uint64_t>(i) + 1, 0}, row.c);
+    out.entries(row.J);
   }
-  p.J = J.sparseView();
+  out.write(p);
 }
 
 namespace {
 
-Matrix mass(Index n, SmallNumbers& draw) {
+Matrix mass(Index n, Draw& draw) {
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-1, 1));
   return draw.integer(0, 2) == 0 ? coupled_mass(D, 1, draw) : Matrix(D.asDiagonal());
 }
 
 // A row of its own, or one made of the rows before it; its c mostly agrees with theirs.
-DrawnRow compose_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& draw) {
+DrawnRow compose_row(Index n, const std::vector<DrawnRow>& before, Draw& draw) {
   const int slip = draw.integer(0, 2) == 0 ? draw.integer(-1, 1) : 0;
   const int origin = before.empty() ? 0 : draw.integer(0, 9);
   if (origin >= 8) {
@@ -71,7 +70,7 @@ DrawnRow compose_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers&
 }
 
 // Rows made of rows that were made of rows must not grow without end.
-DrawnRow draw_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& draw) {
+DrawnRow draw_row(Index n, const std::vector<DrawnRow>& before, Draw& draw) {
   for (;;) {
     const DrawnRow row = compose_row(n, before, draw);
     const auto size = row.J.cwiseAbs().array();
@@ -82,14 +81,14 @@ DrawnRow draw_row(Index n, const std::vector<DrawnRow>& before, SmallNumbers& dr
 // Of near_problem().
 constexpr int nearest = 50, farthest = 22;  // -log2 of what a copy is off by
 
-Matrix near_mass(Index n, SmallNumbers& draw) {
+Matrix near_mass(Index n, Draw& draw) {
   const int spread = 10 * draw.integer(0, 2);
   Vector D(n);
   for (double& d : D) d = std::exp2(draw.integer(-spread, spread));
   return draw.integer(0, 1) == 0 ? Matrix(D.asDiagonal()) : coupled_mass(D, 2, draw);
 }
 
-DrawnRow fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
+DrawnRow fresh(const Vector* met, bool equality, Index n, Draw& draw) {
   DrawnRow row{draw.integers(n, 3), 0};
   row.c = met ? row.J.dot(*met) : draw.integer(-3, 3);
   if (met && !equality && draw.integer(0, 1) == 1) row.c -= draw.integer(0, 2);
@@ -97,7 +96,7 @@ DrawnRow fresh(const Vector* met, bool equality, Index n, SmallNumbers& draw) {
 }
 
 // Of one row, or of the sum of two. c goes with J where a motion is to be met.
-DrawnRow copy(const std::vector<DrawnRow>& before, const Vector* met, Index n, SmallNumbers& draw) {
+DrawnRow copy(const std::vector<DrawnRow>& before, const Vector* met, Index n, Draw& draw) {
   DrawnRow row = any_of(before, draw);
   if (draw.integer(0, 2) == 0) {
     const DrawnRow& other = any_of(before, draw);
@@ -119,7 +118,7 @@ DrawnRow copy(const std::vector<DrawnRow>& before, const Vector* met, Index n, S
 }  // namespace
 
 Problem small_problem(std::uint64_t seed, std::uint64_t number, int most_unknowns, int most_rows) {
-  SmallNumbers draw(mix_bits(seed, number));
+  Draw draw(mix_bits(seed, number));
   const Index n = draw.integer(1, most_unknowns), m = draw.integer(0, most_rows);
   const int equalities = draw.integer(0, std::min(3, static_cast<int>(m)));
   Problem p{.name = "fuzz " + std::to_string(seed) + " " + std::to_string(number), .M = mass(n, draw).sparseView()};
@@ -136,7 +135,7 @@ Problem small_problem(std::uint64_t seed, std::uint64_t number, int most_unknown
 }
 
 Problem near_problem(std::uint64_t seed, std::uint64_t number, Index most_unknowns) {
-  SmallNumbers draw(static_cast<double>(mix_bits(seed, number) >> 11));
+  Draw draw(static_cast<double>(mix_bits(seed, number) >> 11));
   const Index n = 2 + draw.index(most_unknowns - 1), m = 1 + draw.index(2 * n),
               equalities = draw.index(std::min(m, n / 2) + 1);
   Problem p{.name = "near " + std::to_string(seed) + " " + std::to_string(number),
@@ -157,7 +156,7 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
   using Limits = std::numeric_limits<double>;
   constexpr double inf = Limits::infinity();
   constexpr std::array values = {Limits::quiet_NaN(), inf, -inf, Limits::denorm_min(), 0x1.8p-1060, 1e300, -1e300};
-  SmallNumbers draw(mix_bits(seed, 1));
+  Draw draw(mix_bits(seed, 1));
   const double value = values[at(draw.integer(0, 6))];
   Spoilt out{.problem = std::move(problem)};
   Problem& p = out.problem;

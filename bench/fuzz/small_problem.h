@@ -12,13 +12,13 @@ namespace zwang {
 std::uint64_t mix_bits(std::uint64_t seed, std::uint64_t number);
 
 // L D L' with up to `most` units in a few places below the diagonal of L. D: the masses of D.size() unknowns.
-Matrix coupled_mass(const Vector& D, int most, SmallNumbers& draw);
+Matrix coupled_mass(const Vector& D, int most, Draw& draw);
 
 struct DrawnRow {
   Vector J;
   double c;
 };
-const DrawnRow& any_of(const std::vector<DrawnRow>& rows, SmallNumbers& draw);
+const DrawnRow& any_of(const std::vector<DrawnRow>& rows, Draw& draw);
 // Puts the rows into the problem, equalities first.
 void set_rows(Problem& problem, const std::vector<DrawnRow>& rows, Index equalities);
 

@@ -10,7 +10,7 @@ namespace zwang {
 Instance near_parallel_contacts(const Knobs& knobs) {
   constexpr Index n = 12, pairs = 4;
   const double eps = small(knobs);
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   const Vector z0 = draw.integers(n, 4);
   Vector z_u = z0;
   std::vector<Vector> J;
@@ -67,7 +67,7 @@ const Vector thrown = (Vector(6) << .5, -.25, -g_dyadic, 1.5, -.75, .25).finishe
 // without turning; the corners alone carry it, each (9.8125 -+ 3/32 -+ 3/16) / 4, which is one of many lambda.
 Instance many_on_a_face(const Knobs& knobs) {
   const auto contacts = static_cast<Index>(knobs.at("contacts"));
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   Vector z = thrown, lambda = Vector::Zero(contacts);
   z.segment<3>(2).setZero();
   RowByRow rows(brick_mass, thrown, friction_of(knobs));
@@ -86,7 +86,7 @@ Instance many_on_a_face(const Knobs& knobs) {
 // The same body among contacts of tilted normals with room to spare (c <= 0): rank 6, most rows nearly active.
 Instance many_tilted(const Knobs& knobs) {
   const auto contacts = static_cast<Index>(knobs.at("contacts"));
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   RowByRow rows(brick_mass, thrown, friction_of(knobs));
   for (Index i = 0; i < contacts; ++i) {
     const Vec3 point = draw.integers(3, 256) / 256, tilt = draw.integers(3, 32) / 64;
@@ -104,18 +104,13 @@ Instance many_tilted(const Knobs& knobs) {
 Instance flipping_stack(const Knobs& knobs) {
   constexpr Index boxes = 10, n = 6 * boxes;
   const double height = small(knobs);
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   std::array<bool, 4 * boxes> touches{};
   for (bool& t : touches) t = draw.integer(0, 1);
   for (int f = 0; f < knobs.at("frame"); ++f)
     for (bool& t : touches)
       if (draw.integer(0, 7) == 0) t = !t;
-  Vector mass = Vector::Ones(n), z_u = Vector::Zero(n);
-  for (Index b = 0; b < boxes; ++b) {
-    mass.segment<3>(6 * b + 3) /= 8;
-    z_u[6 * b + 2] = -g_dyadic;
-  }
-  RowByRow rows(mass, z_u, friction_of(knobs));
+  RowByRow rows = box_stack(std::vector<double>(boxes, 1), friction_of(knobs));
   for (Index i = 0; i < 4 * boxes; ++i) {
     if (!touches[at(i)]) continue;
     const Index box = i / 4, corner = i % 4;

@@ -11,10 +11,24 @@ namespace {
 
 constexpr double g = g_dyadic;
 
-// The multipliers of a stack hold g (2^k + j): beyond 2^45 they have to be rounded, and a rounded weight at the bottom
+// The multipliers of a stack hold g (top + j): beyond 2^45 they have to be rounded, and a rounded weight at the bottom
 // moves the light boxes. Only z is given there.
-Reference at_rest(const Knobs& knobs, Index n, const Vector& lambda) {
-  return {.z = Vector::Zero(n), .lambda = knobs.at("k") <= 45 ? lambda : Vector(), .method = "closed form"};
+Reference at_rest(double top, Index n, const Vector& lambda) {
+  return {.z = Vector::Zero(n), .lambda = top <= 0x1p45 ? lambda : Vector(), .method = "closed form"};
+}
+
+// Points of 1 kg one on another on a line, the top one of `top`: at rest, and contact i carries all above it.
+Instance points_on_a_line(Index n, double top, const char* name, const std::string& place = "") {
+  Vector mass = Vector::Ones(n), lambda(n);
+  mass[n - 1] = top;
+  RowByRow rows(mass, Vector::Constant(n, -g));
+  for (Index i = 0; i < n; ++i) {
+    Vector row = Vector::Unit(n, i);
+    if (i > 0) row[i - 1] = -1;
+    lambda[i] = g * (top + static_cast<double>(n - 1 - i));
+    rows.add_contact(row, 0, numbered(name, i) + place);
+  }
+  return rows.finish(at_rest(top, n, lambda));
 }
 
 }  // namespace
@@ -24,13 +38,10 @@ Reference at_rest(const Knobs& knobs, Index n, const Vector& lambda) {
 Instance mass_ratio(const Knobs& knobs) {
   constexpr Index boxes = 10;
   const double top = std::exp2(knobs.at("k"));
-  Vector mass = Vector::Ones(6 * boxes), z_u = Vector::Zero(6 * boxes), lambda(4 * boxes);
-  mass.tail<6>() *= top;
-  for (Index i = 0; i < boxes; ++i) {
-    mass.segment<3>(6 * i + 3) /= 8;
-    z_u[6 * i + 2] = -g;
-  }
-  RowByRow rows(mass, z_u, friction_of(knobs));
+  std::vector<double> masses(boxes, 1);
+  masses.back() = top;
+  Vector lambda(4 * boxes);
+  RowByRow rows = box_stack(masses, friction_of(knobs));
   for (Index i = 0; i < boxes; ++i) {
     const std::string label = numbered("box ", i) + " on " + (i ? numbered("box ", i - 1) : "floor");
     for (int corner = 0; corner < 4; ++corner) {
@@ -41,23 +52,16 @@ Instance mass_ratio(const Knobs& knobs) {
       rows.add_slip(Vec3::UnitZ(), row_of);
     }
   }
-  return rows.finish(at_rest(knobs, 6 * boxes, lambda));
+  return rows.finish(at_rest(top, 6 * boxes, lambda));
 }
 
-// The same stack as points on a line with one contact each: lambda is unique.
+// The same stack as points with one contact each: lambda is unique.
 Instance mass_ratio_one_contact(const Knobs& knobs) {
-  constexpr Index n = 10;
-  const double top = std::exp2(knobs.at("k"));
-  Vector mass = Vector::Ones(n), lambda(n);
-  mass[n - 1] = top;
-  RowByRow rows(mass, Vector::Constant(n, -g));
-  for (Index i = 0; i < n; ++i) {
-    Vector row = Vector::Unit(n, i);
-    if (i > 0) row[i - 1] = -1;
-    lambda[i] = g * (top + static_cast<double>(n - 1 - i));
-    rows.add_contact(row, 0, numbered("mass ", i) + " on the one below");
-  }
-  return rows.finish(at_rest(knobs, n, lambda));
+  return points_on_a_line(10, std::exp2(knobs.at("k")), "mass ", " on the one below");
+}
+
+Instance stack_of_masses(const Knobs& knobs) {
+  return points_on_a_line(static_cast<Index>(knobs.at("boxes")), 1, "box ");
 }
 
 // A planar four-bar linkage held by revolute joints: 20 rows of rank 17, one freedom. Tilting hinge 4 by (1, 0, delta)

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <random>
 #include <span>
 
 #include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/draw.h>
 #include <zwang/core/model/scene_change.h>
 
 namespace zwang {
@@ -14,28 +12,6 @@ inline constexpr double scene_dt = 0x1p-10;  // s: the step of mechanisms and bo
 
 // Physical scenes are built in dyadic numbers where that is cheap, so that the stored doubles are the problem.
 inline const Vec3 gravity{0, 0, -9.8125};  // m/s^2
-
-// Seeded draws, the same on every machine (the distributions of <random> are not).
-class Draw {
- public:
-  explicit Draw(double seed) : engine_(static_cast<std::uint64_t>(seed)) {}
-  // Uniform in [low, high), a multiple of (high - low) / 2^bits.
-  double uniform(double low, double high, int bits = 32) {
-    return low + (high - low) * std::ldexp(static_cast<double>(engine_() >> (64 - bits)), -bits);
-  }
-  int below(int count) { return static_cast<int>(uniform(0, count)); }
-  Vec3 cube(double half) {
-    const double x = uniform(-half, half), y = uniform(-half, half);
-    return {x, y, uniform(-half, half)};
-  }
-  Vec3 direction() {
-    for (;;)
-      if (const Vec3 v = cube(1); v.squaredNorm() <= 1 && v.squaredNorm() > 0.01) return v.normalized();
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 // A rotation by a vector [rad].
 inline Mat3 rotation(const Vec3& w) {

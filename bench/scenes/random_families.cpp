@@ -14,7 +14,7 @@ namespace zwang {
 Instance near_parallel_equalities(const Knobs& knobs) {
   constexpr Index n = 12, pairs = 3, contacts = 6;
   const double eps = std::exp2(-knobs.at("k"));
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   Vector mass(n);
   for (double& m : mass) m = std::exp2(draw.integer(-1, 1));
   const Vector z0 = draw.integers(n, 4);
@@ -51,7 +51,7 @@ Instance near_parallel_equalities(const Knobs& knobs) {
 // on it.
 Instance mass_ratio_chain(const Knobs& knobs) {
   constexpr Index bodies = 6, n = 6 * bodies;
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   Vector mass(n);
   for (Index b = 0; b < bodies; ++b) {
     mass.segment<6>(6 * b) << 1, 1, 1, .25, .125, .0625;
@@ -77,7 +77,7 @@ Instance mass_ratio_chain(const Knobs& knobs) {
 Instance weak_contacts(const Knobs& knobs) {
   constexpr Index n = 24, m = 12;
   const double eps = small(knobs);
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   const Vector z0 = draw.integers(n, 4);
   Vector z_u = z0, lambda(m);
   std::vector<Vector> J;
@@ -101,7 +101,7 @@ Instance random_rows(const Knobs& knobs) {
   const Index entries = std::min(n, static_cast<Index>(knobs.at("entries")));
   const auto equalities = static_cast<Index>(std::lround(knobs.at("equalities") * static_cast<double>(m)));
   const int half = static_cast<int>(knobs.at("condition")) / 2;
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   Instance instance;
   Problem& p = instance.problem;
 

@@ -15,7 +15,7 @@ struct ChainOfFour {
   Vector mass = Vector(n), z_u, c;
   Matrix J = Matrix::Zero(joints + contacts, n);
 
-  explicit ChainOfFour(SmallNumbers& draw) {
+  explicit ChainOfFour(Draw& draw) {
     z_u = draw.eighths(n, 32);
     c = draw.eighths(joints + contacts, 8);
     for (Index b = 0; b < bodies; ++b) {
@@ -50,7 +50,7 @@ double scale(const Knobs& knobs) { return std::exp2(knobs.at("k")); }
 
 // Lengths in units of 2^-k m: translations, levers and offsets grow, inertias with the square.
 Instance length_unit(const Knobs& knobs) {
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   ChainOfFour chain(draw);
   const double s = scale(knobs);
   chain.c *= s;
@@ -65,7 +65,7 @@ Instance length_unit(const Knobs& knobs) {
 // Equality row 1 and contact rows 0 and 3 times 2^k, their c with them: the same problem. zero: one more row without
 // entries, 1: 0 >= 0, 2: 0 >= 2^-40 (infeasible), 3: 0 >= -2^-40.
 Instance row_scale(const Knobs& knobs) {
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   ChainOfFour chain(draw);
   for (const Index i : {Index{1}, ChainOfFour::joints, ChainOfFour::joints + 3}) {
     chain.J.row(i) *= scale(knobs);
@@ -83,7 +83,7 @@ Instance row_scale(const Knobs& knobs) {
 
 // c times 2^k: the rows require motions far larger than the free one.
 Instance huge_offsets(const Knobs& knobs) {
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   ChainOfFour chain(draw);
   chain.c *= scale(knobs);
   return chain.rows().finish();
@@ -91,7 +91,7 @@ Instance huge_offsets(const Knobs& knobs) {
 
 // One inertia axis of each body divided by 2^k: needles.
 Instance thin_bodies(const Knobs& knobs) {
-  SmallNumbers draw(knobs.at("seed"));
+  Draw draw(knobs.at("seed"));
   ChainOfFour chain(draw);
   for (Index b = 0; b < ChainOfFour::bodies; ++b) chain.mass[6 * b + 3 + draw.integer(0, 2)] /= scale(knobs);
   return chain.rows().finish();
@@ -106,20 +106,6 @@ Instance long_chain(const Knobs& knobs) {
   const Vec3 half(.5, 0, 0);
   for (Index b = 0; b < links; ++b) rows.add_ball_joint(b, -half, half);
   return with_known_answer(rows.finish(), static_cast<std::uint64_t>(knobs.at("seed")), .5);
-}
-
-// Equal masses one on another: at rest, and contact i carries all above it.
-Instance stack_of_masses(const Knobs& knobs) {
-  const auto n = static_cast<Index>(knobs.at("boxes"));
-  Vector lambda(n);
-  RowByRow rows(Vector::Ones(n), Vector::Constant(n, -g_dyadic));
-  for (Index i = 0; i < n; ++i) {
-    Vector row = Vector::Unit(n, i);
-    if (i > 0) row[i - 1] = -1;
-    lambda[i] = g_dyadic * static_cast<double>(n - i);
-    rows.add_contact(row, 0, numbered("box ", i));
-  }
-  return rows.finish({.z = Vector::Zero(n), .lambda = lambda, .method = "closed form"});
 }
 
 // Murty's rows: 1 on the diagonal and 2 below it, c = 1, M = I, z_u = 0. z = e_1: only the first row pushes. A method
@@ -143,7 +129,7 @@ Instance exponential_pivots(const Knobs& knobs) {
 Instance pivot_cycle(const Knobs& knobs) {
   const auto n = static_cast<Index>(knobs.at("n"));
   constexpr std::array seeds = {878, 325, 309, 64};  // n = 5, 6, 7, 8
-  SmallNumbers draw(seeds[at(n - 5)]);
+  Draw draw(seeds[at(n - 5)]);
   RowByRow rows(Vector::Ones(n), Vector::Zero(n));
   for (Index i = 0; i < n; ++i) {
     const Vector row = draw.integers(n, 3);

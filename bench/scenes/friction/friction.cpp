@@ -5,86 +5,62 @@
 #include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
-namespace {
-
-// Where the rows of the problem without tangent rows stand in the one with them.
-Vector spread(const Vector& v, const std::vector<Index>& place, Index rows) {
-  if (v.size() == 0) return {};
-  Vector out = Vector::Zero(rows);
-  for (std::size_t i = 0; i < place.size(); ++i) out[place[i]] = v[static_cast<Index>(i)];
-  return out;
-}
-
-// A reference stays where it is a solution still: frictionless forces, and nothing slips. Under Coulomb's law there may
-// be others.
-void keep_reference(const Instance& from, const std::vector<Index>& place, Instance& to) {
-  if (!from.reference) return;
-  Reference known = *from.reference;
-  if (known.feasible) {
-    const Vector motion = to.problem.J * known.z;
-    for (Index i = 0; i < to.problem.rows(); ++i)
-      if (to.problem.is_tangent(i) && motion[i] != 0) return;
-  }
-  known.lambda = spread(known.lambda, place, to.problem.rows());
-  known.certificate = spread(known.certificate, place, to.problem.rows());
-  known.unique = false;
-  to.reference = std::move(known);
-}
-
-}  // namespace
-
 void rub(Scene& scene, double mu) {
   if (mu == 0) return;
   for (Contact& contact : scene.list_of<Contact>().all) contact.friction = mu;
 }
 
-Instance with_friction(const Instance& frictionless, double mu, const std::vector<SlipRow>& slips) {
-  Instance out = frictionless;
-  if (slips.empty()) return out;
-  const Problem& old = frictionless.problem;
-  Problem& p = out.problem;
-  out.origin.clear();
-  out.reference.reset();
-  out.step.reset();
-  p.law = stored_law;
-  RowWriter rows;
-  std::vector<Index> place;
-  auto slip = slips.begin();
-  for (Index i = 0; i < old.rows(); ++i) {
-    const auto s = at(i);
-    const bool slides = slip != slips.end() && slip->contact == i;
-    place.push_back(rows.rows());
-    rows.add(old.kind[s], old.key[s], old.c[i], slides ? mu : 0);
-    rows.entries(old.J, i);
-    out.origin.push_back(frictionless.origin[s]);
-    for (std::uint32_t number = 1; slip != slips.end() && slip->contact == i; ++slip, ++number) {
-      rows.add(RowKind::tangent, {old.key[s].constraint, old.key[s].row + number}, 0);
-      for (const auto& [column, value] : slip->entries) rows.entry(column, value);
-      out.origin.push_back(frictionless.origin[s]);
-      out.origin.back().row = static_cast<int>(number);
-    }
+// Frictionless forces, and nothing slips. Under Coulomb's law there may be others.
+std::optional<Reference> known_with_friction(Reference known, const Problem& p) {
+  std::vector<Index> place;  // of the rows without friction
+  for (Index i = 0; i < p.rows(); ++i)
+    if (!p.is_tangent(i)) place.push_back(i);
+  if (known.feasible) {
+    Vector slip = p.J * known.z;
+    slip(place).setZero();
+    if ((slip.array() != 0).any()) return {};
   }
-  rows.write(p);
-  keep_reference(frictionless, place, out);
-  return out;
+  for (Vector* const of_rows : {&known.lambda, &known.certificate}) {
+    if (of_rows->size() == 0) continue;
+    Vector spread = Vector::Zero(p.rows());
+    spread(place) = *of_rows;
+    *of_rows = std::move(spread);
+  }
+  known.unique = false;
+  return known;
 }
 
 Instance with_friction(const Instance& frictionless, double mu) {
-  const Problem& p = frictionless.problem;
-  const Index pairs = p.size() / 2;
-  std::vector<SlipRow> slips;
-  for (Index i = 0; i < p.rows() && pairs > 0; ++i) {
-    if (p.is_equality(i) || frictionless.origin[at(i)].type != "contact") continue;
-    SlipRow first{.contact = i}, second{.contact = i};
-    for (decltype(p.J)::InnerIterator e(p.J, i); e; ++e) {
-      const int j = static_cast<int>(e.col()), of_four = j % 4;
-      if (j / 2 < pairs) first.entries.emplace_back(j ^ 1, j % 2 == 0 ? e.value() : -e.value());
-      second.entries.emplace_back(j ^ 2, of_four == 0 || of_four == 3 ? e.value() : -e.value());
+  Instance out = frictionless;
+  const Problem& old = frictionless.problem;
+  Problem& p = out.problem;
+  out.origin.clear();
+  RowWriter rows;
+  const int pairs = static_cast<int>(old.size()) / 2, slips = pairs == 0 ? 0 : old.size() % 4 == 0 ? 2 : 1;
+  for (Index i = 0; i < old.rows(); ++i) {
+    const RowOrigin& origin = frictionless.origin[at(i)];
+    const RowKey& key = old.key[at(i)];
+    const bool slides = !old.is_equality(i) && origin.type == "contact";
+    rows.add(old.kind[at(i)], key, old.c[i], slides ? mu : 0);
+    rows.entries(old.J, i);
+    out.origin.push_back(origin);
+    for (int slip = 1; slides && slip <= slips; ++slip) {
+      rows.add(RowKind::tangent, {key.constraint, key.row + static_cast<std::uint32_t>(slip)}, 0);
+      for (RowMatrix::InnerIterator e(old.J, i); e; ++e) {
+        const int j = static_cast<int>(e.col()), of_four = j % 4;
+        const bool keeps_sign = slip == 1 ? j % 2 == 0 : of_four == 0 || of_four == 3;
+        if (slip == 2 || j / 2 < pairs) rows.entry(j ^ slip, keeps_sign ? e.value() : -e.value());
+      }
+      out.origin.push_back(origin);
+      out.origin.back().row = slip;
     }
-    slips.push_back(std::move(first));
-    if (p.size() % 4 == 0) slips.push_back(std::move(second));
   }
-  return with_friction(frictionless, mu, slips);
+  if (rows.rows() == old.rows()) return frictionless;
+  rows.write(p);
+  p.law = stored_law;
+  out.step.reset();
+  if (out.reference) out.reference = known_with_friction(*std::move(out.reference), p);
+  return out;
 }
 
 }  // namespace zwang
