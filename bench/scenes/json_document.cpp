@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <set>
 #include <sstream>
 
@@ -14,31 +14,6 @@ namespace zwang {
 namespace {
 
 using Json = nlohmann::json;
-
-// Characters of a text, counting the lines that were read. The parser is one character ahead after a number, so the
-// line is that of the character before the last.
-struct Counted {
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-  const char* at = nullptr;
-  int* line = nullptr;
-
-  reference operator*() const { return *at; }
-  Counted& operator++() {
-    if (*at == '\n') ++*line;
-    ++at;
-    return *this;
-  }
-  Counted operator++(int) {
-    Counted before = *this;
-    ++*this;
-    return before;
-  }
-  friend bool operator==(const Counted& a, const Counted& b) { return a.at == b.at; }
-};
 
 // The JSON pointer of where parsing is.
 struct Place {
@@ -87,8 +62,9 @@ JsonDocument::JsonDocument(const std::filesystem::path& file) : file_(file), roo
     return true;
   };
   try {
-    const Counted begin{all.data(), &line}, end{all.data() + all.size(), &line};
-    *root_ = Json::parse(begin, end, note);
+    // The parser reads each character once. It is one ahead after a number.
+    const auto counting_lines = all | std::views::transform([&line](char ch) { return line += ch == '\n', ch; });
+    *root_ = Json::parse(counting_lines.begin(), counting_lines.end(), note);
   } catch (const Json::exception& bad) {
     const std::string why = bad.what();
     refuse(why.substr(why.starts_with("[json.exception.") ? why.find("] ") + 2 : 0));

@@ -62,16 +62,11 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
     const auto equal = part.find('=');
     if (equal != std::string::npos) {
       const std::string name = part.substr(0, equal);
-      std::vector<std::string> names;
-      const Knob* found = nullptr;
-      for (const Knob& k : scene.knobs) {
-        names.push_back(k.name);
-        if (k.name == name) found = &k;
-      }
-      if (!found)
+      const auto found = std::ranges::find(scene.knobs, name, &Knob::name);
+      if (found == scene.knobs.end())
         throw std::invalid_argument("scene '" + scene.name + "' has no knob '" + name + "'" +
-                                    did_you_mean(name, names));
-      all.push_back({found, {}});
+                                    did_you_mean(name, names_of(scene.knobs, &Knob::name)));
+      all.push_back({&*found, {}});
       part = part.substr(equal + 1);
     }
     if (all.empty()) throw std::invalid_argument("scene '" + scene.name + "': '" + part + "' should be knob=value");
@@ -92,12 +87,10 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std
     const auto open = part.find('(');
     const std::string name = part.substr(0, open);
     const SceneEntry* scene = find_scene(name);
-    if (!scene) {
-      std::vector<std::string> names;
-      for (const SceneEntry& e : scenes()) names.push_back(e.name);
-      throw std::invalid_argument("no scene '" + name + "'" + did_you_mean(name, names) +
+    if (!scene)
+      throw std::invalid_argument("no scene '" + name + "'" +
+                                  did_you_mean(name, names_of(scenes(), &SceneEntry::name)) +
                                   " (./zwang scenes lists all)");
-    }
     if (open != std::string::npos && part.back() != ')')
       throw std::invalid_argument("scene '" + part + "': a closing parenthesis should follow the knobs");
     auto chosen = open == std::string::npos ? std::vector<KnobValues>()
