@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <boost/multiprecision/gmp.hpp>
+// after the number type it describes
+#include <boost/multiprecision/eigen.hpp>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,7 +14,8 @@ namespace zwang {
 namespace {
 
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
-using Exact = std::vector<Rational>;
+using Exact = VectorX<Rational>;
+using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
 
 constexpr std::size_t most_misses = 6;
@@ -23,156 +26,121 @@ struct Choice {
   std::vector<Form> pushes = {}, held = {}, kept = {};
 };
 
-// Gauss and Jordan on the first `columns` columns: the pivots' columns, whose rows come first.
-std::vector<std::size_t> reduce(std::vector<Exact>& rows, std::size_t columns) {
-  std::vector<std::size_t> pivots;
-  for (std::size_t j = 0; j < columns && pivots.size() < rows.size(); ++j) {
-    Exact& top = rows[pivots.size()];
-    const auto below = rows.begin() + static_cast<std::ptrdiff_t>(pivots.size());
-    const auto found = std::find_if(below, rows.end(), [j](const Exact& row) { return row[j] != 0; });
-    if (found == rows.end()) continue;
-    std::swap(*found, top);
-    const Rational pivot = top[j];
-    for (Rational& x : top) x /= pivot;
-    for (Exact& row : rows) {
-      const Rational factor = row[j];
-      if (&row == &top || factor == 0) continue;
-      for (std::size_t k = j; k < row.size(); ++k)
-        if (top[k] != 0) row[k] -= factor * top[k];
+// Gauss and Jordan on the first `columns` columns: their rank. The pivots' rows come first.
+Index reduce(Rationals& rows, Index columns) {
+  Index rank = 0;
+  for (Index j = 0; j < columns && rank < rows.rows(); ++j) {
+    Index found = rank;
+    while (found < rows.rows() && rows(found, j) == 0) ++found;
+    if (found == rows.rows()) continue;
+    rows.row(found).swap(rows.row(rank));
+    rows.row(rank) /= Rational(rows(rank, j));
+    for (Index i = 0; i < rows.rows(); ++i) {
+      const Rational factor = rows(i, j);
+      if (i == rank || factor == 0) continue;
+      for (Index k = j; k < rows.cols(); ++k)
+        if (rows(rank, k) != 0) rows(i, k) -= factor * rows(rank, k);
     }
-    pivots.push_back(j);
+    ++rank;
   }
-  return pivots;
+  return rank;
 }
 
-// a x + a_0.
-Rational value(const Exact& form, const Exact& x) {
-  Rational sum = form.back();
-  for (std::size_t k = 0; k < x.size(); ++k) sum += form[k] * x[k];
-  return sum;
+Rationals stacked(const Rationals& above, const Rationals& below) {
+  Rationals all(above.rows() + below.rows(), above.cols());
+  all << above, below;
+  return all;
 }
+
+// a x + a_0 of each row (a, a_0).
+Exact values(const Rationals& forms, const Exact& x) { return forms.leftCols(x.size()) * x + forms.col(x.size()); }
 
 // A vertex of the points with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0; empty where there
 // is none. Solves the system. What it leaves open is asked to be zero in turn.
-std::optional<Exact> vertex(std::vector<Exact>& system, const std::vector<Exact>& asked, std::size_t unknowns) {
-  const std::size_t rank = reduce(system, unknowns).size();
-  for (std::size_t k = rank; k < system.size(); ++k)
-    if (system[k].back() != 0) return {};
+std::optional<Exact> vertex(Rationals& system, const Rationals& asked) {
+  const Index unknowns = system.cols() - 1, rank = reduce(system, unknowns);
+  const Exact right = system.col(unknowns);
+  if ((right.tail(right.size() - rank).array() != 0).any()) return {};
   if (rank == unknowns) {
-    Exact x;
-    for (std::size_t k = 0; k < unknowns; ++k) x.push_back(system[k].back());
-    if (std::ranges::all_of(asked, [&](const Exact& form) { return value(form, x) >= 0; })) return x;
-    return {};
+    const Exact x = right.head(rank);
+    return (values(asked, x).array() >= 0).all() ? std::optional(x) : std::nullopt;
   }
-  for (Exact form : asked) {
-    std::vector<Exact> tight = system;
-    form.back() = -form.back();
-    tight.push_back(std::move(form));
-    if (reduce(tight, unknowns).size() <= rank) continue;
-    if (std::optional<Exact> x = vertex(tight, asked, unknowns)) return x;
+  for (Rationals form : asked.rowwise()) {
+    form(0, unknowns) *= -1;
+    Rationals tight = stacked(system, form);
+    if (reduce(tight, unknowns) <= rank) continue;
+    if (std::optional<Exact> x = vertex(tight, asked)) return x;
   }
   return {};
 }
 
 // Whether this vertex is the only point: no direction leaves it. One along which the forms that are zero stay so would
 // be a line.
-bool is_alone(std::vector<Exact> system, std::vector<Exact> asked, const Exact& x) {
-  const std::size_t unknowns = x.size();
-  std::erase_if(asked, [&](const Exact& form) { return value(form, x) != 0; });
-  for (std::vector<Exact>* rows : {&system, &asked})
-    for (Exact& row : *rows) row.back() = 0;
-  std::vector<Exact> all = system;
-  all.insert(all.end(), asked.begin(), asked.end());
-  if (reduce(all, unknowns).size() < unknowns) return false;
-  for (std::size_t k = 0; k < unknowns; ++k)
+bool is_alone(Rationals system, const Rationals& asked, const Exact& x) {
+  const Index unknowns = x.size();
+  const Exact at_x = values(asked, x);
+  Rationals zero(0, unknowns + 1);
+  for (Index i = 0; i < asked.rows(); ++i)
+    if (at_x[i] == 0) zero = stacked(zero, asked.row(i));
+  system.col(unknowns).setZero();
+  zero.col(unknowns).setZero();
+  Rationals all = stacked(system, zero);
+  if (reduce(all, unknowns) < unknowns) return false;
+  for (Index k = 0; k < unknowns; ++k)
     for (const int sign : {1, -1}) {
-      std::vector<Exact> leaving = system;
-      leaving.emplace_back(unknowns + 1, 0);
-      leaving.back()[k] = sign;
-      leaving.back().back() = 1;
-      if (vertex(leaving, asked, unknowns)) return false;
+      Rationals way = Rationals::Zero(1, unknowns + 1);
+      way(0, k) = sign;
+      way(0, unknowns) = 1;
+      Rationals leaving = stacked(system, way);
+      if (vertex(leaving, zero)) return false;
     }
   return true;
 }
 
-Exact exactly(const Vector& v) { return {v.begin(), v.end()}; }
-
-Rational dot(const Exact& a, const Exact& b) {
-  Rational sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    if (a[k] != 0 && b[k] != 0) sum += a[k] * b[k];
-  return sum;
-}
-
-std::vector<Exact> rows_of(const Matrix& A) {
-  std::vector<Exact> rows;
-  for (Index i = 0; i < A.rows(); ++i) rows.push_back(A.cols() > 0 ? exactly(A.row(i)) : Exact());
-  return rows;
-}
-
-Vector rounded(const Exact& v) {
-  Vector out(std::ssize(v));
-  for (Index k = 0; k < out.size(); ++k) out[k] = v[at(k)].convert_to<double>();
-  return out;
-}
+Vector rounded(const Exact& v) { return v.cast<double>(); }
 
 }  // namespace
 
 struct ExactSolutions::Data {
-  std::vector<Exact> M, J, moves, W;  // moves: M^-1 J', a row each
+  Rationals M, J, moves, W;  // moves: M^-1 J'
   Exact z_u, c;
   std::vector<Exact> z = {};  // solutions
   Rational free = 0;          // |z_u|_M^2
   const Problem problem;
 
-  explicit Data(const Problem& p) : M(rows_of(Matrix(p.M))), J(rows_of(Matrix(p.J))), z_u(exactly(p.z_u)), problem(p) {
-    for (const double c_i : p.c) c.emplace_back(std::isfinite(c_i) ? c_i : 0);
-    std::vector<Exact> system = M;
-    for (std::size_t j = 0; j < system.size(); ++j)
-      for (const Exact& row : J) system[j].push_back(row[j]);
-    reduce(system, M.size());
-    for (std::size_t i = 0; i < J.size(); ++i) {
-      moves.emplace_back();
-      for (const Exact& row : system) moves[i].push_back(row[M.size() + i]);
-    }
-    for (const Exact& row : J) {
-      W.emplace_back();
-      for (const Exact& move : moves) W.back().push_back(dot(row, move));
-    }
+  explicit Data(const Problem& p)
+      : M(Matrix(p.M).cast<Rational>()), J(Matrix(p.J).cast<Rational>()), z_u(p.z_u.cast<Rational>()), problem(p) {
+    c = p.c.unaryExpr([](double c_i) { return std::isfinite(c_i) ? c_i : 0; }).cast<Rational>();
+    Rationals system(p.size(), p.size() + p.rows());
+    system << M, J.transpose();
+    reduce(system, p.size());
+    moves = system.rightCols(p.rows());
+    W = J * moves;
     free = squared(z_u);
   }
 
-  Rational squared(const Exact& v) const {
-    Rational sum = 0;
-    for (std::size_t j = 0; j < v.size(); ++j) sum += v[j] * dot(M[j], v);
-    return sum;
-  }
-  Exact minus(Exact a, const Exact& b) const {
-    for (std::size_t j = 0; j < a.size(); ++j) a[j] -= b[j];
-    return a;
-  }
+  Rational squared(const Exact& v) const { return v.dot(M * v); }
   Rational slack(const Form& form, const Exact& of) const {
     Rational sum = 0;
-    for (const auto& [row, factor] : form) sum += factor * (dot(J[at(row)], of) - c[at(row)]);
+    for (const auto& [row, factor] : form) sum += factor * (J.row(row).dot(of) - c[row]);
     return sum;
   }
   Rational coupling(const Form& a, const Form& b) const {
     Rational sum = 0;
     for (const auto& [i, x] : a)
-      for (const auto& [j, y] : b) sum += x * y * W[at(i)][at(j)];
+      for (const auto& [j, y] : b) sum += x * y * W(i, j);
     return sum;
   }
 
   std::vector<std::vector<Choice>> choices() const {
     std::vector<std::vector<Choice>> all;
-    std::vector<Exact> equalities;  // those that no others before them combine to: their forces are all there are
+    Rationals equalities(0, z_u.size());  // those that no others before them combine to: their forces are all there are
     for (Index i = 0; i < problem.rows(); ++i) {
       const Form row = {{i, 1}};
       if (problem.is_equality(i)) {
-        std::vector<Exact> more = equalities;
-        more.push_back(J[at(i)]);
-        const bool pushes = reduce(more, z_u.size()).size() > equalities.size();
-        if (pushes) equalities.push_back(J[at(i)]);
+        Rationals more = stacked(equalities, J.row(i));
+        const bool pushes = reduce(more, z_u.size()) == more.rows();
+        if (pushes) equalities = std::move(more);
         all.push_back({{.pushes = std::vector<Form>(pushes ? 1 : 0, row), .held = {row}}});
         continue;
       }
@@ -205,15 +173,15 @@ struct ExactSolutions::Data {
     Rational theta = 0;
     for (Index i = 0, n = 0; i < problem.rows(); ++i)
       if (problem.is_tangent(i))
-        theta += Rational(problem.mu[n]) * Rational(problem.mu[n]) * W[at(i)][at(i)];
+        theta += Rational(problem.mu[n]) * Rational(problem.mu[n]) * W(i, i);
       else
         n = i;
-    std::vector<Exact> rest = W;
-    for (std::size_t k = 0; k < rest.size(); ++k) rest[k][k] -= theta;
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-      if (rest[k][k] <= 0) return false;
-      for (std::size_t i = k + 1; i < rest.size(); ++i)
-        for (std::size_t j = rest.size(); j-- > k;) rest[i][j] -= rest[i][k] * rest[k][j] / rest[k][k];
+    Rationals rest = W;
+    for (Index k = 0; k < rest.rows(); ++k) rest(k, k) -= theta;
+    for (Index k = 0; k < rest.rows(); ++k) {
+      if (rest(k, k) <= 0) return false;
+      for (Index i = k + 1; i < rest.rows(); ++i)
+        for (Index j = rest.rows(); j-- > k;) rest(i, j) -= rest(i, k) * rest(k, j) / rest(k, k);
     }
     return true;
   }
@@ -221,6 +189,7 @@ struct ExactSolutions::Data {
 
 ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<Data>(problem)) {
   const std::vector<std::vector<Choice>> all = data_->choices();
+  const Index n = problem.size();
   std::vector<std::size_t> chosen(all.size(), 0);
   for (bool more = true; more;) {
     Choice choice;
@@ -236,43 +205,37 @@ ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<
       if (!more) chosen[k] = 0;
     }
 
-    const std::size_t unknowns = choice.pushes.size();
-    std::vector<Exact> edges, system, asked;
-    for (const Form& push : choice.pushes) {
-      edges.emplace_back(data_->z_u.size(), 0);
-      for (const auto& [row, factor] : push)
-        for (std::size_t j = 0; j < edges.back().size(); ++j) edges.back()[j] += factor * data_->J[at(row)][j];
-    }
-    if (unknowns > data_->z_u.size() || reduce(edges, data_->z_u.size()).size() < unknowns) continue;
-    const auto row_of = [&](const Form& form, int sign) {
-      Exact row;
-      for (const Form& push : choice.pushes) row.push_back(data_->coupling(form, push));
-      row.push_back(sign * data_->slack(form, data_->z_u));
-      return row;
+    const Index unknowns = std::ssize(choice.pushes);
+    Rationals edges = Rationals::Zero(unknowns, n);
+    for (Index k = 0; k < unknowns; ++k)
+      for (const auto& [row, factor] : choice.pushes[at(k)]) edges.row(k) += factor * data_->J.row(row);
+    if (unknowns > n || reduce(edges, n) < unknowns) continue;
+    const auto equations_of = [&](const std::vector<Form>& forms, int sign) {
+      Rationals rows(std::ssize(forms), unknowns + 1);
+      for (Index i = 0; i < rows.rows(); ++i) {
+        for (Index k = 0; k < unknowns; ++k) rows(i, k) = data_->coupling(forms[at(i)], choice.pushes[at(k)]);
+        rows(i, unknowns) = sign * data_->slack(forms[at(i)], data_->z_u);
+      }
+      return rows;
     };
-    for (const Form& form : choice.held) system.push_back(row_of(form, -1));
-    for (const Form& form : choice.kept) asked.push_back(row_of(form, 1));
-    for (std::size_t k = 0; k < unknowns; ++k) {
-      if (problem.is_equality(choice.pushes[k][0].first)) continue;
-      asked.emplace_back(unknowns + 1, 0);
-      asked.back()[k] = 1;
-    }
-    const std::vector<Exact> equations = system;
-    const std::optional<Exact> right = vertex(system, asked, unknowns);
-    if (reduce(system, unknowns).size() < unknowns && (!right || !is_alone(equations, asked, *right))) {
+    const Rationals equations = equations_of(choice.held, -1);
+    Rationals system = equations, asked = equations_of(choice.kept, 1);
+    for (Index k = 0; k < unknowns; ++k)
+      if (!problem.is_equality(choice.pushes[at(k)][0].first))
+        asked = stacked(asked, Rationals::Identity(unknowns, unknowns + 1).row(k));
+    const std::optional<Exact> right = vertex(system, asked);
+    if (reduce(system, unknowns) < unknowns && (!right || !is_alone(equations, asked, *right))) {
       complete_ = complete_ && !right;
       continue;
     }
-    if (std::any_of(system.begin() + static_cast<std::ptrdiff_t>(unknowns), system.end(),
-                    [](const Exact& row) { return row.back() != 0; }))
-      continue;
-    const auto force = [&](std::size_t k) { return right ? (*right)[k] : system[k].back(); };
+    const Exact rest = system.col(unknowns);
+    if ((rest.tail(rest.size() - unknowns).array() != 0).any()) continue;
+    const Exact force = right ? *right : Exact(rest.head(unknowns));
 
-    Exact z = data_->z_u, lambda(data_->J.size(), 0);
-    for (std::size_t k = 0; k < unknowns; ++k)
-      for (const auto& [row, factor] : choice.pushes[k]) lambda[at(row)] += factor * force(k);
-    for (std::size_t i = 0; i < lambda.size(); ++i)
-      for (std::size_t j = 0; j < z.size() && lambda[i] != 0; ++j) z[j] += lambda[i] * data_->moves[i][j];
+    Exact lambda = Exact::Zero(problem.rows());
+    for (Index k = 0; k < unknowns; ++k)
+      for (const auto& [row, factor] : choice.pushes[at(k)]) lambda[row] += factor * force[k];
+    Exact z = data_->z_u + data_->moves * lambda;
     if (right && std::ranges::find(data_->z, z) == data_->z.end()) {
       solutions_.push_back({rounded(z), rounded(lambda)});
       data_->z.push_back(std::move(z));
@@ -284,26 +247,25 @@ ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<
 
 ExactSolutions::ExactSolutions(const Problem& problem, const Vector& z, const Vector& lambda)
     : data_(std::make_shared<Data>(problem)), solutions_{{z, lambda}} {
-  data_->z.push_back(exactly(z));
+  data_->z.push_back(z.cast<Rational>());
   const auto contacts = std::ranges::count(problem.kind, RowKind::inequality);
   complete_ = !referee::slip_lifts(problem.law) || (contacts <= most_contracting && data_->contracts());
 }
 
 ExactSolutions::Range ExactSolutions::error(const Vector& given) const {
-  const Exact z = exactly(given);
+  const Exact z = given.cast<Rational>();
   const auto root = [](const Rational& x, const Rational& y) {
     if (x == 0 || y == 0) return x == 0 ? 0. : std::sqrt(x.convert_to<double>()) / std::numeric_limits<double>::min();
     return std::sqrt(Rational(x / y).convert_to<double>());
   };
   Range range{0, std::numeric_limits<double>::infinity()};
   for (const Exact& known : data_->z)
-    range.high = std::min(range.high,
-                          root(data_->squared(data_->minus(z, known)), std::max(data_->free, data_->squared(known))));
+    range.high = std::min(range.high, root(data_->squared(z - known), std::max(data_->free, data_->squared(known))));
   if (complete_) return {range.high, range.high};
   // Every solution meets these rows, and is longer than this one by its distance at most.
   const Rational size = std::max(data_->free, data_->squared(z));
   for (Index i = 0; i < data_->problem.rows(); ++i) {
-    const Rational s = data_->slack({{i, 1}}, z), g = data_->W[at(i)][at(i)];
+    const Rational s = data_->slack({{i, 1}}, z), g = data_->W(i, i);
     if (data_->problem.is_tangent(i) || !std::isfinite(data_->problem.c[i]) || g == 0) continue;
     if (s > 0 && !data_->problem.is_equality(i)) continue;
     const double off = root(s * s / g, size);
@@ -315,7 +277,7 @@ ExactSolutions::Range ExactSolutions::error(const Vector& given) const {
 double ExactSolutions::motions() const {
   double least = std::numeric_limits<double>::infinity();
   for (const Exact& z : data_->z) {
-    const Rational way = data_->squared(data_->minus(z, data_->z_u));
+    const Rational way = data_->squared(z - data_->z_u);
     if (way == 0) return 0;
     if (data_->free > 0) least = std::min(least, std::sqrt(Rational(way / data_->free).convert_to<double>()));
   }
