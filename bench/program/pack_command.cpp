@@ -26,6 +26,16 @@ void print_missing(const Answers& answers, const Pack& pack) {
               grouped(answers.missing.size()).c_str(), pack.problems().size(), answers.missing[0].c_str());
 }
 
+void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
+  Progress bar(isatty(STDERR_FILENO));
+  const ProofTally tally =
+      write_proofs(pack, contestants, directory, progress_of(bar, pack.problems().size()), stop_on_interrupt());
+  bar.clear();
+  std::printf("%s proofs -> %s\n", grouped(tally.written).c_str(), directory.c_str());
+  for (const auto& [reason, count] : tally.without)
+    std::printf("no proof of %s answers: %s\n", grouped(count).c_str(), reason.c_str());
+}
+
 }  // namespace
 
 int pack_command(std::vector<std::string> words) {
@@ -96,20 +106,6 @@ int solve_pack_command(std::vector<std::string> words) {
               out.c_str());
   return interrupted ? stopped : done;
 }
-
-namespace {
-
-void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
-  Progress bar(isatty(STDERR_FILENO));
-  const ProofTally tally =
-      write_proofs(pack, contestants, directory, progress_of(bar, pack.problems().size()), stop_on_interrupt());
-  bar.clear();
-  std::printf("%s proofs -> %s\n", grouped(tally.written).c_str(), directory.c_str());
-  for (const auto& [reason, count] : tally.without)
-    std::printf("no proof of %s answers: %s\n", grouped(count).c_str(), reason.c_str());
-}
-
-}  // namespace
 
 int judge_command(std::vector<std::string> words) {
   CLI::App options(

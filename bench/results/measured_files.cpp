@@ -64,8 +64,7 @@ std::vector<Instance> measured_problems() {
   for (const auto& [family, knob, value, every] : files) {
     const std::vector<Instance> all = read_file(family + (knob.empty() ? "" : std::to_string(value)));
     for (std::size_t i = 0; i < all.size(); i += every) {
-      chosen.push_back(all[i]);
-      Instance& instance = chosen.back();
+      Instance& instance = chosen.emplace_back(all[i]);
       const bool box = family == "tower" || family == "wall";
       instance.family = box ? family + " file" : family;
       instance.knob = knob;

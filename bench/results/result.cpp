@@ -10,6 +10,7 @@
 #include <zwang/bench/results/seal.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/process/child_process.h>
 
 namespace zwang {
 
@@ -109,12 +110,8 @@ ResultFile::~ResultFile() { close(file_); }
 void ResultFile::append(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text += line + '\n';
-  for (std::size_t at = 0; at < text.size();) {
-    const ssize_t written = write(file_, text.data() + at, text.size() - at);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw std::system_error(errno, std::generic_category(), "writing results");
-    at += static_cast<std::size_t>(written);
-  }
+  if (!transfer(text.size(), [&](std::size_t done) { return write(file_, text.data() + done, text.size() - done); }))
+    throw std::system_error(errno, std::generic_category(), "writing results");
   fsync(file_);
 }
 
