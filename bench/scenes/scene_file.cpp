@@ -307,16 +307,12 @@ std::vector<JointLimit> hinge_limits(const Scene& scene, std::array<BodyId, 2> b
   if (range.low && range.high) limit.farthest = (full_turn - (*range.high - *range.low)) / 2;
   std::vector<JointLimit> limits;
   if (!(limit.farthest > 0)) return limits;
-  if (range.low) {
-    limit.bound = *range.low;
-    limit.side = Side::lower;
-    limits.push_back(limit);
-  }
-  if (range.high) {
-    limit.bound = *range.high;
-    limit.side = Side::upper;
-    limits.push_back(limit);
-  }
+  for (const auto& [bound, side] : {std::pair(range.low, Side::lower), {range.high, Side::upper}})
+    if (bound) {
+      limit.bound = *bound;
+      limit.side = side;
+      limits.push_back(limit);
+    }
   return limits;
 }
 

@@ -96,7 +96,7 @@ Mat3 integer_frame(Draw& draw) {
   return R;
 }
 
-// Corner contacts repeated `copies` times.
+// A stack of boxes whose corner contacts are repeated `copies` times.
 Instance box_tower(const char* family, const std::vector<double>& masses, int copies, double push) {
   RowByRow p = box_stack(masses, 0, push);
   const auto n = static_cast<Index>(6 * masses.size());
