@@ -13,11 +13,11 @@
 
 #include <zwang/bench/packs/judge_pack.h>
 #include <zwang/bench/references/judge.h>
-#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/scenes/catalog.h>
+#include <zwang/bench/scenes/scene_change.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
@@ -129,6 +129,13 @@ void add_python_solver(const std::string& name, py::function call, const std::st
               .foreign = true,
               .sees_infeasibility = false,
               .make = [kept](std::string_view) -> AnySolver { return PythonSolver{*kept}; }});
+}
+
+// Under which it reads tangent rows.
+std::vector<std::string> laws_of(const SolverEntry& entry) {
+  std::vector<std::string> words;
+  for (const Law law : entry.laws) words.emplace_back(to_string(law));
+  return words;
 }
 
 struct Solved {
@@ -270,7 +277,7 @@ PYBIND11_MODULE(_zwang, m) {
     std::vector<py::dict> all;
     for (const SolverEntry& e : solvers())
       all.push_back(py::dict("name"_a = e.name, "method"_a = e.method, "limits"_a = e.limits, "foreign"_a = e.foreign,
-                             "exact"_a = e.exact, "laws"_a = split(words_of(e.laws))));
+                             "exact"_a = e.exact, "laws"_a = laws_of(e)));
     return all;
   });
   m.def("scenes", [] {

@@ -33,10 +33,6 @@ Instance to_instance(Scene& scene, const Vector& z_u, const AssembleOptions& opt
 // The same with z_u made of the step, which the instance keeps.
 Instance to_instance(SceneStep step);
 
-// How the problem changes with its scene: changed() for the constraints there are here. Throws std::invalid_argument
-// where the instance keeps no step.
-Problem scene_change(const Instance& instance, const SceneChange& change);
-
 // What gravity and these wrenches make of a scene whose contacts rub with the knob `mu`.
 Instance let_go(Scene& scene, const Knobs& knobs, std::span<const Vec<double, 6>> wrench = {});
 

@@ -1,4 +1,5 @@
-#include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/scenes/scene_change.h>
+
 #include <zwang/constraints/ball_joint.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/joint_limit.h>

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <zwang/bench/scenes/physical.h>
+#include <zwang/bench/scenes/scene_change.h>
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/rope.h>
 #include "tests/folders.h"
