@@ -97,8 +97,6 @@ Answer answer_of(const Json& record, const PackedProblem& problem) {
   return answer;
 }
 
-Json numbers(const Vector& v) { return Json(std::vector<double>(v.begin(), v.end())); }
-
 void read_head(const Json& head, Answers& all) {
   if (!head.contains("zwang_answers"))
     throw std::runtime_error("expected {\"zwang_answers\": 1, \"solver\": ...} (docs/packs.md)");
@@ -259,7 +257,7 @@ std::string answers_line(const std::string& sha256, const Answer& answer) {
   const Solution& s = answer.solution;
   Json line = {{"sha256", sha256}, {"status", to_string(s.status)}};
   for (const auto& [key, v] : {std::pair("z", &s.z), {"lambda", &s.lambda}, {"certificate", &s.certificate}})
-    if (v->size() > 0 && (v->allFinite() || s.status == Status::solved)) line[key] = numbers(*v);
+    if (v->size() > 0 && (v->allFinite() || s.status == Status::solved)) line[key] = *v;
   line["iterations"] = s.iterations;
   if (!s.handed_to.empty()) line["answered_by"] = s.handed_to;
   if (std::isfinite(answer.seconds)) line["seconds"] = answer.seconds;

@@ -410,13 +410,12 @@ Json entries(const Eigen::SparseMatrix<double, Options>& A) {
       all.push_back({it.row(), it.col(), it.value()});
   return all;
 }
-std::vector<double> numbers(const Vector& v) { return {v.begin(), v.end()}; }
 
 // The problem as check.py reads it; JSON has no infinity: null.
 Json to_json(const Problem& p) {
-  return {{"zwang_problem", 1}, {"name", p.name},    {"law", to_string(p.law)}, {"n", p.size()},
-          {"m", p.rows()},      {"M", entries(p.M)}, {"z_u", numbers(p.z_u)},   {"J", entries(p.J)},
-          {"c", numbers(p.c)},  {"kind", p.kind},    {"mu", numbers(p.mu)}};
+  return {{"zwang_problem", 1}, {"name", p.name}, {"law", to_string(p.law)}, {"n", p.size()}, {"m", p.rows()},
+          {"M", entries(p.M)},  {"z_u", p.z_u},   {"J", entries(p.J)},       {"c", p.c},      {"kind", p.kind},
+          {"mu", p.mu}};
 }
 
 // The name of an answer: SHA-256 of its status, a line break, the doubles of z and those of lambda.
@@ -456,8 +455,8 @@ ProofTally write_proofs(const Pack& pack, std::span<const Answers> contestants, 
                     {"solver", names[k]},
                     {"tolerance", contestants[k].tolerance},
                     {"status", to_string(s.status)},
-                    {"z", numbers(s.z)},
-                    {"lambda", numbers(s.lambda)},
+                    {"z", s.z},
+                    {"lambda", s.lambda},
                     {"answer_sha256", answer_sha256(s)}};
       try {
         if (s.z.size() == 0 && s.status != Status::infeasible) throw NoProof("it gives no answer");

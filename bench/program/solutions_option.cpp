@@ -47,15 +47,9 @@ std::string in_words(const std::vector<ContactMode>& modes) {
 nlohmann::ordered_json to_json(const CoulombSolution& s) {
   nlohmann::ordered_json modes = nlohmann::ordered_json::array();
   for (const ContactMode mode : s.modes) modes.push_back(word(mode));
-  return {{"bound", s.bound},
-          {"delta", s.delta},
-          {"isolated", s.isolated},
-          {"free_split", s.free_split},
-          {"modes", modes},
-          {"method", s.method},
-          {"by_slopes", s.by_slopes},
-          {"z", std::vector<double>(s.z.begin(), s.z.end())},
-          {"lambda", std::vector<double>(s.lambda.begin(), s.lambda.end())}};
+  return {{"bound", s.bound},           {"delta", s.delta}, {"isolated", s.isolated},
+          {"free_split", s.free_split}, {"modes", modes},   {"method", s.method},
+          {"by_slopes", s.by_slopes},   {"z", s.z},         {"lambda", s.lambda}};
 }
 
 }  // namespace

@@ -13,8 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<double> numbers(const Vector& v) { return {v.begin(), v.end()}; }
-
 Vector vector(const Json& numbers) {
   const auto values = numbers.get<std::vector<double>>();
   return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
@@ -28,9 +26,9 @@ void write_cached(const std::filesystem::path& file, const Reference& r) {
                  {"bound", r.bound},
                  {"unique", r.unique},
                  {"method", r.method},
-                 {"z", numbers(r.z)},
-                 {"lambda", numbers(r.lambda)},
-                 {"certificate", numbers(r.certificate)}},
+                 {"z", r.z},
+                 {"lambda", r.lambda},
+                 {"certificate", r.certificate}},
                 bytes);
   const std::uint64_t checksum = fnv1a(bytes);
   bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
