@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,16 +39,11 @@ struct Recording {
 // Rows by their time, the first of each. Returns how many had the time of another.
 template <class Row>
 std::size_t put_in_order(std::vector<Row>& rows) {
-  std::vector<std::size_t> order(rows.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return rows[a].time < rows[b].time || (rows[a].time == rows[b].time && a < b);
-  });
-  std::vector<Row> sorted;
-  for (const std::size_t k : order)
-    if (sorted.empty() || sorted.back().time != rows[k].time) sorted.push_back(std::move(rows[k]));
-  std::swap(rows, sorted);
-  return sorted.size() - rows.size();
+  std::ranges::stable_sort(rows, {}, &Row::time);
+  const auto again = std::ranges::unique(rows, {}, &Row::time);
+  const std::size_t repeated = again.size();
+  rows.erase(again.begin(), again.end());
+  return repeated;
 }
 
 // Of two middle ones the larger; 0 of none.
