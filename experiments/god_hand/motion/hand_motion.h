@@ -16,6 +16,11 @@ struct Target {
   std::vector<double> hinges = {};
 };
 
+inline bool is_finite(const Pose<double>& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
+
+// A share of the way between two: the palm along the screw from one to the next, angles linearly.
+Target part_of_way(const Target& from, const Target& to, double share);
+
 // One hand over time. Between two tracked keys the palm goes along the screw from one to the next and angles linearly.
 // Where a key is not tracked, in a whole pause between keys longer than `patience`, and at times outside of them,
 // tracking is lost and the last tracked pose is held until the next tracked key is there.

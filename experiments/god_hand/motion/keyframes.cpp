@@ -34,13 +34,9 @@ Keyframes& Keyframes::to(double time, const Palm& palm, const Angles& angles, Wa
   if (way == Way::jump) stay(time - 1e-6);
   for (int k = 1; k <= steps; ++k) {
     const double u = static_cast<double>(k) / steps, s = way == Way::eased ? u * u * (3 - 2 * u) : u;
-    Target at{palm, angles};
-    if (k < steps) {
-      at.palm = retract(from.target.palm, Vec<double, 6>(s * twist_between(from.target.palm, palm)));
-      for (std::size_t a = 0; a < angles.size(); ++a)
-        at.angles[a] = from.target.angles[a] + s * (angles[a] - from.target.angles[a]);
-    }
-    append(track_, {way == Way::jump ? time : from.time + u * whole, at});
+    const Target last{palm, angles};
+    append(track_,
+           {way == Way::jump ? time : from.time + u * whole, k < steps ? part_of_way(from.target, last, s) : last});
   }
   return *this;
 }

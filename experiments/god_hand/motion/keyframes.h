@@ -28,7 +28,7 @@ class Keyframes {
   // Changes the keys of [from, to) as a faulty tracker would; append() takes them again.
   Keyframes& spoil(double from, double to, const std::function<void(Target&)>& how);
 
-  const Pose<double>& start() const { return track_.keys.front().target.palm; }
+  Pose<double> start() const { return track_.keys.front().target.palm; }
   const Track& track() const { return track_; }
 
  private:

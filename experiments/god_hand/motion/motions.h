@@ -21,11 +21,11 @@ std::vector<std::pair<std::string, std::string>> synthetic_motions();  // name, 
 bool names_file(const std::string& motion);
 
 // Moves a recording to where it works: turned and shifted so that it goes on about the focus, and lowered until the
-// hand would be inside an object that stays where it is in `share` of its frames and at some time `depth` [m] deep.
+// hand would be inside an object that stays where it is in `share` of its frames and at some time 12 mm deep.
 struct Placement {
   double inside = 0;  // share of the frames in which the target is inside or touches
   double depth = 0;   // m, the deepest
 };
-Placement place(HandMotion& motion, const Surroundings& about, double share = 0.45, double depth = 0.012);
+Placement place(HandMotion& motion, const Surroundings& about, double share = 0.45);
 
 }  // namespace zwang::god

@@ -11,6 +11,7 @@ namespace zwang::god {
 namespace {
 
 constexpr double approach = 0.5;          // s
+constexpr double deep = 0.012;            // m, at some time
 constexpr double start_clearance = 0.01;  // m, at the start
 
 // The fixed objects: a loose one is pushed away before a hand is inside it. All objects where none is fixed.
@@ -145,14 +146,14 @@ void clear_start(HandMotion& motion, const Depth& depth) {
 
 }  // namespace
 
-Placement place(HandMotion& motion, const Surroundings& about, double share, double depth) {
+Placement place(HandMotion& motion, const Surroundings& about, double share) {
   const Depth solid(about), firm(staying(about));
   const Finder finder(motion, about, firm);
   const double needed = std::min(0.95, share * (motion.duration + approach) / motion.duration);
   std::optional<Pose<double>> by;
   for (const double part : {1.0, 0.3})
-    for (int turn = 0; turn < 4 && !by; ++turn) by = finder.lowered(turn * std::numbers::pi / 2, part, needed, depth);
-  if (!by) by = finder.lowered(0, 1, 0, depth);
+    for (int turn = 0; turn < 4 && !by; ++turn) by = finder.lowered(turn * std::numbers::pi / 2, part, needed, deep);
+  if (!by) by = finder.lowered(0, 1, 0, deep);
   if (!by) by = finder.lowered(0, 1, 0, 0);
   for (Track& track : motion.hands)
     for (Track::Key& key : track.keys) key.target.palm = placed(*by, key.target.palm);

@@ -45,7 +45,7 @@ HandMotion read_motion(const fs::path& file) {
   motion.name = (stored.packed() ? file.stem() : file).stem().string();
   motion.notes.insert(motion.notes.end(), recording.notes.begin(), recording.notes.end());
   for (const RecordedTrack& track : recording.hands) {
-    motion.hands.push_back(retarget(track, fit_model(track)));
+    motion.hands.push_back(retarget(track));
     motion.duration = std::max(motion.duration, track.frames.back().time);
   }
   if (std::ranges::any_of(motion.hands, [](const Track& track) { return track.keys.empty(); }))

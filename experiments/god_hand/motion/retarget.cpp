@@ -99,13 +99,8 @@ Target fitted(const Model& model, Target at, const RecordedHand& to, bool free_p
   return at;
 }
 
-// Where the model's palm is in a recorded hand: the frames have the same axes, their origins differ by a constant.
-struct Start {
-  Vec3 offset;  // m, of the model's origin in the recorded palm's axes
-  Target operator()(const RecordedHand& h) const {
-    return {.palm = {h.palm * offset, h.palm.rotation}, .angles = {}, .tracked = true};
-  }
-};
+// Where the model's palm is in a recorded hand: the frames have the same axes, their origins differ by a constant [m].
+Target start_of(const RecordedHand& h, const Vec3& offset) { return {.palm = {h.palm * offset, h.palm.rotation}}; }
 
 std::vector<const RecordedHand*> sample(const RecordedTrack& track, std::size_t most) {
   std::vector<const RecordedHand*> all;
@@ -139,8 +134,6 @@ Vector residual(const hand::Model& model, const Target& at, const Target& near, 
   return r;
 }
 
-}  // namespace
-
 // Gauss-Newton over each finger's base, spread and roll (5 numbers), the angles of the sampled frames eliminated: at
 // the angles fitted to the present measures only what they cannot follow counts (variable projection, Kaufman's form).
 // Little pulls toward the start, so that what the recording does not show (the roll of a finger that never bends) stays
@@ -166,10 +159,10 @@ Model fit_model(const RecordedTrack& track) {
   const double s = length / usual;
   model.palm_widths *= s;
   model.palm_mass *= s * s * s;
-  Start start{Vec3::Zero()};
-  for (std::size_t f = 1; f < 5; ++f) start.offset += (bases[f] - s * model.fingers[f].base) / 4;
+  Vec3 offset = Vec3::Zero();
+  for (std::size_t f = 1; f < 5; ++f) offset += (bases[f] - s * model.fingers[f].base) / 4;
   for (std::size_t f = 0; f < 5; ++f) {
-    model.fingers[f].base = bases[f] - start.offset;
+    model.fingers[f].base = bases[f] - offset;
     for (hand::Phalanx& bone : model.fingers[f].bone) {
       bone.mass *= s * s * s;
       bone.radius *= s;
@@ -187,7 +180,7 @@ Model fit_model(const RecordedTrack& track) {
   std::array<Measures, 5> away;
   away.fill(Measures::Zero());
   std::vector<Target> at;
-  for (const RecordedHand* h : hands) at.push_back(start(*h));
+  for (const RecordedHand* h : hands) at.push_back(start_of(*h, offset));
   for (int iteration = 0; iteration < 12; ++iteration) {
     std::array<Mat<double, 5, 5>, 5> N;
     std::array<Measures, 5> g;
@@ -235,21 +228,24 @@ Model fit_model(const RecordedTrack& track) {
   return model;
 }
 
-Track retarget(const RecordedTrack& track, const Model& model) {
+}  // namespace
+
+Track retarget(const RecordedTrack& track) {
+  const Model model = fit_model(track);
   Track out{.model = model, .beyond = track.beyond};
-  Start start{Vec3::Zero()};
+  Vec3 offset = Vec3::Zero();
   const std::vector<const RecordedHand*> hands = sample(track, 60);
   for (const RecordedHand* h : hands)
     for (std::size_t f = 0; f < 5; ++f)
-      start.offset += (h->palm.rotation.transpose() * (h->joints[f][0] - h->palm.position) - model.fingers[f].base) /
-                      (5 * static_cast<double>(hands.size()));
+      offset += (h->palm.rotation.transpose() * (h->joints[f][0] - h->palm.position) - model.fingers[f].base) /
+                (5 * static_cast<double>(hands.size()));
   std::size_t fits = 0;
   for (const RecordedTrack::Sample& frame : track.frames) {
     if (!frame.hand) {
       append(out, {frame.time, {.tracked = false}});
       continue;
     }
-    Target from = start(*frame.hand);
+    Target from = start_of(*frame.hand, offset);
     if (!out.keys.empty()) from.angles = out.keys.back().target.angles;
     const Target at = fitted(model, from, *frame.hand);
     const std::size_t held = out.held_over;

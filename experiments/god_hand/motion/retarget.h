@@ -7,14 +7,11 @@
 
 namespace zwang::god {
 
-// The measures of a recorded hand. Bone lengths and the joints at the palm are the recording's, the directions of the
-// straight fingers fitted to it, radii, masses and the palm's box the standard hand's, scaled; limits the standard
-// hand's. Throws std::invalid_argument for a track without a hand in it.
-hand::Model fit_model(const RecordedTrack& track);
-
-// The track of a hand of these measures that follows a recorded one within its joints and limits, key for key. Frames
-// without a hand are held over (Track::held_over).
-Track retarget(const RecordedTrack& track, const hand::Model& model);
+// The track of a hand that follows a recorded one within its joints and limits, key for key. Frames without a hand are
+// held over (Track::held_over). Of the hand's measures bone lengths and the joints at the palm are the recording's, the
+// directions of the straight fingers fitted to it, radii, masses and the palm's box the standard hand's, scaled; limits
+// the standard hand's. Throws std::invalid_argument for a track without a hand in it.
+Track retarget(const RecordedTrack& track);
 
 // Where the pad of a phalanx is to lie: flat on a face.
 struct Pad {

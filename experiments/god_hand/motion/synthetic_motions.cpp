@@ -33,16 +33,14 @@ Keyframes at_flat_start(const Site& s) {
 
 std::vector<Track> press(const Site& s) {
   Keyframes keys = at_flat_start(s);
-  const Palm start = keys.start();
-  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, start);
+  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).stay(2.2).to(2.6, s.flat(0.03)).to(3, keys.start());
   return {keys.track()};
 }
 
 std::vector<Track> slide(const Site& s) {
   Keyframes keys = at_flat_start(s);
-  const Palm start = keys.start();
   keys.stay(0.1).to(0.7, s.flat(-0.015)).to(1.3, s.flat(-0.015, 0, 0.1)).to(2, s.flat(-0.015, 0, -0.04));
-  keys.to(2.3, s.flat(-0.015)).to(3, start);
+  keys.to(2.3, s.flat(-0.015)).to(3, keys.start());
   return {keys.track()};
 }
 
@@ -96,9 +94,8 @@ std::vector<Track> poke(const Site& s) {
 
 std::vector<Track> fist(const Site& s) {
   Keyframes keys = at_flat_start(s);
-  const Palm start = keys.start();
   keys.stay(0.1).to(0.7, s.flat(0.02)).to(1, s.flat(-0.025)).to(1.5, s.flat(-0.025), a_fist.at(0.95)).stay(1.8);
-  keys.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, start, {});
+  keys.to(2.1, s.flat(-0.04)).to(2.4, s.flat(-0.02), a_fist.at(0.1)).to(3, keys.start(), {});
   return {keys.track()};
 }
 
@@ -128,16 +125,14 @@ std::vector<Track> teleport(const Site& s) {
 // A slide that goes on while tracking is lost.
 std::vector<Track> lost(const Site& s) {
   Keyframes keys = at_flat_start(s);
-  const Palm start = keys.start();
-  keys.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Keyframes::Way::even).to(3, start);
+  keys.stay(0.1).to(0.7, s.flat(-0.015)).to(2.1, s.flat(-0.015, 0.08), Keyframes::Way::even).to(3, keys.start());
   keys.spoil(1.2, 1.5, [](Target& t) { t.tracked = false; });
   return {keys.track()};
 }
 
 std::vector<Track> not_numbers(const Site& s) {
   Keyframes keys = at_flat_start(s);
-  const Palm start = keys.start();
-  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, start);
+  keys.stay(0.1).to(0.8, s.flat(0.005)).to(1.2, s.flat(-0.03)).to(2.2, s.flat(-0.02, 0.03)).to(3, keys.start());
   const auto spoilt = [](Target& t) { t.palm.position.x() = std::numeric_limits<double>::quiet_NaN(); };
   keys.spoil(1.0, 1.005, spoilt).spoil(1.6, 1.62, [](Target& t) {
     t.angles.fill(std::numeric_limits<double>::quiet_NaN());

@@ -5,6 +5,14 @@
 
 namespace zwang::god {
 
+Target part_of_way(const Target& from, const Target& to, double share) {
+  Target out = from;
+  out.palm = retract(from.palm, Vec<double, 6>(share * twist_between(from.palm, to.palm)));
+  for (std::size_t k = 0; k < out.angles.size(); ++k) out.angles[k] += share * (to.angles[k] - from.angles[k]);
+  for (std::size_t k = 0; k < out.hinges.size(); ++k) out.hinges[k] += share * (to.hinges[k] - from.hinges[k]);
+  return out;
+}
+
 Target Track::at(double time) const {
   if (keys.empty()) return {.tracked = false};
   const auto next = std::upper_bound(keys.begin(), keys.end(), time, [](double t, const Key& k) { return t < k.time; });
@@ -12,18 +20,10 @@ Target Track::at(double time) const {
   if (time == before.time) return before.target;
   const bool joined = next != keys.begin() && next != keys.end() && before.target.tracked && next->target.tracked &&
                       next->time - before.time <= patience;
-  Target between = before.target;
-  if (!joined) {
-    between.tracked = false;
-    return between;
-  }
-  const double s = (time - before.time) / (next->time - before.time);
-  between.palm = retract(between.palm, Vec<double, 6>(s * twist_between(between.palm, next->target.palm)));
-  for (std::size_t k = 0; k < between.angles.size(); ++k)
-    between.angles[k] += s * (next->target.angles[k] - before.target.angles[k]);
-  for (std::size_t k = 0; k < between.hinges.size(); ++k)
-    between.hinges[k] += s * (next->target.hinges[k] - before.target.hinges[k]);
-  return between;
+  if (joined) return part_of_way(before.target, next->target, (time - before.time) / (next->time - before.time));
+  Target held = before.target;
+  held.tracked = false;
+  return held;
 }
 
 void append(Track& track, Track::Key key) {
