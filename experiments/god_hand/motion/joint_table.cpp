@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/wording.h>
@@ -17,13 +18,9 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::vector<std::string_view> split(std::string_view line) {
+std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
-  for (std::size_t from = 0; from <= line.size();) {
-    const std::size_t comma = std::min(line.find(',', from), line.size());
-    cells.push_back(trimmed(line.substr(from, comma - from)));
-    from = comma + 1;
-  }
+  for (const auto cell : std::views::split(line, ',')) cells.push_back(trimmed({cell.begin(), cell.end()}));
   return cells;
 }
 
@@ -60,14 +57,15 @@ void JointTable::refuse(const std::string& why) const {
   throw BadFile(line);
 }
 
-bool JointTable::has(const std::string& name) const {
-  return std::find(columns.begin(), columns.end(), name) != columns.end();
+std::optional<std::size_t> JointTable::find(const std::string& name) const {
+  const auto found = std::ranges::find(columns, name);
+  return found == columns.end() ? std::nullopt : std::optional(at(found - columns.begin()));
 }
 
 std::size_t JointTable::column(const std::string& name) const {
-  const auto found = std::find(columns.begin(), columns.end(), name);
-  if (found == columns.end()) refuse("line 1: no column '" + name + "'" + did_you_mean(name, columns));
-  return static_cast<std::size_t>(found - columns.begin());
+  const auto found = find(name);
+  if (!found) refuse("line 1: no column '" + name + "'" + did_you_mean(name, columns));
+  return *found;
 }
 
 void JointTable::only(const std::vector<std::string>& names) const {
@@ -82,12 +80,12 @@ JointTable parse_table(const std::filesystem::path& file, const std::string& tex
   JointTable table{.file = file, .columns = {}, .rows = {}};
   std::string_view rest = text;
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);  // a byte order mark
-  for (std::size_t line = 1; !rest.empty(); ++line) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view here = trimmed(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  std::size_t line = 0;
+  for (const auto text_of_line : std::views::split(rest, '\n')) {
+    ++line;
+    const std::string_view here = trimmed({text_of_line.begin(), text_of_line.end()});
     if (here.empty()) continue;
-    const std::vector<std::string_view> cells = split(here);
+    const std::vector<std::string_view> cells = cells_of(here);
     if (table.columns.empty()) {
       if (cells.size() == 1 && here.find_first_of(";\t") != std::string_view::npos)
         table.refuse("line " + std::to_string(line) + ": no commas; columns are separated by them");
@@ -120,7 +118,7 @@ HandMotion plain_motion(const JointTable& table) {
   std::vector<std::string> prefixes;
   for (const std::string prefix : {"", "right_", "left_"}) {
     bool any = false;
-    for (const std::string& name : of_hand) any |= table.has(known.emplace_back(prefix + name));
+    for (const std::string& name : of_hand) any |= table.find(known.emplace_back(prefix + name)).has_value();
     if (any) prefixes.push_back(prefix);
   }
   if (prefixes.empty()) prefixes = {""};  // whose columns are missed below
@@ -184,8 +182,7 @@ HandMotion plain_motion(const JointTable& table) {
     if (2 * sound < rows.size())
       table.refuse(
           "most rows have a NaN, a palm 1000 m away, a quaternion of another length than 1 or an angle more than a "
-          "turn "
-          "beyond its limits among the columns of the hand; metres and radians expected");
+          "turn beyond its limits among the columns of the hand; metres and radians expected");
     if (track.beyond > 0)
       motion.notes.push_back("angles up to " + printed("%.3g", track.beyond) +
                              " rad beyond the hand's limits: clamped");

@@ -18,7 +18,7 @@ struct JointTable {
 
   [[noreturn]] void refuse(const std::string& why) const;  // BadFile
   std::size_t column(const std::string& name) const;       // throws BadFile with the nearest name
-  bool has(const std::string& name) const;
+  std::optional<std::size_t> find(const std::string& name) const;
   // Throws BadFile for a column that is none of these.
   void only(const std::vector<std::string>& names) const;
 };
@@ -31,6 +31,6 @@ HandMotion plain_motion(const JointTable& table);
 
 // The joints of a simulated Adroit hand, with its columns (DAPG): 0.01 s a step.
 Recording adroit_recording(const JointTable& table);
-inline bool is_adroit(const JointTable& table) { return table.has("FFJ2") || table.has("ARRx"); }
+inline bool is_adroit(const JointTable& table) { return table.find("FFJ2") || table.find("ARRx"); }
 
 }  // namespace zwang::god

@@ -6,7 +6,7 @@
 
 #include <zwang/experiments/god_hand/run/run_record.h>
 #include <zwang/experiments/god_hand/run/summary.h>
-#include <zwang/experiments/god_hand/tools/path.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 
 namespace zwang::god {
 
@@ -32,9 +32,8 @@ long simulate(const std::filesystem::path& directory, const Record& record, cons
 
 // From the frames in the folder: summary.json and replay.html; where asked.audit, FCL looks at every frame.
 struct Finished {
-  Summary summary;
-  std::vector<std::string> lines;
-  std::filesystem::path replay;
+  Summary summary = {};
+  std::filesystem::path replay = {};
 };
 Finished finish(const std::filesystem::path& directory, const Record& record, const Setup& setup,
                 const ShowProgress& progress);

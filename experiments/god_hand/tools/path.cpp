@@ -1,41 +1,27 @@
-#include <zwang/experiments/god_hand/tools/path.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <zwang/core/files/stored_file.h>
 #include <zwang/experiments/god_hand/motion/joint_table.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 
 namespace zwang::god {
-namespace {
-
-constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-
-// By hinge of the tool: its column.
-std::vector<std::optional<std::size_t>> columns_of(const Tool& tool, const JointTable& table) {
-  std::vector<std::optional<std::size_t>> column;
-  for (const Tool::Drive& drive : tool.drives) {
-    column.emplace_back();
-    if (table.has(drive.name)) column.back() = table.column(drive.name);
-  }
-  const bool any = std::ranges::any_of(column, [](const auto& c) { return c.has_value(); });
-  return any ? column : std::vector<std::optional<std::size_t>>();
-}
-
-}  // namespace
 
 std::optional<HandMotion> read_path(const std::filesystem::path& file, const Tool& tool) {
   const StoredFile stored = read_stored(file);
   if (stored.kind() != ".csv") return std::nullopt;
   const JointTable table = parse_table(file, unpacked(stored, std::size_t{1} << 30));
-  if (!table.has("qw")) return std::nullopt;
+  if (!table.find("qw")) return std::nullopt;
   std::vector<std::string> names = {"time", "x", "y", "z", "qw", "qx", "qy", "qz", "close"};
   for (const Tool::Drive& drive : tool.drives) names.push_back(drive.name);
   table.only(names);
   std::array<std::size_t, 8> column;
   for (std::size_t k = 0; k < column.size(); ++k) column[k] = table.column(names[k]);
-  const auto hinges = columns_of(tool, table);
+  const std::optional<std::size_t> close = table.find("close");
+  std::vector<std::optional<std::size_t>> hinges;
+  for (const Tool::Drive& drive : tool.drives) hinges.push_back(table.find(drive.name));
+  if (std::ranges::none_of(hinges, [](const auto& column) { return column.has_value(); })) hinges.clear();
   HandMotion motion{.name = file.stem().string(), .hands = {Track{.model = hand::standard()}}};
   double last = -1e300, begin = 0;
   for (const JointTable::Row& row : table.rows) {
@@ -47,11 +33,10 @@ std::optional<HandMotion> read_path(const std::filesystem::path& file, const Too
     Target target;
     const Eigen::Quaterniond q(value(4), value(5), value(6), value(7));
     target.palm = {{value(1), value(2), value(3)}, q.normalized().toRotationMatrix()};
-    if (table.has("close")) target.angles[Tool::closing] = row.values[table.column("close")];
-    target.tracked = target.palm.position.allFinite() && target.palm.rotation.allFinite() && q.norm() > 0.5 &&
-                     std::isfinite(target.angles[Tool::closing]);
+    if (close) target.angles[Tool::closing] = row.values[*close];
+    target.tracked = is_finite(target.palm) && q.norm() > 0.5 && std::isfinite(target.angles[Tool::closing]);
     for (const auto& hinge : hinges) {
-      target.hinges.push_back(hinge ? row.values[*hinge] : nowhere);
+      target.hinges.push_back(hinge ? row.values[*hinge] : std::numeric_limits<double>::quiet_NaN());
       target.tracked = target.tracked && (!hinge || std::isfinite(target.hinges.back()));
     }
     append(motion.hands[0], {value(0) - begin, target});

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,5 +38,9 @@ struct Tool {
 // BadFile for a file.
 Tool make_tool(const std::string& name);
 std::vector<std::pair<std::string, std::string>> tools();  // name, one line
+
+// The path of a tool from a table: time,x,y,z,qw,qx,qy,qz; perhaps close [rad], the angle that closes a gripper; and
+// columns with the names of hinges [rad], which set these. None: the file is not such a table. Throws BadFile.
+std::optional<HandMotion> read_path(const std::filesystem::path& file, const Tool& tool);
 
 }  // namespace zwang::god
