@@ -55,7 +55,7 @@ std::string names() {
   const auto add = [&text](const std::string& name, const std::string& line) {
     text += "  " + name + std::string(std::max<std::size_t>(1, 12 - name.size()), ' ') + line + "\n";
   };
-  for (const god::SceneEntry& scene : god::scenes()) add(scene.name, scene.line);
+  for (const auto& [name, line] : god::scenes()) add(name, line);
   text += "\nGod objects (--god):\n";
   add("hand", "16 bodies; two where the motion has two");
   for (const auto& [name, line] : god::tools()) add(name, line);

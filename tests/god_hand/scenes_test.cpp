@@ -84,7 +84,7 @@ TEST_P(Scene, TheFocusLiesOnASurface) {
 
 INSTANTIATE_TEST_SUITE_P(All, Scene, testing::ValuesIn([] {
                            std::vector<std::string> names;
-                           for (const SceneEntry& entry : scenes()) names.push_back(entry.name);
+                           for (const auto& [name, line] : scenes()) names.push_back(name);
                            return names;
                          }()),
                          [](const auto& info) { return info.param; });

@@ -121,8 +121,8 @@ double Depth::distance(const Vec3& point, std::size_t object, double reach, std:
   return volumes_[object].distance(pose.rotation.transpose() * (point - pose.position), reach);
 }
 
-double Depth::distance(const Vec3& point, double reach, std::span<const Pose<double>> poses) const {
-  for (std::size_t k = 0; k < volumes_.size(); ++k) reach = std::min(reach, distance(point, k, reach, poses));
+double Depth::distance(const Vec3& point, double reach) const {
+  for (std::size_t k = 0; k < volumes_.size(); ++k) reach = std::min(reach, distance(point, k, reach));
   return reach;
 }
 
@@ -130,7 +130,7 @@ double Depth::of(const hand::Poses& hand, std::span<const Ball> balls, double re
                  std::span<const Pose<double>> poses) const {
   double deepest = -reach;
   for (const Ball& ball : balls) {
-    const Vec3 p = hand[static_cast<std::size_t>(ball.body)] * ball.at;
+    const Vec3 p = hand[at(ball.body)] * ball.at;
     for (std::size_t k = 0; k < volumes_.size(); ++k) {
       const double near = std::max(1e-9, ball.radius - deepest), gap = distance(p, k, near, poses);
       if (gap < near) deepest = std::max(deepest, ball.radius - gap);
@@ -143,7 +143,7 @@ std::vector<Ball> balls(const hand::Model& model) {
   std::vector<Ball> out;
   const std::vector<Shape> shapes = hand::shapes(model);
   for (int body = 0; body < hand::bodies; ++body) {
-    const Shape& shape = shapes[static_cast<std::size_t>(body)];
+    const Shape& shape = shapes[at(body)];
     // The balls' centres lie where one of the greatest radius fits.
     const Vec3& half = shape.half();
     const double inner = shape.core() == Core::box ? half.minCoeff() : 0;

@@ -1,10 +1,8 @@
-
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
-#include <zwang/experiments/god_hand/scenes/scene_parts.h>
 
 namespace zwang::god {
-// Loose things of an engine bay: a cap, a relay, and a bolt standing on its head.
+
 void add_small_parts(Surroundings& s, const Vec3& on) {
   const Vec3 base = on + Vec3(0, 0, 1e-4);
   s.objects.push_back(loose("cap", 0.1, {solid_cylinder(0.022, 0.02).placed({0, 0, 0.01})}, base + Vec3(-0.045, 0, 0)));
@@ -73,14 +71,11 @@ Surroundings engine_scene() {
 }
 
 Surroundings detailed_scene() {
-  Surroundings s{.name = "detailed"};
-  const std::vector<TreePointer> parts = {tree_of(meshes::gear(0.1, 0.03, 24, 400000)),
-                                          tree_of(meshes::perforated({0.22, 0.2, 0.01}, 6, 450000)),
-                                          tree_of(meshes::bumpy_sphere(0.1, 0.004, 9, 400000))};
-  const std::vector<Pose<double>> poses = laid_out(parts, 1);
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    s.objects.push_back(
-        {.name = std::array{"gear", "perforated plate", "bumpy sphere"}[k], .mesh = parts[k], .pose = poses[k]});
+  Surroundings s{.name = "detailed",
+                 .objects = laid_out({{"gear", tree_of(meshes::gear(0.1, 0.03, 24, 400000))},
+                                      {"perforated plate", tree_of(meshes::perforated({0.22, 0.2, 0.01}, 6, 450000))},
+                                      {"bumpy sphere", tree_of(meshes::bumpy_sphere(0.1, 0.004, 9, 400000))}},
+                                     1)};
   s.focus = busiest_place(s);
   return s;
 }

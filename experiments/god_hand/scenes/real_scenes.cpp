@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 #include <zwang/collision/load.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
-#include <zwang/experiments/god_hand/scenes/scene_parts.h>
 
 namespace zwang::god {
 namespace {
@@ -46,32 +46,25 @@ TreePointer whole_differential(const fs::path& folder) {
   return tree_of(all);
 }
 
-using NamedTree = std::pair<std::string, TreePointer>;
-
 // In rows, about as wide as deep, tops at z = 0.
-void lay_out(Surroundings& s, const std::vector<NamedTree>& parts) {
+std::vector<Object> in_rows(const std::vector<NamedTree>& parts) {
   double area = 0;
-  std::vector<TreePointer> trees;
   for (const auto& [name, tree] : parts) {
     const Vec3 size = tree->high() - tree->low();
     area += size.x() * size.y();
-    trees.push_back(tree);
   }
-  const std::vector<Pose<double>> poses = laid_out(trees, 1.1 * std::sqrt(area));
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    s.objects.push_back({.name = parts[k].first, .mesh = parts[k].second, .pose = poses[k]});
+  return laid_out(parts, 1.1 * std::sqrt(area));
 }
 
 // The same, standing about a point.
 void stand(Surroundings& s, const std::vector<NamedTree>& parts, const Vec3& at) {
-  Surroundings group;
-  lay_out(group, parts);
+  std::vector<Object> group = in_rows(parts);
   Vec3 low = Vec3::Constant(1e9), high = -low;
-  for (const Object& object : group.objects) {
+  for (const Object& object : group) {
     low = low.cwiseMin(object.pose * object.mesh->low());
     high = high.cwiseMax(object.pose * object.mesh->high());
   }
-  for (Object& object : group.objects) {
+  for (Object& object : group) {
     object.pose.position += at - (low + high) / 2;
     object.pose.position.z() = at.z() - object.mesh->low().z();
     s.objects.push_back(std::move(object));
@@ -125,10 +118,8 @@ Surroundings files_scene(const std::string& files) {
   Surroundings s{.name = files};
   std::vector<NamedTree> parts;
   std::map<std::string, TreePointer> known;
-  for (std::size_t first = 0; first <= files.size();) {
-    const std::size_t end = std::min(files.find(',', first), files.size());
-    const std::string item = files.substr(first, end - first);
-    first = end + 1;
+  for (const auto part : std::views::split(files, ',')) {
+    const std::string item(part.begin(), part.end());
     if (item.empty()) throw BadFile("'" + files + "': a file name is missing");
     const auto [file, unit] = collision::parse_mesh_name(item);
     TreePointer& tree = known[item];
@@ -139,7 +130,7 @@ Surroundings files_scene(const std::string& files) {
                     file.filename().string() + "@mm");
     parts.emplace_back(file.filename().string(), tree);
   }
-  lay_out(s, parts);
+  s.objects = in_rows(parts);
   s.focus = busiest_place(s);
   return s;
 }

@@ -147,19 +147,19 @@ Object table(const std::string& name, const Vec3& widths, const Vec3& top, std::
   return object;
 }
 
-std::vector<Pose<double>> laid_out(const std::vector<TreePointer>& parts, double row) {
+std::vector<Object> laid_out(const std::vector<NamedTree>& parts, double row) {
   constexpr double apart = 0.004;  // m
-  std::vector<Pose<double>> poses;
+  std::vector<Object> objects;
   double x = 0, y = 0, deepest = 0;
-  for (const TreePointer& part : parts) {
+  for (const auto& [name, part] : parts) {
     const Vec3 size = part->high() - part->low();
     if (x > 0 && x + size.x() > row) x = 0, y += deepest + apart, deepest = 0;
     const Vec3 corner(x, y, 0), top(part->low().x(), part->low().y(), part->high().z());
-    poses.push_back({corner - top, Mat3::Identity()});
+    objects.push_back(fixed(name, part, corner - top));
     x += size.x() + apart;
     deepest = std::max(deepest, size.y());
   }
-  return poses;
+  return objects;
 }
 
 void lift_clear(Surroundings& surroundings) {
@@ -178,8 +178,7 @@ void lift_clear(Surroundings& surroundings) {
     for (const collision::Touch& touch : world.touches(1e-4))
       if (touch.gap < 2e-5 && (!deepest || touch.gap < deepest->gap)) deepest = &touch;
     if (!deepest) return;
-    const auto a = static_cast<std::size_t>(scenery.object_of(deepest->a)),
-               b = static_cast<std::size_t>(scenery.object_of(deepest->b));
+    const auto a = at(scenery.object_of(deepest->a)), b = at(scenery.object_of(deepest->b));
     // The higher one is lifted.
     const bool second = surroundings.objects[b].loose() &&
                         surroundings.objects[b].pose.position.z() > surroundings.objects[a].pose.position.z();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -43,8 +44,9 @@ Object fixed(const std::string& name, TreePointer mesh, const Vec3& position, co
 // A fixed plate, its upper side at top.z(): finely cut for hands, one box for the physics engine.
 Object table(const std::string& name, const Vec3& widths, const Vec3& top, std::size_t triangles);
 
-// Parts side by side in rows of this width [m], their tops at z = 0.
-std::vector<Pose<double>> laid_out(const std::vector<TreePointer>& parts, double row);
+// Fixed parts side by side in rows of this width [m], their tops at z = 0.
+using NamedTree = std::pair<std::string, TreePointer>;
+std::vector<Object> laid_out(const std::vector<NamedTree>& parts, double row);
 
 // Lifts loose objects that overlap something, a few millimetres at most. Throws std::runtime_error, one line, naming
 // the pair, where that is not enough.
@@ -55,5 +57,21 @@ Vec3 surface_at(const Surroundings& surroundings, double x, double y);
 
 // Where a hand pressed down would meet the most: within its reach the surfaces of many objects at much the same height.
 Vec3 busiest_place(const Surroundings& surroundings);
+
+// The scenes that are large.
+Surroundings simple_scene();
+Surroundings engine_scene();
+Surroundings detailed_scene();
+
+// Loose things of an engine bay: a cap, a relay, and a bolt standing on its head.
+void add_small_parts(Surroundings& s, const Vec3& on);
+void add_box_and_can(Surroundings& s, const Vec3& box, const Vec3& can);
+
+// Of real parts, found in the folder by their file names. Throw BadFile.
+Surroundings real_simple_scene(const std::filesystem::path& parts);
+Surroundings real_engine_scene(const std::filesystem::path& parts);
+
+// Files "a.stl,b.obj@mm" side by side, their tops at z = 0. Throws BadFile.
+Surroundings files_scene(const std::string& files);
 
 }  // namespace zwang::god

@@ -5,7 +5,6 @@
 #include <zwang/bench/collision/meshes.h>
 #include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
-#include <zwang/experiments/god_hand/scenes/scene_parts.h>
 
 namespace zwang::god {
 namespace {
@@ -14,23 +13,18 @@ namespace fs = std::filesystem;
 
 // A slab that is far larger than a hand; its upper side, the wall, is the plane z = 0.
 Surroundings wall() {
-  Surroundings s{.name = "wall"};
-  s.objects = {fixed("wall", tree_of(meshes::plate({0.5, 0.5, 0.04}, 20000)), {0, 0, -0.02})};
-  return s;
+  return {.name = "wall", .objects = {fixed("wall", tree_of(meshes::plate({0.5, 0.5, 0.04}, 20000)), {0, 0, -0.02})}};
 }
 
 Surroundings plate() {
-  Surroundings s{.name = "plate"};
-  s.objects = {fixed("sheet", tree_of(meshes::sheet(0.5, 0.5, 20000)), Vec3::Zero())};
-  return s;
+  return {.name = "plate", .objects = {fixed("sheet", tree_of(meshes::sheet(0.5, 0.5, 20000)), Vec3::Zero())}};
 }
 
 // The hand works on the table beside the box: a slide along +x pushes it.
 Surroundings box() {
-  Surroundings s{.name = "box"};
-  s.objects = {table("table", {0.8, 0.5, 0.03}, Vec3::Zero(), 15000),
-               loose("box", 0.2, {solid_box({0.07, 0.09, 0.06})}, {0.13, 0.03, 0.0301})};
-  return s;
+  return {.name = "box",
+          .objects = {table("table", {0.8, 0.5, 0.03}, Vec3::Zero(), 15000),
+                      loose("box", 0.2, {solid_box({0.07, 0.09, 0.06})}, {0.13, 0.03, 0.0301})}};
 }
 
 Surroundings pegs() {
@@ -48,9 +42,8 @@ Surroundings pegs() {
 }
 
 Surroundings holes() {
-  Surroundings s{.name = "holes"};
-  s.objects = {fixed("plate", tree_of(meshes::perforated({0.4, 0.4, 0.01}, 8, 64000)), {0, 0, -0.005})};
-  return s;
+  return {.name = "holes",
+          .objects = {fixed("plate", tree_of(meshes::perforated({0.4, 0.4, 0.01}, 8, 64000)), {0, 0, -0.005})}};
 }
 
 // Without friction a hand holds only what it encloses or hooks: a bar over the ground between two blocks for the
@@ -87,10 +80,9 @@ Surroundings grasp() {
 // For --god peg, whose radius is 10 mm.
 Surroundings hole() {
   constexpr double outer = 0.03, bore = 0.0103, length = 0.04;
-  Surroundings s{.name = "hole"};
-  s.objects = {fixed("bushing", tree_of(meshes::pipe(outer, outer - bore, length, 20000)), {0, 0, -length / 2})};
-  s.focus = {(outer + bore) / 2, 0, 0};
-  return s;
+  return {.name = "hole",
+          .objects = {fixed("bushing", tree_of(meshes::pipe(outer, outer - bore, length, 20000)), {0, 0, -length / 2})},
+          .focus = {(outer + bore) / 2, 0, 0}};
 }
 
 // For --god key: a plate with a slot that its bit fits through, and room behind it.
@@ -111,42 +103,42 @@ Surroundings lock() {
   return s;
 }
 
-SceneEntry entry(std::string name, std::string line, Surroundings (*make)(),
-                 Surroundings (*real)(const fs::path&) = nullptr) {
-  return {name, std::move(line), [name, make, real](const fs::path& parts) {
-            if (parts.empty()) return make();
-            if (real) return real(parts);
-            throw std::invalid_argument("scene '" + name + "' is not made of real parts; 'simple' and 'engine' are");
-          }};
-}
+struct SceneEntry {
+  const char* name;
+  const char* line;
+  Surroundings (*make)();
+  Surroundings (*of_real_parts)(const fs::path& folder) = nullptr;
+};
+constexpr SceneEntry scene_entries[] = {
+    {"wall", "a flat wall, 20k triangles", wall},
+    {"plate", "a sheet without thickness, 20k triangles", plate},
+    {"box", "a box of 0.2 kg to push over a table", box},
+    {"pegs", "a row of pegs and a plate with holes, fingers fit between and through", pegs},
+    {"holes", "a plate with holes, 50k triangles", holes},
+    {"grasp", "dumbbell, mug, T, box, can and ball, loose on a table", grasp},
+    {"hole", "a bushing for --god peg: 0.3 mm of clearance at a radius of 10 mm", hole},
+    {"lock", "a plate with a slot for --god key, to be turned behind it", lock},
+    {"simple", "five detailed parts, 100k triangles, and two loose ones (the paper's simple scene)", simple_scene,
+     real_simple_scene},
+    {"engine", "an engine compartment, 20 parts, 1M triangles, and loose small ones", engine_scene, real_engine_scene},
+    {"detailed", "three parts of 400k triangles", detailed_scene}};
 
 }  // namespace
 
-std::span<const SceneEntry> scenes() {
-  static const std::vector<SceneEntry> all = {
-      entry("wall", "a flat wall, 20k triangles", wall),
-      entry("plate", "a sheet without thickness, 20k triangles", plate),
-      entry("box", "a box of 0.2 kg to push over a table", box),
-      entry("pegs", "a row of pegs and a plate with holes, fingers fit between and through", pegs),
-      entry("holes", "a plate with holes, 50k triangles", holes),
-      entry("grasp", "dumbbell, mug, T, box, can and ball, loose on a table", grasp),
-      entry("hole", "a bushing for --god peg: 0.3 mm of clearance at a radius of 10 mm", hole),
-      entry("lock", "a plate with a slot for --god key, to be turned behind it", lock),
-      entry("simple", "five detailed parts, 100k triangles, and two loose ones (the paper's simple scene)",
-            simple_scene, real_simple_scene),
-      entry("engine", "an engine compartment, 20 parts, 1M triangles, and loose small ones", engine_scene,
-            real_engine_scene),
-      entry("detailed", "three parts of 400k triangles", detailed_scene),
-  };
-  return all;
+std::vector<std::pair<std::string, std::string>> scenes() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const SceneEntry& e : scene_entries) out.emplace_back(e.name, e.line);
+  return out;
 }
 
 Surroundings make_surroundings(const std::string& scene, const fs::path& parts) {
   std::vector<std::string> names;
-  for (const SceneEntry& e : scenes()) {
-    names.push_back(e.name);
-    if (e.name != scene) continue;
-    Surroundings s = e.make(parts);
+  for (const SceneEntry& e : scene_entries) {
+    names.emplace_back(e.name);
+    if (scene != e.name) continue;
+    if (!parts.empty() && !e.of_real_parts)
+      throw std::invalid_argument("scene '" + scene + "' is not made of real parts; 'simple' and 'engine' are");
+    Surroundings s = parts.empty() ? e.make() : e.of_real_parts(parts);
     lift_clear(s);
     return s;
   }

@@ -7,7 +7,7 @@
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/constraints/weld.h>
 #include <zwang/core/problem/wording.h>
-#include <zwang/experiments/god_hand/scenes/scene_parts.h>
+#include <zwang/experiments/god_hand/scenes/scene_objects.h>
 #include <zwang/experiments/god_hand/tools/hull.h>
 #include <zwang/experiments/god_hand/tools/mechanism.h>
 
