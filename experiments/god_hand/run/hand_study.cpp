@@ -27,9 +27,7 @@ hand::Angles bent(double share, double thumb, double time, double wave) {
   hand::Angles angles{};
   for (int k = 0; k < hand::angles; ++k) {
     const double pulse = 0.5 - 0.5 * std::cos(2 * pi * (0.7 + 0.05 * k) * time);
-    if (k % 4 != 1)
-      angles[static_cast<std::size_t>(k)] =
-          share * (1 - wave + wave * pulse) * (k < 4 ? thumb : 1) * hand::range(k).high;
+    if (k % 4 != 1) angles[at(k)] = share * (1 - wave + wave * pulse) * (k < 4 ? thumb : 1) * hand::range(k).high;
   }
   return angles;
 }
@@ -53,22 +51,18 @@ Course stroke(const Surroundings& surroundings, double reach, double spin) {
 
 // The hand closed about a bar of 0.1 m along x, its top at z = 0, deeper than the bar lets it, and dragged along it: 13
 // of 16 bodies are pressed on something, on a flat surface it is the palm and the finger tips.
-Course grip(double time_to_close) {
-  return [time_to_close](double time, double speed) {
-    constexpr double reach = 0.18;  // m
-    const double closed = std::min(1.0, time / time_to_close), at = phase(time, speed, reach, 0);
-    const double half = hand::standard().palm_widths.z() / 2;
-    const Pose<double> palm{{reach * std::sin(at), -0.045, half - 0.03 * closed + 0.05 * (1 - closed)},
-                            rotation(0.1 * std::sin(0.3 * at) * Vec3::UnitZ()) * rotation(Vec3(-0.5, 0, 0))};
-    return Target{palm, bent(0.6 * closed, 0.3, time, 0.1)};
-  };
+Target grip(double time, double speed) {
+  constexpr double reach = 0.18;  // m
+  const double closed = std::min(1.0, time / 0.15), at = phase(time, speed, reach, 0);
+  const double half = hand::standard().palm_widths.z() / 2;
+  const Pose<double> palm{{reach * std::sin(at), -0.045, half - 0.03 * closed + 0.05 * (1 - closed)},
+                          rotation(0.1 * std::sin(0.3 * at) * Vec3::UnitZ()) * rotation(Vec3(-0.5, 0, 0))};
+  return {palm, bent(0.6 * closed, 0.3, time, 0.1)};
 }
 
 // A scene of its own: one mesh.
 Surroundings alone(const std::string& name, const collision::Mesh& mesh) {
-  Surroundings s{.name = name};
-  s.objects = {fixed(name, tree_of(mesh), Vec3::Zero())};
-  return s;
+  return {.name = name, .objects = {fixed(name, tree_of(mesh), Vec3::Zero())}};
 }
 
 // A bar along x, 0.1 m thick, its top at z = 0. `outline` [m]: radius at an angle about x and a place along it.
@@ -108,7 +102,7 @@ std::vector<HandScene> hand_scenes(const std::filesystem::path& data) {
   const auto stroking = [](double reach, double spin = 0) {
     return [=](const Surroundings& s) { return stroke(s, reach, spin); };
   };
-  const auto gripping = [](const Surroundings&) { return grip(0.15); };
+  const auto gripping = [](const Surroundings&) { return grip; };
 
   add("100k triangles, 5 parts", real ? "real: a differential" : "procedural", {0.5, 1, 2}, 1000,
       named("simple", parts), stroking(0.06));
@@ -154,37 +148,27 @@ HandStudy study_hand(const HandScene& scene, const Surroundings& surroundings, d
   Simulation simulation(surroundings, std::span(&hand::standard(), 1), std::span(&target, 1), options);
   const std::vector<Shape> shapes = simulation.shapes();
   const std::vector<MetPart> parts = met_parts(surroundings);
-  std::vector<Obstacle> obstacles;
-  for (const MetPart& part : parts) obstacles.push_back(part.body);
-  const auto obstacle_poses = [&] {
-    std::vector<Pose<double>> poses;
-    for (const MetPart& part : parts) poses.push_back(placed(simulation.object_poses()[part.object], part.at));
-    return poses;
-  };
+  for (const MetPart& part : parts)
+    if (const auto* tree = std::get_if<std::shared_ptr<const collision::Tree>>(&part.body)) {
+      s.triangles += (*tree)->size();
+      s.bytes_per_triangle += (*tree)->bytes_per_triangle() * static_cast<double>((*tree)->size());
+    }
+  s.bytes_per_triangle /= static_cast<double>(std::max<std::size_t>(1, s.triangles));
+  s.pieces = parts.size();
 
-  // Bodies and obstacles in a world of their own, for gaps that do not come from the hand itself.
+  // Bodies and objects in a world of their own, for gaps that do not come from the hand itself.
   World world;
   for (const Shape& shape : shapes) world.add(shape, {}, {1, 2});
-  for (const Obstacle& obstacle : obstacles)
-    std::visit(
-        [&](const auto& body) {
-          if constexpr (std::is_same_v<decltype(body), const Shape&>)
-            world.add(body, {}, {2, 1}, true);
-          else {
-            world.add(body, {}, {2, 1});
-            s.triangles += body->size();
-            s.bytes_per_triangle += body->bytes_per_triangle() * static_cast<double>(body->size());
-          }
-        },
-        obstacle);
-  s.bytes_per_triangle /= static_cast<double>(std::max<std::size_t>(1, s.triangles));
-  s.pieces = obstacles.size();
+  const Scenery scenery(world, surroundings, [](const Object&) { return Scenery::Role{{2, 1}}; });
 
-  Audit audit({shapes}, audited ? obstacles : std::vector<Obstacle>());
+  std::vector<Obstacle> obstacles;
+  for (const MetPart& part : parts)
+    if (audited) obstacles.push_back(part.body);
+  Audit audit({shapes}, obstacles);
   std::vector<Pose<double>> between(shapes.size());
   if (audited)
     simulation.watch([&](std::size_t, std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
-      const std::vector<Pose<double>> others = obstacle_poses();
+      const std::vector<Pose<double>> others = met_poses(parts, simulation.object_poses());
       double jumps = 1;
       for (std::size_t b = 0; b < shapes.size(); ++b) {
         const Vec<double, 6> twist = twist_between(from[b], to[b]);
@@ -203,14 +187,13 @@ HandStudy study_hand(const HandScene& scene, const Surroundings& surroundings, d
     target = course(static_cast<double>(i + 1) * options.dt, speed);
     const Frame& f = simulation.step(std::span(&target, 1));
     if (i < 20) continue;  // lists grow
-    std::vector<Pose<double>> poses = f.god, others = obstacle_poses();
-    poses.insert(poses.end(), others.begin(), others.end());
-    for (std::size_t b = 0; b < poses.size(); ++b) world.place(static_cast<int>(b), poses[b]);
+    for (std::size_t b = 0; b < shapes.size(); ++b) world.place(static_cast<int>(b), f.god[b]);
+    for (std::size_t o = 0; o < surroundings.objects.size(); ++o) scenery.place(world, o, simulation.object_poses()[o]);
     double gap = 1;
     std::vector<bool> touches(shapes.size());
     for (const collision::Touch& t : world.touches(hand::touching)) {
       gap = std::min(gap, t.gap);
-      touches[static_cast<std::size_t>(t.a)] = true;
+      touches[at(t.a)] = true;
     }
     const auto bodies = std::count(touches.begin(), touches.end(), true);
     times.push_back(f.times.collision());

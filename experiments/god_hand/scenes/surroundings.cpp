@@ -14,6 +14,12 @@ std::vector<MetPart> met_parts(const Surroundings& surroundings) {
   return parts;
 }
 
+std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects) {
+  std::vector<Pose<double>> poses;
+  for (const MetPart& part : parts) poses.push_back(placed(objects[part.object], part.at));
+  return poses;
+}
+
 Scenery::Scenery(collision::World& world, const Surroundings& surroundings,
                  const std::function<Role(const Object&)>& role)
     : first_(world.size()), parts_(met_parts(surroundings)) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,8 +47,9 @@ struct Surroundings {
   Vec3 focus = Vec3::Zero();         // m: the point that motions are placed about, on a surface
 };
 
-// Object after object.
+// Object after object; and where they are while the objects are at these poses.
 std::vector<MetPart> met_parts(const Surroundings& surroundings);
+std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects);
 
 // A part's pose, given in the axes of what it is `on`, in the world.
 inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
