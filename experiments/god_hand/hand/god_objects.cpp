@@ -20,7 +20,7 @@ BodyId GodObjects::add(const Body& body, const Shape& shape) {
 }
 
 void GodObjects::pass(BodyId a, BodyId b) {
-  auto &of_a = filters[static_cast<std::size_t>(a)], &of_b = filters[static_cast<std::size_t>(b)];
+  auto &of_a = filters[at(a)], &of_b = filters[at(b)];
   of_a.mask &= ~of_b.group;
   of_b.mask &= ~of_a.group;
 }
@@ -29,10 +29,17 @@ BodyId add_hand(GodObjects& objects, const hand::Model& model, const Target& at,
                 double reach, bool meets) {
   const BodyId palm =
       hand::add(objects.scene, hand::forward_kinematics(at.palm, at.angles, model), prefix, model, reach);
-  for (const Shape& shape : hand::shapes(model)) objects.add_shape(shape);
+  const std::vector<Shape> parts = hand::shapes(model);
+  for (const Shape& shape : parts) objects.add_shape(shape);
   for (BodyId a = palm; a < palm + hand::bodies && !meets; ++a)
     for (BodyId b = 0; b < palm; ++b) objects.pass(a, b);
-  for (const auto& [a, b] : hand::passing(model)) objects.pass(palm + a, palm + b);
+  for (BodyId a = 1; a < hand::bodies; ++a)
+    for (BodyId b = 1; b < a; ++b)
+      if ((a - 1) / 3 == (b - 1) / 3) objects.pass(palm + a, palm + b);
+  const hand::Poses straight = hand::forward_kinematics({}, {}, model);
+  collision::World world;
+  for (std::size_t b = 0; b < parts.size(); ++b) world.add(parts[b], straight[b]);
+  for (const collision::Touch& touch : world.touches(hand::touching)) objects.pass(palm + touch.a, palm + touch.b);
   return palm;
 }
 

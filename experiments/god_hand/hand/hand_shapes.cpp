@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <zwang/collision/world.h>
-
 namespace zwang::hand {
 
 using collision::Shape;
@@ -16,20 +14,6 @@ std::vector<Shape> shapes(const Model& model) {
     out.push_back(Shape::capsule(bone.length, bone.radius));
   }
   return out;
-}
-
-std::vector<std::pair<int, int>> passing(const Model& model) {
-  constexpr double room = 5e-4;  // m
-  std::vector<std::pair<int, int>> pairs;
-  for (int a = 1; a < bodies; ++a)
-    for (int b = 1; b < a; ++b)
-      if ((a - 1) / 3 == (b - 1) / 3) pairs.emplace_back(a, b);
-  const std::vector<Shape> parts = shapes(model);
-  const Poses straight = forward_kinematics({}, {}, model);
-  collision::World world;
-  for (std::size_t b = 0; b < parts.size(); ++b) world.add(parts[b], straight[b]);
-  for (const collision::Touch& t : world.touches(room)) pairs.emplace_back(t.a, t.b);
-  return pairs;
 }
 
 }  // namespace zwang::hand

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include <zwang/bench/scenes/hand.h>
@@ -15,9 +14,5 @@ std::vector<collision::Shape> shapes(const Model& model);
 // m: a body at most this far from something touches it. Contact rows keep 0.2 mm, and sweeps stop between 0.05 and
 // 0.1 mm: whatever rests on a surface or slides along it is well within this.
 inline constexpr double touching = 5e-4;
-
-// Its bodies that do not meet each other: those of one finger, and those that touch while the hand is straight (that
-// share a joint, the roots of neighbouring fingers).
-std::vector<std::pair<int, int>> passing(const Model& model);
 
 }  // namespace zwang::hand

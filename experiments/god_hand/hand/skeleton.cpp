@@ -44,13 +44,9 @@ void hold(const JointLimit& limit, BodyId child, std::span<Pose<double>> poses) 
 
 Skeleton::Skeleton(Scene scene) : bodies_(scene.bodies.size()) {
   std::vector<Link> links;
-  const auto collect = [&]<class J>(const ConstraintListOf<J>& list) {
-    for (const J& joint : list.all) links.push_back({joint, joint.bodies});
-  };
-  collect(scene.list_of<BallJoint>());
-  collect(scene.list_of<RevoluteJoint>());
-  collect(scene.list_of<UniversalJoint>());
-  collect(scene.list_of<Weld>());
+  each_joint_list(scene, [&](const auto& list) {
+    for (const auto& joint : list.all) links.push_back({joint, joint.bodies});
+  });
   for (const JointLimit& limit : scene.list_of<JointLimit>().all)
     for (Link& link : links)
       if (link.bodies == limit.bodies || (link.bodies[0] == limit.bodies[1] && link.bodies[1] == limit.bodies[0]))

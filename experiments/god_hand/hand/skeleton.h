@@ -13,6 +13,15 @@
 
 namespace zwang::god {
 
+// visit(list) for the lists of a scene's joints, of each kind that a skeleton may have.
+template <class Visit>
+void each_joint_list(Scene& scene, const Visit& visit) {
+  visit(scene.list_of<BallJoint>());
+  visit(scene.list_of<RevoluteJoint>());
+  visit(scene.list_of<UniversalJoint>());
+  visit(scene.list_of<Weld>());
+}
+
 // The joints of a scene as a forest of bodies, to put poses exactly onto joints and limits.
 //
 // A linear step and the exponential map leave joints open (docs/formulation.md: 1.1e-2 m at 0.5 rad a joint). Newton's

@@ -41,44 +41,37 @@ Mat3 palm_axes(const std::string& name, const std::string& text) {
 
 // The tree of a tool's bodies.
 struct BodyTree {
-  explicit BodyTree(Scene& scene) : parent(scene.bodies.size(), -1), rigid(scene.bodies.size()) {
-    const auto join = [this](const auto& list) {
-      for (const auto& joint : list.all) parent[static_cast<std::size_t>(joint.bodies[1])] = joint.bodies[0];
-    };
-    join(scene.list_of<BallJoint>());
-    join(scene.list_of<RevoluteJoint>());
-    join(scene.list_of<UniversalJoint>());
-    join(scene.list_of<Weld>());
-    for (std::size_t b = 0; b < rigid.size(); ++b) rigid[b] = static_cast<BodyId>(b);
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (const Weld& weld : scene.list_of<Weld>().all) {
-        BodyId &a = of(weld.bodies[0]), &b = of(weld.bodies[1]);
-        changed = changed || a != b;
-        a = b = std::min(a, b);
+  explicit BodyTree(Scene& scene) : parent(scene.bodies.size(), -1), welded(scene.bodies.size()) {
+    each_joint_list(scene, [this]<class J>(const ConstraintListOf<J>& list) {
+      for (const J& joint : list.all) {
+        parent[at(joint.bodies[1])] = joint.bodies[0];
+        welded[at(joint.bodies[1])] = std::is_same_v<J, Weld>;
       }
-    }
+    });
   }
 
-  BodyId& of(BodyId b) { return rigid[static_cast<std::size_t>(b)]; }
-  BodyId up(BodyId b) const { return parent[static_cast<std::size_t>(b)]; }
+  BodyId up(BodyId b) const { return parent[at(b)]; }
   bool is_behind(BodyId b, BodyId root) const {
     while (b != root && b >= 0) b = up(b);
     return b == root;
   }
   int depth(BodyId b) const { return b < 0 ? 0 : 1 + depth(up(b)); }
+  // The first body of those that are welded together with this one.
+  BodyId piece(BodyId b) const { return welded[at(b)] ? piece(up(b)) : b; }
   // Parts of one rigid piece, or of two that a joint holds together.
-  bool joined(BodyId a, BodyId b) {
-    if (of(a) == of(b)) return true;
+  bool joined(BodyId a, BodyId b) const {
+    const auto pieces = [this](BodyId one, BodyId other) { return std::minmax({piece(one), piece(other)}); };
+    if (piece(a) == piece(b)) return true;
     for (BodyId c = 0; c < static_cast<BodyId>(parent.size()); ++c)
-      if (up(c) >= 0 && std::minmax(of(c), of(up(c))) == std::minmax(of(a), of(b))) return true;
+      if (up(c) >= 0 && pieces(c, up(c)) == pieces(a, b)) return true;
     return false;
   }
 
-  std::vector<BodyId> parent, rigid;  // rigid: the first body of those that are welded together
+  std::vector<BodyId> parent;
+  std::vector<bool> welded;  // to the parent
 };
 
-void pass_at_rest(Tool& tool, BodyTree& tree) {
+void pass_at_rest(Tool& tool, const BodyTree& tree) {
   GodObjects& objects = tool.objects;
   const auto count = static_cast<BodyId>(objects.shapes.size());
   collision::World world;
@@ -93,7 +86,7 @@ Tool::Drive drive_of(Scene& scene, const BodyTree& tree, const HingeDrive& hinge
   const auto& joints = scene.list_of<RevoluteJoint>().all;
   const RevoluteJoint& joint =
       *std::ranges::find_if(joints, [&](const RevoluteJoint& j) { return j.bodies[1] == hinge.body; });
-  const Pose<double>& on = scene.bodies[static_cast<std::size_t>(joint.bodies[0])].pose;
+  const Pose<double>& on = scene.bodies[at(joint.bodies[0])].pose;
   Tool::Drive drive{.name = hinge.name,
                     .scale = hinge.scale,
                     .axis = on.turn(joint.axis_a),
@@ -120,7 +113,7 @@ void complete(Tool& tool, const std::vector<HingeDrive>& hinges) {
   for (const Body& body : scene.bodies) poses.push_back(body.pose);
   Skeleton(scene).close(poses, false);
   for (std::size_t b = 0; b < poses.size(); ++b) scene.bodies[b].pose = poses[b];
-  BodyTree tree(scene);
+  const BodyTree tree(scene);
   std::vector<HingeDrive> outermost_first = hinges;
   std::ranges::stable_sort(outermost_first, [&](const HingeDrive& a, const HingeDrive& b) {
     return tree.depth(a.body) > tree.depth(b.body);
