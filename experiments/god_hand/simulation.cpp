@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include <zwang/experiments/god_hand/hand/each_number.h>
 #include <zwang/experiments/god_hand/measure/measures.h>
 #include <zwang/experiments/god_hand/step/coupling.h>
 #include <zwang/experiments/god_hand/step/lap.h>
@@ -13,8 +14,6 @@
 
 namespace zwang::god {
 namespace {
-
-bool finite(const Pose<double>& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
 std::string counts(std::size_t there, const char* what, std::size_t given, const char* of_what) {
   return std::to_string(there) + what + std::to_string(given) + of_what;
@@ -32,24 +31,6 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
       include(o.pose, piece.at.position, Vec3::Constant(reach_of(piece.shape)));
   }
   return top;
-}
-
-// visit(double&) for every number of flags, choices, poses, vectors and lists of them, in the order they have.
-template <class T, class Visit>
-void each(T& x, const Visit& visit) {
-  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
-    auto word = static_cast<double>(x);
-    visit(word);
-    x = static_cast<T>(word);
-  } else if constexpr (std::is_same_v<T, double>) {
-    visit(x);
-  } else if constexpr (std::is_same_v<T, Pose<double>>) {
-    each(x.position, visit), each(x.rotation, visit);
-  } else if constexpr (requires { x.reshaped(); }) {
-    for (double& entry : x.reshaped()) visit(entry);
-  } else {
-    for (auto& one : x) each(one, visit);
-  }
 }
 
 }  // namespace
@@ -73,8 +54,9 @@ struct Simulation::State {
   std::vector<Pose<double>> target;      // of all god objects, the last that was tracked
   std::optional<Physics> physics;        // where something is loose
   std::optional<Resolution> resolution;
-  std::optional<Coupling> coupling, coupling_of_both;
+  std::vector<Coupling> couplings;  // of the hands as clusters of their own; where they may meet, of both as one
   std::optional<Measures> measures;
+  std::vector<std::size_t> loose;  // objects
   std::vector<Pose<double>> object, object_before, god;
   std::vector<Pose<double>> wanted;  // of all god objects, where the hands are tracked now
   Watch watch = {};
@@ -84,7 +66,12 @@ struct Simulation::State {
   bool together() const { return meeting && meeting->together(); }
   // The clusters of this frame: each hand, or both as one.
   std::span<Cluster> active() { return together() ? std::span(&meeting->both(), 1) : std::span(clusters); }
-  Coupling& pushes() { return together() ? *coupling_of_both : *coupling; }
+  Coupling& pushes() { return couplings[together()]; }
+  std::vector<collision::Shape> shapes() const {
+    std::vector<collision::Shape> all;
+    for (const Cluster& c : clusters) all.insert(all.end(), c.objects().shapes.begin(), c.objects().shapes.end());
+    return all;
+  }
   template <class Visit>
   void each_cluster(const Visit& visit) {
     for (Cluster& c : clusters) visit(c);
@@ -111,26 +98,26 @@ struct Simulation::State {
 
 Simulation::State::State(Surroundings surroundings_, const Options& options_)
     : surroundings(std::move(surroundings_)), options(chosen(options_)) {
-  for (const Object& o : surroundings.objects) object.push_back(o.pose);
+  for (const Object& o : surroundings.objects) {
+    if (o.loose()) loose.push_back(object.size());
+    object.push_back(o.pose);
+  }
   object_before = object;
 }
 
 void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<double>> easy) {
-  std::vector<collision::Shape> shapes;
   for (GodObjects& objects : all) {
-    shapes.insert(shapes.end(), objects.shapes.begin(), objects.shapes.end());
     clusters.emplace_back(std::move(objects), surroundings, options);
     first.push_back(first.back() + clusters.back().size());
   }
   for (std::size_t c = 0; c < clusters.size(); ++c)
     start(clusters[c], of(c, target), easy.subspan(first[c], first[c + 1] - first[c]));
-  if (std::any_of(surroundings.objects.begin(), surroundings.objects.end(),
-                  [](const Object& o) { return o.loose(); })) {
+  if (!loose.empty()) {
     physics.emplace(surroundings);
-    resolution.emplace(surroundings, shapes);
+    resolution.emplace(surroundings, shapes());
   }
-  coupling.emplace(surroundings, options, clusters);
-  if (meeting) coupling_of_both.emplace(surroundings, options, std::span(&meeting->both(), 1));
+  couplings.emplace_back(surroundings, options, clusters);
+  if (meeting) couplings.emplace_back(surroundings, options, std::span(&meeting->both(), 1));
   measures.emplace(surroundings, clusters, models);
 }
 
@@ -169,9 +156,8 @@ void Simulation::State::step() {
   step_god_objects();
   pushes().push(active(), physics ? &*physics : nullptr, frame);
   for (const FrameContact& c : frame.contacts)
-    if (c.object >= 0 && c.gap <= hand::touching && surroundings.objects[static_cast<std::size_t>(c.object)].loose())
-      frame.object_speed =
-          std::max(frame.object_speed, physics->velocity(static_cast<std::size_t>(c.object)).head<3>().norm());
+    if (c.object >= 0 && c.gap <= hand::touching && surroundings.objects[at(c.object)].loose())
+      frame.object_speed = std::max(frame.object_speed, physics->velocity(at(c.object)).head<3>().norm());
   {
     const Lap lap(frame.times.other);
     measures->show(active(), options, frame);
@@ -181,25 +167,21 @@ void Simulation::State::step() {
 
 // The engine first, with the forces of the last god-object step; then what it moved into god objects is moved out.
 void Simulation::State::step_physics() {
-  velocity_.assign(object.size(), Vec<double, 6>::Zero());
-  const auto loose = [&](std::size_t o) { return surroundings.objects[o].loose(); };
-  for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) velocity_[o] = physics->velocity(o);
+  velocity_.resize(object.size());
+  for (const std::size_t o : loose) velocity_[o] = physics->velocity(o);
   object_before = object;
   {
     const Lap lap(frame.times.physics);
     physics->step(options.dt, pushes().wrenches());
   }
-  for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) {
-      const Vec<double, 6> velocity = physics->velocity(o);
-      frame.work += options.dt * pushes().wrenches()[o].dot(velocity_[o] + velocity) / 2;
-      pushes().observe(o, velocity_[o], velocity, physics->pose(o).rotation);
-    }
+  for (const std::size_t o : loose) {
+    const Vec<double, 6> velocity = physics->velocity(o);
+    frame.work += options.dt * pushes().wrenches()[o].dot(velocity_[o] + velocity) / 2;
+    pushes().observe(o, velocity_[o], velocity, physics->pose(o).rotation);
+  }
   {
     const Lap lap(frame.times.sweep);
-    for (std::size_t o = 0; o < object.size(); ++o)
-      if (loose(o)) object[o] = physics->pose(o);
+    for (const std::size_t o : loose) object[o] = physics->pose(o);
     pushes().carry(active(), object);
   }
   {
@@ -215,14 +197,12 @@ void Simulation::State::step_physics() {
     if (frame.returned > 0)
       for (Cluster& c : active()) back = c.put_back() || back;
     if (back) frame.returned += resolve();
-    for (std::size_t o = 0; o < object.size(); ++o) {
-      if (!loose(o)) continue;
+    for (const std::size_t o : loose) {
       object[o] = physics->pose(o);
       for (Cluster& c : active()) c.place_object(o, object[o]);
     }
   }
-  for (std::size_t o = 0; o < object.size(); ++o)
-    if (loose(o)) frame.loose.push_back(object[o]);
+  for (const std::size_t o : loose) frame.loose.push_back(object[o]);
 }
 
 // Hands that come near each other become one cluster, with the forces and speeds that they had.
@@ -242,9 +222,8 @@ void Simulation::State::meet() {
   auto from = velocity.cbegin();
   for (auto& of_cluster : now.target_velocity)
     for (Vec<double, 6>& v : of_cluster) v = *from++;
-  for (std::size_t o = 0; o < object.size(); ++o)
-    if (surroundings.objects[o].loose())
-      for (Cluster& c : active()) c.place_object(o, object[o]);
+  for (const std::size_t o : loose)
+    for (Cluster& c : active()) c.place_object(o, object[o]);
 }
 
 // Section 6.3: sub-steps until nothing is in the way, at most so many. With `toc_of_all` every cluster goes as far as
@@ -278,66 +257,55 @@ void Simulation::State::step_god_objects() {
 
 template <class Visit>
 void Simulation::State::each_number(bool reading, const Visit& visit) {
-  auto frames = static_cast<double>(number);
-  visit(frames);
-  number = static_cast<long>(frames);
-  each(target, visit);
+  const auto each = [&visit](auto&... values) { (god::each_number(values, visit), ...); };
+  each(number, target);
   if (meeting) {
     bool one = together();
-    each(one, visit);
+    each(one);
     meeting->set_together(one);
   }
   each_cluster([&](Cluster& c) {
     Cluster::Memory m = c.memory();
-    each(m.pose, visit), each(m.target, visit), each(m.last_step, visit), each(m.met_at, visit);
-    each(m.followed, visit);
-    each(m.next, visit), each(m.step_scale, visit);
+    each(m.pose, m.target, m.last_step, m.met_at, m.followed, m.next, m.step_scale);
     if (reading) c.restore(m);
   });
-  for (Coupling* c : {&*coupling, meeting ? &*coupling_of_both : nullptr}) {
-    if (!c) continue;
-    Coupling::Memory& m = c->memory();
-    each(m.hand_speed, visit), each(m.since, visit), each(m.between, visit);
-    each(m.target_velocity, visit), each(m.wrench, visit), each(m.part, visit);
-    for (Grasp& g : c->grasps()) {
+  for (Coupling& c : couplings) {
+    Coupling::Memory& m = c.memory();
+    each(m.hand_speed, m.since, m.between, m.target_velocity, m.wrench, m.part);
+    for (Grasp& g : c.grasps()) {
       Grasp::Hold h = g.hold();
-      each(h.motion, visit), each(h.objects, visit), each(h.lead, visit);
+      each(h.motion, h.objects, h.lead);
       if (reading) g.take(h);
     }
   }
   Measures::Memory& seen = measures->memory();
-  visit(seen.still);
-  each(seen.late, visit);
-  for (int k = 0; k < 2; ++k) each(seen.god[k], visit), each(seen.target[k], visit);
-  each(object, visit);
-  for (std::size_t o = 0; physics && o < object.size(); ++o) {
-    if (!surroundings.objects[o].loose()) continue;
+  each(seen.still, seen.late, seen.god[0], seen.target[0], seen.god[1], seen.target[1], object);
+  for (const std::size_t o : loose) {
     Pose<double> pose = physics->pose(o);
     Vec<double, 6> velocity = physics->velocity(o);
-    each(pose, visit), each(velocity, visit);
+    each(pose, velocity);
     if (!reading) continue;
     physics->place(o, pose, velocity);
     each_cluster([&](Cluster& c) { c.place_object(o, object[o]); });
   }
-  if (reading && physics) physics->forget();
   if (!reading) return;
-  coupling->forget();
-  if (meeting) coupling_of_both->forget();
+  if (physics) physics->forget();
+  for (Coupling& c : couplings) c.forget();
 }
 
 std::vector<double> Simulation::checkpoint() {
   std::vector<double> numbers;
-  state_->each_number(false, [&](double& x) { numbers.push_back(x); });
+  state_->each_number(false, write_numbers(numbers));
   restore(numbers);
   return numbers;
 }
 
 void Simulation::restore(std::span<const double> checkpoint) {
   std::size_t count = 0;
-  state_->each_number(false, [&](double&) { ++count; });
+  state_->each_number(false, [&](const auto&) { ++count; });
   if (checkpoint.size() != count) throw std::runtime_error("not a checkpoint of this simulation");
-  const double* at = checkpoint.data();
-  state_->each_number(true, [&](double& x) { x = *at++; });
+  const double* from = checkpoint.data();
+  state_->each_number(true, take_numbers(from));
 }
 
 Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> models, std::span<const Target> start,
@@ -353,7 +321,7 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
   for (std::size_t h = 0; h < models.size(); ++h) {
     const hand::Poses at = hand::forward_kinematics(start[h].palm, start[h].angles, models[h]),
                       straight = hand::forward_kinematics(start[h].palm, {}, models[h]);
-    if (!std::all_of(at.begin(), at.end(), finite)) throw std::runtime_error("a hand's first target is not finite");
+    if (!std::ranges::all_of(at, is_finite)) throw std::runtime_error("a hand's first target is not finite");
     s.target.insert(s.target.end(), at.begin(), at.end());
     easy.insert(easy.end(), straight.begin(), straight.end());
     if (clusters.empty() || options.clusters) clusters.emplace_back();
@@ -398,11 +366,7 @@ const Problem& Simulation::problem(std::size_t cluster) const {
   return clusters[cluster].problem();
 }
 
-std::vector<collision::Shape> Simulation::shapes() const {
-  std::vector<collision::Shape> all;
-  for (const Cluster& c : state_->clusters) all.insert(all.end(), c.objects().shapes.begin(), c.objects().shapes.end());
-  return all;
-}
+std::vector<collision::Shape> Simulation::shapes() const { return state_->shapes(); }
 
 const Frame& Simulation::step(std::span<const Target> targets) {
   State& s = *state_;
@@ -412,7 +376,7 @@ const Frame& Simulation::step(std::span<const Target> targets) {
   bool tracked = true;
   for (std::size_t h = 0; h < targets.size(); ++h) {
     const hand::Poses at = hand::forward_kinematics(targets[h].palm, targets[h].angles, s.models[h]);
-    const bool usable = targets[h].tracked && std::all_of(at.begin(), at.end(), finite);
+    const bool usable = targets[h].tracked && std::ranges::all_of(at, is_finite);
     tracked = tracked && usable;
     if (usable) std::copy(at.begin(), at.end(), s.wanted.begin() + static_cast<long>(h * at.size()));
   }
@@ -426,7 +390,7 @@ const Frame& Simulation::step(std::span<const Pose<double>> targets) {
   if (targets.size() != s.target.size())
     throw std::invalid_argument(counts(s.target.size(), " god objects, ", targets.size(), " targets"));
   s.frame.reset();
-  s.frame.tracked = std::all_of(targets.begin(), targets.end(), finite);
+  s.frame.tracked = std::ranges::all_of(targets, is_finite);
   if (s.frame.tracked) std::copy(targets.begin(), targets.end(), s.target.begin());
   s.frame.number = s.number++;
   s.frame.time = static_cast<double>(s.frame.number) * s.options.dt;

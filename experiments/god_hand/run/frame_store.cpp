@@ -8,6 +8,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/experiments/god_hand/hand/each_number.h>
 
 namespace zwang::god {
 namespace {
@@ -20,23 +21,21 @@ constexpr std::array stage_members = {&StageTimes::physics, &StageTimes::resolut
                                       &StageTimes::sweep,   &StageTimes::other};
 constexpr std::size_t pose_numbers = 7;  // position, quaternion x y z w
 
-// visit(double&) for every number that is stored of a value, in order; a value that is not const becomes what it left.
+// visit(number) for every number that is stored of a value, in order; a value that is not const becomes what it left.
 template <class T, class Visit>
-void each_number(T& value, const Visit& visit) {
+void each_stored(T& value, const Visit& visit) {
   using Plain = std::remove_const_t<T>;
   constexpr bool taken = !std::is_const_v<T>;
-  double x = 0;
-  if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
-    visit(x = static_cast<double>(value));
-    if constexpr (taken) value = static_cast<T>(x);
-  } else if constexpr (std::is_same_v<Plain, std::optional<Verdict>>) {
-    visit(x = value ? static_cast<double>(*value) : -1);
-    if constexpr (taken) value = x < 0 ? std::nullopt : std::optional(static_cast<Verdict>(x));
+  if constexpr (std::is_same_v<Plain, std::optional<Verdict>>) {
+    int verdict = value ? static_cast<int>(*value) : -1;
+    visit(verdict);
+    if constexpr (taken) value = verdict < 0 ? std::nullopt : std::optional(static_cast<Verdict>(verdict));
   } else if constexpr (std::is_same_v<Plain, std::vector<FrameContact>>) {
-    visit(x = static_cast<double>(value.size()));
-    if constexpr (taken) value.resize(static_cast<std::size_t>(x));
+    std::size_t count = value.size();
+    visit(count);
+    if constexpr (taken) value.resize(count);
   } else if constexpr (std::is_same_v<Plain, StageTimes>) {
-    for (const auto stage : stage_members) each_number(value.*stage, visit);
+    for (const auto stage : stage_members) visit(value.*stage);
   } else if constexpr (std::is_same_v<Plain, Poses>) {
     for (auto& pose : value) {
       Vec<double, pose_numbers> n;
@@ -46,7 +45,7 @@ void each_number(T& value, const Visit& visit) {
         pose = {n.head<3>(), Eigen::Quaterniond(n[6], n[3], n[4], n[5]).normalized().toRotationMatrix()};
     }
   } else {
-    for (auto& part : value) each_number(part, visit);
+    each_number(value, visit);
   }
 }
 
@@ -62,7 +61,7 @@ std::string names_of(Enum last) {
 template <class T>
 Dataset dataset_of(const char* name, const char* unit, const T& value, Stored reals) {
   std::size_t numbers = 0;
-  each_number(value, [&](double&) { ++numbers; });
+  each_stored(value, [&](const auto&) { ++numbers; });
   Dataset d{.name = name, .unit = unit, .type = reals};
   if (numbers > 1) d.row = {numbers};
   if constexpr (std::is_same_v<T, bool>)
@@ -93,24 +92,21 @@ Frame empty_frame(std::size_t bodies, std::size_t loose) {
 // Everything that is stored of a frame, in one list for writing and for reading.
 std::vector<Dataset> datasets(std::size_t bodies, std::size_t loose) {
   std::vector<Dataset> all;
-  const Frame empty = empty_frame(bodies, loose);
-  const auto add = [&](const char* name, const char* unit, auto member) {
-    Dataset& d = all.emplace_back(dataset_of(name, unit, empty.*member, Stored::real));
-    d.put = [=](const Frame& f, std::vector<double>& out) {
-      each_number(f.*member, [&](double& x) { out.push_back(x); });
+  const std::tuple<Frame, FrameContact> empty(empty_frame(bodies, loose), {});
+  // A member of frames, or of their contacts, whose points are drawn, not computed with: single precision.
+  const auto add = [&]<class Of, class T>(const char* name, const char* unit, T Of::* member) {
+    constexpr bool of_contacts = std::is_same_v<Of, FrameContact>;
+    const auto each = [member](auto& frame, const auto& visit) {
+      if constexpr (of_contacts)
+        for (auto& contact : frame.contacts) each_stored(contact.*member, visit);
+      else
+        each_stored(frame.*member, visit);
     };
-    d.take = [=](Frame& f, const double*& at) { each_number(f.*member, [&](double& x) { x = *at++; }); };
-  };
-  // Of contacts. Points are drawn, not computed with: single precision.
-  const auto add_of_contacts = [&](const char* name, const char* unit, auto member) {
-    Dataset& d = all.emplace_back(dataset_of(name, unit, FrameContact{}.*member, Stored::single));
-    d.of_contacts = true;
-    d.put = [=](const Frame& f, std::vector<double>& out) {
-      for (const FrameContact& contact : f.contacts) each_number(contact.*member, [&](double& x) { out.push_back(x); });
-    };
-    d.take = [=](Frame& f, const double*& at) {
-      for (FrameContact& contact : f.contacts) each_number(contact.*member, [&](double& x) { x = *at++; });
-    };
+    Dataset& d = all.emplace_back(
+        dataset_of(name, unit, std::get<Of>(empty).*member, of_contacts ? Stored::single : Stored::real));
+    d.of_contacts = of_contacts;
+    d.put = [each](const Frame& f, std::vector<double>& out) { each(f, write_numbers(out)); };
+    d.take = [each](Frame& f, const double*& at) { each(f, take_numbers(at)); };
   };
   add("n", "1", &Frame::number);
   for (const Column& c : columns()) std::visit([&](auto member) { add(c.key, c.unit, member); }, c.member);
@@ -122,13 +118,13 @@ std::vector<Dataset> datasets(std::size_t bodies, std::size_t loose) {
   add("god", "m", &Frame::god);
   if (loose > 0) add("loose", "m", &Frame::loose);
   add("contacts", "1", &Frame::contacts);
-  add_of_contacts("contact_body", "1", &FrameContact::body);
-  add_of_contacts("contact_object", "1", &FrameContact::object);
-  add_of_contacts("contact_point", "m", &FrameContact::point);
-  add_of_contacts("contact_normal", "1", &FrameContact::normal);
-  add_of_contacts("contact_gap", "m", &FrameContact::gap);
-  add_of_contacts("contact_push", "N", &FrameContact::push);
-  add_of_contacts("contact_friction", "N", &FrameContact::friction);
+  add("contact_body", "1", &FrameContact::body);
+  add("contact_object", "1", &FrameContact::object);
+  add("contact_point", "m", &FrameContact::point);
+  add("contact_normal", "1", &FrameContact::normal);
+  add("contact_gap", "m", &FrameContact::gap);
+  add("contact_push", "N", &FrameContact::push);
+  add("contact_friction", "N", &FrameContact::friction);
   return all;
 }
 
@@ -137,6 +133,12 @@ std::filesystem::path file_of(const std::filesystem::path& directory) { return d
 std::size_t contacts_in(const hdf5::Group& file, std::size_t first, std::size_t frames) {
   const std::vector<double> counts = file.read_rows("contacts", first, frames);
   return static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0.0));
+}
+
+// How many there are in a row of poses.
+std::size_t poses_in(const hdf5::Group& file, const std::string& name) {
+  const std::vector<std::size_t> shape = file.has_data(name) ? file.shape(name) : std::vector<std::size_t>();
+  return shape.size() > 1 ? shape[1] : 0;
 }
 
 // How many a dataset has.
@@ -207,15 +209,10 @@ void FrameWriter::flush() {
   file_.flush();
 }
 
-std::size_t FrameReader::size_of(const std::string& poses) const {
-  const std::vector<std::size_t> shape = file_.has_data(poses) ? file_.shape(poses) : std::vector<std::size_t>();
-  return shape.size() > 1 ? shape[1] : 0;
-}
-
 FrameReader::FrameReader(const std::filesystem::path& directory)
     : file_(hdf5::Group::open(file_of(directory))),
-      bodies_(size_of("god")),
-      loose_(size_of("loose")),
+      bodies_(poses_in(file_, "god")),
+      loose_(poses_in(file_, "loose")),
       datasets_(datasets(bodies_, loose_)) {
   // Names have no checksum; a list of poses that is not there would count as empty.
   for (const std::string& name : file_.links())

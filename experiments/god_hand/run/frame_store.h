@@ -54,8 +54,6 @@ class FrameReader {
   void each(const std::function<void(const Frame&)>& visit) const;  // in order
 
  private:
-  std::size_t size_of(const std::string& poses) const;
-
   hdf5::Group file_;
   std::size_t bodies_, loose_;
   std::vector<Dataset> datasets_;

@@ -6,14 +6,11 @@
 
 #include <zwang/bench/results/record_file.h>
 #include <zwang/bench/timing/conditions.h>
-#include <zwang/constraints/ball_joint.h>
-#include <zwang/constraints/joint_limit.h>
-#include <zwang/constraints/revolute_joint.h>
-#include <zwang/constraints/universal_joint.h>
-#include <zwang/constraints/weld.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
 #include <zwang/core/problem/wording.h>
+#include <zwang/experiments/god_hand/hand/each_number.h>
+#include <zwang/experiments/god_hand/hand/skeleton.h>
 
 namespace zwang::god {
 namespace {
@@ -97,27 +94,15 @@ Json load(const std::filesystem::path& directory) {
   return j;
 }
 
-// FNV-1a over the bits of numbers: of words, poses, shapes, matrices, and lists of them.
+// FNV-1a over the bits of numbers.
 struct Fingerprint {
   std::uint64_t hash = fnv1a({});
 
-  void add(const auto&... parts) { (add_one(parts), ...); }
-  template <class T>
-  void add_one(const T& part) {
-    if constexpr (std::is_same_v<T, double>) {
-      add_one(std::bit_cast<std::uint64_t>(part));
-    } else if constexpr (std::is_integral_v<T>) {
-      const auto word = static_cast<std::uint64_t>(part);
-      hash = fnv1a({reinterpret_cast<const char*>(&word), sizeof word}, hash);
-    } else if constexpr (std::is_same_v<T, Pose<double>>) {
-      add(part.position, part.rotation);
-    } else if constexpr (std::is_same_v<T, collision::Shape>) {
-      add(part.radius(), part.corners());
-    } else if constexpr (requires { part.reshaped(); }) {
-      for (const double number : part.reshaped()) add(number);
-    } else {
-      for (const auto& one : part) add(one);
-    }
+  void add(const auto&... parts) { (each_number(parts, *this), ...); }
+  void operator()(double number) { (*this)(std::bit_cast<std::uint64_t>(number)); }
+  void operator()(std::integral auto number) {
+    const auto word = static_cast<std::uint64_t>(number);
+    hash = fnv1a({reinterpret_cast<const char*>(&word), sizeof word}, hash);
   }
 };
 
@@ -170,7 +155,7 @@ std::uint64_t fingerprint(const Surroundings& surroundings) {
     f.add(object.pose, object.mass, object.friction, object.inertia);
     if (object.mesh)
       for (const collision::Triangle& triangle : object.mesh->triangles()) f.add(triangle.corner);
-    for (const Object::Piece& piece : object.pieces) f.add(piece.at, piece.shape);
+    for (const Object::Piece& piece : object.pieces) f.add(piece.at, piece.shape.radius(), piece.shape.corners());
   }
   return f.hash;
 }
@@ -181,19 +166,16 @@ std::uint64_t fingerprint(const Tool& tool) {
   GodObjects objects = tool.objects;
   for (std::size_t b = 0; b < objects.shapes.size(); ++b) {
     const Body& body = objects.scene.bodies[b];
-    f.add(body.pose, body.mass, body.inertia, objects.shapes[b], objects.filters[b].mask);
+    const collision::Shape& shape = objects.shapes[b];
+    f.add(body.pose, body.mass, body.inertia, shape.radius(), shape.corners(), objects.filters[b].mask);
   }
-  const auto add_joints = [&]<class J>(const ConstraintListOf<J>& list) {
+  each_joint_list(objects.scene, [&](const auto& list) {
     f.add(list.all.size());
-    for (const J& joint : list.all) {
+    for (const auto& joint : list.all) {
       f.add(joint.bodies, joint.anchor_b);
       if constexpr (requires { joint.axis_b; }) f.add(joint.axis_b);
     }
-  };
-  add_joints(objects.scene.list_of<BallJoint>());
-  add_joints(objects.scene.list_of<RevoluteJoint>());
-  add_joints(objects.scene.list_of<UniversalJoint>());
-  add_joints(objects.scene.list_of<Weld>());
+  });
   for (const JointLimit& limit : objects.scene.list_of<JointLimit>().all)
     f.add(limit.bodies, limit.bound, limit.side == Side::lower);
   for (const Tool::Drive& drive : tool.drives) f.add(drive.scale, drive.rest, fnv1a(drive.name));
