@@ -93,7 +93,7 @@ int simulate_command(std::vector<std::string> words) {
   if (!whole)
     std::printf("Stopped after %s of %s frames; nothing lost. Go on with: %s\n", grouped(frames).c_str(),
                 grouped(record.asked.frames).c_str(), go_on.c_str());
-  for (const std::string& line : finished.lines) std::printf("%s\n", line.c_str());
+  for (const std::string& line : finished.summary.lines(record)) std::printf("%s\n", line.c_str());
   std::printf("Took %s: steps %s, the rest is the referee, the files and the page\n",
               duration(wall_seconds() - start).c_str(), duration(finished.summary.cost().seconds()).c_str());
   std::printf("Summary: %s\n", (directory / "summary.json").c_str());

@@ -14,17 +14,18 @@ TEST(Totals, AreLeastMostAndSumOfEachColumnWithoutNaN) {
   frames[0].gap = 2e-4, frames[1].gap = std::numeric_limits<double>::quiet_NaN(), frames[2].gap = 0.5;
   frames[0].held = frames[2].held = true;
   frames[1].raw = 7, frames[2].raw = 3;
-  const Totals totals(frames);
+  Totals totals;
+  for (const Frame& frame : frames) totals.add(frame);
   EXPECT_EQ(totals.frames(), 3);
   EXPECT_EQ(totals.touching(), 1);
-  EXPECT_EQ(totals.least("gap"), 2e-4);
-  EXPECT_EQ(totals.most("gap"), 0.5);
-  EXPECT_EQ(totals.sum("gap"), 2e-4 + 0.5);
-  EXPECT_EQ(totals.sum("held"), 2);
-  EXPECT_EQ(totals.most("raw"), 7);
-  EXPECT_EQ(totals.sum("raw"), 10);
-  EXPECT_THROW(totals.most("no such"), std::logic_error);
-  EXPECT_TRUE(std::isnan(Totals().least("gap")));
+  EXPECT_EQ(totals.of("gap").least, 2e-4);
+  EXPECT_EQ(totals.of("gap").most, 0.5);
+  EXPECT_EQ(totals.of("gap").sum, 2e-4 + 0.5);
+  EXPECT_EQ(totals.of("held").sum, 2);
+  EXPECT_EQ(totals.of("raw").most, 7);
+  EXPECT_EQ(totals.of("raw").sum, 10);
+  EXPECT_THROW(totals.of("no such"), std::logic_error);
+  EXPECT_TRUE(std::isnan(Totals().of("gap").least));
 }
 
 TEST(StepCost, OfTheLastStepsAndOfAll) {

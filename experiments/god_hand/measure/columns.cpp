@@ -47,10 +47,6 @@ Totals::Totals() {
   ranges_.assign(all_columns.size(), {none, none, 0});
 }
 
-Totals::Totals(const std::vector<Frame>& frames) : Totals() {
-  for (const Frame& frame : frames) add(frame);
-}
-
 void Totals::add(const Frame& frame) {
   for (std::size_t k = 0; k < ranges_.size(); ++k) {
     const double x = all_columns[k].of(frame);
@@ -68,9 +64,5 @@ const Totals::Range& Totals::of(std::string_view key) const {
     if (all_columns[k].key == key) return ranges_[k];
   throw std::logic_error("no column '" + std::string(key) + "' in a frame");
 }
-
-double Totals::least(std::string_view key) const { return of(key).least; }
-double Totals::most(std::string_view key) const { return of(key).most; }
-double Totals::sum(std::string_view key) const { return of(key).sum; }
 
 }  // namespace zwang::god

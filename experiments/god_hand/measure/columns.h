@@ -30,23 +30,18 @@ std::array<double, 6> stages(const StageTimes& times);  // in that order
 // What the columns come to over frames. NaN does not count.
 class Totals {
  public:
+  struct Range {
+    double least, most, sum;  // of no frames NaN, NaN and 0
+  };
+
   Totals();
-  explicit Totals(const std::vector<Frame>& frames);
   void add(const Frame& frame);
 
-  // By key. Of no frames NaN, NaN and 0.
-  double least(std::string_view key) const;
-  double most(std::string_view key) const;
-  double sum(std::string_view key) const;
+  const Range& of(std::string_view key) const;
   long frames() const { return frames_; }
   long touching() const { return touching_; }  // frames with a god object that touches something
 
  private:
-  struct Range {
-    double least, most, sum;
-  };
-  const Range& of(std::string_view key) const;
-
   std::vector<Range> ranges_;
   long frames_ = 0, touching_ = 0;
 };

@@ -13,30 +13,23 @@ namespace {
 using Point = Eigen::Vector3f;
 static_assert(sizeof(Point) == 3 * sizeof(float));
 
-// Corners welded where they are the same point.
+// A vertex for each corner of triangles, welded where they are the same.
+template <class Vertex>
 struct Indexed {
-  std::vector<Point> points;
+  std::vector<Vertex> vertices;
   std::vector<unsigned> index;
+
+  explicit Indexed(const std::vector<Vertex>& corners) : index(corners.size()) {
+    vertices.resize(meshopt_generateVertexRemap(index.data(), nullptr, corners.size(), corners.data(), corners.size(),
+                                                sizeof(Vertex)));
+    meshopt_remapVertexBuffer(vertices.data(), corners.data(), corners.size(), sizeof(Vertex), index.data());
+  }
 };
 
-Indexed indexed(const collision::Tree& tree, const Vec3& centre) {
-  std::vector<Point> corners;
-  corners.reserve(3 * tree.size());
-  for (const collision::Triangle& triangle : tree.triangles())
-    for (const Vec3& corner : triangle.corner) corners.emplace_back((corner - centre).cast<float>());
-  std::vector<unsigned> remap(corners.size());
-  const std::size_t points =
-      meshopt_generateVertexRemap(remap.data(), nullptr, corners.size(), corners.data(), corners.size(), sizeof(Point));
-  Indexed mesh{std::vector<Point>(points), std::vector<unsigned>(corners.size())};
-  meshopt_remapVertexBuffer(mesh.points.data(), corners.data(), corners.size(), sizeof(Point), remap.data());
-  meshopt_remapIndexBuffer(mesh.index.data(), nullptr, corners.size(), remap.data());
-  return mesh;
-}
-
 // Twice the area times the unit normal.
-Point area_normal(const Indexed& mesh, const unsigned* corner) {
-  const Point a = mesh.points[corner[0]];
-  return (mesh.points[corner[1]] - a).cross(mesh.points[corner[2]] - a);
+Point area_normal(const Indexed<Point>& mesh, const unsigned* corner) {
+  const Point a = mesh.vertices[corner[0]];
+  return (mesh.vertices[corner[1]] - a).cross(mesh.vertices[corner[2]] - a);
 }
 
 // The normals of the full mesh's triangles around each vertex.
@@ -44,7 +37,7 @@ struct Fans {
   std::vector<unsigned> start, triangle;
   std::vector<Point> normal;
 
-  explicit Fans(const Indexed& mesh) : start(mesh.points.size() + 1, 0), triangle(mesh.index.size()) {
+  explicit Fans(const Indexed<Point>& mesh) : start(mesh.vertices.size() + 1, 0), triangle(mesh.index.size()) {
     for (const unsigned v : mesh.index) ++start[v + 1];
     for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
     std::vector<unsigned> at(start.begin(), start.end() - 1);
@@ -92,21 +85,25 @@ DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
   out.low = tree.low();
   out.size = std::max((tree.high() - tree.low()).maxCoeff(), 1e-9);
   const Vec3 centre = (tree.low() + tree.high()) / 2;
-  const Indexed mesh = indexed(tree, centre);
+  std::vector<Point> points;
+  points.reserve(3 * tree.size());
+  for (const collision::Triangle& triangle : tree.triangles())
+    for (const Vec3& corner : triangle.corner) points.emplace_back((corner - centre).cast<float>());
+  const Indexed<Point> mesh(points);
 
   std::vector<unsigned> shown = mesh.index;
   if (3 * triangles < shown.size()) {
     float error = 0;
-    const float* points = mesh.points[0].data();
-    shown.resize(meshopt_simplify(shown.data(), mesh.index.data(), mesh.index.size(), points, mesh.points.size(),
+    const float* from = mesh.vertices[0].data();
+    shown.resize(meshopt_simplify(shown.data(), mesh.index.data(), mesh.index.size(), from, mesh.vertices.size(),
                                   sizeof(Point), 3 * triangles, 1.f, 0, &error));
     // Loose triangles (a soup, many small shells) cannot be collapsed while the topology is kept.
     if (shown.size() > 6 * triangles) {
       shown = mesh.index;
-      shown.resize(meshopt_simplifySloppy(shown.data(), mesh.index.data(), mesh.index.size(), points,
-                                          mesh.points.size(), sizeof(Point), 3 * triangles, 1.f, &error));
+      shown.resize(meshopt_simplifySloppy(shown.data(), mesh.index.data(), mesh.index.size(), from,
+                                          mesh.vertices.size(), sizeof(Point), 3 * triangles, 1.f, &error));
     }
-    out.error = error * meshopt_simplifyScale(points, mesh.points.size(), sizeof(Point));
+    out.error = error * meshopt_simplifyScale(from, mesh.vertices.size(), sizeof(Point));
   }
 
   // One vertex for each corner, welded where position and normal are the same.
@@ -116,22 +113,16 @@ DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
   for (std::size_t i = 0; i < shown.size(); i += 3) {
     const Point facing = area_normal(mesh, &shown[i]).normalized();
     for (std::size_t k = i; k < i + 3; ++k) {
-      const Point steps = (mesh.points[shown[k]] - low) * (65535 / static_cast<float>(out.size));
+      const Point steps = (mesh.vertices[shown[k]] - low) * (65535 / static_cast<float>(out.size));
       Vertex v{{}, octahedral(fans.at(shown[k], facing)), 0};
       for (int axis = 0; axis < 3; ++axis)
-        v.position[static_cast<std::size_t>(axis)] =
-            static_cast<std::uint16_t>(std::clamp(std::lround(steps[axis]), 0l, 65535l));
+        v.position[at(axis)] = static_cast<std::uint16_t>(std::clamp(std::lround(steps[axis]), 0l, 65535l));
       corners.push_back(v);
     }
   }
-  std::vector<unsigned> remap(corners.size());
-  out.indices = corners.size();
-  out.vertices = meshopt_generateVertexRemap(remap.data(), nullptr, corners.size(), corners.data(), corners.size(),
-                                             sizeof(Vertex));
-  std::vector<Vertex> vertices(out.vertices);
-  std::vector<unsigned> index(out.indices);
-  meshopt_remapVertexBuffer(vertices.data(), corners.data(), corners.size(), sizeof(Vertex), remap.data());
-  meshopt_remapIndexBuffer(index.data(), nullptr, corners.size(), remap.data());
+  auto [vertices, index] = Indexed<Vertex>(corners);
+  out.vertices = vertices.size();
+  out.indices = index.size();
   meshopt_optimizeVertexCache(index.data(), index.data(), index.size(), vertices.size());
   meshopt_optimizeVertexFetch(vertices.data(), index.data(), index.size(), vertices.data(), vertices.size(),
                               sizeof(Vertex));

@@ -99,8 +99,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     for (const MetPart& part : parts) obstacles.push_back(part.body);
   Audit audit(shapes, obstacles);
   long first = -1;
-  std::vector<Pose<double>> poses;
-  Finished out{.summary = Summary(record.asked.options.dt), .lines = {}, .replay = {}};
+  Finished out;
   const auto planned = static_cast<double>(record.asked.frames);
   const FrameReader reader(directory);
   ShownFrames shown(reader.frames());
@@ -117,15 +116,12 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     shown.add(frame);
     if (!record.asked.audit) return;
     const std::vector<Pose<double>> objects = object_poses(setup.surroundings, frame);
-    poses.clear();
-    for (const MetPart& part : parts) poses.push_back(placed(objects[part.object], part.at));
-    if (audit.check(frame.god, poses) > 0 && first < 0) first = frame.number;
+    if (audit.check(frame.god, met_poses(parts, objects)) > 0 && first < 0) first = frame.number;
     progress(static_cast<double>(out.summary.frames()) / planned, "FCL looks at every frame");
   });
-  if (record.asked.audit) out.summary.set_audit(audit.checked(), audit.found(), first, audit.crossed());
+  if (record.asked.audit) out.summary.set_audit({audit.checked(), audit.found(), audit.crossed(), first});
   if (held_in >= 0)
     out.summary.set_disturbance(largest_disturbance(held.contacts, held.weight, record.asked.options.mu), held_in);
-  out.lines = out.summary.lines(record);
   replace_file(directory / "summary.json", out.summary.json(record));
   if (out.summary.frames() > 0)
     out.replay = write_replay(directory, record, out.summary, shown.frames(), setup.surroundings, gods);

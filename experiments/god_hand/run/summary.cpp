@@ -25,11 +25,7 @@ std::string tally(const std::map<std::string, long>& counts) {
 }
 
 bool finite(const Frame& frame) {
-  const auto all = [](const std::vector<Pose<double>>& poses) {
-    return std::all_of(poses.begin(), poses.end(),
-                       [](const Pose<double>& p) { return p.position.allFinite() && p.rotation.allFinite(); });
-  };
-  return all(frame.god) && all(frame.loose);
+  return std::ranges::all_of(frame.god, is_finite) && std::ranges::all_of(frame.loose, is_finite);
 }
 
 }  // namespace
@@ -58,16 +54,10 @@ void Summary::add(const Frame& f) {
   }
 }
 
-void Summary::set_audit(long looked, long found, long first, long crossed) {
-  crossed_ = crossed;
-  audited_ = looked;
-  overlaps_ = found;
-  first_overlap_ = first;
-}
-
 std::vector<std::string> Summary::lines(const Record& record) const {
   if (frames() == 0) return {"No frame was simulated."};
   const auto n = static_cast<double>(frames());
+  const double dt = record.asked.options.dt;  // s
   // The verdict, in one line.
   std::vector<std::string> out = {faults_.empty()
                                       ? "Nothing penetrated, joints and limits held"
@@ -75,11 +65,12 @@ std::vector<std::string> Summary::lines(const Record& record) const {
   out[0] += (count("stuck") == 0 ? ", nothing stuck" : ", stuck in " + counted(count("stuck"), "frame")) + "; " +
             milliseconds(cost_.quantile(0.5)) + " a step: " + rate(cost_.quantile(0.5)) + " in the median, " +
             rate(cost_.quantile(0.99)) + " at the 99th percentile";
-  out.push_back(counted(frames(), "frame") + " of " + milliseconds(dt_) + " simulated at " +
-                grouped(std::lround(1 / dt_)) + " Hz: deepest penetration " +
-                length(std::max(0.0, -columns_.least("gap"))) + ", joints " + length(most("joint")) + ", " +
-                (most("limit") <= closed_within ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
-                ", held " + std::to_string(count("held")));
+  out.push_back(
+      counted(frames(), "frame") + " of " + milliseconds(dt) + " simulated at " + grouped(std::lround(1 / dt)) +
+      " Hz: deepest penetration " + length(std::max(0.0, -columns_.of("gap").least)) + ", joints " +
+      length(most("joint")) + ", " +
+      (most("limit") <= closed_within ? "limits kept" : "limits crossed by " + printed("%.2g rad", most("limit"))) +
+      ", held " + std::to_string(count("held")));
   out.push_back(cost_.line() + (raw_.empty() ? ""
                                              : ", contacts " + printed("%.0f", median(raw_)) + " -> " +
                                                    printed("%.0f", median(kept_)) + " (medians)"));
@@ -99,8 +90,7 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                                              printed("%.3g N", disturbance_) + " in the worst direction"));
   std::string origins;
   for (std::size_t k = 0; k < origins_.size(); ++k)
-    if (origins_[k] > 0)
-      origins += (origins.empty() ? "" : ", ") + grouped(static_cast<std::size_t>(origins_[k])) + " " + origin_names[k];
+    if (origins_[k] > 0) origins += (origins.empty() ? "" : ", ") + grouped(origins_[k]) + " " + origin_names[k];
   out.push_back("Where the frames came from: " + origins);
   if (record.recorded)
     out.push_back("Recording retargeted to within " + length(record.misfit_mean) + " on average, " +
@@ -117,11 +107,11 @@ std::vector<std::string> Summary::lines(const Record& record) const {
                        ? "looked at none"
                        : "on one frame in " + std::to_string(record.asked.options.verify) + ": " + tally(verified_)) +
                   " (by frame, the worst)");
-  if (audited_ > 0)
-    out.push_back("Penetrations found by FCL: " + grouped(static_cast<std::size_t>(overlaps_)) + " of " +
-                  counted(audited_, "body-frame") +
-                  (overlaps_ > 0 ? ", the first in frame " + std::to_string(first_overlap_) : "") +
-                  (crossed_ > 0 ? "; the hands cross each other in " + counted(crossed_, "body-frame") : ""));
+  if (audited_.looked > 0)
+    out.push_back(
+        "Penetrations found by FCL: " + grouped(audited_.found) + " of " + counted(audited_.looked, "body-frame") +
+        (audited_.found > 0 ? ", the first in frame " + std::to_string(audited_.first) : "") +
+        (audited_.crossed > 0 ? "; the hands cross each other in " + counted(audited_.crossed, "body-frame") : ""));
   return out;
 }
 
@@ -136,11 +126,11 @@ std::string Summary::json(const Record& record) const {
       {"scene", record.asked.scene},
       {"motion", record.title},
       {"solver", record.asked.options.solver},
-      {"rate_hz", 1 / dt_},
+      {"rate_hz", 1 / record.asked.options.dt},
       {"frames", frames()},
       {"finished", !record.finished.empty()},
-      {"penetration_m", std::max(0.0, -columns_.least("gap"))},
-      {"smallest_gap_m", columns_.least("gap")},
+      {"penetration_m", std::max(0.0, -columns_.of("gap").least)},
+      {"smallest_gap_m", columns_.of("gap").least},
       {"joint_separation_m", most("joint")},
       {"limit_violation_rad", most("limit")},
       {"stuck_frames", count("stuck")},
@@ -153,9 +143,9 @@ std::string Summary::json(const Record& record) const {
       {"touching_share", frames() > 0 ? static_cast<double>(columns_.touching()) / static_cast<double>(frames()) : 0},
       {"target_depth_m", most("depth")},
       {"target_distance_m", most("dist")},
-      {"lost_slide_m", columns_.sum("slide")},
+      {"lost_slide_m", columns_.of("slide").sum},
       {"jitter_m", most("jitter")},
-      {"work_j", columns_.sum("work")},
+      {"work_j", columns_.of("work").sum},
       {"impulse_error", most("impulse")},
       {"object_speed_m_s", most("speed")},
       {"mu", record.asked.options.mu},
@@ -176,8 +166,10 @@ std::string Summary::json(const Record& record) const {
        {{"raw_median", raw_.empty() ? 0 : median(raw_)}, {"kept_median", raw_.empty() ? 0 : median(kept_)}}},
       {"claimed", claimed_},
       {"verified", verified_},
-      {"audit", audited_ > 0 ? Json{{"body_frames", audited_}, {"overlaps", overlaps_}, {"hands_crossed", crossed_}}
-                             : Json(nullptr)},
+      {"audit",
+       audited_.looked > 0
+           ? Json{{"body_frames", audited_.looked}, {"overlaps", audited_.found}, {"hands_crossed", audited_.crossed}}
+           : Json(nullptr)},
       {"misfit_m", {{"mean", record.misfit_mean}, {"most", record.misfit_most}}},
       {"recorded_frames_held_over", record.held_over},
       {"placement", {{"inside_share", record.placement.inside}, {"depth_m", record.placement.depth}}}};

@@ -13,12 +13,15 @@ namespace zwang::god {
 // What a run comes to, from its frames alone. Lengths in m, times in s.
 class Summary {
  public:
-  explicit Summary(double dt) : dt_(dt) {}
   void add(const Frame& frame);
   // What the last firm hold of the run withstands (measure/disturbance.h) [N], and in which frame that was.
   void set_disturbance(double force, long frame) { disturbance_ = force, disturbance_at_ = frame; }
   // What an audit (audit.h) of all frames came to.
-  void set_audit(long looked, long found, long first, long crossed);
+  struct Audited {
+    long looked = 0, found = 0, crossed = 0;  // bodies; of these: in an object, in another hand
+    long first = -1;                          // frame in which one was found
+  };
+  void set_audit(const Audited& audited) { audited_ = audited; }
 
   long frames() const { return columns_.frames(); }
   const StepCost& cost() const { return cost_; }
@@ -27,16 +30,15 @@ class Summary {
   std::string json(const Record& record) const;
 
  private:
-  double most(std::string_view key) const { return columns_.most(key); }
-  long count(std::string_view key) const { return static_cast<long>(columns_.sum(key)); }
+  double most(std::string_view key) const { return columns_.of(key).most; }
+  long count(std::string_view key) const { return static_cast<long>(columns_.of(key).sum); }
 
-  double dt_;
   Totals columns_ = {};
   StepCost cost_ = {};
   std::array<long, origin_names.size()> origins_ = {};
   double disturbance_ = 0;
   long disturbance_at_ = -1;
-  long audited_ = 0, overlaps_ = 0, first_overlap_ = -1, crossed_ = 0;
+  Audited audited_ = {};
   std::vector<double> raw_ = {}, kept_ = {};  // of the frames with contacts
   std::map<std::string, long> claimed_ = {}, verified_ = {}, faults_ = {};
 };

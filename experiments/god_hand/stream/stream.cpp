@@ -8,8 +8,8 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
-#include <ctime>
 #include <stdexcept>
 
 #include <zwang/core/problem/wording.h>
@@ -52,9 +52,7 @@ Pose<double> pose_of(const stream::Pose& p) {
 }  // namespace
 
 std::int64_t monotonic_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1000000000} * now.tv_sec + now.tv_nsec;
+  return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
 Stream::Stream(const Place& place, std::size_t bodies, Say say) : bodies_(bodies), say_(std::move(say)) {
