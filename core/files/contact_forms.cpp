@@ -4,18 +4,18 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include <zwang/core/problem/disjoint_sets.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/problem/row_writer.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
 
 // What W may leave of J J', relative to its largest entry: where nothing but rounding spoils it, and in text of 8
 // digits.
-constexpr double rounded = 1e-8, printed = 1e-6;
+constexpr double rounded = 1e-8, in_text = 1e-6;
 // Of the largest entry of J: less is what rounding leaves of zeros.
 constexpr double negligible = 1e-25;
 // Rows of W that hang together are factored dense.
@@ -71,10 +71,10 @@ Factor rank_revealing_factor(const Matrix& W, double scale) {
     const Vector column = W.col(pivot) - J.leftCols(rank) * J.row(pivot).head(rank).transpose();
     J.col(rank) = column / std::sqrt(remaining[pivot]);
     for (Index i = 0; i < n; ++i)
-      if (remaining[i] == -std::numeric_limits<double>::infinity()) J(i, rank) = 0;
+      if (remaining[i] == -infinity) J(i, rank) = 0;
     J(pivot, rank) = std::sqrt(remaining[pivot]);
     remaining -= J.col(rank).cwiseAbs2();
-    remaining[pivot] = -std::numeric_limits<double>::infinity();
+    remaining[pivot] = -infinity;
   }
   J.conservativeResize(n, rank);
   return {J, scale > 0 ? (W - J * J.transpose()).cwiseAbs().maxCoeff() / scale : 0};
@@ -158,11 +158,9 @@ Factors factor_blocks(const SparseMatrix& S, const Fail& fail) {
       factor = nearest_factor(W, scale);
       out.replaced = true;
     }
-    if (!(factor.residual <= printed)) {
-      std::ostringstream text;
-      text << "not positive semi-definite (relative residual " << factor.residual << "); expected a Delassus matrix";
-      fail("W", text.str());
-    }
+    if (!(factor.residual <= in_text))
+      fail("W",
+           printed("not positive semi-definite (relative residual %g); expected a Delassus matrix", factor.residual));
     out.residual = std::max(out.residual, factor.residual);
     const double least = factor.J.size() > 0 ? negligible * factor.J.cwiseAbs().maxCoeff() : 0;
     for (Index k = 0; k < size; ++k)
@@ -191,17 +189,13 @@ void complete_symmetric(SparseMatrix& M, std::vector<std::string>& notes, const 
       asymmetry = std::max(asymmetry, std::abs(it.value() - M.coeff(it.col(), it.row())) / scale);
     }
   if (asymmetry == 0) return;
-  std::ostringstream note;
-  if (lower == 0 || upper == 0) {
-    note << "M holds its " << (lower == 0 ? "upper" : "lower") << " triangle only: mirrored";
-  } else if (asymmetry <= rounding) {
-    note << "M is symmetric up to rounding (" << asymmetry << "): its lower triangle was mirrored";
-  } else {
-    note << "not symmetric (relative difference " << asymmetry << "); expected a symmetric matrix";
-    fail("M", note.str());
-  }
+  if (lower == 0 || upper == 0)
+    notes.push_back(printed("M holds its %s triangle only: mirrored", lower == 0 ? "upper" : "lower"));
+  else if (asymmetry <= rounding)
+    notes.push_back(printed("M is symmetric up to rounding (%g): its lower triangle was mirrored", asymmetry));
+  else
+    fail("M", printed("not symmetric (relative difference %g); expected a symmetric matrix", asymmetry));
   M = lower == 0 ? SparseMatrix(M.selfadjointView<Eigen::Upper>()) : SparseMatrix(M.selfadjointView<Eigen::Lower>());
-  notes.push_back(note.str());
 }
 
 Instance from_global_form(GlobalForm form, const Fail& fail) {
@@ -228,23 +222,16 @@ Instance from_local_form(LocalForm form, std::optional<Law> law, const Fail& fai
   global.mu = std::move(form.mu);
   const bool slips = (law && has_edges(*law)) || (global.mu.size() > 0 && global.mu.maxCoeff() > 0);
   const Index step = slips ? 1 : form.dim, equalities = form.s.size(), used = form.q.size() / step;
-  if (const double asymmetry = largest(form.W - SparseMatrix(form.W.transpose())); asymmetry > 0) {
-    std::ostringstream note;
-    note << "W is asymmetric by up to " << asymmetry << ": (W + W')/2 was taken";
-    instance.notes.push_back(note.str());
-  }
+  if (const double asymmetry = largest(form.W - SparseMatrix(form.W.transpose())); asymmetry > 0)
+    instance.notes.push_back(printed("W is asymmetric by up to %g: (W + W')/2 was taken", asymmetry));
   const SparseMatrix S = rows_in_use(form, step);
   const Factors factors = factor_blocks(S, fail);
-  std::ostringstream note;
-  if (factors.replaced) {
-    note << "W has eigenvalues below 0: the nearest matrix without was taken, which differs by " << factors.residual
-         << " of its largest entry";
-    instance.notes.push_back(note.str());
-    note.str("");
-  }
-  note << "Delassus form: M = I, W = J J' of rank " << factors.J_transposed.rows() << " of " << S.rows() << " to "
-       << factors.residual;
-  instance.notes.push_back(note.str());
+  if (factors.replaced)
+    instance.notes.push_back(printed(
+        "W has eigenvalues below 0: the nearest matrix without was taken, which differs by %g of its largest entry",
+        factors.residual));
+  instance.notes.push_back(printed("Delassus form: M = I, W = J J' of rank %td of %td to %g",
+                                   factors.J_transposed.rows(), S.rows(), factors.residual));
 
   global.G = factors.J_transposed.leftCols(equalities);
   global.H = factors.J_transposed.rightCols(used);

@@ -26,16 +26,6 @@ SparseMatrix read_matrix(const hdf5::Group& parent, const std::string& name, std
   return read_sparse(group, m, n, nz == -1 ? Storage::columns : Storage::rows, at(p.back()));
 }
 
-// Entries that are not finite are found with the problem's rows.
-Vector read_any(const hdf5::Group& vectors, const std::string& name) {
-  const std::vector<double> values = vectors.read<double>(name);
-  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(values.size()));
-}
-
-Fail failing(const hdf5::Group& group) {
-  return [&group](const std::string& place, const std::string& what) { group.fail(place, what); };
-}
-
 Index read_spacedim(const hdf5::Group& group, bool rolling, std::size_t contact_rows) {
   const auto dim = group.read_one<std::int64_t>("spacedim");
   if (rolling ? dim != 3 && dim != 5 : dim != 2 && dim != 3)
@@ -67,7 +57,7 @@ Instance read_fclib_global(const hdf5::Group& group, std::optional<Law> law, boo
   form.f = read_vector(vectors, motion, n);
   form.dim = read_spacedim(group, rolling, w);
   form.H = read_matrix(group, "H", n, w);
-  form.w = read_any(vectors, "w");
+  form.w = read_raw(vectors, "w");
   form.G = b > 0 ? read_matrix(group, "G", n, b) : SparseMatrix(static_cast<Index>(n), 0);
   form.b = b > 0 ? read_vector(vectors, "b", b) : Vector(0);
   form.sliding = rolling ? (form.dim - 1) / 2 : form.dim - 1;
@@ -86,7 +76,7 @@ Instance read_fclib_local(const hdf5::Group& group, std::optional<Law> law) {
   form.dim = read_spacedim(group, false, rows);
   form.mu = read_mu(vectors, law, static_cast<Index>(rows) / form.dim);
   form.W = read_matrix(group, "W", rows, rows);
-  form.q = read_any(vectors, "q");
+  form.q = read_raw(vectors, "q");
   if (e > 0) {
     form.V = read_matrix(group, "V", rows, e);
     form.R = read_matrix(group, "R", e, e);

@@ -27,7 +27,12 @@ enum class Storage { triplets, columns, rows };
 // or an entry is not finite.
 SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count);
 
+// With whatever entries there are; those of a problem's rows are looked at by bad_input().
+Vector read_raw(const hdf5::Group& group, const std::string& name, std::size_t size = hdf5::Group::any);
 // Throws BadFile where an entry is not finite.
 Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_t size);
+
+// What is wrong with a group, said by it.
+Fail failing(const hdf5::Group& group);
 
 }  // namespace zwang

@@ -30,12 +30,6 @@ std::size_t length(const hdf5::Group& group, const std::string& name) {
   return shape.front();
 }
 
-// A vector that may hold -Inf; finiteness is core/problem/problem.h's business.
-Vector read_raw(const hdf5::Group& group, const std::string& name, Index size) {
-  const std::vector<double> values = group.read<double>(name, at(size));
-  return Eigen::Map<const Vector>(values.data(), size);
-}
-
 // A group {p, i, x}, or a dataset with every entry, row by row.
 SparseMatrix read_matrix(const hdf5::Group& group, const std::string& name, Index rows, Index cols, Storage storage) {
   if (group.has_group(name)) {
@@ -116,19 +110,18 @@ Instance read_own(const hdf5::Group& group) {
   Problem& p = instance.problem;
   const Index n = static_cast<Index>(length(group, "z_u")), m = static_cast<Index>(length(group, "c"));
   p.name = text_or(group, "name", "");
-  p.z_u = read_raw(group, "z_u", n);
-  p.c = read_raw(group, "c", m);
+  p.z_u = read_raw(group, "z_u", at(n));
+  p.c = read_raw(group, "c", at(m));
   p.M = read_matrix(group, "M", n, n, Storage::columns);
   p.J = read_matrix(group, "J", m, n, Storage::rows);
-  complete_symmetric(p.M, instance.notes,
-                     [&](const std::string& place, const std::string& what) { group.fail(place, what); });
+  complete_symmetric(p.M, instance.notes, failing(group));
 
   for (const std::int64_t kind : group.read<std::int64_t>("kind", at(m))) {
     if (kind < 0 || kind > 2)
       group.fail("kind", "holds " + std::to_string(kind) + "; expected 0 (=), 1 (>=) or 2 (tangent)");
     p.kind.push_back(static_cast<RowKind>(kind));
   }
-  if (group.has_data("mu")) p.mu = read_raw(group, "mu", m);
+  if (group.has_data("mu")) p.mu = read_raw(group, "mu", at(m));
   try {
     p.law = parse_law(text_or(group, "law", std::string(to_string(p.has_tangents() ? stored_law : no_friction))));
   } catch (const std::invalid_argument& unknown) {

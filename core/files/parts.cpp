@@ -9,7 +9,7 @@ namespace {
 
 std::string bracketed(const std::string& name, std::size_t i) { return name + "[" + std::to_string(i) + "]"; }
 
-void require_finite(const hdf5::Group& group, const std::string& name, const std::vector<double>& values) {
+void require_finite(const hdf5::Group& group, const std::string& name, std::span<const double> values) {
   const auto bad = std::ranges::find_if(values, [](double x) { return !std::isfinite(x); });
   if (bad != values.end())
     group.fail(bracketed(name, at(bad - values.begin())), "not a number or infinite; expected a finite number");
@@ -24,10 +24,19 @@ std::vector<std::int64_t> read_at_least(const hdf5::Group& group, const std::str
 
 }  // namespace
 
-Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_t size) {
+Fail failing(const hdf5::Group& group) {
+  return [group](const std::string& place, const std::string& what) { group.fail(place, what); };
+}
+
+Vector read_raw(const hdf5::Group& group, const std::string& name, std::size_t size) {
   const std::vector<double> values = group.read<double>(name, size);
-  require_finite(group, name, values);
-  return Eigen::Map<const Vector>(values.data(), static_cast<Index>(size));
+  return Eigen::Map<const Vector>(values.data(), std::ssize(values));
+}
+
+Vector read_vector(const hdf5::Group& group, const std::string& name, std::size_t size) {
+  const Vector values = read_raw(group, name, size);
+  require_finite(group, name, {values.data(), size});
+  return values;
 }
 
 SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Storage storage, std::size_t count) {

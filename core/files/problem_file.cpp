@@ -65,8 +65,7 @@ Instance read_problem(const hdf5::Group& group, const std::string& name, std::op
     layout = rolling ? "fclib_global_rolling" : "fclib_global";
     instance = read_fclib_global(group.group(layout), law, rolling);
   }
-  const hdf5::Group place = group.group(layout);
-  require_good([&](const std::string& name, const std::string& what) { place.fail(name, what); }, instance);
+  require_good(failing(group.group(layout)), instance);
   if (law) instance = under(*law, std::move(instance));
   if (instance.problem.name.empty()) instance.problem.name = name;
   if (!instance.reference && !instance.problem.has_tangents()) read_truth(group, instance);

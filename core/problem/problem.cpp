@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -98,12 +99,6 @@ std::string bad_mass(const SparseMatrix& M) {
   return {};
 }
 
-std::string in_words(double x) {
-  std::ostringstream text;
-  text << x;
-  return text.str();
-}
-
 // Tangent rows stand in ones or twos after the inequality row of their contact, where mu is a number >= 0; a contact
 // with mu > 0 has them.
 std::string bad_friction(const Problem& p) {
@@ -116,10 +111,9 @@ std::string bad_friction(const Problem& p) {
     return "there are tangent rows, but the law is " + std::string(to_string(p.law)) + "; expected convex or coulomb";
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i)) return row(i) + " is a tangent row without an inequality row before it";
-    const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
     if (p.is_equality(i)) continue;
-    if (!(p.mu[i] >= 0) || std::isinf(p.mu[i]))
-      return "mu(" + std::to_string(i) + ") is " + in_words(p.mu[i]) + "; expected a number >= 0";
+    const Index tangents = p.tangents(i);
+    if (!(p.mu[i] >= 0) || std::isinf(p.mu[i])) return printed("mu(%td) is %g; expected a number >= 0", i, p.mu[i]);
     if (tangents > 2) return row(i) + " has " + std::to_string(tangents) + " tangent rows; expected 1 or 2";
     if (tangents == 0 && p.mu[i] > 0) return row(i) + " has mu > 0 and no tangent rows";
     i += tangents;
@@ -136,7 +130,7 @@ std::string bad_input(const Problem& p) {
   for (Index i = 0; check_z_u && i < p.size(); ++i)
     if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
   for (Index i = 0; check_c && i < p.rows(); ++i) {
-    const bool inactive = p.kind[at(i)] == RowKind::inequality && p.c[i] == -std::numeric_limits<double>::infinity();
+    const bool inactive = p.kind[at(i)] == RowKind::inequality && p.c[i] == -infinity;
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
   if (std::string text = bad_friction(p); !text.empty()) return text;
