@@ -51,12 +51,6 @@ double available_in_the_group(const fs::path& groups) {
       available_in(first / "memory.limit_in_bytes", first / "memory.usage_in_bytes", first / "memory.stat", "total_"));
 }
 
-double address_space() {
-  double pages;
-  if (!(std::ifstream("/proc/self/statm") >> pages)) return 0;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 double available_to_the_process() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return infinity;
@@ -64,6 +58,12 @@ double available_to_the_process() {
 }
 
 }  // namespace
+
+double address_space() {
+  double pages;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) return 0;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
 
 double free_memory(const fs::path& groups) {
   const double outside = (1 - spare) * std::min(available_on_the_machine(), available_in_the_group(groups));

@@ -8,6 +8,9 @@ namespace zwang {
 // (RLIMIT_AS); infinity where none of them can be read. `groups`: where the kernel shows control groups.
 double free_memory(const std::filesystem::path& groups = "/sys/fs/cgroup");
 
+// Bytes of addresses that this process holds; 0 where they cannot be read.
+double address_space();
+
 // As long as it lives, this process cannot grow by more than was free at its beginning, or a tenth of a second before:
 // an allocation then fails with std::bad_alloc, where the kernel would kill some process instead.
 class MemoryCap {

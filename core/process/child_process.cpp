@@ -9,11 +9,26 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <system_error>
 
 namespace zwang {
+namespace {
+
+// Repeats `part(done)`, a system call that reads or writes the bytes after the first `done`, until `bytes` are through;
+// false where it fails or ends before.
+template <class Part>
+bool transfer(std::size_t bytes, Part part) {
+  for (std::size_t done = 0; done < bytes;) {
+    const std::ptrdiff_t more = part(done);
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) return false;
+    done += static_cast<std::size_t>(more);
+  }
+  return true;
+}
 
 int start_child(const std::function<void()>& life) {
   const pid_t parent = getpid(), child = fork();
@@ -30,6 +45,8 @@ int start_child(const std::function<void()>& life) {
   [&]() noexcept { life(); }();  // an exception must not reach what the parent would do with it
   _exit(0);
 }
+
+}  // namespace
 
 void Peer::start(const std::function<void(int socket)>& life) {
   int ends[2];

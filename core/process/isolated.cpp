@@ -2,14 +2,13 @@
 
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <new>
 
 #include <zwang/core/problem/bad_file.h>
+#include <zwang/core/problem/memory.h>
 #include <zwang/core/problem/wording.h>
 #include <zwang/core/process/child_process.h>
 
@@ -31,19 +30,13 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
   setrlimit(static_cast<__rlimit_resource>(resource), &both);
 }
 
-[[maybe_unused]] std::size_t bytes_held() {
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
-
 // What the child does.
 std::string live(const std::filesystem::path& file, const IsolationLimits& limits,
                  const std::function<std::string()>& work) {
   const auto seconds = static_cast<rlim_t>(std::ceil(limits.seconds));
   limit(RLIMIT_CPU, seconds, seconds + 1);
 #ifndef ZWANG_ADDRESS_SANITIZER
-  const std::size_t most = bytes_held() + limits.bytes;
+  const std::size_t most = static_cast<std::size_t>(address_space()) + limits.bytes;
   limit(RLIMIT_AS, most, most);
 #endif
   try {
