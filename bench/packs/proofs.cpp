@@ -302,12 +302,12 @@ class ProofSearch {
       found = prove_near(contacts, scaled, {x, l, modes_by_size(contacts, x, l, referee::mode_cut)});
     }
     if (!found.proven) {
-      ExtendedVector slips(contacts.contacts.size());
-      for (std::size_t c = 0; c < slips.size() && coulomb; ++c) slips[c] = contacts.slip(contacts.contacts[c], x);
-      const ConvexBound bound = bound_convex(contacts, scaled, slips, Vector::Zero(std::ssize(slips)), nullptr);
+      ExtendedVector slips = ExtendedVector::Zero(std::ssize(contacts.contacts));
+      for (Index c = 0; c < slips.size() && coulomb; ++c) slips[c] = contacts.slip(contacts.contacts[at(c)], x);
+      const ConvexBound bound = bound_convex(contacts, scaled, slips, Vector::Zero(slips.size()), nullptr);
       found.point = {bound.x, bound.lambda, bound.modes};
-      if (coulomb && !bound.x.empty()) found = prove_near(contacts, scaled, found.point);
-      if (bound.x.empty() || (coulomb && !found.proven)) throw NoProof("no solution was found near it");
+      if (coulomb && bound.x.size() > 0) found = prove_near(contacts, scaled, found.point);
+      if (bound.x.size() == 0 || (coulomb && !found.proven)) throw NoProof("no solution was found near it");
     }
     const ModePoint& point = found.point;
     const ExtendedVector l = contacts.to_multipliers(point.lambda);
@@ -316,8 +316,7 @@ class ProofSearch {
     std::vector<Slide> slides;
     const auto push = [&](Index i, Index end, bool holds) {
       for (; i < end; ++i) {
-        const auto k = at(i);
-        const DoubleDouble own = l[k].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[k]);
+        const DoubleDouble own = l[i].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[i]);
         force[i] = Hundred(own.hi) + Hundred(own.lo);
         if (holds) held.push_back(i);
       }

@@ -46,7 +46,7 @@ StoredTruth check_stored(const Problem& problem, const Reference& reference) {
   const double free = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
   if (!reference.feasible) {
     if (judge_certificate(scaled, reference.certificate, free).proven) return {Standing::certified};
-    const ExtendedVector still(at(problem.size()));
+    const ExtendedVector still = ExtendedVector::Zero(problem.size());
     const bool feasible = bound_distance(scaled, still, nullptr).rows == DistanceBound::Rows::feasible;
     return {feasible ? Standing::refuted : Standing::open};
   }
@@ -71,9 +71,7 @@ double rounding_of(const Problem& problem, const Vector& z) {
 
 double relative_distance(const Problem& p, const Vector& a, const Vector& b) {
   const ScaledProblem scaled(p);
-  ExtendedVector apart = scaled.motion(a), other = scaled.motion(b);
-  for (std::size_t j = 0; j < apart.size(); ++j) apart[j] -= other[j];
-  const double distance = scaled.norm(apart);
+  const double distance = scaled.norm(scaled.motion(a) - scaled.motion(b));
   return distance == 0 ? 0 : distance / std::max(scaled.norm_of_free_motion(), scaled.norm_of(a));
 }
 

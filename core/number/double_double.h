@@ -6,9 +6,9 @@
 
 #include <cmath>
 #include <compare>
+#include <concepts>
 #include <limits>
 #include <type_traits>
-#include <vector>
 
 namespace zwang {
 
@@ -22,6 +22,8 @@ struct DoubleDouble {
   constexpr DoubleDouble() = default;
   constexpr DoubleDouble(double value) : hi(value) {}
   constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
+  explicit constexpr DoubleDouble(std::same_as<long double> auto value)
+      : hi(static_cast<double>(value)), lo(static_cast<double>(value - hi)) {}
   explicit constexpr operator double() const { return hi; }
   explicit constexpr operator long double() const { return static_cast<long double>(hi) + lo; }
 
@@ -78,8 +80,6 @@ struct DoubleDouble {
   }
 };
 
-using ExtendedVector = std::vector<DoubleDouble>;
-
 // What the referee's factors are made of: x87's long double of 64 bits, and double-double where long double is another
 // format (ZWANG_NO_X87 says so for tests). Either is wider than the doubles that are judged; residuals and decisions
 // are in double-double on every machine.
@@ -89,12 +89,6 @@ constexpr bool x87 = false;
 constexpr bool x87 = std::numeric_limits<long double>::digits == 64;
 #endif
 using FactorReal = std::conditional_t<x87, long double, DoubleDouble>;
-
-inline DoubleDouble double_double(const DoubleDouble& x) { return x; }
-inline DoubleDouble double_double(long double x) {
-  const auto high = static_cast<double>(x);
-  return {high, static_cast<double>(x - high)};
-}
 
 }  // namespace zwang
 

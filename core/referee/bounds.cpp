@@ -13,6 +13,7 @@ namespace zwang {
 namespace {
 
 using Rows = DistanceBound::Rows;
+using referee::or_infinity;
 
 // The bound of the answer as it is: |y - y*|^2 <= 2 gap for feasible z and lambda_I >= 0. Its square root
 // stops at 1e-8 for answers in double; a z outside a row by more than rounding gets no bound.
@@ -22,7 +23,7 @@ DistanceBound gap_bound(const ScaledProblem& scaled, const ExtendedVector& d, co
   DoubleDouble weighted_slack;
   double rounding = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
-    DoubleDouble& weight = lambda[at(i)];
+    DoubleDouble& weight = lambda[i];
     if (!scaled.counts(i)) {
       if (scaled.is_zero(i) && !scaled.zero_row_holds(i)) return bound;
       weight = 0;
@@ -51,16 +52,14 @@ DistanceBound bound_in_doubles(const ScaledProblem& scaled, const ExtendedVector
                                double motion) {
   Proof proof;
   if (scaled.size() <= referee::dense_limit || scaled.rows() == 0) proof = prove_answer(scaled, d, lambda, motion);
-  const bool gave_up = proof.rows != Rows::infeasible && proof.radius == std::numeric_limits<double>::infinity();
+  const bool gave_up = proof.rows != Rows::infeasible && proof.radius == infinity;
   if (gave_up && lambda) proof = prove_sparse(scaled, d, *lambda);
   DistanceBound bound{.sigma_min = proof.sigma_min, .rows = proof.rows};
-  if (proof.rows == Rows::infeasible || proof.radius == std::numeric_limits<double>::infinity()) {
+  if (proof.rows == Rows::infeasible || proof.radius == infinity) {
     if (proof.rows == Rows::infeasible) bound.lower = std::max(0.0, proof.farther_than - scaled.norm(d));
     return proof.rows == Rows::infeasible || !lambda ? bound : gap_bound(scaled, d, *lambda);
   }
-  ExtendedVector error = d;
-  for (std::size_t i = 0; i < error.size(); ++i) error[i] -= proof.d[i];
-  const double distance = or_infinity(scaled.norm(error)), norm = scaled.norm_with_free_motion(proof.d);
+  const double distance = or_infinity(scaled.norm(d - proof.d)), norm = scaled.norm_with_free_motion(proof.d);
   bound.least_norm = std::max(0.0, norm - proof.radius) * (1 - referee::widened);
   bound.greatest_norm = (norm + proof.radius) * (1 + referee::widened);
   bound.upper = (distance + proof.radius) * (1 + referee::widened);
@@ -74,9 +73,8 @@ DistanceBound bound_island(const ScaledProblem& scaled, const ExtendedVector& d,
   DistanceBound bound = bound_in_doubles(scaled, d, lambda, motion);
   if (bound.rows == Rows::infeasible || bound.upper <= referee::sharp_enough * motion) return bound;
   const Problem problem = scaled.problem();
-  Vector z = problem.z_u, forces(lambda ? scaled.rows() : 0);
-  for (Index j = 0; j < z.size(); ++j) z[j] = (d[at(j)] + DoubleDouble(z[j])).hi;
-  for (Index i = 0; i < forces.size(); ++i) forces[i] = (*lambda)[at(i)].hi;
+  const Vector z = (d + problem.z_u.cast<DoubleDouble>()).cast<double>();
+  const Vector forces = lambda ? Vector(lambda->cast<double>()) : Vector();
   if (const auto exact = exact_point(problem, z, {}, {&forces, 1}))
     bound = {.upper = referee::up(exact->distance),
              .lower = referee::down(exact->distance),
@@ -101,8 +99,8 @@ DistanceBound bound_distance(const ScaledProblem& scaled, const ExtendedVector& 
   for (const IslandPart& island : islands) {
     const ScaledProblem own(island.problem);
     ExtendedVector part_lambda;
-    if (lambda) part_lambda = own.multipliers(island.rows_of(*lambda));
-    const DistanceBound part = bound_island(own, own.motion_of(island.columns_of(d)), lambda ? &part_lambda : nullptr,
+    if (lambda) part_lambda = own.multipliers(ExtendedVector((*lambda)(island.rows)));
+    const DistanceBound part = bound_island(own, own.motion_of(d(island.columns)), lambda ? &part_lambda : nullptr,
                                             std::ldexp(motion, -own.norm_exponent()));
     total.upper = std::hypot(total.upper, own.to_problem_norm(part.upper));
     total.lower = std::hypot(total.lower, own.to_problem_norm(part.lower));

@@ -8,17 +8,14 @@
 
 namespace zwang {
 
-// What overflowed to NaN is as bad as can be.
-inline double or_infinity(double x) { return std::isnan(x) ? std::numeric_limits<double>::infinity() : x; }
-
 // How far a motion d = z - z_u is from the true one, found without a reference; in scaled units.
 struct DistanceBound {
   enum class Rows { open, feasible, infeasible };  // what could be proven about the rows
 
-  double upper = std::numeric_limits<double>::infinity();  // |z - z*|_M <= upper
-  double lower = 0;                                        // |z - z*|_M >= lower
-  double least_norm = 0;                                   // least_norm <= |z*|_M <= greatest_norm
-  double greatest_norm = std::numeric_limits<double>::infinity();
+  double upper = infinity;  // |z - z*|_M <= upper
+  double lower = 0;         // |z - z*|_M >= lower
+  double least_norm = 0;    // least_norm <= |z*|_M <= greatest_norm
+  double greatest_norm = infinity;
   double sigma_min = std::numeric_limits<double>::quiet_NaN();
   std::string method = {};  // "active set", "opening", "rationals" or "gap"; "" when there is no bound
   Rows rows = Rows::open;

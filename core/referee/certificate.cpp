@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/referee/friction/law.h>
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
@@ -15,12 +16,12 @@ struct Weighted {
 };
 
 Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
-  Weighted w{.residual = scaled.force_residual(ExtendedVector(at(scaled.size())), u)};
-  for (DoubleDouble& r : w.residual) r = -r;
+  const ExtendedVector still = ExtendedVector::Zero(scaled.size());
+  Weighted w{.residual = -scaled.force_residual(still, u)};
   DoubleDouble gain;
   double sizes = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
-    const DoubleDouble part = u[at(i)];
+    const DoubleDouble part = u[i];
     if (part == DoubleDouble(0)) continue;
     gain += scaled.violation(i) * part;
     double terms = std::abs(scaled.c[i]);
@@ -29,7 +30,6 @@ Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
   }
   const double norm = scaled.dual_norm(w.residual);
   // A gain that may be rounding proves nothing, nor does a residual count below its rounding.
-  const ExtendedVector still(at(scaled.size()));
   if (!(gain.hi > (norm > 0 ? referee::rounding : referee::no_gain) * sizes))
     w.distance = 0;
   else
@@ -60,12 +60,12 @@ bool project(const ScaledProblem& scaled, const std::vector<Index>& support, Ext
   Vector r(columns);
   for (int round = 0; round < referee::projections; ++round) {
     const ExtendedVector residual = weigh(scaled, u).residual;
-    for (std::size_t j = 0; j < column.size(); ++j)
-      if (column[j] >= 0) r[column[j]] = residual[j].hi;
+    for (Index j = 0; j < residual.size(); ++j)
+      if (const Index k = column[at(j)]; k >= 0) r[k] = residual[j].hi;
     const Vector step = factor.solve(r);
     for (Index k = 0; k < count; ++k) {
       const Index i = support[at(k)];
-      u[at(i)] -= step[k] / scaled.row_norm[i];
+      u[i] -= step[k] / scaled.row_norm[i];
     }
   }
   return true;
@@ -73,10 +73,7 @@ bool project(const ScaledProblem& scaled, const std::vector<Index>& support, Ext
 
 // In the problem's units |u_t| <= mu u_n: rows of a contact may differ by powers of two here.
 bool in_cone(const ScaledProblem& scaled, const ExtendedVector& u, const Problem& p, Index i) {
-  const auto part = [&](Index row) {
-    const auto k = at(row);
-    return u[k].scaled(scaled.row_exponent[at(i)] - scaled.row_exponent[k]);
-  };
+  const auto part = [&](Index row) { return u[row].scaled(scaled.row_exponent[i] - scaled.row_exponent[row]); };
   DoubleDouble squares;
   for (Index t = 1; t <= p.tangents(i); ++t) squares += part(i + t) * part(i + t);
   const double mu = p.tangents(i) > 0 ? p.mu[i] : 0;
@@ -84,23 +81,41 @@ bool in_cone(const ScaledProblem& scaled, const ExtendedVector& u, const Problem
          (squares == DoubleDouble(0) || sqrt(squares) * (1 + 2 * referee::unit_roundoff) <= part(i) * mu);
 }
 
+// The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
+Vector moved_into_cones(const Problem& problem, Vector u) {
+  for (Index i = 0; i < u.size(); ++i) {
+    if (problem.is_equality(i)) continue;
+    const Index tangents = problem.tangents(i);
+    const double mu = !referee::slip_lifts(problem.law) && tangents > 0 ? problem.mu[i] : 0;
+    const double most = mu * std::max(0.0, u[i]) * (1 - 8 * referee::unit_roundoff);
+    double tangential = 0;
+    for (Index t = 1; t <= tangents; ++t) tangential = std::hypot(tangential, u[i + t]);
+    for (Index t = 1; t <= tangents; ++t)
+      if (tangential > most) u[i + t] *= most > 0 ? most / tangential * (1 - 8 * referee::unit_roundoff) : 0;
+    i += tangents;
+  }
+  return u;
+}
+
 bool sign_holds(const ScaledProblem& scaled, const ExtendedVector& u, const Problem* cones) {
-  if (cones && cones->has_tangents()) {
+  if (cones) {
     for (Index i = 0; i < scaled.rows(); ++i)
       if (!cones->is_equality(i) && !cones->is_tangent(i) && !in_cone(scaled, u, *cones, i)) return false;
     return true;
   }
   for (Index i = 0; i < scaled.rows(); ++i)
-    if (!scaled.is_equality(i) && u[at(i)].hi < 0) return false;
+    if (!scaled.is_equality(i) && u[i].hi < 0) return false;
   return true;
 }
 
 }  // namespace
 
-Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, double motion_scale, const Problem* cones) {
+Farkas judge_certificate(const ScaledProblem& scaled, const Vector& certificate, double motion_scale,
+                         const Problem* cones) {
   Farkas out;
   const Index m = scaled.rows();
-  if (given.size() != m || !given.allFinite() || m == 0) return out;
+  if (certificate.size() != m || !certificate.allFinite() || m == 0) return out;
+  const Vector given = cones ? moved_into_cones(*cones, certificate) : certificate;
 
   // u in scaled row units, its largest unit-row weight near 1; a zero row counts with weight |u_i|.
   Vector weight(m);
@@ -109,14 +124,13 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
   for (Index i = 0; i < m; ++i) {
     int e = 0;
     (void)std::frexp(given[i], &e);
-    if (given[i] != 0) top = std::max(top, e + scaled.row_exponent[at(i)]);
+    if (given[i] != 0) top = std::max(top, e + scaled.row_exponent[i]);
   }
   if (top == std::numeric_limits<int>::min()) return out;
-  ExtendedVector u(at(m));
+  ExtendedVector u(m);
   for (Index i = 0; i < m; ++i) {
-    const auto k = at(i);
-    u[k] = std::ldexp(given[i], scaled.row_exponent[k] - top);
-    weight[i] = std::abs(u[k].hi) * unit(i);
+    u[i] = std::ldexp(given[i], scaled.row_exponent[i] - top);
+    weight[i] = std::abs(u[i].hi) * unit(i);
     if (given[i] != 0 && scaled.is_vacuous(i)) return out;
   }
 
@@ -135,8 +149,8 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& given, doubl
 
   if (sign_holds(scaled, u, cones)) out.distance = weigh(scaled, u).distance;
   out.proven = out.distance >= referee::farkas_margin * whole;
-  ExtendedVector moved(at(m));
-  for (const Index i : out.conflicting) moved[at(i)] = u[at(i)];
+  ExtendedVector moved = ExtendedVector::Zero(m);
+  for (const Index i : out.conflicting) moved[i] = u[i];
   if (out.distance != infinity && project(scaled, out.conflicting, moved) && sign_holds(scaled, moved, cones)) {
     const double distance = weigh(scaled, moved).distance;
     out.distance = std::max(std::isnan(out.distance) ? 0 : out.distance, distance);

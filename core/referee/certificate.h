@@ -18,8 +18,9 @@ struct Farkas {
 // Judges a certificate in double-double arithmetic: u as it was given, and u moved (by rounding, 1e-16 relative) onto
 // the null space of the rows it uses, because a vector of doubles cannot have |G'u| below 1e-16 |u|. The better of the
 // two counts: each is a valid u of its own. `motion_scale` is s. u: m multipliers in the problem's units.
-// `cones`: a problem with tangent rows, under the convex law; u then has to lie in the cones K of its contacts.
-Farkas judge_certificate(const ScaledProblem& scaled, const Vector& u, double motion_scale,
+// `cones`: a problem with tangent rows. Under the convex law u is moved into the cones K of its contacts, under
+// Coulomb's only its part on normal and equality rows counts.
+Farkas judge_certificate(const ScaledProblem& scaled, const Vector& certificate, double motion_scale,
                          const Problem* cones = nullptr);
 
 }  // namespace zwang

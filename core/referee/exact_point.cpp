@@ -156,7 +156,7 @@ class ExactSearch {
   // Of a contact or an equality row: the rows stored, and those of its cone.
   Index size(Index i) const { return 1 + (p_.has_tangents() && !p_.is_equality(i) ? p_.tangents(i) : 0); }
   Index tangents(Index i) const { return size(i) > 1 && p_.mu[i] > 0 ? size(i) - 1 : 0; }
-  bool counts(Index i) const { return p_.c[i] != -std::numeric_limits<double>::infinity(); }
+  bool counts(Index i) const { return p_.c[i] != -infinity; }
 
   static Rational dot(const Exact& a, const Exact& b) {
     Rational sum = 0;

@@ -32,9 +32,9 @@ void fill(const Problem& p, const std::vector<Index>& place, IslandPart& island)
   const auto local = [&](Index column) { return static_cast<int>(place[at(column)]); };
   const auto size = std::ssize(island.columns), rows = std::ssize(island.rows);
   Problem& out = island.problem;
-  out.z_u = island.columns_of(p.z_u);
-  out.c = island.rows_of(p.c);
-  if (p.has_tangents()) out.mu = island.rows_of(p.mu);
+  out.z_u = p.z_u(island.columns);
+  out.c = p.c(island.rows);
+  if (p.has_tangents()) out.mu = p.mu(island.rows);
   out.law = p.law;
   std::vector<Eigen::Triplet<double>> entries;
   for (const Index j : island.columns)

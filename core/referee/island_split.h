@@ -11,25 +11,6 @@ namespace zwang {
 struct IslandPart {
   Problem problem = {};
   std::vector<Index> columns = {}, rows = {};  // of the whole, ascending
-
-  // The part's entries of one number an unknown, or a row; in any scalar.
-  template <class Entries>
-  Entries columns_of(const Entries& x) const {
-    return pick(columns, x);
-  }
-  template <class Entries>
-  Entries rows_of(const Entries& x) const {
-    return pick(rows, x);
-  }
-
- private:
-  template <class Entries>
-  static Entries pick(const std::vector<Index>& places, const Entries& x) {
-    Entries out(places.size());
-    for (std::size_t k = 0; k < places.size(); ++k)
-      out[static_cast<decltype(out.size())>(k)] = x[static_cast<decltype(x.size())>(places[k])];
-    return out;
-  }
 };
 
 // A contact stays in one part, its rows of zeros too. All unknowns that no row meets are one part. Contacts and

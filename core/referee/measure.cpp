@@ -15,6 +15,8 @@
 namespace zwang {
 namespace {
 
+using referee::or_infinity;
+
 // The six residuals, each on unit rows and divided by s (s^2).
 void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const ExtendedVector* lambda, double s,
                     Metrics& out) {
@@ -34,7 +36,7 @@ void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const 
       out.worst_row = i;
     }
     if (!lambda || scaled.is_zero(i)) continue;
-    const DoubleDouble weight = (*lambda)[at(i)];
+    const DoubleDouble weight = (*lambda)[i];
     const double unit_lambda = weight.hi * norm / s;
     weighted_slack += weight * slack;
     grow(out.natural, std::abs(equality ? unit_slack : std::min(unit_lambda, unit_slack)));
@@ -50,18 +52,21 @@ void take_residuals(const ScaledProblem& scaled, const ExtendedVector& d, const 
 bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(); }
 
 // "No z meets the rows" is worth what its certificate is worth.
-Verdict judge_infeasible(const ScaledProblem& scaled, const Solution& solution, const Reference* reference,
-                         Metrics& out) {
+Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
+                         const Reference* reference, Metrics& out) {
   const double s = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
-  const Farkas farkas = judge_certificate(scaled, solution.certificate, s);
+  const bool slips = problem.has_tangents();
+  const Farkas farkas = judge_certificate(scaled, solution.certificate, s, slips ? &problem : nullptr);
   out.scale = scaled.to_problem_norm(s);
   out.farkas = farkas.distance / s;
   out.conflicting = farkas.conflicting;
   if (reference && reference->feasible) return Verdict::wrong;
   if (farkas.proven) return Verdict::infeasible_proven;
   if (reference) return Verdict::infeasible_claimed;
-  const DistanceBound own = bound_distance(scaled, ExtendedVector(at(scaled.size())), nullptr);
-  return own.rows == DistanceBound::Rows::feasible ? Verdict::wrong : Verdict::infeasible_claimed;
+  const ExtendedVector still = ExtendedVector::Zero(scaled.size());
+  const bool feasible = slips ? proven_feasible(problem, scaled, s)
+                              : bound_distance(scaled, still, nullptr).rows == DistanceBound::Rows::feasible;
+  return feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
 Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
@@ -71,7 +76,7 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
   const ExtendedVector d = scaled.motion(solution.z);
   ExtendedVector lambda;
   if (fits(solution.lambda, m)) lambda = scaled.multipliers(solution.lambda);
-  const ExtendedVector* given = lambda.empty() && m > 0 ? nullptr : &lambda;
+  const ExtendedVector* given = lambda.size() == 0 && m > 0 ? nullptr : &lambda;
 
   const double s = std::max({scaled.norm_of_free_motion(),
                              or_infinity(scaled.norm_of(known ? reference->z : solution.z)), scaled.least_scale()});
@@ -79,9 +84,7 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
   take_residuals(scaled, d, given, s, out);
   ErrorBounds proven;
   if (known) {
-    ExtendedVector error = scaled.motion(reference->z);
-    for (std::size_t i = 0; i < error.size(); ++i) error[i] = d[i] - error[i];
-    out.z_error = or_infinity(scaled.norm(error) / s);
+    out.z_error = or_infinity(scaled.norm(d - scaled.motion(reference->z)) / s);
     proven = error_bounds(problem, *reference, out.z_error);
     const Verdict verdict = by_error(proven.upper, proven.lower, tolerance);
     if (verdict == by_error(out.z_error, out.z_error, tolerance)) return verdict;  // its own bound changes nothing
@@ -155,16 +158,11 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   if (!bad_input(problem).empty()) return with(Verdict::wrong);
   const ScaledProblem scaled(problem);
   if (!scaled.definite) return with(Verdict::undecided);
-  if (problem.has_tangents()) {
-    if (solution.status != Status::infeasible && !has_z) return with(Verdict::wrong);
-    const Verdict verdict = judge_friction(problem, scaled, solution, reference, tolerance, out);
-    const bool close = verdict == Verdict::solved || verdict == Verdict::near || verdict == Verdict::consistent;
-    return with(stopped && !close ? Verdict::timeout : verdict);
-  }
-  if (solution.status == Status::infeasible) return with(judge_infeasible(scaled, solution, reference, out));
+  if (solution.status == Status::infeasible) return with(judge_infeasible(problem, scaled, solution, reference, out));
   if (!has_z) return with(Verdict::wrong);
-  const Verdict verdict = judge_z(problem, scaled, solution, reference, tolerance, out);
-  const bool close = verdict == Verdict::solved || verdict == Verdict::near;
+  const auto judge = problem.has_tangents() ? judge_friction : judge_z;
+  const Verdict verdict = judge(problem, scaled, solution, reference, tolerance, out);
+  const bool close = verdict == Verdict::solved || verdict == Verdict::near || verdict == Verdict::consistent;
   return with(stopped && !close ? Verdict::timeout : verdict);
 }
 

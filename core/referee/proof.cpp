@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/core/problem/row_writer.h>
 #include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/core/referee/referee_active_set.h>
@@ -80,18 +81,16 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   const std::size_t anchors = all.size();
   all.insert(all.end(), near.begin(), near.end());
   Problem p{.M = scaled.M, .z_u = Vector::Zero(scaled.size())};
-  p.J.resize(static_cast<Index>(all.size()), scaled.size());
-  p.c = Vector::Zero(static_cast<Index>(all.size()));
-  p.key.resize(all.size());
+  RowWriter asked;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    p.kind.push_back(k < anchors ? RowKind::equality : RowKind::inequality);
-    if (k >= anchors) p.c[static_cast<Index>(k)] = scaled.row_norm[all[k]];
-    for (RowMatrix::InnerIterator it(scaled.J, all[k]); it; ++it)
-      p.J.insert(static_cast<Index>(k), it.col()) = it.value();
+    const bool equality = k < anchors;
+    asked.add(equality ? RowKind::equality : RowKind::inequality, {}, equality ? 0 : scaled.row_norm[all[k]]);
+    asked.entries(scaled.J, all[k]);
   }
+  asked.write(p);
   const ScaledProblem direction_problem(p);
   RefereeActiveSet direction(direction_problem);
-  const RefereeActiveSet::Outcome outcome = direction.solve(ExtendedVector(at(scaled.size())), nullptr);
+  const RefereeActiveSet::Outcome outcome = direction.solve(ExtendedVector::Zero(scaled.size()), nullptr);
   if (outcome == RefereeActiveSet::Outcome::infeasible) {
     const double largest = direction.farkas.cwiseAbs().maxCoeff();
     for (std::size_t k = anchors; k < all.size(); ++k)
@@ -99,8 +98,7 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   }
   if (outcome != RefereeActiveSet::Outcome::optimal) return out;
   out.v.resize(scaled.size());
-  for (Index j = 0; j < scaled.size(); ++j)
-    out.v[j] = std::ldexp(direction.d[at(j)].hi, direction_problem.motion_exponent);
+  for (Index j = 0; j < scaled.size(); ++j) out.v[j] = std::ldexp(direction.d[j].hi, direction_problem.motion_exponent);
   out.found = true;
   return out;
 }
@@ -121,7 +119,7 @@ double radius_at(const ScaledProblem& scaled, const Anchored& anchored, const Ex
   double weighted_slack = 0;
   for (Index i = 0; i < scaled.rows(); ++i) {
     if (!scaled.counts(i)) continue;
-    DoubleDouble& weight = lambda[at(i)];
+    DoubleDouble& weight = lambda[i];
     if (!scaled.is_equality(i) && weight.hi < 0) weight = 0;  // weak duality wants it of anchored contacts as well
     if (anchored.is[at(i)]) continue;
     const double error = scaled.rounding(i, d) + off, slack = scaled.unit_slack(i, d);
@@ -204,8 +202,7 @@ class DistanceProof {
         for (const Index i : near)
           shift = std::max(shift, referee::inward * (std::max(-scaled_.unit_slack(i, own_.d), 0.0) +
                                                      scaled_.rounding(i, own_.d) + off));
-        for (std::size_t j = 0; j < inside.size(); ++j)
-          inside[j] += DoubleDouble::exact_product(shift, inward.v[static_cast<Index>(j)]);
+        for (Index j = 0; j < inside.size(); ++j) inside[j] += DoubleDouble::exact_product(shift, inward.v[j]);
         const double left = off_anchor(scaled_, anchored, inside);
         keep(inside, left + radius_at(scaled_, anchored, inside, own_.lambda, left), anchored.sigma_min);
         return;

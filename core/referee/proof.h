@@ -11,7 +11,7 @@ struct Proof {
   using Rows = DistanceBound::Rows;
   Rows rows = Rows::open;
   ExtendedVector d = {};                                        // its centre, d = z - z_u
-  double radius = std::numeric_limits<double>::infinity();      // |d - d*|_M <= radius
+  double radius = infinity;                                     // |d - d*|_M <= radius
   double farther_than = 0;                                      // when infeasible: what any feasible |d| would exceed
   double sigma_min = std::numeric_limits<double>::quiet_NaN();  // lower bound for the rows that hold
 };

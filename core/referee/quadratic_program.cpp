@@ -86,16 +86,13 @@ AsLeastConstraint as_least_constraint(const QuadraticProgram& p) {
   z_u.setZero(n);
   ExtendedVector r;
   const auto residual = [&] {
-    r.assign(p.q.data(), p.q.data() + n);
+    r = p.q.cast<DoubleDouble>();
     for (Index j = 0; j < n; ++j)
-      for (decltype(p.P)::InnerIterator e(p.P, j); e; ++e)
-        r[static_cast<std::size_t>(e.row())] += DoubleDouble::exact_product(e.value(), z_u[j]);
+      for (decltype(p.P)::InnerIterator e(p.P, j); e; ++e) r[e.row()] += DoubleDouble::exact_product(e.value(), z_u[j]);
   };
   for (int correction = 0; correction < 4; ++correction) {
     residual();
-    Vector right(n);
-    for (Index i = 0; i < n; ++i) right[i] = r[static_cast<std::size_t>(i)].hi;
-    z_u -= factor.solve(right);
+    z_u -= factor.solve(Vector(r.cast<double>()));
   }
   if (!z_u.allFinite()) throw NotDefinite();
   residual();

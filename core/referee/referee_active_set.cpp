@@ -40,7 +40,7 @@ void RefereeActiveSet::guess(const ExtendedVector& guess_d, const ExtendedVector
   for (Index i = 0; i < scaled_.rows(); ++i) {
     if (!scaled_.counts(i)) continue;
     const double norm = scaled_.row_norm[i];
-    const double weight = guess_lambda ? (*guess_lambda)[at(i)].hi * norm : 0;
+    const double weight = guess_lambda ? (*guess_lambda)[i].hi * norm : 0;
     const double slack = scaled_.unit_slack(i, guess_d);
     if (scaled_.is_equality(i))
       take(i, weight);
@@ -97,10 +97,9 @@ void RefereeActiveSet::drop(Index place) {
 // False when the residuals do not fall by 1e6: the basis is too ill-conditioned even for FactorReal.
 bool RefereeActiveSet::refine() {
   using std::isfinite;
-  const auto n = at(scaled_.size());
   const Index r = rows.rank();
-  d.assign(n, {});
-  lambda.assign(at(scaled_.rows()), {});
+  d.setZero(scaled_.size());
+  lambda.setZero(scaled_.rows());
   Real before = infinity;
   Real scale = std::numeric_limits<double>::min();
   Column e(r);
@@ -120,16 +119,15 @@ bool RefereeActiveSet::refine() {
     before = std::min(before, error);
     if (error <= referee::refined * scale || stalled) break;
     const Column dy = rows.Q() * w - rho;
-    const Column dz = scaled_.unwhiten(dy);
-    for (std::size_t j = 0; j < n; ++j) d[j] += double_double(dz[static_cast<Index>(j)]);
+    d += scaled_.unwhiten(dy).cast<DoubleDouble>();
     for (Index k = 0; k < r; ++k) {
       const Index i = basis[at(k)];
-      lambda[at(i)] += double_double(step[k] / scaled_.row_norm[i]);
+      lambda[i] += DoubleDouble(step[k] / scaled_.row_norm[i]);
     }
   }
   for (Index k = 0; k < r; ++k) {
     const Index i = basis[at(k)];
-    mu_[at(k)] = static_cast<Real>(lambda[at(i)]) * scaled_.row_norm[i];
+    mu_[at(k)] = static_cast<Real>(lambda[i]) * scaled_.row_norm[i];
   }
   return before <= referee::unrefined * scale;
 }
@@ -207,7 +205,7 @@ void RefereeActiveSet::store_farkas(Index row, Real sign, const Column& alpha) {
   farkas = Vector::Zero(scaled_.rows());
   const auto set = [&](Index i, Real u) {
     if (!scaled_.is_equality(i) && u < 0) u = 0;
-    farkas[i] = std::ldexp(static_cast<double>(u / scaled_.row_norm[i]), -scaled_.row_exponent[at(i)]);
+    farkas[i] = std::ldexp(static_cast<double>(u / scaled_.row_norm[i]), -scaled_.row_exponent[i]);
   };
   set(row, sign);
   const bool only_equality = scaled_.is_equality(row);

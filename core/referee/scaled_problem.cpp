@@ -9,6 +9,12 @@
 namespace zwang {
 namespace referee {
 
+ExtendedVector scaled(const ExtendedVector& x, const Eigen::ArrayXi& exponents) {
+  ExtendedVector out(x.size());
+  for (Index i = 0; i < x.size(); ++i) out[i] = x[i].scaled(exponents[i]);
+  return out;
+}
+
 int exponent_of(double x) {
   int e = 0;
   (void)std::frexp(x, &e);
@@ -17,29 +23,28 @@ int exponent_of(double x) {
 
 ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
                               const ExtendedVector& lambda) {
-  ExtendedVector r(d.size());
+  ExtendedVector r = ExtendedVector::Zero(d.size());
   for (Index j = 0; j < M.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator it(M, j); it; ++it) r[at(it.row())] += DoubleDouble(it.value()) * d[at(j)];
-  for (std::size_t i = 0; i < lambda.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) r[it.row()] += DoubleDouble(it.value()) * d[j];
+  for (Index i = 0; i < lambda.size(); ++i) {
     if (lambda[i] == DoubleDouble(0)) continue;
-    for (RowMatrix::InnerIterator it(J, static_cast<Index>(i)); it; ++it)
-      r[at(it.col())] -= DoubleDouble(it.value()) * lambda[i];
+    for (RowMatrix::InnerIterator it(J, i); it; ++it) r[it.col()] -= DoubleDouble(it.value()) * lambda[i];
   }
   return r;
 }
 
 Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
                       const ExtendedVector& lambda) {
-  Vector sum = Vector::Zero(std::ssize(d));
-  std::vector<Index> terms(d.size(), 0);
+  Vector sum = Vector::Zero(d.size());
+  std::vector<Index> terms(at(d.size()), 0);
   const auto add = [&](Index k, double x) {
     sum[k] += std::abs(x);
     ++terms[at(k)];
   };
   for (Index j = 0; j < M.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[at(j)].hi);
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[j].hi);
   for (Index i = 0; i < J.rows(); ++i)
-    if (const double weight = lambda[at(i)].hi; weight != 0)
+    if (const double weight = lambda[i].hi; weight != 0)
       for (RowMatrix::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
   for (Index j = 0; j < sum.size(); ++j) sum[j] *= rounding_of(terms[at(j)]);
   return sum;
@@ -74,7 +79,7 @@ ScaledProblem::ScaledProblem(const Problem& p)
   M.makeCompressed();
   J.makeCompressed();
   equality.resize(at(m));
-  row_exponent.assign(at(m), 0);
+  row_exponent.setZero(m);
 
   // No nonzero mass may vanish: a denormal one stays where it is.
   constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits + 1;
@@ -99,13 +104,13 @@ ScaledProblem::ScaledProblem(const Problem& p)
     equality[at(i)] = p.is_equality(i);
     double entry = 0;
     for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
-    const int e = row_exponent[at(i)] = exponent_of(entry);
+    const int e = row_exponent[i] = exponent_of(entry);
     for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
     if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) || p.is_tangent(i) ? std::abs(c[i]) : c[i], -e);
   }
   motion_exponent = top.value_or(0);
   for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
-  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[at(i)] - motion_exponent);
+  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[i] - motion_exponent);
 
   if (n > 0) {
     factor.compute(M.cast<FactorReal>());
@@ -160,22 +165,19 @@ Problem ScaledProblem::problem() const {
 }
 
 ExtendedVector ScaledProblem::motion(const Vector& z) const {
-  ExtendedVector d(at(size()));
-  for (Index i = 0; i < size(); ++i) d[at(i)] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
+  ExtendedVector d(size());
+  for (Index i = 0; i < size(); ++i) d[i] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
   return d;
 }
 
 Vector ScaledProblem::rounded_motion(const ExtendedVector& d) const {
   Vector z(size());
-  for (Index j = 0; j < z.size(); ++j) z[j] = std::ldexp((d[at(j)] + DoubleDouble(z_u[j])).hi, motion_exponent);
+  for (Index j = 0; j < z.size(); ++j) z[j] = std::ldexp((d[j] + DoubleDouble(z_u[j])).hi, motion_exponent);
   return z;
 }
 
 Vector ScaledProblem::rounded_multipliers(const ExtendedVector& lambda) const {
-  Vector out(rows());
-  for (Index i = 0; i < out.size(); ++i)
-    out[i] = std::ldexp(lambda[at(i)].hi, motion_exponent + mass_exponent - row_exponent[at(i)]);
-  return out;
+  return referee::scaled(lambda, motion_exponent + mass_exponent - row_exponent).cast<double>();
 }
 
 ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
@@ -184,14 +186,13 @@ ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
 }
 
 ExtendedVector ScaledProblem::multipliers(ExtendedVector lambda) const {
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    lambda[i] = is_vacuous(static_cast<Index>(i)) ? DoubleDouble()
-                                                  : lambda[i].scaled(row_exponent[i] - motion_exponent - mass_exponent);
+  for (Index i = 0; i < lambda.size(); ++i)
+    lambda[i] = is_vacuous(i) ? DoubleDouble() : lambda[i].scaled(row_exponent[i] - motion_exponent - mass_exponent);
   return lambda;
 }
 
 ExtendedVector ScaledProblem::multipliers(const Vector& lambda) const {
-  return multipliers(ExtendedVector(lambda.data(), lambda.data() + lambda.size()));
+  return multipliers(ExtendedVector(lambda.cast<DoubleDouble>()));
 }
 
 double ScaledProblem::to_problem_norm(double norm) const { return std::ldexp(norm, norm_exponent()); }
@@ -201,32 +202,24 @@ double ScaledProblem::least_scale() const {
   return std::max(scale, std::numeric_limits<double>::denorm_min());
 }
 
-double ScaledProblem::row_scale(Index i) const { return std::ldexp(1.0, row_exponent[at(i)] + motion_exponent); }
+double ScaledProblem::row_scale(Index i) const { return std::ldexp(1.0, row_exponent[i] + motion_exponent); }
 
 double ScaledProblem::norm(const ExtendedVector& d) const {
   using std::sqrt;
-  const ExtendedVector force = force_residual(d, {});
-  FactorReal sum = 0;
-  for (std::size_t i = 0; i < d.size(); ++i) sum += static_cast<FactorReal>(force[i] * d[i]);
-  return static_cast<double>(sqrt(std::max(sum, FactorReal(0))));
+  const FactorReal square = force_residual(d, {}).cwiseProduct(d).cast<FactorReal>().sum();
+  return static_cast<double>(sqrt(std::max(square, FactorReal(0))));
 }
 
-double ScaledProblem::norm_of(const Vector& z) const {
-  ExtendedVector d(at(size()));
-  for (Index i = 0; i < size(); ++i) d[at(i)] = std::ldexp(z[i], -motion_exponent);
-  return norm(d);
-}
+double ScaledProblem::norm_of(const Vector& z) const { return norm(motion_of(z.cast<DoubleDouble>())); }
 
-double ScaledProblem::norm_of_free_motion() const { return norm(ExtendedVector(z_u.data(), z_u.data() + z_u.size())); }
+double ScaledProblem::norm_of_free_motion() const { return norm(z_u.cast<DoubleDouble>()); }
 
-double ScaledProblem::norm_with_free_motion(ExtendedVector d) const {
-  for (std::size_t i = 0; i < d.size(); ++i) d[i] += z_u[static_cast<Index>(i)];
-  return norm(d);
+double ScaledProblem::norm_with_free_motion(const ExtendedVector& d) const {
+  return norm(d + z_u.cast<DoubleDouble>());
 }
 
 VectorX<FactorReal> ScaledProblem::whiten(const ExtendedVector& r) const {
-  VectorX<FactorReal> x(size());
-  for (Index i = 0; i < size(); ++i) x[i] = static_cast<FactorReal>(r[at(i)]);
+  VectorX<FactorReal> x = r.cast<FactorReal>();
   if (size() == 0) return x;
   x = factor.permutationP() * x;
   return factor.matrixL().solve(x);
@@ -242,7 +235,7 @@ double ScaledProblem::dual_norm(const ExtendedVector& r) const { return static_c
 
 DoubleDouble ScaledProblem::slack(Index i, const ExtendedVector& d) const {
   DoubleDouble sum = -violation(i);
-  for (decltype(J)::InnerIterator it(J, i); it; ++it) sum += DoubleDouble(it.value()) * d[at(it.col())];
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) sum += DoubleDouble(it.value()) * d[it.col()];
   return sum;
 }
 
@@ -259,7 +252,7 @@ bool ScaledProblem::slack_vanishes(Index i, const ExtendedVector& d) const {
   };
   add(-c[i]);
   for (decltype(J)::InnerIterator it(J, i); it; ++it) {
-    const DoubleDouble& move = d[at(it.col())];
+    const DoubleDouble& move = d[it.col()];
     for (const double x : {z_u[it.col()], move.hi, move.lo}) {
       const DoubleDouble product = DoubleDouble::exact_product(it.value(), x);
       add(product.hi);
@@ -287,7 +280,7 @@ double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
   double sum = std::abs(c[i]);
   Index terms = 1;
   for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms)
-    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[at(it.col())].hi));
+    sum += std::abs(it.value()) * (std::abs(z_u[it.col()]) + std::abs(d[it.col()].hi));
   return referee::rounding_of(terms) * sum / row_norm[i] + std::numeric_limits<double>::min();
 }
 
@@ -298,8 +291,7 @@ ExtendedVector ScaledProblem::force_residual(const ExtendedVector& d, const Exte
 // The dual norm of the entrywise bound; it bounds that of any residual below it when M is diagonal, and stands for it
 // within the condition of M's blocks otherwise. 2^-98 leaves 16 bits for that.
 double ScaledProblem::force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const {
-  const Vector sum = referee::force_rounding(M, J, d, lambda);
-  return dual_norm(ExtendedVector(sum.begin(), sum.end()));
+  return dual_norm(referee::force_rounding(M, J, d, lambda).cast<DoubleDouble>());
 }
 
 }  // namespace zwang

@@ -4,12 +4,15 @@
 
 #include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/problem.h>
-#include <zwang/core/referee/exact_rank.h>
 
 namespace zwang {
 
+using ExtendedVector = VectorX<DoubleDouble>;
+
 namespace referee {
 
+// Entry i times 2^exponents[i].
+ExtendedVector scaled(const ExtendedVector& x, const Eigen::ArrayXi& exponents);
 int exponent_of(double x);  // the e of x = f 2^e with 1/2 <= f < 1; 0 for 0
 // M d - J' lambda; no lambda: M d. And what bounds its rounding, entrywise.
 ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
@@ -59,7 +62,7 @@ class ScaledProblem {
   double norm(const ExtendedVector& d) const;                   // sqrt(d' M d)
   double norm_of(const Vector& z) const;                        // the same of z itself, z in the problem's units
   double norm_of_free_motion() const;                           // |z_u|_M
-  double norm_with_free_motion(ExtendedVector d) const;         // |z_u + d|_M
+  double norm_with_free_motion(const ExtendedVector& d) const;  // |z_u + d|_M
   double dual_norm(const ExtendedVector& r) const;              // sqrt(r' M^-1 r)
   DoubleDouble slack(Index i, const ExtendedVector& d) const;   // J_i (z_u + d) - c_i, not divided by |G_i|
   bool slack_vanishes(Index i, const ExtendedVector& d) const;  // exactly
@@ -80,7 +83,7 @@ class ScaledProblem {
   Vector z_u, c, row_norm, stored_c;
   std::vector<char> equality;
   Factor factor;
-  std::vector<int> row_exponent;
+  Eigen::ArrayXi row_exponent;
   int mass_exponent = 0, motion_exponent = 0;
 
  private:

@@ -34,7 +34,7 @@ class SparseProof {
     lambda_ = lambda;
     const double near = referee::touched * std::max(scaled_.norm_of_free_motion(), scaled_.norm(d));
     for (Index i = 0; i < scaled_.rows(); ++i) {
-      DoubleDouble& own = lambda_[at(i)];
+      DoubleDouble& own = lambda_[i];
       const double slack = scaled_.counts(i) ? scaled_.unit_slack(i, d_) : 0;
       const bool pushes = scaled_.counts(i) && own.hi > 0 && own.hi * scaled_.row_norm[i] > slack;
       if (pushes) pushing_.push_back(i);
@@ -62,11 +62,10 @@ class SparseProof {
   bool solve_pushing() {
     Factor factor;
     if (!factorize(pushing_, factor)) return false;
-    double before = std::numeric_limits<double>::infinity();
+    double before = infinity;
     for (int round = 0; round < referee::refinements; ++round) {
       const ExtendedVector force = scaled_.force_residual(d_, lambda_);
-      Vector right(scaled_.size()), slack(static_cast<Index>(pushing_.size()));
-      for (Index j = 0; j < scaled_.size(); ++j) right[j] = -force[at(j)].hi;
+      Vector right = -force.cast<double>(), slack(std::ssize(pushing_));
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         slack[static_cast<Index>(k)] = scaled_.unit_slack(i, d_);
@@ -77,11 +76,11 @@ class SparseProof {
       if (error > before / 2) return true;
       before = error;
       const Vector step = factor.solve(right);
-      for (Index j = 0; j < scaled_.size(); ++j) d_[at(j)] += step[j];
+      d_ += step.cast<DoubleDouble>();
       for (std::size_t k = 0; k < pushing_.size(); ++k) {
         const Index i = pushing_[k];
         const double push = -penalty * (slack[static_cast<Index>(k)] + unit_product(i, step));
-        lambda_[at(i)] += push / scaled_.row_norm[i];
+        lambda_[i] += push / scaled_.row_norm[i];
       }
     }
     return true;
@@ -106,23 +105,22 @@ class SparseProof {
   Proof bound() {
     // mu >= 0; its change is seen in e.
     for (const Index i : pushing_)
-      if (DoubleDouble& own = lambda_[at(i)]; own.hi < 0) own = 0;
+      if (DoubleDouble& own = lambda_[i]; own.hi < 0) own = 0;
     const double e = scaled_.dual_norm(scaled_.force_residual(d_, lambda_)) + scaled_.force_rounding(d_, lambda_);
 
     // How far y_f may go, mu'max(s, 0), and the worst v.
-    double t = std::numeric_limits<double>::infinity(), held = 0, worst = 0;
+    double t = infinity, held = 0, worst = 0;
     for (Index i = 0; i < scaled_.rows(); ++i) {
       if (!scaled_.counts(i)) continue;
       const double rounding = scaled_.rounding(i, d_), slack = scaled_.unit_slack(i, d_),
                    own = unit_product(i, opening_);
-      held += lambda_[at(i)].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
+      held += lambda_[i].hi * scaled_.row_norm[i] * (std::max(slack, 0.0) + rounding);
       if (slack - rounding <= 0 && own <= opened_ / 2) return {};
       worst = std::max(worst, rounding - slack);
       if (own <= opened_ / 2) t = std::min(t, (slack - rounding) / (opened_ - 2 * own));
     }
     // delta_i >= t opened_ / 2 - v_i >= t opened_ / 4 where v_i > 0, so  sum mu*_i v_i <= share y*.(y_f - y*).
-    const ExtendedVector p(opening_.data(), opening_.data() + opening_.size());
-    const double length = scaled_.norm(p), size = scaled_.norm(d_);
+    const double length = scaled_.norm(opening_.cast<DoubleDouble>()), size = scaled_.norm(d_);
     double share = 0, moved = 0;
     if (worst > 0) {
       t = std::min(t, std::max(size, scaled_.norm_of_free_motion()) / length);

@@ -71,6 +71,8 @@ inline constexpr double measured = 1e-15;
 inline constexpr double widened = 1e-9;
 constexpr double up(double bound) { return bound * (1 + widened); }
 constexpr double down(double bound) { return bound * (1 - widened); }
+// What overflowed to NaN is as bad as can be.
+inline double or_infinity(double bound) { return std::isnan(bound) ? infinity : bound; }
 // The same for what a factor of M in FactorReal has a part in: proven_definite() leaves it right to 1 %.
 inline constexpr double widened_sum = 1.01;
 
@@ -134,10 +136,10 @@ inline constexpr Index projected_entries = 4000000;  // of the matrix that judgi
 // Half a minute. A wall of 2000 bricks takes 0.2 % of it; where every row couples unknowns at random, the factor of
 // 20000 of them would take hours.
 inline constexpr double sparse_products = 2e10;
-inline constexpr double exact_products = 3e7;     // modular ones, of the exact question about dropped rows
-inline constexpr Index extended_rows = 400;       // of the interior point of jointed problems in double-double
-inline constexpr Index slopes_limit = 400;        // unknowns and forces together of the proof by slopes
-inline constexpr Index searched_rows = 120;       // the same in a search for solutions, from many starts
+inline constexpr double exact_products = 3e7;  // modular ones, of the exact question about dropped rows
+inline constexpr Index extended_rows = 400;    // of the interior point of jointed problems in double-double
+inline constexpr Index slopes_limit = 400;     // unknowns and forces together of the proof by slopes
+inline constexpr Index searched_rows = 120;    // the same in a search for solutions, from many starts
 // rows^3 of all factorizations of a search, and of one chase of modes: no start and no change of modes after them.
 inline constexpr double searched_products = 2e10;
 inline constexpr Index polished_rows = 600, self_rows = 1200;  // for Newton on the modes; for self_bound with joints

@@ -47,8 +47,8 @@ class Search {
       if (found.empty() || take(found.back(), "interior point")) continue;
       if (p_.rows() > referee::searched_rows || !more(search)) continue;
       // In double-double where it is convex: by the slips that were found.
-      ExtendedVector sigma;
-      for (const ContactRows& contact : p_.contacts) sigma.push_back(p_.slip(contact, found.back().x));
+      ExtendedVector sigma(std::ssize(p_.contacts));
+      for (Index c = 0; c < sigma.size(); ++c) sigma[c] = p_.slip(p_.contacts[at(c)], found.back().x);
       const auto finer = interior_point<DoubleDouble>(p_, equalities_, &sigma,
                                                       {.start = start, .target = referee::interior_target_extended});
       if (!finer.empty()) take(finer.back(), "interior point, double-double");
@@ -57,7 +57,7 @@ class Search {
 
   void near_motions(const SolutionSearch& search) {
     for (const Vector& z : search.near) {
-      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector(at(p_.rows())), {}};
+      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector::Zero(p_.rows()), {}};
       for (const ContactRows& contact : p_.contacts) {
         const double g = contact.unit > 0 ? contact.unit : 1, touching = referee::alike * p_.scale * g;
         point.modes.push_back(contact.unit == 0 || p_.slack(contact.row, point.x).hi > touching ? ContactMode::open
@@ -75,7 +75,7 @@ class Search {
     std::vector<ContactMode> modes(count, ContactMode::open);
     for (std::size_t k = 0; k < count;) {
       if (!more(search)) return;
-      keep(prove({ExtendedVector(at(p_.size())), ExtendedVector(at(p_.rows())), modes}), "choice of modes");
+      keep(prove({ExtendedVector::Zero(p_.size()), ExtendedVector::Zero(p_.rows()), modes}), "choice of modes");
       for (k = 0; k < count; ++k) {
         const bool last = modes[k] == ContactMode::stick || p_.contacts[k].unit == 0;
         modes[k] = last                                                         ? ContactMode::open
@@ -93,9 +93,9 @@ class Search {
     const auto draw = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
     Solution end;
     for (int k = 0; k <= search.random_starts && more(search); ++k) {
-      ExtendedVector push(at(p_.rows()));
+      ExtendedVector push = ExtendedVector::Zero(p_.rows());
       for (const ContactRows& contact : p_.contacts)
-        if (k > 0 && contact.unit > 0) push[at(contact.row)] = 4 * draw() / contact.unit;
+        if (k > 0 && contact.unit > 0) push[contact.row] = 4 * draw() / contact.unit;
       const WarmStart start{problem_.key, scaled_.rounded_multipliers(p_.to_multipliers(push))};
       method.solve(problem_,
                    {.tolerance = referee::settled, .time_limit = search.deadline.left(), .warm_start = &start}, end);
@@ -163,10 +163,7 @@ class Search {
     return true;
   }
 
-  double distance(const ExtendedVector& a, ExtendedVector b) const {
-    for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
-    return p_.norm(b);
-  }
+  double distance(const ExtendedVector& a, const ExtendedVector& b) const { return p_.norm(a - b); }
 
   const Problem& problem_;
   const ScaledProblem& scaled_;
@@ -212,17 +209,15 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   const ScaledProblem scaled(problem);
   if (!scaled.definite) return give_up("M is not positive definite");
   const ContactProblem p(problem, scaled, first_scale(problem, scaled));
-  const ExtendedVector sigma(p.contacts.size());
-  const ConvexBound found =
-      bound_convex(p, scaled, sigma, Vector::Zero(static_cast<Index>(p.contacts.size())), nullptr);
+  const Index count = std::ssize(p.contacts);
+  const ConvexBound found = bound_convex(p, scaled, ExtendedVector::Zero(count), Vector::Zero(count), nullptr);
   if (found.rows == ConvexBound::Rows::infeasible) return give_up("rows contradict each other");
   if (!(found.upper < std::numeric_limits<double>::infinity())) return give_up("duality bounds no answer");
   const ExtendedVector d = p.to_motion(found.x);
   Reference out{.z = scaled.rounded_motion(d),
                 .lambda = scaled.rounded_multipliers(p.to_multipliers(found.lambda)),
                 .method = "interior point, conic duality"};
-  ExtendedVector off = p.motion(scaled.motion(out.z));
-  for (std::size_t j = 0; j < off.size(); ++j) off[j] -= found.x[j];
+  const ExtendedVector off = p.motion(scaled.motion(out.z)) - found.x;
   const double s = std::max(
       {p.free_motion, p.from_norm(scaled.norm_with_free_motion(d)) - found.upper, p.from_norm(scaled.least_scale())});
   out.bound = up((p.norm(off) + found.upper) / s);

@@ -23,19 +23,19 @@ Instance named(const char* family, RowByRow& rows) {
 Instance planted(const char* family, RowByRow& rows, const Vector& z, const Vector& lambda, const Vector& slack) {
   Instance out = named(family, rows);
   Problem& p = out.problem;
-  ExtendedVector c(at(slack.size())), pushed(at(z.size()));
+  VectorX<DoubleDouble> c(slack.size()), pushed = VectorX<DoubleDouble>::Zero(z.size());
   for (Index i = 0; i < p.rows(); ++i) {
-    c[at(i)] = -slack[i];
+    c[i] = -slack[i];
     for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
-      c[at(i)] += DoubleDouble::exact_product(it.value(), z[it.col()]);
-      pushed[at(it.col())] += DoubleDouble::exact_product(it.value(), lambda[i]);
+      c[i] += DoubleDouble::exact_product(it.value(), z[it.col()]);
+      pushed[it.col()] += DoubleDouble::exact_product(it.value(), lambda[i]);
     }
-    p.c[i] = c[at(i)].hi;
+    p.c[i] = c[i].hi;
   }
   bool exact = true;
   for (const DoubleDouble& value : c) exact &= value.lo == 0;
   for (Index j = 0; j < z.size(); ++j) {
-    const DoubleDouble free = DoubleDouble(z[j]) - pushed[at(j)] / p.M.coeff(j, j);
+    const DoubleDouble free = DoubleDouble(z[j]) - pushed[j] / p.M.coeff(j, j);
     p.z_u[j] = free.hi;
     exact &= free.lo == 0;
   }

@@ -7,23 +7,22 @@
 
 namespace zwang {
 
-using referee::exponent_of;
+using referee::exponent_of, referee::scaled;
 
 ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scaled, double motion_scale)
     : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
   const Index n = scaled.size(), m = scaled.rows();
   shift = exponent_of(motion_scale);
-  column_shift_.resize(at(n));
-  row_shift_.resize(at(m));
+  column_shift_.resize(n);
+  row_shift_.resize(m);
   const Vector mass = M.diagonal();
-  for (Index j = 0; j < n; ++j) column_shift_[at(j)] = exponent_of(mass[j]) / 2;
+  for (Index j = 0; j < n; ++j) column_shift_[j] = exponent_of(mass[j]) / 2;
 
   // Blocks: in the problem's units all rows of a contact share one power of two.
   for (Index i = 0; i < m; ++i) {
-    const auto k = at(i);
-    const int own = scaled.row_exponent[k];
+    const int own = scaled.row_exponent[i];
     if (problem.is_equality(i)) {
-      row_shift_[k] = exponent_of(row_norm[i]);
+      row_shift_[i] = exponent_of(row_norm[i]);
       if (!scaled.is_zero(i))
         equalities.push_back(i);
       else if (!scaled.zero_row_holds(i))
@@ -35,12 +34,12 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     int block = row_norm[i] > 0 ? exponent_of(row_norm[i]) + own : std::numeric_limits<int>::min();
     if (row_norm[i] == 0)
       for (Index t = 1; t < contact.rows(); ++t)
-        if (row_norm[i + t] > 0) block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[k + at(t)]);
+        if (row_norm[i + t] > 0) block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[i + t]);
     if (block == std::numeric_limits<int>::min()) {
       contact.unit = 0;
       block = own;
     }
-    for (Index t = 0; t <= tangents; ++t) row_shift_[k + at(t)] = block - scaled.row_exponent[k + at(t)];
+    for (Index t = 0; t <= tangents; ++t) row_shift_[i + t] = block - scaled.row_exponent[i + t];
     if (!scaled.is_vacuous(i)) contacts.push_back(contact);
     i += tangents;
   }
@@ -52,24 +51,23 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
   };
   for (Index j = 0; j < n; ++j)
     for (decltype(M)::InnerIterator it(M, j); it; ++it)
-      move(it.valueRef(), -column_shift_[at(j)] - column_shift_[at(it.row())]);
-  h.resize(at(m));
+      move(it.valueRef(), -column_shift_[j] - column_shift_[it.row()]);
+  h.setZero(m);
   z_u = scaled.z_u;
-  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[at(j)] - shift);
+  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[j] - shift);
   c = scaled.c;
   for (Index i = 0; i < m; ++i) {
-    const auto k = at(i);
-    const int e = row_shift_[k];
+    const int e = row_shift_[i];
     double sum = std::abs(scaled.c[i]);
     Index terms = 1;
     for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms) {
       sum += std::abs(it.value() * scaled.z_u[it.col()]);
-      move(it.valueRef(), -e - column_shift_[at(it.col())]);
+      move(it.valueRef(), -e - column_shift_[it.col()]);
     }
     row_norm[i] = std::ldexp(row_norm[i], -e);
     if (scaled.is_vacuous(i) || !std::isfinite(scaled.c[i])) continue;  // the latter of zeros
     c[i] = std::ldexp(c[i], -e - shift);
-    h[k] = scaled.violation(i).scaled(-e - shift);
+    h[i] = scaled.violation(i).scaled(-e - shift);
     h_error[i] = std::ldexp(referee::rounding_of(terms) * sum, -e - shift) + referee::underflow;
     if (!std::isfinite(h_error[i])) exact = false;
   }
@@ -83,57 +81,39 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
   scale = from_norm(motion_scale);
 }
 
-ExtendedVector ContactProblem::motion(const ExtendedVector& d) const {
-  ExtendedVector x(d.size());
-  for (std::size_t j = 0; j < d.size(); ++j) x[j] = d[j].scaled(column_shift_[j] - shift);
-  return x;
-}
+ExtendedVector ContactProblem::motion(const ExtendedVector& d) const { return scaled(d, column_shift_ - shift); }
 
-ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const {
-  ExtendedVector d(x.size());
-  for (std::size_t j = 0; j < x.size(); ++j) d[j] = x[j].scaled(shift - column_shift_[j]);
-  return d;
-}
+ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const { return scaled(x, shift - column_shift_); }
 
 ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
-  ExtendedVector l(lambda.size());
-  const auto take = [&](Index first, Index count) {
-    for (auto i = at(first); i < at(first + count); ++i) l[i] = lambda[i].scaled(row_shift_[i] - shift);
-  };
-  for (const Index i : equalities) take(i, 1);
-  for (const ContactRows& contact : contacts) take(contact.row, 1 + contact.tangents);
+  const ExtendedVector own = scaled(lambda, row_shift_ - shift);
+  ExtendedVector l = ExtendedVector::Zero(lambda.size());
+  for (const Index i : equalities) l[i] = own[i];
+  for (const ContactRows& contact : contacts)
+    l.segment(contact.row, 1 + contact.tangents) = own.segment(contact.row, 1 + contact.tangents);
   return l;
 }
 
 ExtendedVector ContactProblem::to_multipliers(const ExtendedVector& lambda) const {
-  ExtendedVector l(lambda.size());
-  for (std::size_t i = 0; i < l.size(); ++i) l[i] = lambda[i].scaled(shift - row_shift_[i]);
-  return l;
+  return scaled(lambda, shift - row_shift_);
 }
 
-int ContactProblem::block_exponent(Index row) const {
-  const auto k = at(row);
-  return row_shift_[k] + scaled_->row_exponent[k];
-}
+int ContactProblem::block_exponent(Index row) const { return row_shift_[row] + scaled_->row_exponent[row]; }
 
 DoubleDouble ContactProblem::slack(Index row, const ExtendedVector& x) const {
-  DoubleDouble sum = -h[at(row)];
-  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += DoubleDouble(it.value()) * x[at(it.col())];
+  DoubleDouble sum = -h[row];
+  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += DoubleDouble(it.value()) * x[it.col()];
   return sum;
 }
 
 double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
-  double sum = std::abs(h[at(row)].hi);
+  double sum = std::abs(h[row].hi);
   Index terms = 1;
-  for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms) sum += std::abs(it.value() * x[at(it.col())].hi);
+  for (decltype(J)::InnerIterator it(J, row); it; ++it, ++terms) sum += std::abs(it.value() * x[it.col()].hi);
   return h_error[row] + referee::rounding_of(terms) * sum;
 }
 
-double ContactProblem::reach(Index row, const Vector& radius) const {
-  double sum = 0;
-  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += std::abs(it.value()) * radius[it.col()];
-  return sum;
-}
+double ContactProblem::reach(Index row, const Vector& radius) const { return J.row(row).cwiseAbs().dot(radius); }
 
 DoubleDouble ContactProblem::slip(const ContactRows& contact, const ExtendedVector& x) const {
   if (contact.rows() == 1) return {};
@@ -157,10 +137,7 @@ Vector ContactProblem::force_error(const ExtendedVector& x, const ExtendedVector
 }
 
 double ContactProblem::norm(const ExtendedVector& x) const {
-  const ExtendedVector force = force_residual(x, {});
-  DoubleDouble sum;
-  for (std::size_t j = 0; j < x.size(); ++j) sum += force[j] * x[j];
-  return std::sqrt(std::max(0.0, sum.hi));
+  return std::sqrt(std::max(0.0, force_residual(x, {}).dot(x).hi));
 }
 
 double ContactProblem::norm_bound(const Vector& radius) const {
@@ -173,16 +150,11 @@ double ContactProblem::norm_bound(const Vector& radius) const {
 // |r|_(M^-1) <= sqrt(sum bound_j^2 / (least eigenvalue of M)) would be too large by the condition of M: each entry
 // apart, |r| <= sum_j bound_j |e_j|, with |e_j| taken from the factor once.
 double ContactProblem::dual_norm(const Vector& bound) const {
-  ExtendedVector scaled(at(size()));
   double sum = 0;
   if (bound.size() == 0 || bound.maxCoeff() == 0) return 0;
   if (unit_norm_.size() == 0) {
     unit_norm_.resize(size());
-    for (Index j = 0; j < size(); ++j) {
-      ExtendedVector e(at(size()));
-      e[at(j)] = 1.0;
-      unit_norm_[j] = dual_norm(e);
-    }
+    for (Index j = 0; j < size(); ++j) unit_norm_[j] = dual_norm(ExtendedVector(ExtendedVector::Unit(size(), j)));
   }
   for (Index j = 0; j < size(); ++j) sum += bound[j] * unit_norm_[j];
   return referee::up(sum);
@@ -190,26 +162,21 @@ double ContactProblem::dual_norm(const Vector& bound) const {
 
 // With M' = D^-1 M D^-1, |r'|_(M'^-1) = |D r'|_(M^-1), D = 2^column_shift.
 double ContactProblem::dual_norm(const ExtendedVector& r) const {
-  ExtendedVector own(r.size());
-  for (std::size_t j = 0; j < r.size(); ++j) own[j] = r[j].scaled(column_shift_[j]);
-  return referee::up(scaled_->dual_norm(own));
+  return referee::up(scaled_->dual_norm(scaled(r, column_shift_)));
 }
 
 VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
-  ExtendedVector entries(at(size()));
+  ExtendedVector entries = ExtendedVector::Zero(size());
   for (decltype(J)::InnerIterator it(J, row); it; ++it)
-    entries[at(it.col())] = std::ldexp(it.value(), column_shift_[at(it.col())]);
+    entries[it.col()] = std::ldexp(it.value(), column_shift_[it.col()]);
   return scaled_->whiten(entries);
 }
 
 ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda, int rounds) const {
-  ExtendedVector x(at(size()));
+  ExtendedVector x = ExtendedVector::Zero(size());
   for (int round = 0; round < rounds; ++round) {
-    ExtendedVector force = force_residual(x, lambda);
-    for (std::size_t j = 0; j < force.size(); ++j) force[j] = force[j].scaled(column_shift_[j]);
-    const VectorX<FactorReal> step = scaled_->unwhiten(scaled_->whiten(force));
-    for (std::size_t j = 0; j < x.size(); ++j)
-      x[j] -= double_double(step[static_cast<Index>(j)]).scaled(column_shift_[j]);
+    const ExtendedVector force = scaled(force_residual(x, lambda), column_shift_);
+    x -= scaled(scaled_->unwhiten(scaled_->whiten(force)).cast<DoubleDouble>(), column_shift_);
   }
   return x;
 }

@@ -67,7 +67,7 @@ class ContactProblem {
  private:
   const ScaledProblem* scaled_;
   mutable Vector unit_norm_;  // of the entries of a force
-  std::vector<int> column_shift_, row_shift_;
+  Eigen::ArrayXi column_shift_, row_shift_;
   int shift = 0;
 };
 

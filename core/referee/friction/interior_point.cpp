@@ -39,7 +39,7 @@ class InteriorPoint {
       : p_(p),
         equalities_(equalities),
         turns_(!sigma),
-        force_(at(p.rows())),
+        force_(ExtendedVector::Zero(p.rows())),
         system_(p.size(), std::ssize(equalities)) {
     for (std::size_t c = 0; c < p.contacts.size(); ++c) {
       const ContactRows& contact = p.contacts[c];
@@ -55,7 +55,7 @@ class InteriorPoint {
 
   std::vector<InteriorAnswer> solve(const InteriorOptions& options) {
     const std::size_t count = cones_.size();
-    x_.resize(at(p_.size()));
+    x_.setZero(p_.size());
     y_.resize(count);
     w_.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
@@ -66,7 +66,7 @@ class InteriorPoint {
       w_[k][0] = Real(options.start * std::max(1.0, 1 / mu));
     }
     std::vector<InteriorAnswer> out;
-    double best = std::numeric_limits<double>::infinity();
+    double best = infinity;
     int stalled = 0;
     for (int iteration = 0; iteration < referee::interior_steps && stalled <= referee::interior_stalls; ++iteration) {
       const double size = take_residuals();
@@ -119,8 +119,8 @@ class InteriorPoint {
       s[k].resize(unit_[k].size());
       for (Index t = 0; t < s[k].size(); ++t) {
         const Index row = contact_of(k).row + t;
-        DoubleDouble sum = right ? -(*right)[at(row)] : DoubleDouble();
-        for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) sum += DoubleDouble(it.value()) * x[at(it.col())];
+        DoubleDouble sum = right ? -(*right)[row] : DoubleDouble();
+        for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) sum += DoubleDouble(it.value()) * x[it.col()];
         s[k][t] = static_cast<Real>(sum * unit_[k][t] + (right && t == 0 ? lift_[k] : DoubleDouble()));
       }
     }
@@ -131,7 +131,7 @@ class InteriorPoint {
   ExtendedVector multipliers(const Blocks& y) const {
     ExtendedVector lambda = force_;
     for (std::size_t k = 0; k < y.size(); ++k)
-      for (Index t = 0; t < y[k].size(); ++t) lambda[at(contact_of(k).row + t)] = double_double(y[k][t]) * unit_[k][t];
+      for (Index t = 0; t < y[k].size(); ++t) lambda[contact_of(k).row + t] = DoubleDouble(y[k][t]) * unit_[k][t];
     return lambda;
   }
 
@@ -145,12 +145,11 @@ class InteriorPoint {
   // What M x = J'lambda, w = C x - h + lift and E x = h lack; the sum of their squares.
   double take_residuals() {
     double size = 0;
-    left_ = p_.force_residual(x_, multipliers(y_));
+    const Index n = p_.size(), equalities = std::ssize(equalities_);
+    left_.resize(n + equalities);
+    left_.head(n) = p_.force_residual(x_, multipliers(y_));
+    for (Index e = 0; e < equalities; ++e) left_[n + e] = p_.slack(equalities_[at(e)], x_);
     for (const DoubleDouble& f : left_) size += f.hi * f.hi;
-    for (const Index i : equalities_) {
-      left_.push_back(p_.slack(i, x_));
-      size += left_.back().hi * left_.back().hi;
-    }
     r_ = rows_of(x_, &p_.h);
     turn_.resize(r_.size());
     for (std::size_t k = 0; k < r_.size(); ++k) {
@@ -213,15 +212,12 @@ class InteriorPoint {
     turn(push);
     for (std::size_t k = 0; k < push.size(); ++k) push[k] = scaling[k].times(target[k] + scaling[k].times(push[k]));
     ExtendedVector weights = multipliers(push);
-    for (const Index i : equalities_) weights[at(i)] = 0;
-    const ExtendedVector right = p_.force_residual(ExtendedVector(x_.size()), weights);
-    const auto n = at(p_.size());
-    VectorX<Real> step(std::ssize(left_));
-    for (std::size_t j = 0; j < left_.size(); ++j)
-      step[static_cast<Index>(j)] = -static_cast<Real>(left_[j] + (j < n ? right[j] : DoubleDouble()));
+    for (const Index i : equalities_) weights[i] = 0;
+    ExtendedVector lack = left_;
+    lack.head(p_.size()) += p_.force_residual(ExtendedVector::Zero(p_.size()), weights);
+    VectorX<Real> step = -lack.cast<Real>();
     system_.solve(step);
-    dx_.resize(n);
-    for (std::size_t j = 0; j < n; ++j) dx_[j] = double_double(step[static_cast<Index>(j)]);
+    dx_ = step.head(p_.size()).template cast<DoubleDouble>();
     dforce_ = step.tail(std::ssize(equalities_));
     dw_ = rows_of(dx_, nullptr);
     for (std::size_t k = 0; k < dw_.size(); ++k) dw_[k] -= r_[k];
@@ -261,9 +257,9 @@ class InteriorPoint {
       y_[k] += step * dy_[k];
       w_[k] += step * dw_[k];
     }
-    for (std::size_t j = 0; j < x_.size(); ++j) x_[j] += double_double(step) * dx_[j];
+    x_ += DoubleDouble(step) * dx_;
     for (std::size_t e = 0; e < equalities_.size(); ++e)
-      force_[at(equalities_[e])] -= double_double(step * dforce_[static_cast<Index>(e)]);
+      force_[equalities_[e]] -= DoubleDouble(step * dforce_[static_cast<Index>(e)]);
     return true;
   }
 
@@ -274,7 +270,7 @@ class InteriorPoint {
   MatrixX<Real> weighted_;                   // of C'P^2 T
   std::vector<std::size_t> cones_;           // contacts
   std::vector<VectorX<DoubleDouble>> unit_;  // what a row is multiplied by
-  ExtendedVector lift_;                      // what is added to each first one
+  std::vector<DoubleDouble> lift_;           // what is added to each first one
   ExtendedVector x_, dx_, force_, left_;     // force_: one a row, of equality rows alone
   Blocks y_, w_, dy_, dw_, r_, turn_;
   VectorX<Real> dforce_;

@@ -11,9 +11,9 @@ namespace zwang {
 // An answer on the way: strictly inside both cones up to the residual that is left.
 struct InteriorAnswer {
   ExtendedVector x, lambda;
-  std::vector<ContactMode> modes;                                    // by the eigenvalues of both sides
-  double complementarity = std::numeric_limits<double>::infinity();  // mean of lambda's~ over the contacts
-  double residual = std::numeric_limits<double>::infinity();
+  std::vector<ContactMode> modes;     // by the eigenvalues of both sides
+  double complementarity = infinity;  // mean of lambda's~ over the contacts
+  double residual = infinity;
 };
 
 struct InteriorOptions {

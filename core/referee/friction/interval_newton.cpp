@@ -11,13 +11,11 @@
 namespace zwang {
 namespace {
 
-using referee::down, referee::up, referee::unit_roundoff;
+using referee::down, referee::or_infinity, referee::up, referee::unit_roundoff;
 
 constexpr int refinements = 12;
 // How often modes that do not hold are changed, and how often by the last digits.
 constexpr int mode_changes = 12, mode_changes_by_last_digits = 2;
-
-double safe(double x) { return std::isnan(x) ? infinity : x; }
 
 // Independent rows and columns of K = S H^-1 N, by elimination with full pivoting.
 struct Part {
@@ -48,7 +46,7 @@ class Krawczyk {
     ModeProof proof{.point = point_};
     const Index n = p_.size(), rank = static_cast<Index>(part_.rows.size()), N = n + rank;
     for (const Index k : part_.frozen) {  // a double, so that its value has a place among exact equations
-      DoubleDouble& l = point_.lambda[at(system_.active[at(k)].row)];
+      DoubleDouble& l = point_.lambda[system_.active[at(k)].row];
       l = l.hi;
     }
     R_ = derivative().partialPivLu().inverse();
@@ -112,9 +110,9 @@ class Krawczyk {
       if (!std::isfinite(size)) return false;
       if (!(size < last / 4)) break;
       last = size;
-      for (Index j = 0; j < p_.size(); ++j) point_.x[at(j)] -= step[j];
+      point_.x -= step.head(p_.size()).cast<DoubleDouble>();
       for (std::size_t k = 0; k < part_.columns.size(); ++k)
-        point_.lambda[at(system_.active[at(part_.columns[k])].row)] -= step[p_.size() + static_cast<Index>(k)];
+        point_.lambda[system_.active[at(part_.columns[k])].row] -= step[p_.size() + static_cast<Index>(k)];
       if (!settle_forces(p_, point_)) return false;
     }
     residuals(value, value_error);
@@ -130,16 +128,15 @@ class Krawczyk {
   // F at the point, and bounds on its rounding.
   void residuals(Vector& value, Vector& error) const {
     const Index n = p_.size();
-    const ExtendedVector force = p_.force_residual(point_.x, point_.lambda);
+    value.head(n) = p_.force_residual(point_.x, point_.lambda).cast<double>();
     error.head(n) = p_.force_error(point_.x, point_.lambda);
-    for (Index j = 0; j < n; ++j) value[j] = force[at(j)].hi;
     error.head(n) += unit_roundoff * value.head(n).cwiseAbs();
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       if (point_.modes[c] != ContactMode::slide) continue;
       const ContactRows& contact = p_.contacts[c];
       const double slip = p_.slip(contact, point_.x).hi;
       const double turn = referee::rounding_of_few + 4 * p_.slip_error(contact, point_.x) / slip;
-      const double push = contact.mu * std::abs(point_.lambda[at(contact.row)].hi) * turn;
+      const double push = contact.mu * std::abs(point_.lambda[contact.row].hi) * turn;
       for (Index t = 1; t < contact.rows(); ++t)
         for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
           error[it.col()] += std::abs(it.value()) * push;
@@ -175,14 +172,14 @@ class Krawczyk {
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       if (point_.modes[c] != ContactMode::slide) continue;
       const ContactRows& contact = p_.contacts[c];
-      const double push = std::abs(point_.lambda[at(contact.row)].hi);
+      const double push = std::abs(point_.lambda[contact.row].hi);
       const double push_radius = multiplier_radius(contact.row, r);
       const double reach = slip_reach(contact, radius);
       const double error = p_.slip_error(contact, point_.x);
       const double least = least_slip(contact, radius);
       if (!(least > 0)) return Vector::Constant(r.size(), std::numeric_limits<double>::quiet_NaN());
       // The direction turns by at most reach / least; (I - tau tau')/|s_t| changes by at most 2 reach / least^2.
-      const double lost = std::max(0.0, -point_.lambda[at(contact.row)].hi);
+      const double lost = std::max(0.0, -point_.lambda[contact.row].hi);
       const double rounding = static_cast<double>(n + 40) * unit_roundoff + error / least;
       double bound = contact.mu * push_radius * (reach / least + rounding);
       if (contact.rows() > 2)
@@ -218,9 +215,9 @@ class Krawczyk {
     double off_rows = 0, off_forces = 0;
     const auto off = [&](const Doubt& doubt) {
       if (doubt.of_force)
-        off_forces += safe(doubt.off);
+        off_forces += or_infinity(doubt.off);
       else
-        off_rows = std::hypot(off_rows, safe(doubt.off));
+        off_rows = std::hypot(off_rows, or_infinity(doubt.off));
     };
     // value +- spread should not be negative.
     const auto ask = [&](double value, double spread, Doubt doubt) {
@@ -236,7 +233,7 @@ class Krawczyk {
     if (p_.fixed_contradiction) off({.off = infinity});
     for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
       const ContactRows& contact = p_.contacts[c];
-      const auto row = at(contact.row);
+      const Index row = contact.row;
       if (point_.modes[c] == ContactMode::open) {
         const double slack = p_.slack(contact.row, point_.x).hi;
         if (contact.unit == 0) {  // exact: it holds or not
@@ -278,14 +275,14 @@ class Krawczyk {
   // mu l_n >= |l_t|.
   template <class Ask>
   void ask_cone(const ContactRows& contact, const Vector& r, double weight, const Ask& ask) const {
-    const auto row = at(contact.row);
+    const Index row = contact.row;
     const DoubleDouble edge = DoubleDouble(contact.mu) * point_.lambda[row];
     DoubleDouble squares;
     double spread = contact.mu * multiplier_radius(contact.row, r);
     std::vector<std::pair<Index, double>> sum{{contact.row, contact.mu}};
     Doubt doubt{.off = weight, .of_force = true};
     for (Index t = 1; t < contact.rows(); ++t) {
-      const DoubleDouble l = point_.lambda[row + at(t)];
+      const DoubleDouble l = point_.lambda[row + t];
       squares += l * l;
       spread += multiplier_radius(contact.row + t, r);
       if (std::abs(l.hi) > referee::aligned * edge.hi)
@@ -349,8 +346,8 @@ class Krawczyk {
         close(0);
       }
       for (const Index k : part_.frozen) {
-        const auto row = at(system_.active[at(k)].row);
-        put(place[row], 1);
+        const Index row = system_.active[at(k)].row;
+        put(place[at(row)], 1);
         close(point_.lambda[row].hi);
       }
       for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
@@ -431,6 +428,26 @@ class Krawczyk {
   Matrix R_, absolute_R_;
 };
 
+ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point) {
+  ModeProof best{.point = point};
+  const ModeSystem system(problem, point, nullptr);
+  if (!system.usable || !problem.exact) return best;
+  const Eigen::LLT<Matrix> mass(system.H);
+  if (mass.info() != Eigen::Success) return best;
+  const auto count = static_cast<Index>(system.active.size());
+  Eigen::FullPivLU<Matrix> lu;
+  if (count > 0) lu.compute(system.coupling(mass));
+  std::size_t rank = at(count) + 1;
+  for (const double threshold : referee::independent_pivots) {
+    const Part part = independent_part(lu, count, threshold);
+    if (part.rows.size() == std::exchange(rank, part.rows.size())) continue;
+    ModeProof proof = Krawczyk(problem, scaled, point, system, part).prove();
+    if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
+    if (best.proven && best.delta == 0) break;
+  }
+  return best;
+}
+
 }  // namespace
 
 ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess, double* work) {
@@ -453,26 +470,6 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
     if (!change_modes(problem, guess, 0)) break;
   }
   if (work) *work += own_work;
-  return best;
-}
-
-ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point) {
-  ModeProof best{.point = point};
-  const ModeSystem system(problem, point, nullptr);
-  if (!system.usable || !problem.exact) return best;
-  const Eigen::LLT<Matrix> mass(system.H);
-  if (mass.info() != Eigen::Success) return best;
-  const auto count = static_cast<Index>(system.active.size());
-  Eigen::FullPivLU<Matrix> lu;
-  if (count > 0) lu.compute(system.coupling(mass));
-  std::size_t rank = at(count) + 1;
-  for (const double threshold : referee::independent_pivots) {
-    const Part part = independent_part(lu, count, threshold);
-    if (part.rows.size() == std::exchange(rank, part.rows.size())) continue;
-    ModeProof proof = Krawczyk(problem, scaled, point, system, part).prove();
-    if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
-    if (best.proven && best.delta == 0) break;
-  }
   return best;
 }
 

@@ -18,8 +18,8 @@ namespace zwang {
 struct ModeProof {
   bool proven = false;
   ModePoint point = {};
-  double radius = std::numeric_limits<double>::infinity();  // |z - z_point|_M / s
-  double delta = std::numeric_limits<double>::infinity();
+  double radius = infinity;  // |z - z_point|_M / s
+  double delta = infinity;
   bool strict = false;         // every inequality of the modes holds on the whole box with something to spare
   double null_motion = 0;      // largest |dz|_M of a unit change of multipliers that keeps the equations
   bool unique_forces = false;  // no multipliers are free to change
@@ -27,11 +27,9 @@ struct ModeProof {
   bool continuum = false;  // proven: strict, delta = 0, and z moves as multipliers that are free to change do
 };
 
-// The same from a guess: polished first, and with the modes changed that do not hold, as long as that takes less than
-// referee::searched_products. work: what it took is added.
+// Proves a solution near a guess: polished first, and with the modes changed that do not hold, as long as that takes
+// less than referee::searched_products. work: what it took is added.
 ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess,
                      double* work = nullptr);
-
-ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point);
 
 }  // namespace zwang

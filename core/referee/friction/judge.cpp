@@ -6,7 +6,6 @@
 
 #include <zwang/core/problem/law.h>
 #include <zwang/core/referee/bounds.h>
-#include <zwang/core/referee/certificate.h>
 #include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/law.h>
@@ -19,13 +18,12 @@
 namespace zwang {
 namespace {
 
-using referee::down, referee::slip_lifts, referee::up;
+using referee::down, referee::or_infinity, referee::slip_lifts, referee::up;
 
 constexpr double enough = .01;  // of what is asked for: a bound of the convex answer that need not be smaller
 
-double distance(const ContactProblem& p, const ExtendedVector& a, ExtendedVector b) {
-  for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] - b[j];
-  return or_infinity(p.norm(b));
+double distance(const ContactProblem& p, const ExtendedVector& a, const ExtendedVector& b) {
+  return or_infinity(p.norm(a - b));
 }
 
 struct Slips {
@@ -35,10 +33,11 @@ struct Slips {
 
 // sigma(z) under Coulomb's law. Under the convex law 0.
 Slips slips_at(const ContactProblem& p, const ExtendedVector& x, Law law) {
-  Slips out{.sigma = ExtendedVector(p.contacts.size()), .error = Vector::Zero(static_cast<Index>(p.contacts.size()))};
-  for (std::size_t c = 0; c < p.contacts.size() && slip_lifts(law); ++c) {
-    out.sigma[c] = p.slip(p.contacts[c], x);
-    out.error[static_cast<Index>(c)] = p.slip_error(p.contacts[c], x);
+  const Index count = std::ssize(p.contacts);
+  Slips out{.sigma = ExtendedVector::Zero(count), .error = Vector::Zero(count)};
+  for (Index c = 0; c < count && slip_lifts(law); ++c) {
+    out.sigma[c] = p.slip(p.contacts[at(c)], x);
+    out.error[c] = p.slip_error(p.contacts[at(c)], x);
   }
   return out;
 }
@@ -49,46 +48,6 @@ double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, cons
 
 bool may_bound(const ContactProblem& p) {
   return referee::may_prove(p.size(), p.rows()) && (p.equalities.empty() || p.rows() <= referee::self_rows);
-}
-
-// The part of u on normal and equality rows, for Coulomb's law; for the convex law u moved into K.
-Vector certificate_in_cone(const Problem& problem, Vector u) {
-  if (u.size() != problem.rows() || !u.allFinite()) return u;
-  for (Index i = 0; i < u.size(); ++i) {
-    if (problem.is_equality(i)) continue;
-    const Index tangents = problem.tangents(i);
-    const double mu = !slip_lifts(problem.law) && tangents > 0 ? problem.mu[i] : 0;
-    const double most = mu * std::max(0.0, u[i]) * (1 - 8 * referee::unit_roundoff);
-    double tangential = 0;
-    for (Index t = 1; t <= tangents; ++t) tangential = std::hypot(tangential, u[i + t]);
-    for (Index t = 1; t <= tangents; ++t)
-      if (tangential > most) u[i + t] *= most > 0 ? most / tangential * (1 - 8 * referee::unit_roundoff) : 0;
-    i += tangents;
-  }
-  return u;
-}
-
-Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
-                         const Reference* reference, Metrics& out) {
-  const double s = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
-  out.scale = scaled.to_problem_norm(s);
-  const Vector u = certificate_in_cone(problem, solution.certificate);
-  const Farkas farkas = judge_certificate(scaled, u, s, &problem);
-  out.farkas = farkas.distance / s;
-  out.conflicting = farkas.conflicting;
-  if (reference && reference->feasible) return Verdict::wrong;
-  if (farkas.proven) return Verdict::infeasible_proven;
-  if (reference) return Verdict::infeasible_claimed;
-  const ContactProblem p(problem, scaled, s);
-  if (!may_bound(p)) return Verdict::infeasible_claimed;
-  // Coulomb's law has a solution wherever some z opens all contacts that can move to the inside of K*.
-  const ExtendedVector still_motion(at(p.size()));
-  Slips slips = slips_at(p, still_motion, problem.law);
-  for (std::size_t c = 0; c < p.contacts.size(); ++c)
-    if (p.contacts[c].unit > 0) slips.sigma[c] = 0, slips.error[static_cast<Index>(c)] = 0;
-  const ConvexBound bound = bound_convex(p, scaled, slips.sigma, slips.error, nullptr);
-  const bool feasible = slip_lifts(problem.law) ? bound.interior : bound.rows == ConvexBound::Rows::feasible;
-  return feasible ? Verdict::wrong : Verdict::infeasible_claimed;
 }
 
 // Do the normal and equality rows contradict each other? Every solution meets them. Found by the proofs without
@@ -188,7 +147,7 @@ void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const
   const auto motion = [&](const ExtendedVector& of) { return scaled.rounded_motion(p.to_motion(of)); };
   const auto forces = [&](const ExtendedVector& of) { return scaled.rounded_multipliers(p.to_multipliers(of)); };
   std::vector<Vector> points, guesses;
-  if (!lambda.empty()) guesses.push_back(forces(lambda));
+  if (lambda.size() > 0) guesses.push_back(forces(lambda));
   if (nearest.proof.proven) {
     points.push_back(motion(nearest.proof.point.x));
     guesses.push_back(forces(nearest.proof.point.lambda));
@@ -215,7 +174,7 @@ void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const
 
 Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
            const ExtendedVector& lambda, double tolerance) {
-  const bool coulomb = slip_lifts(problem.law), has_lambda = !lambda.empty();
+  const bool coulomb = slip_lifts(problem.law), has_lambda = lambda.size() > 0;
   const Slips slips = slips_at(p, x, problem.law);
   ModePoint guess{x, lambda, {}};
   if (has_lambda) guess.modes = modes_by_size(p, x, lambda, referee::mode_cut);
@@ -277,9 +236,9 @@ Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& sc
   for (const IslandPart& island : islands) {
     const ScaledProblem part(island.problem);
     const ContactProblem p(island.problem, part, std::ldexp(scale, scaled.norm_exponent() - part.norm_exponent()));
-    const ExtendedVector x = p.motion(part.motion(island.columns_of(solution.z)));
+    const ExtendedVector x = p.motion(part.motion(solution.z(island.columns)));
     ExtendedVector lambda;
-    if (has_lambda) lambda = p.multipliers(part.multipliers(island.rows_of(solution.lambda)));
+    if (has_lambda) lambda = p.multipliers(part.multipliers(Vector(solution.lambda(island.rows))));
     const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, part, p, x, lambda, tolerance);
     all ? all->join(found) : void(all = found);
   }
@@ -298,9 +257,19 @@ bool rests_exactly(const Problem& problem, const Solution& solution) {
 
 }  // namespace
 
+// Coulomb's law has a solution wherever some z opens all contacts that can move to the inside of K*.
+bool proven_feasible(const Problem& problem, const ScaledProblem& scaled, double motion_scale) {
+  const ContactProblem p(problem, scaled, motion_scale);
+  if (!may_bound(p)) return false;
+  Slips slips = slips_at(p, ExtendedVector::Zero(p.size()), problem.law);
+  for (Index c = 0; c < slips.sigma.size(); ++c)
+    if (p.contacts[at(c)].unit > 0) slips.sigma[c] = 0, slips.error[c] = 0;
+  const ConvexBound bound = bound_convex(p, scaled, slips.sigma, slips.error, nullptr);
+  return slip_lifts(problem.law) ? bound.interior : bound.rows == ConvexBound::Rows::feasible;
+}
+
 Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
                        const Reference* reference, double tolerance, Metrics& out) {
-  if (solution.status == Status::infeasible) return judge_infeasible(problem, scaled, solution, reference, out);
   const bool has_lambda = solution.lambda.size() == problem.rows() && solution.lambda.allFinite();
   const bool known = reference && reference->feasible && reference->z.size() == problem.size();
   const double own_scale = std::max({scaled.norm_of_free_motion(), or_infinity(scaled.norm_of(solution.z)),

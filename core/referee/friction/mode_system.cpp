@@ -24,9 +24,8 @@ struct Residual {
 
 Residual residual_of(const ModeSystem& system, const ModePoint& point) {
   const ContactProblem& p = *system.problem;
-  Residual r{.force = Vector(p.size()), .rows = Vector(static_cast<Index>(system.active.size()))};
-  const ExtendedVector force = p.force_residual(point.x, point.lambda);
-  for (Index j = 0; j < p.size(); ++j) r.force[j] = force[at(j)].hi;
+  Residual r{.force = p.force_residual(point.x, point.lambda).cast<double>(),
+             .rows = Vector(std::ssize(system.active))};
   for (Index k = 0; k < r.rows.size(); ++k) r.rows[k] = system.row_residual(system.active[at(k)], point.x).hi;
   r.finite = r.force.allFinite() && r.rows.allFinite();
   return r;
@@ -39,9 +38,9 @@ std::vector<ContactMode> modes_by_size(const ContactProblem& p, const ExtendedVe
   std::vector<ContactMode> modes;
   for (const ContactRows& contact : p.contacts) {
     const double g = contact.unit > 0 ? contact.unit : 1;
-    const double l_n = lambda[at(contact.row)].hi * g, s_n = p.slack(contact.row, x).hi / g;
+    const double l_n = lambda[contact.row].hi * g, s_n = p.slack(contact.row, x).hi / g;
     double l_t = 0;
-    for (Index t = 1; t < contact.rows(); ++t) l_t = std::hypot(l_t, lambda[at(contact.row + t)].hi * g);
+    for (Index t = 1; t < contact.rows(); ++t) l_t = std::hypot(l_t, lambda[contact.row + t].hi * g);
     const double s_t = p.slip(contact, x).hi / g;
     const double zero = cut * (std::abs(l_n) + l_t + std::abs(s_n) + s_t);
     if (contact.unit == 0 || l_n <= zero)
@@ -56,9 +55,9 @@ bool settle_forces(const ContactProblem& p, ModePoint& point) {
   bool usable = true;
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
-    const auto row = at(contact.row);
+    const Index row = contact.row;
     const Index used = point.modes[c] == ContactMode::open ? 0 : contact.rows();
-    for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + at(t)] = 0;
+    for (Index t = used; t <= contact.tangents; ++t) point.lambda[row + t] = 0;
     if (point.modes[c] != ContactMode::slide) continue;
     const DoubleDouble slip = p.slip(contact, point.x);
     if (!(slip.hi > referee::underflow_of_squares)) {
@@ -66,7 +65,7 @@ bool settle_forces(const ContactProblem& p, ModePoint& point) {
       continue;
     }
     for (Index t = 1; t < contact.rows(); ++t)
-      point.lambda[row + at(t)] = -(point.lambda[row] * contact.mu * (p.slack(contact.row + t, point.x) / slip));
+      point.lambda[row + t] = -(point.lambda[row] * contact.mu * (p.slack(contact.row + t, point.x) / slip));
   }
   return usable;
 }
@@ -112,7 +111,7 @@ ModeSystem::ModeSystem(const ContactProblem& p, const ModePoint& point, const Ex
         const auto own = std::ranges::find(across, it.col(), &std::pair<Index, double>::first);
         own == across.end() ? void(across.emplace_back(it.col(), part)) : void(own->second += part);
       }
-    const double weight = contact.mu * std::max(0.0, point.lambda[at(contact.row)].hi) / slip.hi;
+    const double weight = contact.mu * std::max(0.0, point.lambda[contact.row].hi) / slip.hi;
     for (const auto& [i, a] : across)
       for (const auto& [j, b] : across) H(i, j) += weight * a * b;
   }
@@ -132,7 +131,7 @@ DoubleDouble ModeSystem::row_residual(const Row& row, const ExtendedVector& x) c
   if (!sigma || row.contact < 0) return s;
   const ContactRows& contact = problem->contacts[at(row.contact)];
   if (row.row != contact.row) return s;
-  const DoubleDouble lift = (*sigma)[at(row.contact)];
+  const DoubleDouble lift = (*sigma)[row.contact];
   return s + DoubleDouble(contact.mu) * (row.slides ? lift - problem->slip(contact, x) : lift);
 }
 
@@ -141,7 +140,7 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
   for (std::size_t c = 0; c < p.contacts.size(); ++c) {
     const ContactRows& contact = p.contacts[c];
     if (contact.unit == 0) continue;
-    const auto row = at(contact.row);
+    const Index row = contact.row;
     ContactMode& mode = point.modes[c];
     const ContactMode before = mode;
     const double l_n = point.lambda[row].hi, s_n = p.slack(contact.row, point.x).hi;
@@ -149,26 +148,17 @@ bool change_modes(const ContactProblem& p, ModePoint& point, double holds) {
       if (s_n < -holds) mode = ContactMode::stick;
     } else if (l_n < -holds) {
       mode = ContactMode::open;
-      for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + at(t)] = 0;
+      for (Index t = 0; t < contact.rows(); ++t) point.lambda[row + t] = 0;
     } else if (mode == ContactMode::stick && contact.rows() > 1) {
-      DoubleDouble squares;
-      for (Index t = 1; t < contact.rows(); ++t) {
-        const DoubleDouble& l = point.lambda[row + at(t)];
-        squares += l * l;
-      }
-      const DoubleDouble tangential = sqrt(squares);
+      const DoubleDouble tangential = point.lambda.segment(row + 1, contact.rows() - 1).norm();
       const double l_t = tangential.hi;
       if ((tangential - DoubleDouble(contact.mu) * point.lambda[row]).hi > holds) {
         mode = ContactMode::slide;
         // A first slip against the force, by a push on the contact alone.
-        ExtendedVector push(at(p.rows()));
-        for (Index t = 1; t < contact.rows(); ++t) {
-          const auto k = row + at(t);
-          push[k] = point.lambda[k] *
-                    (-referee::first_slip / l_t / (p.row_norm[contact.row + t] * p.row_norm[contact.row + t]));
-        }
-        const ExtendedVector move = p.motion_by(push);
-        for (std::size_t j = 0; j < move.size(); ++j) point.x[j] += move[j];
+        ExtendedVector push = ExtendedVector::Zero(p.rows());
+        for (Index k = row + 1; k < row + contact.rows(); ++k)
+          push[k] = point.lambda[k] * (-referee::first_slip / l_t / (p.row_norm[k] * p.row_norm[k]));
+        point.x += p.motion_by(push);
       }
     } else if (mode == ContactMode::slide && !(p.slip(contact, point.x).hi > holds)) {
       mode = ContactMode::stick;
@@ -215,8 +205,8 @@ double polish(const ContactProblem& p, ModePoint& point, const ExtendedVector* s
       best = point;
     }
     if (!(last > referee::refined_modes) || without_gain > 3) break;
-    for (Index j = 0; j < p.size(); ++j) point.x[at(j)] += move[j];
-    for (Index k = 0; k < change.size(); ++k) point.lambda[at(system->active[at(k)].row)] += change[k];
+    point.x += move.cast<DoubleDouble>();
+    for (Index k = 0; k < change.size(); ++k) point.lambda[system->active[at(k)].row] += change[k];
   }
   point = best;
   return least;

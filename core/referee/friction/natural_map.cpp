@@ -17,7 +17,7 @@ constexpr int refinements = 8, inflations = 8;
 
 // The least box of matrices that holds what was added.
 struct Hull {
-  Mat3 low = Mat3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Mat3 low = Mat3::Constant(infinity), high = -low;
 
   void add(const Mat3& centre, const Mat3& radius = Mat3::Zero()) {
     low = low.cwiseMin(centre - radius);
@@ -79,7 +79,7 @@ class NormalMap {
   SlopeProof prove(const ExtendedVector& x, const ExtendedVector& lambda) {
     start(x, lambda);
     r_ = Vector::Zero(size_);
-    double last = std::numeric_limits<double>::infinity();
+    double last = infinity;
     for (int round = 0; round < refinements; ++round) {
       take_value();
       const Vector step = slopes().partialPivLu().solve(value_);
@@ -87,7 +87,7 @@ class NormalMap {
       if (!std::isfinite(length)) return {};
       if (!(length < last / 4)) break;
       last = length;
-      for (Index j = 0; j < size_; ++j) at_[at(j)] -= step[j];
+      at_ -= step.cast<DoubleDouble>();
     }
     for (int round = 0; round < inflations && precondition(); ++round) {
       const Vector image = (moved_ + error_ + turned()) * up(1);
@@ -101,7 +101,7 @@ class NormalMap {
   bool none_within(const ExtendedVector& x, double distance) {
     r_ = Vector::Zero(size_);
     for (Index j = 0; j < n_; ++j) r_[j] = up(distance * p_.dual_norm(Vector(Vector::Unit(n_, j))));
-    ExtendedVector lambda(at(p_.rows()));
+    ExtendedVector lambda = ExtendedVector::Zero(p_.rows());
     std::vector<Index> touching = p_.equalities, places(touching.size());
     std::iota(places.begin(), places.end(), n_);
     for (const Part& part : parts_) {
@@ -140,8 +140,7 @@ class NormalMap {
     for (Index k = 0; k < count; ++k)
       for (RowMatrix::InnerIterator it(p_.J, touching[at(k)]); it; ++it) B(it.col(), k) = it.value();
     const Matrix L = Matrix(B.transpose() * B).ldlt().solve(B.transpose()), absolute = L.cwiseAbs(), LM = L * p_.M;
-    Vector middle(n_);
-    for (Index j = 0; j < n_; ++j) middle[j] = x[at(j)].hi;
+    const Vector middle = x.cast<double>();
     const SparseMatrix M = p_.M.cwiseAbs();
     const double gamma = static_cast<double>(n_ + count + 8) * unit_roundoff * referee::widened_sum;
     const Vector force = LM * middle, moves = middle.cwiseAbs() + r_.head(n_);
@@ -151,7 +150,7 @@ class NormalMap {
     const Vector spread = LM.cwiseAbs() * r_.head(n_) + 2 * gamma * (absolute * (M * moves)) + E * force.cwiseAbs();
     const Vector radius = (spread + E.rowwise().sum() * (spread.maxCoeff() / (1 - rest))) * up(1);
     for (Index k = 0; k < count; ++k) {
-      lambda[at(touching[at(k)])] = force[k];
+      lambda[touching[at(k)]] = force[k];
       r_[places[at(k)]] = radius[k];
     }
     return true;
@@ -167,12 +166,12 @@ class NormalMap {
 
   // u at the centre, and how far it goes along the normal and the tangents.
   struct Argument {
-    ContactVector u = {};
+    ContactVector u = ContactVector::Zero();
     double normal, tangential, normal_off, tangential_off = 0;
   };
   Argument argument(const Part& part) const {
     Argument a;
-    std::copy_n(at_.begin() + part.at, part.rows, a.u.begin());
+    a.u.head(part.rows) = at_.segment(part.at, part.rows);
     a.normal = a.u[0].hi;
     a.tangential = std::hypot(a.u[1].hi, a.u[2].hi);
     a.normal_off = r_[part.at];
@@ -188,7 +187,7 @@ class NormalMap {
     return inside ? 0 : part.contact.mu;
   }
 
-  ExtendedVector centre() const { return {at_.begin(), at_.begin() + n_}; }
+  ExtendedVector centre() const { return at_.head(n_); }
 
   // rho (s + mu |s_t| e_n), row t.
   DoubleDouble lifted(const Part& part, Index t, double mu, const ExtendedVector& x) const {
@@ -197,11 +196,12 @@ class NormalMap {
   }
 
   void start(const ExtendedVector& x, const ExtendedVector& lambda) {
-    at_ = x;
-    for (const Index i : p_.equalities) at_.push_back(lambda[at(i)]);
+    at_.resize(size_);
+    at_.head(n_) = x;
+    at_.segment(n_, std::ssize(p_.equalities)) = lambda(p_.equalities);
     for (const Part& part : parts_)
       for (Index t = 0; t < part.rows; ++t)
-        at_.push_back(lambda[at(part.row() + t)] - lifted(part, t, part.contact.mu, x));
+        at_[part.at + t] = lambda[part.row() + t] - lifted(part, t, part.contact.mu, x);
   }
 
   // F at the centre, and bounds on its error.
@@ -209,10 +209,10 @@ class NormalMap {
     const ExtendedVector x = centre();
     value_.resize(size_);
     error_ = Vector::Constant(size_, underflow_of_squares);
-    lambda_.assign(at(p_.rows()), {});
+    lambda_.setZero(p_.rows());
     for (Index e = 0; e < std::ssize(p_.equalities); ++e) {
       const Index i = p_.equalities[at(e)];
-      lambda_[at(i)] = at_[at(n_ + e)];
+      lambda_[i] = at_[n_ + e];
       value_[n_ + e] = p_.slack(i, x).hi;
       error_[n_ + e] += p_.slack_error(i, x);
     }
@@ -221,18 +221,16 @@ class NormalMap {
       const double mu = lift(part), slip_error = mu * p_.slip_error(part.contact, x);
       const double size = std::abs(u[0].hi) + std::abs(u[1].hi) + std::abs(u[2].hi);
       for (Index t = 0; t < part.rows; ++t) {
-        const auto k = at(t);
         const DoubleDouble s = lifted(part, t, mu, x);
-        lambda_[at(part.row() + t)] = projected[k];
-        value_[part.at + t] = (s + u[k] - projected[k]).hi;
+        lambda_[part.row() + t] = projected[t];
+        value_[part.at + t] = (s + u[t] - projected[t]).hi;
         error_[part.at + t] += part.rho * (p_.slack_error(part.row() + t, x) + (t == 0 ? slip_error : 0)) +
                                referee::rounding_of_few * (size + std::abs(s.hi));
         for (RowMatrix::InnerIterator it(p_.J, part.row() + t); it; ++it)
           error_[it.col()] += referee::rounding_of_few * size * std::abs(it.value());
       }
     }
-    const ExtendedVector force = p_.force_residual(x, lambda_);
-    for (Index j = 0; j < n_; ++j) value_[j] = force[at(j)].hi;
+    value_.head(n_) = p_.force_residual(x, lambda_).cast<double>();
     error_.head(n_) += p_.force_error(x, lambda_);
     error_ = (error_ + unit_roundoff * value_.cwiseAbs()) * up(1);
   }

@@ -26,7 +26,7 @@ namespace zwang {
 struct SlopeProof {
   bool exists = false;
   ExtendedVector x = {}, lambda = {};
-  double radius = std::numeric_limits<double>::infinity();  // |x - solution|_M
+  double radius = infinity;  // |x - solution|_M
 };
 
 // A solution near (x, lambda), to which a few Newton steps are taken first.

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <array>
-
 #include <zwang/core/referee/friction/contact_problem.h>
 #include <zwang/core/referee/friction/friction_metrics.h>
 
 namespace zwang {
 
 // Normal and tangents of one contact, 0 where there is none.
-using ContactVector = std::array<DoubleDouble, 3>;
+using ContactVector = Vec<DoubleDouble, 3>;
 
 // Onto K = {|l_t| <= mu l_n}; for mu = 0 or without tangents onto l_n >= 0, l_t = 0.
 ContactVector project(const ContactVector& l, double mu);

@@ -12,9 +12,7 @@
 namespace zwang {
 namespace {
 
-using referee::up;
-
-double safe(double x) { return std::isnan(x) ? infinity : x; }
+using referee::or_infinity, referee::up;
 
 class Duality {
  public:
@@ -54,13 +52,12 @@ class Duality {
       if (rounding) return;
       const Vector push = gram_.solve(slack);
       if (!push.allFinite()) return;
-      ExtendedVector lambda(at(p_.rows()));
+      ExtendedVector lambda = ExtendedVector::Zero(p_.rows());
       for (Index k = 0; k < slack.size(); ++k) {
         const Index i = equalities_[at(k)];
-        lambda[at(i)] = -push[k] / p_.row_norm[i];
+        lambda[i] = -push[k] / p_.row_norm[i];
       }
-      const ExtendedVector move = p_.motion_by(lambda, 1);  // the next round sees what it lacks
-      for (std::size_t j = 0; j < x.size(); ++j) x[j] += move[j];
+      x += p_.motion_by(lambda, 1);  // the next round sees what it lacks
     }
   }
 
@@ -70,18 +67,18 @@ class Duality {
     double sum = 0;
     for (const Index i : equalities_)
       sum = std::hypot(sum, (std::abs(p_.slack(i, x).hi) + p_.slack_error(i, x)) / p_.row_norm[i]);
-    return sigma_min_ > 0 ? safe(up(sum) / sigma_min_) : infinity;
+    return sigma_min_ > 0 ? or_infinity(up(sum) / sigma_min_) : infinity;
   }
 
   // At least so far inside K*, for every sigma in its interval and every motion within `off` of x.
-  double margin(std::size_t c, const ExtendedVector& x, double off) const {
-    const ContactRows& contact = p_.contacts[c];
+  double margin(Index c, const ExtendedVector& x, double off) const {
+    const ContactRows& contact = p_.contacts[at(c)];
     double reach = p_.row_norm[contact.row];
     DoubleDouble s = p_.slack(contact.row, x);
     double error = p_.slack_error(contact.row, x);
     if (contact.rows() > 1) {
       s += DoubleDouble(contact.mu) * (sigma_[c] - p_.slip(contact, x));
-      error += contact.mu * (sigma_error_[static_cast<Index>(c)] + p_.slip_error(contact, x)) +
+      error += contact.mu * (sigma_error_[c] + p_.slip_error(contact, x)) +
                referee::rounding_of_few * (std::abs(s.hi) + contact.mu * (sigma_[c].hi + p_.slip(contact, x).hi));
       for (Index t = 1; t < contact.rows(); ++t) reach += contact.mu * p_.row_norm[contact.row + t];
     }
@@ -92,8 +89,8 @@ class Duality {
   double turn(const ExtendedVector& x) const {
     const double distance = off(x), size = p_.norm(x) + distance;
     double worst = 0;
-    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      const ContactRows& contact = p_.contacts[c];
+    for (Index c = 0; c < std::ssize(p_.contacts); ++c) {
+      const ContactRows& contact = p_.contacts[at(c)];
       if (contact.unit == 0 || contact.rows() == 1) continue;
       const double room = margin(c, x, distance);
       if (!(room > 0)) return infinity;
@@ -101,29 +98,26 @@ class Duality {
       for (Index t = 1; t < contact.rows(); ++t) slip = std::hypot(slip, p_.row_norm[contact.row + t]);
       worst = std::max(worst, contact.mu * slip / room);
     }
-    return safe(up(worst * size * size / 4));
+    return or_infinity(up(worst * size * size / 4));
   }
 
-  bool feasible(const ExtendedVector& x) const {
+  bool feasible(const ExtendedVector& x, bool strictly = false) const {
     const double distance = off(x);
     if (distance == infinity) return false;
-    for (std::size_t c = 0; c < p_.contacts.size(); ++c)
-      if (p_.contacts[c].unit == 0 ? !fixed_holds(c) : !(margin(c, x, distance) >= 0)) return false;
+    const auto inside = [&](Index c) {
+      const double room = margin(c, x, distance);
+      return strictly ? room > 0 : room >= 0;
+    };
+    for (Index c = 0; c < std::ssize(p_.contacts); ++c)
+      if (p_.contacts[at(c)].unit == 0 ? !fixed_holds(c) : !inside(c)) return false;
     return true;
   }
-
-  bool strictly_inside(const ExtendedVector& x) const {
-    const double distance = off(x);
-    if (!feasible(x)) return false;
-    for (std::size_t c = 0; c < p_.contacts.size(); ++c)
-      if (p_.contacts[c].unit > 0 && !(margin(c, x, distance) > 0)) return false;
-    return true;
-  }
+  bool strictly_inside(const ExtendedVector& x) const { return feasible(x, true); }
 
   // J_i = 0: s = -c, as stored; sigma is |s_t| itself, or 0.
-  bool fixed_holds(std::size_t c) const {
-    const ContactRows& contact = p_.contacts[c];
-    const bool lifted = sigma_error_[static_cast<Index>(c)] > 0;
+  bool fixed_holds(Index c) const {
+    const ContactRows& contact = p_.contacts[at(c)];
+    const bool lifted = sigma_error_[c] > 0;
     if (contact.rows() == 1 || lifted) return scaled_.zero_row_holds(contact.row);
     const auto c_of = scaled_.stored_c.segment(contact.row, contact.rows());
     const double top = c_of.lpNorm<Eigen::Infinity>();
@@ -141,8 +135,8 @@ class Duality {
     const double near = off(x), far = off(inner);
     if (near == infinity || far == infinity) return infinity;
     double way = 0;
-    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      if (p_.contacts[c].unit == 0) continue;
+    for (Index c = 0; c < std::ssize(p_.contacts); ++c) {
+      if (p_.contacts[at(c)].unit == 0) continue;
       const double lack = -margin(c, x, near), room = margin(c, inner, far);
       if (lack <= 0) continue;
       if (!(room > 0)) return infinity;
@@ -157,24 +151,24 @@ class Duality {
     const double distance = off(x);
     DoubleDouble product;
     double rounding = 0;
-    ExtendedVector pushes(lambda.size());
-    for (std::size_t c = 0; c < p_.contacts.size(); ++c) {
-      const ContactRows& contact = p_.contacts[c];
-      const auto row = at(contact.row);
+    ExtendedVector pushes = ExtendedVector::Zero(lambda.size());
+    for (Index c = 0; c < std::ssize(p_.contacts); ++c) {
+      const ContactRows& contact = p_.contacts[at(c)];
+      const Index row = contact.row;
       into_cone(contact, lambda);
       if (contact.unit == 0) continue;
       const DoubleDouble lifted = contact.rows() > 1 ? p_.slack(contact.row, x) + DoubleDouble(contact.mu) * sigma_[c]
                                                      : p_.slack(contact.row, x);
       DoubleDouble part = lambda[row] * lifted;
       double sizes = std::abs(part.hi);
-      rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * sigma_error_[static_cast<Index>(c)]);
+      rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * sigma_error_[c]);
       pushes[row] = lambda[row];
       for (Index t = 1; t < contact.rows(); ++t) {
-        const auto k = row + at(t);
-        const DoubleDouble term = lambda[k] * p_.slack(contact.row + t, x);
+        const Index k = row + t;
+        const DoubleDouble term = lambda[k] * p_.slack(k, x);
         part += term;
         sizes += std::abs(term.hi);
-        rounding += std::abs(lambda[k].hi) * p_.slack_error(contact.row + t, x);
+        rounding += std::abs(lambda[k].hi) * p_.slack_error(k, x);
         pushes[k] = lambda[k];
       }
       product += part;
@@ -185,19 +179,19 @@ class Duality {
         p_.dual_norm(p_.force_residual(x, lambda)) * referee::widened_sum + p_.dual_norm(p_.force_error(x, lambda));
     double gap = (residual + distance) * (residual + distance) / 2 + std::max(0.0, product.hi) + rounding;
     if (distance > 0) {
-      const ExtendedVector still(x.size());
+      const ExtendedVector still = ExtendedVector::Zero(x.size());
       gap += distance * p_.dual_norm(p_.force_residual(still, pushes)) * referee::widened_sum;
     }
-    return safe(up(distance + std::sqrt(2 * gap)));
+    return or_infinity(up(distance + std::sqrt(2 * gap)));
   }
 
  private:
   void into_cone(const ContactRows& contact, ExtendedVector& lambda) const {
-    const auto row = at(contact.row);
+    const Index row = contact.row;
     if (!(lambda[row].hi > 0) || contact.unit == 0) lambda[row] = 0;
     DoubleDouble tangential;
     for (Index t = 1; t <= contact.tangents; ++t) {
-      DoubleDouble& l = lambda[row + at(t)];
+      DoubleDouble& l = lambda[row + t];
       if (t >= contact.rows() || lambda[row].hi == 0) l = 0;
       tangential += l * l;
     }
@@ -205,13 +199,13 @@ class Duality {
     const DoubleDouble most = lambda[row] * contact.mu * DoubleDouble(1 - referee::unit_roundoff);
     if (tangential.hi < referee::underflow_of_squares) {  // squares may have vanished
       for (Index t = 1; t <= contact.tangents; ++t)
-        if (std::abs(lambda[row + at(t)].hi) * 2 > most.hi) lambda[row + at(t)] = 0;
+        if (std::abs(lambda[row + t].hi) * 2 > most.hi) lambda[row + t] = 0;
       return;
     }
     const DoubleDouble edge = lambda[row] * contact.mu;
     if ((edge - tangential).hi > referee::rounding_of_few * edge.hi) return;
     const DoubleDouble factor = edge / tangential * (DoubleDouble(1) - referee::rounding_of_few);
-    for (Index t = 1; t < contact.rows(); ++t) lambda[row + at(t)] *= factor;
+    for (Index t = 1; t < contact.rows(); ++t) lambda[row + t] *= factor;
   }
 
   const ContactProblem& p_;
@@ -236,10 +230,10 @@ double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
   bool contradictory = p.fixed_contradiction;
   const std::vector<Index> equalities = independent_equalities(p, scaled, contradictory);
   if (contradictory || !p.exact) return infinity;
-  const ExtendedVector none(p.contacts.size());
+  const ExtendedVector none = ExtendedVector::Zero(std::ssize(p.contacts));
   Vector error = Vector::Zero(std::ssize(p.contacts));
-  for (std::size_t c = 0; c < p.contacts.size(); ++c)
-    if (p.contacts[c].unit == 0) error[static_cast<Index>(c)] = 1;  // nothing pushes there
+  for (Index c = 0; c < error.size(); ++c)
+    if (p.contacts[at(c)].unit == 0) error[c] = 1;  // nothing pushes there
   const Duality duality(p, scaled, none, error, equalities);
   double least = infinity;
   const auto consider = [&](ExtendedVector x) {
@@ -259,8 +253,8 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
   const std::vector<Index> equalities =
       contradictory ? std::vector<Index>{} : independent_equalities(p, scaled, contradictory);
   const Duality duality(p, scaled, sigma, sigma_error, equalities);
-  for (std::size_t c = 0; c < p.contacts.size(); ++c)
-    if (p.contacts[c].unit == 0 && !duality.fixed_holds(c)) contradictory = true;
+  for (Index c = 0; c < std::ssize(p.contacts); ++c)
+    if (p.contacts[at(c)].unit == 0 && !duality.fixed_holds(c)) contradictory = true;
   if (contradictory) {
     best.rows = ConvexBound::Rows::infeasible;
     return best;
@@ -301,7 +295,7 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     }
     if (!target) return;
     ExtendedVector x = point.x;
-    for (std::size_t j = 0; j < x.size(); ++j) x[j] += DoubleDouble(part) * (target->x[j] - x[j]);
+    x += DoubleDouble(part) * (target->x - x);
     take(std::move(x));
   };
   const auto polished = [&](ModePoint point) {

@@ -16,8 +16,8 @@ namespace zwang {
 struct ConvexBound {
   enum class Rows { open, feasible, infeasible };
   ExtendedVector x = {}, lambda = {};
-  double upper = std::numeric_limits<double>::infinity();  // |d - Z|_M
-  bool interior = false;  // some z meets the rows with every contact strictly inside K* (and the equality rows)
+  double upper = infinity;  // |d - Z|_M
+  bool interior = false;    // some z meets the rows with every contact strictly inside K* (and the equality rows)
   Rows rows = Rows::open;
   std::vector<ContactMode> modes = {};
 };

@@ -13,7 +13,7 @@ namespace {
 
 using Outcome = RefereeActiveSet::Outcome;
 
-ExtendedVector zeros(Index size) { return ExtendedVector(static_cast<std::size_t>(size)); }
+ExtendedVector zeros(Index size) { return ExtendedVector::Zero(size); }
 
 bool has_impossible_zero_row(const ScaledProblem& scaled) {
   for (Index i = 0; i < scaled.rows(); ++i)
@@ -23,9 +23,9 @@ bool has_impossible_zero_row(const ScaledProblem& scaled) {
 
 double distance(const Problem& p, const ScaledProblem& scaled, const ExtendedVector& d, const BigVector& z) {
   BigVector off;
-  for (std::size_t i = 0; i < d.size(); ++i)
-    off.push_back(exactly(p.z_u[Index(i)]) +
-                  (exactly(d[i].hi) + exactly(d[i].lo)) * exactly(std::ldexp(1.0, scaled.motion_exponent)) - z[i]);
+  for (Index i = 0; i < d.size(); ++i)
+    off.push_back(exactly(p.z_u[i]) +
+                  (exactly(d[i].hi) + exactly(d[i].lo)) * exactly(std::ldexp(1.0, scaled.motion_exponent)) - z[at(i)]);
   return static_cast<double>(big_norm(Matrix(p.M), off));
 }
 
@@ -67,8 +67,7 @@ TEST(RefereeActiveSet, AgreesWithEnumerationIn100DigitsFromAnyGuess) {
       // Nearly parallel rows put z at 1e12; where long double is x87's, such trials are given up.
       const double size = static_cast<double>(big_norm(Matrix(p.M), truth->z));
       EXPECT_LE(distance(p, scaled, method.d, truth->z), 1e-17 * std::max(1.0, size)) << trial;
-      for (const Index i : method.basis)
-        doubtful += !p.is_equality(i) && method.lambda[static_cast<std::size_t>(i)].hi < -1e-20;
+      for (const Index i : method.basis) doubtful += !p.is_equality(i) && method.lambda[i].hi < -1e-20;
       EXPECT_EQ(static_cast<Index>(method.basis.size()), method.rows.rank()) << trial;
     }
   }

@@ -43,10 +43,10 @@ TEST(SparseProof, HoldsAgainstEnumerationIn100Digits) {
       if (proof.radius == std::numeric_limits<double>::infinity()) continue;
       ASSERT_TRUE(truth) << "trial " << trial << ": infeasible problem";
       BigVector off;
-      for (std::size_t i = 0; i < proof.d.size(); ++i) {
+      for (Index i = 0; i < proof.d.size(); ++i) {
         const Big d = exactly(proof.d[i].hi) + exactly(proof.d[i].lo),
                   unit = exactly(std::ldexp(1.0, scaled.motion_exponent));
-        off.push_back(exactly(p.z_u[Index(i)]) + d * unit - truth->z[i]);
+        off.push_back(exactly(p.z_u[i]) + d * unit - truth->z[at(i)]);
       }
       const Big distance = big_norm(Matrix(p.M), off);
       ASSERT_LE(distance, exactly(scaled.to_problem_norm(proof.radius)) + Big("1e-60"))

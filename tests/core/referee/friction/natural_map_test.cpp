@@ -32,9 +32,7 @@ struct Near {
   double off(const Vector& z, const Vector& lambda) const {
     const SlopeProof proof = prove(z, lambda);
     if (!proof.exists) return std::numeric_limits<double>::infinity();
-    ExtendedVector d = at(z);
-    for (std::size_t j = 0; j < d.size(); ++j) d[j] -= proof.x[j];
-    return (p.norm(d) + proof.radius) / p.scale;
+    return (p.norm(at(z) - proof.x) + proof.radius) / p.scale;
   }
   bool none(const Vector& z, double distance) const { return none_by_slopes(p, scaled, at(z), distance * p.scale); }
 };
