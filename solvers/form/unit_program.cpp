@@ -15,18 +15,24 @@ bool UnitProgram::build(const Problem& problem, const SolveOptions& options, Sol
     solution.status = Status::solved;
     return false;
   }
-  free_ = whitened_.free;
-
   // Only what is violated at z_u sets the scale: a far-away inactive row must not.
-  double largest = free_.size() ? free_.lpNorm<Eigen::Infinity>() : 0;
-  for (Index i = 0; i < rows(); ++i)
-    largest = std::max(largest, is_equality(i) ? std::abs(whitened_.h[i]) : whitened_.h[i]);
+  double largest = size() ? whitened_.free.lpNorm<Eigen::Infinity>() : 0;
+  for (Index i = 0; i < rows(); ++i) largest = std::max(largest, is_equality(i) ? std::abs(h()[i]) : h()[i]);
   int exponent = 0;
   if (std::isfinite(largest)) (void)std::frexp(largest, &exponent);
-  sigma_ = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
-  h_ = (whitened_.h / sigma_).cwiseMax(-tolerances::horizon);
-  free_ /= sigma_;
+  exponent = std::clamp(exponent, -1000, 1000);
+  sigma_ = std::ldexp(1.0, exponent);
+  whitened_.h = (whitened_.h / sigma_).cwiseMax(-tolerances::horizon);
+  whitened_.free /= sigma_;
+  whitened_.exponent += exponent;
   return true;
+}
+
+std::vector<Index> UnitProgram::rows_of(bool equalities) const {
+  std::vector<Index> chosen;
+  for (Index i = 0; i < rows(); ++i)
+    if (is_equality(i) == equalities) chosen.push_back(i);
+  return chosen;
 }
 
 UnitProgram::Rows UnitProgram::some(const std::vector<Index>& rows) const {
@@ -47,7 +53,7 @@ void UnitProgram::motion(const Vector& lambda, Vector& y) const {
 
 void UnitProgram::slack(const Vector& y, Vector& slack) const {
   slack.resize(rows());
-  for (Index i = 0; i < rows(); ++i) slack[i] = dot(i, y) - h_[i];
+  for (Index i = 0; i < rows(); ++i) slack[i] = dot(i, y) - h()[i];
 }
 
 void UnitProgram::project(Vector& lambda) const {
@@ -56,13 +62,13 @@ void UnitProgram::project(Vector& lambda) const {
 }
 
 double UnitProgram::scale(const Vector& y) const {
-  return std::max({free_.norm(), (free_ + y).norm(), std::numeric_limits<double>::min()});
+  return std::max({whitened_.free.norm(), (whitened_.free + y).norm(), std::numeric_limits<double>::min()});
 }
 
 double UnitProgram::natural_residual(const Vector& y, const Vector& lambda) const {
   double worst = 0;
   for (Index i = 0; i < rows(); ++i) {
-    const double slack = dot(i, y) - h_[i];
+    const double slack = dot(i, y) - h()[i];
     worst = std::max(worst, std::abs(is_equality(i) ? slack : std::min(lambda[i], slack)));
   }
   return worst / scale(y);
@@ -73,26 +79,25 @@ double UnitProgram::kkt_residual(const Vector& y, const Vector& lambda) const {
   return std::max(stationarity, natural_residual(y, lambda));  // NaN where y or lambda has one
 }
 
-double UnitProgram::reach() const { return std::max(free_.norm(), rows() ? h_.lpNorm<Eigen::Infinity>() : 0.0); }
+double UnitProgram::reach() const {
+  return std::max(whitened_.free.norm(), rows() ? h().lpNorm<Eigen::Infinity>() : 0.0);
+}
 
 void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {
   warm_rows_.multipliers(problem, whitened_, warm, lambda);
-  lambda /= sigma_;
   if (!(lambda.lpNorm<1>() <= tolerances::warm_start)) lambda.setZero();
 }
 
 void UnitProgram::write(const Problem& problem, const Vector& y, const Vector& lambda, Solution& solution) const {
-  scaled_y_ = sigma_ * y;
-  whitened_.primal(problem, scaled_y_, solution.z);
-  scaled_lambda_ = sigma_ * lambda;
+  whitened_.primal(problem, y, solution.z);
   if (lambda.size() == rows())
-    whitened_.multipliers(problem, scaled_lambda_, solution.lambda);
+    whitened_.multipliers(problem, lambda, solution.lambda);
   else
     solution.empty_lambda();
 }
 
 void UnitProgram::write_certificate(const Problem& problem, const Vector& u, Solution& solution) const {
-  whitened_.multipliers(problem, u, solution.zero_certificate(problem.rows()));
+  whitened_.multipliers(problem, u / sigma_, solution.zero_certificate(problem.rows()));
 }
 
 }  // namespace zwang

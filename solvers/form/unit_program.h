@@ -21,9 +21,10 @@ class UnitProgram {
 
   Index size() const { return whitened_.size(); }
   Index rows() const { return whitened_.rows(); }
-  const Rows& G() const { return whitened_.G; }     // k x n
-  const Vector& h() const { return h_; }            // k
-  Rows some(const std::vector<Index>& rows) const;  // of G
+  const Rows& G() const { return whitened_.G; }       // k x n
+  const Vector& h() const { return whitened_.h; }     // k
+  std::vector<Index> rows_of(bool equalities) const;  // the equality rows, or the inequality rows
+  Rows some(const std::vector<Index>& rows) const;    // of G
   bool is_equality(Index i) const { return whitened_.equality[at(i)] != 0; }
   Index problem_row(Index i) const { return whitened_.row[at(i)]; }
 
@@ -50,11 +51,8 @@ class UnitProgram {
   void write_certificate(const Problem& problem, const Vector& u, Solution& solution) const;
 
  private:
-  Whitened whitened_;
+  Whitened whitened_;  // h, free and the exponent in units of sigma
   WarmRows warm_rows_;
-  Vector h_;
-  Vector free_;  // n: Q z_u / sigma
-  mutable Vector scaled_y_, scaled_lambda_;
   double sigma_ = 1;
 };
 

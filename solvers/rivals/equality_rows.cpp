@@ -6,14 +6,8 @@
 
 namespace zwang {
 
-void EqualityRows::find(const UnitProgram& program) {
-  equality_.clear();
-  for (Index i = 0; i < program.rows(); ++i)
-    if (program.is_equality(i)) equality_.push_back(i);
-}
-
 bool EqualityRows::clearly_independent(const UnitProgram& program) {
-  find(program);
+  equality_ = program.rows_of(true);
   const auto count = static_cast<Index>(equality_.size());
   if (count == 0) return true;
   if (count > program.size()) return false;
@@ -26,8 +20,7 @@ bool EqualityRows::clearly_independent(const UnitProgram& program) {
 }
 
 void EqualityRows::factorize(const UnitProgram& program) {
-  find(program);
-  kept_.clear();
+  equality_ = program.rows_of(true);
   dropped_.clear();
   const Matrix columns = program.some(equality_).transpose();
   rank_ = 0;
@@ -35,11 +28,7 @@ void EqualityRows::factorize(const UnitProgram& program) {
   qr_.compute(columns);
   const auto diagonal = qr_.matrixQR().diagonal();
   while (rank_ < diagonal.size() && std::abs(diagonal[rank_]) > dependent) ++rank_;
-  for (Index j = 0; j < columns.cols(); ++j) {
-    const Index row = equality_[at(qr_.colsPermutation().indices()[j])];
-    (j < rank_ ? kept_ : dropped_).push_back(row);
-  }
-  std::sort(kept_.begin(), kept_.end());
+  for (Index j = rank_; j < columns.cols(); ++j) dropped_.push_back(pivoted(j));
   std::sort(dropped_.begin(), dropped_.end());
 }
 
@@ -50,12 +39,11 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
   const Index count = static_cast<Index>(equality_.size());
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   const Matrix combination = R.solve(qr_.matrixQR().topRightCorner(rank_, count - rank_));
-  const auto row = [&](Index j) { return equality_[at(qr_.colsPermutation().indices()[j])]; };
   Vector motion;
   for (Index d = 0; d < combination.cols(); ++d) {
     u.setZero(program.rows());
-    u[row(rank_ + d)] = 1;
-    for (Index j = 0; j < rank_; ++j) u[row(j)] = -combination(j, d);
+    u[pivoted(rank_ + d)] = 1;
+    for (Index j = 0; j < rank_; ++j) u[pivoted(j)] = -combination(j, d);
     if (program.h().dot(u) < 0) u = -u;
     if (proves_infeasible(program, u, motion)) return true;
   }
@@ -65,7 +53,7 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
 Vector EqualityRows::shortest(const UnitProgram& program) const {
   Vector y = Vector::Zero(program.size());
   if (rank_ == 0) return y;
-  for (Index j = 0; j < rank_; ++j) y[j] = program.h()[equality_[at(qr_.colsPermutation().indices()[j])]];
+  for (Index j = 0; j < rank_; ++j) y[j] = program.h()[pivoted(j)];
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   y.head(rank_) = Vector(R.transpose().solve(y.head(rank_)));
   y.applyOnTheLeft(qr_.householderQ());

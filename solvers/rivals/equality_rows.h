@@ -23,7 +23,6 @@ class EqualityRows {
   void factorize(const UnitProgram& program);
 
   Index rank() const { return rank_; }
-  const std::vector<Index>& kept() const { return kept_; }        // unit rows, increasing
   const std::vector<Index>& dropped() const { return dropped_; }  // unit rows, increasing
 
   // A Farkas vector over the unit rows when a dropped row contradicts the kept ones; false when none does.
@@ -33,11 +32,11 @@ class EqualityRows {
   Matrix free_motions(const UnitProgram& program) const;
 
  private:
-  void find(const UnitProgram& program);
+  Index pivoted(Index j) const { return equality_[at(qr_.colsPermutation().indices()[j])]; }
 
   Eigen::ColPivHouseholderQR<Matrix> qr_;  // of G_E': n x (equality rows)
   Index rank_ = 0;
-  std::vector<Index> equality_, kept_, dropped_;
+  std::vector<Index> equality_, dropped_;
   SparseCholesky<double> gram_;  // of G_E G_E'
 };
 

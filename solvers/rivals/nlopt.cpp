@@ -56,12 +56,9 @@ struct DenseProgram {
 };
 
 DenseRows dense_rows(const UnitProgram& program, bool equality, const DenseProgram& frame) {
-  std::vector<Index> chosen;
-  for (Index i = 0; i < program.rows(); ++i)
-    if (program.is_equality(i) == equality) chosen.push_back(i);
-  const Index m = static_cast<Index>(chosen.size());
+  const std::vector<Index> chosen = program.rows_of(equality);
   DenseRows rows{.minus_A = RowMajor(-program.some(chosen)), .b = program.h()(chosen)};
-  for (Index r = 0; r < m; ++r) rows.b[r] -= program.dot(chosen[at(r)], frame.origin);
+  for (Index r = 0; r < std::ssize(chosen); ++r) rows.b[r] -= program.dot(chosen[at(r)], frame.origin);
   if (frame.basis.size()) rows.minus_A = RowMajor(rows.minus_A * frame.basis);
   return rows;
 }

@@ -26,9 +26,8 @@ bool fit_equalities(const UnitProgram& program, Vector& u) {
 }  // namespace
 
 void RowsApart::build(const UnitProgram& program) {
-  equalities.clear();
-  inequalities.clear();
-  for (Index i = 0; i < program.rows(); ++i) (program.is_equality(i) ? equalities : inequalities).push_back(i);
+  equalities = program.rows_of(true);
+  inequalities = program.rows_of(false);
   E = program.some(equalities);
   F = program.some(inequalities);
   part(program.h(), e, f);
