@@ -35,9 +35,6 @@ class MujocoSession {
     mju_user_error = [](const char* message) { throw std::runtime_error(message); };
     mju_user_warning = [](const char*) {};
   }
-  ~MujocoSession() { close(); }
-  MujocoSession(const MujocoSession&) = delete;
-  MujocoSession& operator=(const MujocoSession&) = delete;
 
   void fit(Index n, Index k);
   void state(const UnitProgram& program, double stiffness, const Vector& start);
@@ -47,24 +44,20 @@ class MujocoSession {
   void read(Vector& y, Vector& lambda) const;
 
  private:
-  void close();
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
 
-  mjModel* model_ = nullptr;
-  mjData* data_ = nullptr;
+  std::unique_ptr<mjModel, Delete> model_;
+  std::unique_ptr<mjData, Delete> data_;
   std::vector<Index> order_;  // equality rows first, as MuJoCo wants them
   UnitProgram::Rows J_, JT_;
 };
 
-void MujocoSession::close() {
-  mj_deleteData(data_);
-  mj_deleteModel(model_);
-  data_ = nullptr;
-  model_ = nullptr;
-}
-
 void MujocoSession::fit(Index n, Index k) {
   if (model_ && model_->nv == n && model_->njmax >= k) return;
-  close();
+  data_.reset();
   std::ostringstream xml;
   xml << "<mujoco><size njmax='" << k << "' nconmax='1' nstack='" << 8 * n * n + 64 * (n + k) + 4096
       << "'/><option solver='Newton'/><worldbody>";
@@ -77,10 +70,10 @@ void MujocoSession::fit(Index n, Index k) {
   mj_makeEmptyFileVFS(files.get(), "slides.xml", static_cast<int>(text.size()));
   std::ranges::copy(text, static_cast<char*>(files->filedata[0]));
   char error[500] = "";
-  model_ = mj_loadXML("slides.xml", files.get(), error, sizeof error);
+  model_.reset(mj_loadXML("slides.xml", files.get(), error, sizeof error));
   mj_deleteVFS(files.get());
   if (!model_) throw std::runtime_error(std::string("MuJoCo refused the model: ") + error);
-  data_ = mj_makeData(model_);
+  data_.reset(mj_makeData(model_.get()));
   if (!data_) throw std::bad_alloc();
   model_->stat.meaninertia = 1.0 / static_cast<double>(std::max<Index>(1, n));  // improvements as they are
   std::fill_n(data_->qM, model_->nM, 1.0);
@@ -89,12 +82,10 @@ void MujocoSession::fit(Index n, Index k) {
 void MujocoSession::state(const UnitProgram& program, double stiffness, const Vector& start) {
   const Preparation preparing;
   mjData& d = *data_;
-  order_.clear();
-  for (const bool equalities : {true, false}) {
-    for (Index i = 0; i < program.rows(); ++i)
-      if (program.is_equality(i) == equalities) order_.push_back(i);
-    if (equalities) d.ne = static_cast<int>(order_.size());
-  }
+  order_ = program.rows_of(true);
+  const std::vector<Index> inequalities = program.rows_of(false);
+  d.ne = static_cast<int>(order_.size());
+  order_.insert(order_.end(), inequalities.begin(), inequalities.end());
   d.nf = d.ncon = 0;
   d.nefc = static_cast<int>(order_.size());
   J_ = program.some(order_);
@@ -106,7 +97,7 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
     d.efc_D[at] = stiffness;
     d.efc_R[at] = 1 / stiffness;
   }
-  if (mj_isSparse(model_)) {
+  if (mj_isSparse(model_.get())) {
     JT_ = J_.transpose();
     put(J_, d.efc_J_rownnz, d.efc_J_rowadr, d.efc_J_rowsuper, d.efc_J_colind, d.efc_J);
     put(JT_, d.efc_JT_rownnz, d.efc_JT_rowadr, d.efc_JT_rowsuper, d.efc_JT_colind, d.efc_JT);
@@ -122,7 +113,7 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
 int MujocoSession::run(int steps, double tolerance) {
   model_->opt.iterations = steps;
   model_->opt.tolerance = tolerance;
-  mj_fwdConstraint(model_, data_);
+  mj_fwdConstraint(model_.get(), data_.get());
   return data_->solver_iter;
 }
 
