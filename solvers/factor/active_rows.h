@@ -49,6 +49,12 @@ class ActiveRows {
   void add(Index row, double factor, Vector& v) const { w_->add(row, factor, v); }
 
  protected:
+  void begin(const Whitened& w, const Deadline& deadline) {
+    w_ = &w;
+    deadline_ = &deadline;
+    rows_.clear();
+    rows_.reserve(at(w.rows()));
+  }
   ActiveRows(double threshold, double certain) : threshold_(threshold), certain_(certain) {}
   ActiveRows(const ActiveRows&) = default;
   ActiveRows& operator=(const ActiveRows&) = default;
@@ -70,12 +76,9 @@ class QrRows : public ActiveRows {
   QrRows() : ActiveRows(rounding, rounding) {}
 
   void reset(const Whitened& w, const Deadline& deadline) override {
-    w_ = &w;
-    deadline_ = &deadline;
+    begin(w, deadline);
     threshold_ = certain_ = rounding;
     qr_.reset(w.size(), w.rows());
-    rows_.clear();
-    rows_.reserve(at(w.rows()));
     part_.resize(std::min(w.size(), w.rows()));
     column_.resize(w.size());
   }

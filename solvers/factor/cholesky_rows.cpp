@@ -106,11 +106,8 @@ struct CholeskyRows::Cholmod {
 double CholeskyRows::smallest_pivot() const { return size() ? std::sqrt(factor_->smallest_pivot()) : 1; }
 
 void CholeskyRows::reset(const Whitened& w, const Deadline& deadline) {
-  w_ = &w;
-  deadline_ = &deadline;
+  begin(w, deadline);
   const auto k = at(w.rows());
-  rows_.clear();
-  rows_.reserve(k);
   index_.reserve(k);
   value_.reserve(k);
   inside_.assign(k, 0);

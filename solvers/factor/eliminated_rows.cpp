@@ -3,8 +3,7 @@
 namespace zwang {
 
 void EliminatedRows::reset(const Whitened& w, const Deadline& deadline) {
-  w_ = &w;
-  deadline_ = &deadline;
+  begin(w, deadline);
   threshold_ = certain_ = rounding;
   equalities_.clear();
   inequalities_.clear();
@@ -19,8 +18,6 @@ void EliminatedRows::reset(const Whitened& w, const Deadline& deadline) {
   }
   constexpr double rank_rounding = tolerances::rank * std::numeric_limits<double>::epsilon();
   elimination_.factorize(w.G, equalities_, rank_rounding, deadline, sparse);
-  rows_.clear();
-  rows_.reserve(at(w.rows()));
   rejected_.clear();
   for (const Index k : elimination_.order()) rows_.push_back(equalities_[at(k)]);
   for (const Index k : elimination_.rejected()) rejected_.push_back(equalities_[at(k)]);
