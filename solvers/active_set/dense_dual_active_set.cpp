@@ -126,8 +126,6 @@ Blocking<double> DenseDualActiveSet::blocking() {
   return {.row = find(time, used, packets::largest(steepest)), .step = step};
 }
 
-double DenseDualActiveSet::split(Index p) { return factor_.split(A_.col(p).data()); }
-
 void DenseDualActiveSet::enter(Index p, double multiplier, double length) {
   u_[size()] = multiplier;
   factor_.append();
@@ -144,10 +142,6 @@ void DenseDualActiveSet::drop(Index j) {
   std::copy(u_.data() + j + 1, u_.data() + last + 1, u_.data() + j);
   u_[last] = 0;
   active_.pop_back();
-}
-
-void DenseDualActiveSet::solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu) {
-  factor_.solve(s, sigma, dv, dmu);
 }
 
 // (v, u) afresh from the factor.

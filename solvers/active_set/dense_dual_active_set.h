@@ -58,7 +58,7 @@ class DenseDualActiveSet {
   const Vector& v() const { return v_; }  // padded
   const Vector& u() const { return u_; }  // first active().size()
   // The dv and dmu with dv - A'dmu = s and A dv = sigma over the active rows; all of padded().
-  void solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu);
+  void solve(const Vector& s, const Vector& sigma, Vector& dv, Vector& dmu) { factor_.solve(s, sigma, dv, dmu); }
   // The length of row j outside the active ones; then how far v moves when it is obeyed and an active one gives way:
   // until that leaves, then by the violation over the share that leaving gave it (infinity: none gives way).
   double share(Index j) {
@@ -74,7 +74,7 @@ class DenseDualActiveSet {
 
   // What dual_climb.h asks for.
   Index choose();
-  double split(Index p);
+  double split(Index p) { return factor_.split(A_.col(p).data()); }
   bool is_dependent(double length);
   double violation(Index p) const { return std::max(0.0, -slack_[p]); }
   bool is_satisfied(Index p, double violation) const;
