@@ -17,19 +17,6 @@
 namespace zwang {
 namespace {
 
-// Repeats `part(done)`, a system call that reads or writes the bytes after the first `done`, until `bytes` are through;
-// false where it fails or ends before.
-template <class Part>
-bool transfer(std::size_t bytes, Part part) {
-  for (std::size_t done = 0; done < bytes;) {
-    const std::ptrdiff_t more = part(done);
-    if (more < 0 && errno == EINTR) continue;
-    if (more <= 0) return false;
-    done += static_cast<std::size_t>(more);
-  }
-  return true;
-}
-
 int start_child(const std::function<void()>& life) {
   const pid_t parent = getpid(), child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "no child process");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cerrno>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -29,6 +31,19 @@ class Peer {
  private:
   int pid_ = -1, socket_ = -1;
 };
+
+// Repeats `part(done)`, a system call that reads or writes the bytes after the first `done`, until `bytes` are through;
+// false where it fails or ends before.
+template <class Part>
+bool transfer(std::size_t bytes, Part part) {
+  for (std::size_t done = 0; done < bytes;) {
+    const std::ptrdiff_t more = part(done);
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) return false;
+    done += static_cast<std::size_t>(more);
+  }
+  return true;
+}
 
 // Whole messages over a stream socket: the length, then the bytes. False where the other end is gone.
 bool send_message(int socket, std::string_view bytes);

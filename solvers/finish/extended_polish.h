@@ -9,9 +9,6 @@
 #include <zwang/solvers/form/whiten.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
-template <>
-struct Eigen::NumTraits<zwang::DoubleDouble> : Eigen::GenericNumTraits<zwang::DoubleDouble> {};
-
 namespace zwang {
 
 // The active rows make Gauss' problem linear:  M d = J_A' l,  J_A d = b_A,  with d = z - z_u and b = c - J z_u.

@@ -97,8 +97,8 @@ inline constexpr double outgrown = 8;
 // In units of the largest violation: rows farther away than this cannot matter, and must not overflow; nor may the
 // terms of a row, times a multiplier of zero.
 inline constexpr double horizon = 1e100;
-// Multipliers of a warm start that are this long where the motion's length is about 1 are another problem's: rounding in
-// their sum would hide the rows.
+// Multipliers of a warm start that are this long where the motion's length is about 1 are another problem's: rounding
+// in their sum would hide the rows.
 inline constexpr double warm_start = 1e8;
 
 // In the M-norm on unit rows: a column of entries no larger is left out (unit_rows.h). Its square is far below the

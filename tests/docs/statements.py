@@ -50,7 +50,7 @@ if len(set(keys)) < 35 or len(columns) < 25:
 gallery = text("docs/gallery.md")
 listed = subprocess.run([program, "scenes"], check=True, capture_output=True, text=True).stdout
 scenes = re.findall(r"^  (\w+) ", listed, re.M)
-played = re.findall(r'^ *entry\("(\w+)"', text("experiments/god_hand/scenes/scenes.cpp"), re.M)
+played = re.findall(r'^    \{"(\w+)", "', text("experiments/god_hand/scenes/scenes.cpp"), re.M)
 for name in scenes + played:
     if f"/{name}.png)" not in gallery and f"/{name}.webp)" not in gallery:
         faults.append(f"docs/gallery.md: no picture of {name}")

@@ -128,7 +128,7 @@ int main(int argc, char** argv) try {
   record.loose = 3;
   write_record(directory, record);
   FrameWriter writer(directory, hand::bodies, record.loose);
-  Summary summary(record.asked.options.dt);
+  Summary summary;
   ShownFrames shown(frames);
   for (long k = 0; k < frames; ++k) {
     const Frame frame = frame_at(k, record.asked.options.dt, about);

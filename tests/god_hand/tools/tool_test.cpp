@@ -6,8 +6,8 @@
 #include <zwang/core/files/problem_file.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/scenes/scenes.h>
-#include <zwang/experiments/god_hand/tools/tool.h>
 #include <zwang/experiments/god_hand/tools/play.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 #include "tests/folders.h"
 #include "tests/god_hand/tracked.h"
 

@@ -8,8 +8,8 @@
 
 #include <zwang/constraints/revolute_joint.h>
 #include <zwang/core/files/problem_file.h>
-#include <zwang/experiments/god_hand/tools/tool.h>
 #include <zwang/experiments/god_hand/tools/play.h>
+#include <zwang/experiments/god_hand/tools/tool.h>
 #include "tests/folders.h"
 #include "tests/god_hand/tracked.h"
 
