@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <limits>
+#include <map>
 #include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
@@ -92,6 +94,28 @@ void report_so_far(const std::string& directory, double& next) {
   next = wall_seconds() + std::max(10.0, 20 * (wall_seconds() - start));
 }
 
+// The problems of this part by family, and how long a run may take.
+int print_plan(const Plan& plan) {
+  struct Family {
+    std::size_t problems = 0;
+    Index fewest = std::numeric_limits<Index>::max(), most = 0;
+  };
+  std::map<std::string, Family> families;
+  for (std::size_t k = plan.shard.part; k < plan.instances.size(); k += plan.shard.of) {
+    Family& own = families[plan.instances[k].family];
+    const Index size = plan.instances[k].problem.size();
+    own = {own.problems + 1, std::min(own.fewest, size), std::max(own.most, size)};
+  }
+  for (const auto& [name, own] : families)
+    std::printf("  %-20s %5zu problems, %td to %td unknowns\n", name.c_str(), own.problems, own.fewest, own.most);
+  std::printf("%s runs, each with a limit of %s of CPU time%s\n", grouped(plan.size()).c_str(),
+              duration(plan.time_limit).c_str(),
+              plan.whole_suite && plan.limit_s > 0
+                  ? (", shortened where all would not end within " + duration(plan.limit_s)).c_str()
+                  : "");
+  return done;
+}
+
 // dz by finite differences and of rows made soft, against proven derivatives (docs/tutorials/gradients.md).
 int bench_gradients(const CLI::App& options, const Asked& asked) {
   for (const CLI::Option* option : options.get_options())
@@ -162,7 +186,7 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
               plan.shard.of > 1 ? (", part " + plan.options.shard).c_str() : "");
   if (c.debug) std::puts("THIS IS A DEBUG BUILD: its times mean nothing.");
   std::fflush(stdout);
-  if (asked.plan) return done;
+  if (asked.plan) return print_plan(plan);
 
   // problem -> solve -> solution -> measure -> results
   const std::string directory = settings.directory.string();

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <limits>
 #include <ranges>
 #include <stdexcept>
 #include <thread>
@@ -46,6 +47,9 @@ int fuzz_command(std::vector<std::string> words) {
   if (fuzz.near + fuzz.friction + fuzz.referee > 1)
     throw std::invalid_argument("--near, --friction and --referee exclude each other");
   if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
+
+  if (fuzz.first > std::numeric_limits<std::uint64_t>::max() - fuzz.count)
+    throw std::invalid_argument("--first: expected at most 2^64 - 1 - --count");
 
   SolveOptions().read_accuracy(fuzz.accuracy);
   if (!fuzz.accuracy.empty() && fuzz.referee) throw std::invalid_argument("--referee asks for no accuracy");

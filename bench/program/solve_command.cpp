@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 
 #include <zwang/bench/program/commands.h>
 #include <zwang/bench/program/options.h>
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/report/wording.h>
+#include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/suite/flow.h>
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/suite/trace.h>
@@ -140,6 +142,8 @@ int solve_command(std::vector<std::string> words) {
   SolveOptions().read_accuracy(run.accuracy);  // its complaint comes before the file's
   const bool chosen = run.solver.empty() || run.solver == "auto";
   if (!chosen) make_solver(run.solver);  // its complaint comes before the file's
+  if (find_scene(file.substr(0, file.find('('))) && !std::filesystem::exists(file))
+    throw BadFile(file + ": no such file; expected an HDF5 file (of this scene: ./zwang export)");
   Instance instance = choose(file, read_problems(file, law), name);
   if (const std::string reason = why_bad(instance.problem); !reason.empty()) throw BadFile(file + ": " + reason);
   if (chosen) run.solver = usual_solver(instance.problem);

@@ -138,13 +138,21 @@ std::vector<std::string> laws_of(const SolverEntry& entry) {
   return words;
 }
 
+// Of each its default and what it does.
+py::dict settings_of(const SolverEntry& entry) {
+  py::dict all;
+  for (const SettingInfo& s : entry.settings) all[py::str(s.name)] = py::dict("default"_a = s.value, "help"_a = s.help);
+  return all;
+}
+
 struct Solved {
   Solution solution;
   double seconds = 0;
 };
 
-Solved solve(const Instance& instance, const std::string& text, double tolerance, const std::string& accuracy,
+Solved solve(const Instance& instance, const std::string& asked, double tolerance, const std::string& accuracy,
              int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
+  const std::string text = asked == "auto" ? usual_solver(instance.problem) : asked;
   thread_local std::string known;
   if (text != known) make_solver(text);  // a wrong name or setting is said before anything runs
   known = text;
@@ -277,7 +285,7 @@ PYBIND11_MODULE(_zwang, m) {
     std::vector<py::dict> all;
     for (const SolverEntry& e : solvers())
       all.push_back(py::dict("name"_a = e.name, "method"_a = e.method, "limits"_a = e.limits, "foreign"_a = e.foreign,
-                             "exact"_a = e.exact, "laws"_a = laws_of(e)));
+                             "exact"_a = e.exact, "laws"_a = laws_of(e), "settings"_a = settings_of(e)));
     return all;
   });
   m.def("scenes", [] {

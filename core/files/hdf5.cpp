@@ -45,8 +45,12 @@ NumberType number_type() {
   return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
 }
 
-// The library prints a stack of its own for every failure; ours is one line.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+// The library prints a stack of its own for every failure; ours is one line. As the program ends it crashes over a file
+// that it could not write, which it is told to leave alone.
+void silence() {
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 H5O_type_t type_of(hid_t group, const std::string& name) {
   H5O_info_t info;

@@ -129,9 +129,11 @@ void write_problems(const std::filesystem::path& file, std::span<const Instance>
       write_own(group, instances[k]);
     }
     root.flush();
-  } catch (...) {
+  } catch (const std::exception& bad) {
     std::error_code ignored;
     std::filesystem::remove(unfinished, ignored);
+    const std::string name = unfinished.string(), text = bad.what();
+    if (text.starts_with(name)) throw BadFile(file.string() + text.substr(name.size()));
     throw;
   }
   std::error_code error;

@@ -52,9 +52,11 @@ using ArityIndices = std::make_index_sequence<at(arity<C>)>;
 // row i is soft with compliance()[i] [row's unit of acceleration per N or N m]; 0 keeps it hard. Assembly gives every
 // soft row one extra unknown of mass 1/compliance (docs/formulation.md).
 template <class C>
-concept ActsOnBodies = requires { std::tuple_size<decltype(C::bodies)>::value; };
+concept ActsOnOneOrTwoBodies = requires {
+  std::tuple_size<decltype(C::bodies)>::value;
+} && std::tuple_size_v<decltype(C::bodies)> >= 1 && std::tuple_size_v<decltype(C::bodies)> <= 2;
 template <class C>
-concept Constraint = std::copyable<C> && ActsOnBodies<C> && requires(const C c, const PosesOf<C, double>& q) {
+concept Constraint = std::copyable<C> && ActsOnOneOrTwoBodies<C> && requires(const C c, const PosesOf<C, double>& q) {
   { C::name } -> std::convertible_to<std::string_view>;
   { C::rows } -> std::convertible_to<int>;
   { C::kind } -> std::convertible_to<RowKind>;

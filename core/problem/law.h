@@ -34,8 +34,11 @@ constexpr bool lifts(Law law) { return lift_of(law) > 0; }
 // Gauss' principle: at most one z, and a certificate where there is none.
 constexpr bool is_convex(Law law) { return !lifts(law); }
 
-inline constexpr std::array all_laws{Law::frictionless, Law::pyramid, Law::convex, Law::coulomb};
-static_assert(all_laws.size() == law_entries.size());
+inline constexpr auto all_laws = [] {
+  std::array<Law, law_entries.size()> all{};
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Law>(k);
+  return all;
+}();
 // Those of which `is` holds: static constexpr auto laws = laws_that<has_cones>; of a solver.
 template <bool (*is)(Law)>
 inline constexpr auto laws_that = [] {
@@ -53,7 +56,9 @@ constexpr Law without_lift(Law law) {
 // Of rows without tangents; and of rows with them as they stand in files and in scenes.
 inline constexpr Law no_friction = Law::frictionless, stored_law = Law::coulomb;
 
-constexpr std::string_view to_string(Law law) { return static_cast<std::size_t>(law) < law_entries.size() ? entry_of(law).name : "unknown"; }
+constexpr std::string_view to_string(Law law) {
+  return static_cast<std::size_t>(law) < law_entries.size() ? entry_of(law).name : "unknown";
+}
 // Throws std::invalid_argument with the words there are.
 Law parse_law(std::string_view word);
 

@@ -53,9 +53,9 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
     return give_up(Status::numerical_failure, "out of memory");
   }
   const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
-  if (claims_z && !solution.z.allFinite()) {
+  if (claims_z && !(solution.z.allFinite() && solution.lambda.allFinite())) {
     solution.status = Status::numerical_failure;
-    solution.message = "the answer does not fit a double";
+    solution.message = "the answer does not fit doubles";
   }
 }
 

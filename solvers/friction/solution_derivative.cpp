@@ -67,6 +67,9 @@ SolutionDerivative::Change SolutionDerivative::solve(const Vector& dz_u, const V
   change_.c = -moved;
   require_matching_sizes(change_);
   if (force.size() != change_.size()) throw std::invalid_argument("force should have one entry an unknown");
+  const double size = dz_u.lpNorm<1>() + force.lpNorm<1>() + moved.lpNorm<1>();
+  if (size != 0 && !(size < tolerances::derivative_length && 1 / size < tolerances::derivative_length))
+    throw std::invalid_argument("the squares of the direction's entries are beyond doubles");
   thread_local SparseCholesky<double> mass;  // fresh, all of these take twice the time
   if (!force.isZero(0)) {
     if (!mass.factorize(change_.M)) throw std::invalid_argument("M is not positive definite");

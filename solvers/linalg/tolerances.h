@@ -197,6 +197,8 @@ inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
 // violated; rows that are met; and, in squares, larger motions that all but undo each other.
 inline constexpr double derivative_tie = 1e-8, derivative_ends = 0x1p-62, derivative_still = 1e-12;
 inline constexpr double derivative_meets = 1e-9, derivative_undone = 1e4;
+// Directions up to this length, and down to its inverse, have squares that are doubles.
+inline constexpr double derivative_length = 1e150;
 
 // Unknowns up to which rows are dense whatever they are, and a sparse method has nothing to gain.
 inline constexpr int few_unknowns = 150;

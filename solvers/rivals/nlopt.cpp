@@ -154,7 +154,7 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
       options.observe(evaluation, solution.z, solution.lambda);
     };
 
-  const bool rigid = equalities.rank() == program.size() && dense.equalities.b.size() == 0;
+  const bool rigid = dense.basis.rows() > 0 && dense.basis.cols() == 0;
   Vector v = Vector::Zero(rigid ? 0 : dense.size());
   Vector y = dense.origin;
   if (rigid) {

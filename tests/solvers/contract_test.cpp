@@ -156,6 +156,11 @@ TEST_P(Contract, WarmStartGivesTheSameMotion) {
     warm.lambda.setOnes(p.rows());
     if (p.rows() > 0) warm.key[0].constraint = 999;
     near_cold(solver.solve(p, warm_options));
+    // Multipliers of no motion at all.
+    for (const double length : {1e10, 1e200, std::numeric_limits<double>::quiet_NaN()}) {
+      warm = {.key = p.key, .lambda = Vector::Constant(p.rows(), length)};
+      near_cold(solver.solve(p, warm_options));
+    }
   }
 }
 

@@ -168,9 +168,16 @@ def _setting(value):
     return {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else repr(value)
 
 
-def solve(problem, solver="dual_active_set", *, tolerance=1e-10, accuracy=None, max_iterations=1000000, time_limit=60.0,
+def _share(tolerance):
+    if not 0 < float(tolerance) < 1:
+        raise ValueError(f"tolerance should lie between 0 and 1: {tolerance!r}")
+    return float(tolerance)
+
+
+def solve(problem, solver="auto", *, tolerance=1e-10, accuracy=None, max_iterations=1000000, time_limit=60.0,
           warm_start=None, law=None, **settings):
-    """Solves a problem; settings are the solver's own (`zwang solvers` lists them). law: solves problem.under(law).
+    """Solves a problem. solver: "auto" takes what docs/performance.md says: "cone" where there is friction, "newton" where more than a
+    thousand rows hang together, else "dual_active_set". settings are the solver's own (solvers() lists them). law: solves problem.under(law).
 
     time_limit: s of CPU time. warm_start: m multipliers of an earlier answer. accuracy: the error at which a method may
     end before the tolerance, relative to the motion (1e-4) or as a speed of any body ("1e-4m/s"). Returns a Solution:
@@ -179,9 +186,13 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, accuracy=None, 
     """
     if not isinstance(solver, str):
         raise TypeError(f"solver should be a name: {solver!r}")
+    if not isinstance(problem, _zwang.Problem):
+        raise TypeError(f"problem should be a zwang.Problem, as scene() and load() make them: {problem!r:.80}")
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     problem = problem if law is None else problem.under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
+    if int(max_iterations) < 0:
+        raise ValueError(f"max_iterations should be 0 or more: {max_iterations!r}")
     accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(float(accuracy))
     return _zwang.solve(problem, text, float(tolerance), accuracy, int(max_iterations), float(time_limit), warm,
                         solver.split(":")[0] in _python_solvers)
@@ -190,8 +201,11 @@ def solve(problem, solver="dual_active_set", *, tolerance=1e-10, accuracy=None, 
 def judge(problem, z, lambda_=None, *, tolerance=1e-9):
     """Whether z solves the problem, whoever found it: a Judgement with verdict, at_least and at_most (proven bounds on
     |z - z*|_M / s, s = max(|z_u|_M, |z*|_M)), residuals and the worst row. scale_over_answer = s / |z*|_M: times it, the
-    bounds are relative to the answer alone. The truth is found and certified independently of any solver."""
-    return _zwang.judge(problem, _numbers(z, "z"), _numbers(lambda_, "lambda_"), float(tolerance))
+    bounds are relative to the answer alone. The truth is found and certified independently of any solver. z: n numbers, or what
+    solve() returned, whose forces are then judged, too."""
+    if isinstance(z, _zwang.Solution):
+        z, lambda_ = z.z, z.lambda_ if lambda_ is None else lambda_
+    return _zwang.judge(problem, _numbers(z, "z"), _numbers(lambda_, "lambda_"), _share(tolerance))
 
 
 def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=None, z=None, z_box=None,
@@ -213,11 +227,11 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
                        ((h, "h", 1), (b, "b", 1), (lb, "lb", n), (ub, "ub", n), (x, "x", None)))
     try:
         program = _zwang.Program(P, q, G, h, A, b, lb, ub)
-        return _zwang.judge_qp(program, x, _numbers(y, "y", 1), _numbers(z, "z", 1), _numbers(z_box, "z_box", n), float(tolerance))
+        return _zwang.judge_qp(program, x, _numbers(y, "y", 1), _numbers(z, "z", 1), _numbers(z_box, "z_box", n), _share(tolerance))
     except _zwang.NotDefinite:
         pass
     from . import semidefinite
-    return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, float(tolerance))
+    return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, _share(tolerance))
 
 
 def gradient_of(problem, solution, *, law=None, proof=True):
@@ -258,7 +272,7 @@ def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=No
     no row holds. Raises ValueError as gradient() does.
     """
     from . import gradients
-    return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, float(tolerance))
+    return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, _share(tolerance))
 
 
 def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-4, 1e-6), law=None, seed=1):

@@ -740,8 +740,8 @@ def gradient_of(problem, solution, law, proof=True):
     if len(force) == problem.rows:
         try:
             return Gradient(problem, z, z, force, laid)
-        except Unproven as unproven:
-            why = str(unproven)
+        except (Unproven, OverflowError) as unproven:
+            why = why_not(unproven)
     found = solve(problem, "cone" if problem.tangent.any() else "dual_active_set", tolerance=1e-12)
     if found.status == "infeasible":
         raise ValueError("no gradient: the problem is infeasible")
@@ -749,8 +749,12 @@ def gradient_of(problem, solution, law, proof=True):
         raise ValueError(f"no gradient: {why or found.status}")
     try:
         return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_, laid)
-    except Unproven as unproven:
-        raise ValueError(f"no gradient: {unproven}") from None
+    except (Unproven, OverflowError) as unproven:
+        raise ValueError(f"no gradient: {why_not(unproven)}") from None
+
+
+def why_not(unproven):
+    return "the answer's squares are beyond doubles" if isinstance(unproven, OverflowError) else str(unproven)
 
 
 def wanted(wrt):

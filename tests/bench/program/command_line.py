@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -75,6 +76,10 @@ MISTAKES = [
     (["bench", "--suit", "quick"], 2, "did you mean '--suite'?"),
     (["bench", "--suite", "quik"], 2, "did you mean 'quick'?"),
     (["bench", "--suite"], 2, "--suite"),
+    (["bench", "--scenes", ""], 2, "--scenes: expected a value, and it is empty"),
+    (["bench", "--suite", "quick", "--solvers="], 2, "--solvers: expected a value, and it is empty"),
+    (["fuzz", "--count", "10", "--first", "18446744073709551615"], 2, "--first: expected at most"),
+    (["solve", "hand(contacts=4)"], 3, "expected an HDF5 file (of this scene: ./zwang export)"),
     (["bench", "--scenes", "towr"], 2, "no scene 'towr'; did you mean 'tower'?"),
     (["bench", "--scenes", "tower(boxs=3)"], 2, "did you mean 'boxes'?"),
     (["bench", "--scenes", "tower(boxes=-3)"], 2, "from 1 to"),
@@ -239,6 +244,12 @@ def check_solutions():
 def check_export_and_bench():
     out = run(["export", "tower", "--boxes=2", "--out", "tower.h5"])
     check("export", out.returncode == 0, out.stderr)
+    room = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192)), "restore_signals": False}
+    full = run(["export", "hand", "--contacts=16", "--out", "full.h5"], **room)
+    check("no room for a file costs one line", full.returncode == 3 and full.stderr.count("\n") == 1 and
+          full.stderr.startswith("full.h5:") and not os.path.exists("full.h5"), full.stderr)
+    plan = run(["bench", "--scenes", "tower(boxes=2,3),hand", "--solvers", "pgs", "--tolerances", "1e-6", "--plan"])
+    check("a plan counts problems", re.search(r"tower +2 problems, 12 to 18 unknowns\n", plan.stdout) and "3 runs" in plan.stdout, plan.stdout)
     words = ["bench", "--problems", "box.h5", "tower.h5", "--solvers", "pgs", "--tolerances", "1e-6", "--out", "run"]
     bench = run(words + ["--repetitions", "2"])
     check("bench", bench.returncode == 0, bench.stdout + bench.stderr)

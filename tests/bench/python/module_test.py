@@ -177,9 +177,20 @@ class Solving(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual("%" in done.stderr, progress, done.stderr)
 
+    def test_the_usual_solver_is_the_default(self):
+        for text, mu in [("hand(contacts=4)", None), ("hand(contacts=4)", 0.5)]:
+            problem = zwang.scene(text, mu=mu)
+            answer = zwang.solve(problem)
+            self.assertEqual(answer.z.tobytes(), zwang.solve(problem, "dual_active_set" if mu is None else "cone").z.tobytes())
+            self.assertEqual(zwang.judge(problem, answer).verdict, "solved")
+        settings = {s["name"]: s["settings"] for s in zwang.solvers()}
+        self.assertEqual(settings["dual_active_set"]["reduce"]["default"], "on")
+        with self.assertRaisesRegex(TypeError, "should be a zwang.Problem"):
+            zwang.solve("hand")
+
     def test_a_wrong_name_or_setting_is_one_line(self):
         problem = zwang.scene("tower(boxes=2)")
-        for wrong in [dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
+        for wrong in [dict(max_iterations=-1), dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
                       dict(tolerance=2.0), dict(warm_start=[1.0])]:
             with self.assertRaises(ValueError) as raised:
                 zwang.solve(problem, **wrong)
@@ -252,6 +263,12 @@ class Judging(unittest.TestCase):
                 self.assertIn(verdict, str(judged))
                 self.assertLessEqual(judged.at_least, off * 1.001 + 1e-15)
                 self.assertGreaterEqual(judged.at_most, off * 0.999)
+
+    def test_a_tolerance_lies_between_0_and_1(self):
+        box = zwang.scene("tower(boxes=1)")
+        for bad in (0, -1, 1, math.inf, math.nan):
+            with self.assertRaisesRegex(ValueError, "tolerance should lie between 0 and 1"):
+                zwang.judge(box, box.z_u, tolerance=bad)
 
     def test_programs_that_have_no_verdict(self):
         program = random_program(1)

@@ -139,6 +139,9 @@ TEST(Nsgs, TakesPilesAndWarmStarts) {
   solver.solve(p, {.tolerance = 1e-8}, again);
   EXPECT_EQ(allocations() - before, 0);
   EXPECT_EQ(again.z, s.z);
+  const WarmStart absurd{.key = p.key, .lambda = Vector::Constant(p.rows(), 1e12)};
+  solver.solve(p, {.tolerance = 1e-8, .warm_start = &absurd}, again);
+  EXPECT_EQ(again.z, s.z);
 }
 
 // A sliding block meets Coulomb's law in a few rounds: it stays on the ground, where the convex law lifts it.
