@@ -407,8 +407,10 @@ def by_class(run):
 
 
 def merged(a, b):
-    """One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents the name that they first had."""
-    out, name_of = Run(), {}
+    """One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents the name that they first had.
+    Of such solvers the runs on problems that only one of the two has are left out: means over other problems compare nothing."""
+    out, name_of, left_out = Run(), {}, set()
+    common = {r.identity for r in a.results} & {r.identity for r in b.results}
     for run, other, mark in ((a, b, "A"), (b, a, "B")):
         both = set(other.names())
 
@@ -419,6 +421,9 @@ def merged(a, b):
             out.solvers.append(dataclasses.replace(s, name=shown(s.name), style=s.name, second=mark == "B"))
         renamed = {}
         for r in map(copy.copy, run.results):
+            if common and r.solver in both and r.identity not in common:
+                left_out.add(r.identity)
+                continue
             r.problem = renamed[r.problem] = name_of.setdefault(r.identity, r.problem)
             r.solver = shown(r.solver)
             out.results.append(r)
@@ -433,6 +438,8 @@ def merged(a, b):
         out.notes += [note for note in run.notes if note not in out.notes]
         if run.torn:
             out.torn += f"{' ' if out.torn else ''}Run {mark}: {run.torn}"
+    if left_out:
+        out.notes.append(f"{len(left_out)} problems that only one of the two runs has are left out, where both have the solver.")
     first = {}
     for s in out.solvers:
         first.setdefault(s.style, len(first))

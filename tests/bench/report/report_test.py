@@ -370,7 +370,9 @@ class Tables(unittest.TestCase):
                    result("p renamed", "new", 1e-8, 1e-9, 2, problem_sha256="same"), solvers=["s", "new"])
         both = merged(a, b)
         self.assertEqual(both.names(), ["s @A", "s @B", "gone", "new"])
-        self.assertEqual((both.results[2].problem, b.results[0].problem), ("p", "p renamed"))
+        self.assertEqual([(r.problem, r.solver) for r in both.results], [("p", "s @A"), ("p", "s @B"), ("p", "new")])
+        self.assertEqual(b.results[0].problem, "p renamed")
+        self.assertIn("2 problems that only one of the two runs has are left out, where both have the solver.", both.notes)
         table = comparison_table(a, b)
         [row] = table.rows
         self.assertEqual(value(row["cells"][1]), 1)                          # one problem in both
