@@ -98,16 +98,21 @@ void print_help(std::span<const Command> commands) {
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang simulate simple --motion grasp\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
-      "Exit codes: 0 done; 1 fuzz or conformance found a fault, or runs are missing or disagree;\n"
-      "2 wrong use; 3 a file that cannot be used; 130 stopped with Ctrl-C.");
+      "Exit codes: 0 done; 1 a fault was found (fuzz, conformance, judge, guard, solve --check), or runs are missing "
+      "or\n"
+      "disagree; 2 wrong use; 3 a file that cannot be used; 130 stopped with Ctrl-C.");
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {
   if (const auto known = std::ranges::find(commands, word, &Command::name); known != commands.end())
     return known->run(std::move(rest));
   std::vector<std::string> names = names_of(commands, &Command::name);
-  for (const Word& known : words_of_zwang)
-    if (known.program == "script") names.emplace_back(known.name);
+  for (const Word& known : words_of_zwang) {
+    if (known.program != "script") continue;
+    if (known.name == word)
+      throw std::invalid_argument("'" + word + "' is for the script ./zwang in zwang's sources, not for this program");
+    names.emplace_back(known.name);
+  }
   throw std::invalid_argument("no command '" + word + "'" + did_you_mean(word, names) + " (./zwang --help lists all)");
 }
 
