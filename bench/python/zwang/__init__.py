@@ -140,9 +140,13 @@ def scenes():
     return _zwang.scenes()
 
 
-def scene(text, seed=1, mu=None):
-    """The problem of a scene: "hand(contacts=16)". A list where the text names several: "hand(contacts=16,64)". mu: the
-    coefficient of friction of the scenes whose text does not say one."""
+def scene(text, seed=1, mu=None, **knobs):
+    """The problem of a scene: "hand(contacts=16)", or "hand", contacts=16. A list where the text names several:
+    "hand(contacts=16,64)". mu: the coefficient of friction of the scenes whose text does not say one."""
+    if knobs:
+        if "(" in text:
+            raise ValueError(f"{text}: expected knobs in the text or beside it, not both")
+        text += "(" + ",".join(f"{name}={_setting(value)}" for name, value in knobs.items()) + ")"
     problems = _zwang.make_scenes(text, seed, mu)
     return problems[0] if len(problems) == 1 else problems
 

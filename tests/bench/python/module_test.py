@@ -177,6 +177,13 @@ class Solving(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual("%" in done.stderr, progress, done.stderr)
 
+    def test_knobs_of_a_scene_stand_in_its_text_or_beside_it(self):
+        self.assertEqual(zwang.scene("hand", contacts=8, seed=3).c.tobytes(), zwang.scene("hand(contacts=8)", seed=3).c.tobytes())
+        with self.assertRaisesRegex(ValueError, "did you mean 'contacts'"):
+            zwang.scene("hand", contact=8)
+        with self.assertRaisesRegex(ValueError, "not both"):
+            zwang.scene("hand(contacts=8)", hands=2)
+
     def test_the_usual_solver_is_the_default(self):
         for text, mu in [("hand(contacts=4)", None), ("hand(contacts=4)", 0.5)]:
             problem = zwang.scene(text, mu=mu)
