@@ -98,9 +98,8 @@ void print_help(std::span<const Command> commands) {
       "  ./zwang bench --suite quick      a minute\n"
       "  ./zwang simulate simple --motion grasp\n"
       "  ./zwang solve results/20261120-2354/problems/0007.h5 --solver nnls\n\n"
-      "Exit codes: 0 done; 1 a fault was found (fuzz, conformance, judge, guard, solve --check), or runs are missing "
-      "or\n"
-      "disagree; 2 wrong use; 3 a file that cannot be used; 130 stopped with Ctrl-C.");
+      "Exit codes: 0 done; 1 a fault was found (fuzz, conformance, judge, guard, solve --check), or\n"
+      "runs are missing or disagree; 2 wrong use; 3 a file that cannot be used; 130 stopped with Ctrl-C.");
 }
 
 int run(std::span<const Command> commands, const std::string& word, std::vector<std::string> rest) {

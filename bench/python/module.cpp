@@ -152,7 +152,7 @@ struct Solved {
 
 Solved solve(const Instance& instance, const std::string& asked, double tolerance, const std::string& accuracy,
              int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
-  const std::string text = asked == "auto" ? usual_solver(instance.problem) : asked;
+  const std::string text(asked == "auto" ? usual_solver(instance.problem) : std::string_view(asked));
   thread_local std::string known;
   if (text != known) make_solver(text);  // a wrong name or setting is said before anything runs
   known = text;

@@ -21,6 +21,7 @@ void AugmentedLagrangian::begin(const Problem& p, const SolveOptions& options, c
   h_ = rows.exact_h.cwiseMax(Real(-tolerances::horizon)).cast<double>();
   part_.resize(at(factor_.parts()));
   warm_rows_.multipliers(p, rows, options.warm_start, l);
+  if (!(l.lpNorm<1>() <= tolerances::warm_start)) l.setZero();
   s = penalty;
   rate = 1;
 }

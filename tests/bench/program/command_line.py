@@ -77,7 +77,7 @@ MISTAKES = [
     (["bench", "--suite", "quik"], 2, "did you mean 'quick'?"),
     (["bench", "--suite"], 2, "--suite"),
     (["bench", "--scenes", ""], 2, "--scenes: expected a value, and it is empty"),
-    (["bench", "--suite", "quick", "--solvers="], 2, "--solvers: expected a value, and it is empty"),
+    (["bench", "--suite", "quick", "--solvers", ""], 2, "--solvers: expected a value, and it is empty"),
     (["fuzz", "--count", "10", "--first", "18446744073709551615"], 2, "--first: expected at most"),
     (["solve", "hand(contacts=4)"], 3, "expected an HDF5 file (of this scene: ./zwang export)"),
     (["bench", "--scenes", "towr"], 2, "no scene 'towr'; did you mean 'tower'?"),

@@ -191,7 +191,7 @@ class Solving(unittest.TestCase):
             self.assertEqual(answer.z.tobytes(), zwang.solve(problem, "dual_active_set" if mu is None else "cone").z.tobytes())
             self.assertEqual(zwang.judge(problem, answer).verdict, "solved")
         settings = {s["name"]: s["settings"] for s in zwang.solvers()}
-        self.assertEqual(settings["dual_active_set"]["reduce"]["default"], "on")
+        self.assertEqual(settings["nnls"]["reduce"]["default"], "false")
         with self.assertRaisesRegex(TypeError, "should be a zwang.Problem"):
             zwang.solve("hand")
 
