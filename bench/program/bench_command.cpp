@@ -147,6 +147,9 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   const std::string command = command_line("bench", words);
   const std::vector<std::string> typed = words;
   if (!read(options, std::move(words))) return done;
+  for (const CLI::Option* option : options.get_options())
+    if (std::ranges::find(option->results(), "") != option->results().end())
+      throw std::invalid_argument(option->get_name() + ": expected a value, and it is empty");
   if (!asked.missing.empty()) {
     asked.missing.insert(asked.missing.begin(), "--missing");
     return merge_command(asked.missing);
