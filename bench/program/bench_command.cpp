@@ -107,7 +107,8 @@ int print_plan(const Plan& plan) {
     own = {own.problems + 1, std::min(own.fewest, size), std::max(own.most, size)};
   }
   for (const auto& [name, own] : families)
-    std::printf("  %-20s %5zu problems, %td to %td unknowns\n", name.c_str(), own.problems, own.fewest, own.most);
+    std::printf("  %-20s %s, %td to %td unknowns\n", name.c_str(), counted(own.problems, "problem").c_str(), own.fewest,
+                own.most);
   std::printf("%s runs, each with a limit of %s of CPU time%s\n", grouped(plan.size()).c_str(),
               duration(plan.time_limit).c_str(),
               plan.whole_suite && plan.limit_s > 0

@@ -439,7 +439,7 @@ def merged(a, b):
         if run.torn:
             out.torn += f"{' ' if out.torn else ''}Run {mark}: {run.torn}"
     if left_out:
-        out.notes.append(f"{len(left_out)} problems that only one of the two runs has are left out, where both have the solver.")
+        out.notes.append(f"Of solvers in both runs, {counted(len(left_out), 'problem')} that only one of the two has: left out.")
     first = {}
     for s in out.solvers:
         first.setdefault(s.style, len(first))

@@ -187,13 +187,14 @@ Group Group::open_here(const std::filesystem::path& file) {
   return {std::make_shared<File>(name, bytes), std::make_shared<Handle>(id, H5Fclose), "/"};
 }
 
-Group Group::create(const std::filesystem::path& file, bool growing) {
+Group Group::create(const std::filesystem::path& file, bool growing, const std::string& name) {
+  const std::string called = name.empty() ? file.string() : name;
   silence();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (growing) H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   const hid_t id = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  if (id < 0) throw BadFile(file.string() + ": cannot be written; expected a folder that exists and may be written to");
-  return {std::make_shared<File>(file.string(), 0), std::make_shared<Handle>(id, H5Fclose), "/"};
+  if (id < 0) throw BadFile(called + ": cannot be written; expected a folder that exists and may be written to");
+  return {std::make_shared<File>(called, 0), std::make_shared<Handle>(id, H5Fclose), "/"};
 }
 
 void Group::require_written(bool done, const std::string& name) const {

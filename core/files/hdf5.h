@@ -21,8 +21,8 @@ class Group {
   static Group open(const std::filesystem::path& file);
   // The root group of a new file. One that grows while it is written stays readable at every moment, also when its
   // writer is killed (HDF5's single writer, multiple readers), once all its datasets are there and start_growing() was
-  // called.
-  static Group create(const std::filesystem::path& file, bool growing = false);
+  // called. `name`: what messages call the file, where it is not its own name.
+  static Group create(const std::filesystem::path& file, bool growing = false, const std::string& name = "");
   void start_growing();
 
   bool has_group(const std::string& name) const;

@@ -118,7 +118,7 @@ std::vector<Instance> read_problems(const std::filesystem::path& file, std::opti
 void write_problems(const std::filesystem::path& file, std::span<const Instance> instances) {
   const std::filesystem::path unfinished = file.string() + ".unfinished-" + std::to_string(getpid());
   try {
-    hdf5::Group root = hdf5::Group::create(unfinished);
+    hdf5::Group root = hdf5::Group::create(unfinished, false, file.string());
     const std::size_t digits = std::to_string(instances.size()).size();
     for (std::size_t k = 0; k < instances.size(); ++k) {
       require_matching_sizes(instances[k].problem);
@@ -129,11 +129,9 @@ void write_problems(const std::filesystem::path& file, std::span<const Instance>
       write_own(group, instances[k]);
     }
     root.flush();
-  } catch (const std::exception& bad) {
+  } catch (...) {
     std::error_code ignored;
     std::filesystem::remove(unfinished, ignored);
-    const std::string name = unfinished.string(), text = bad.what();
-    if (text.starts_with(name)) throw BadFile(file.string() + text.substr(name.size()));
     throw;
   }
   std::error_code error;

@@ -11,9 +11,8 @@ NewtonStart::Run inside_start() {
     const ConeStarts::Job job{p, rough, deadline, s, starts.best, false};
     try {
       if (!starts.begin(job, ConeProgram::Want::normals)) return NewtonStart::End::written;
-    } catch (const Stopped&) {
-      return NewtonStart::End::failed;  // no room for a factor beside that of the method, which goes on alone; or no
-                                        // time
+    } catch (const Stopped&) {  // no room for a factor beside that of the method, which goes on alone; or no time
+      return NewtonStart::End::failed;
     }
     const NewtonStart::End end = starts.from_inside(job, ConeStarts::first_start);
     if (end == NewtonStart::End::written || end == NewtonStart::End::failed) return end;

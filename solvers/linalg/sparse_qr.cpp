@@ -171,7 +171,7 @@ void SparseQr::solve_transposed(Vector& w) const {
   factors_->solve(SPQR_RTX_EQUALS_B, all, [&](const Answer& y) { w = y.col(0).head(w.size()); });
 }
 
-// Inverse iteration with R'R from alternating signs: a few steps come within a small factor, which error() allows for.
+// Inverse iteration with R'R from alternating signs: a few steps come within a small factor.
 void SparseQr::estimate_smallest() {
   constexpr int steps = 4;
   smallest_ = 1;

@@ -220,6 +220,20 @@ TEST_F(Fuzz, FindingsComeInTheSameOrderHoweverTheyAreShared) {
   EXPECT_EQ(one, told(3));
 }
 
+// A method whose rows ask for less than all problems solved is right where rows all but repeat each other by luck only.
+TEST_F(Fuzz, NearDependentRowsAreForMethodsThatSolveAll) {
+  const auto among = [](const FuzzOptions& options) {
+    const std::vector<std::string> names = fuzzed_solvers(options, solvers());
+    return std::set<std::string>(names.begin(), names.end());
+  };
+  const std::set<std::string> all = among({}), near = among({.near = true});
+  for (const char* name : {"dual_active_set", "nnls", "cone"}) EXPECT_TRUE(near.contains(name)) << name;
+  for (const char* name : {"pgs", "apgd", "projected_gradient"}) {
+    EXPECT_TRUE(all.contains(name)) << name;
+    EXPECT_FALSE(near.contains(name)) << name;
+  }
+}
+
 TEST_F(Fuzz, AMistypedSolverStartsNothing) {
   EXPECT_THROW(run({.count = 10, .solvers = "nnsl"}), std::invalid_argument);
 }

@@ -372,7 +372,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(both.names(), ["s @A", "s @B", "gone", "new"])
         self.assertEqual([(r.problem, r.solver) for r in both.results], [("p", "s @A"), ("p", "s @B"), ("p", "new")])
         self.assertEqual(b.results[0].problem, "p renamed")
-        self.assertIn("2 problems that only one of the two runs has are left out, where both have the solver.", both.notes)
+        self.assertIn("Of solvers in both runs, 2 problems that only one of the two has: left out.", both.notes)
         table = comparison_table(a, b)
         [row] = table.rows
         self.assertEqual(value(row["cells"][1]), 1)                          # one problem in both
