@@ -147,6 +147,8 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   add_options(options, asked);
   const std::string command = command_line("bench", words);
   const std::vector<std::string> typed = words;
+  if (!words.empty() && std::ranges::find(suites(), words[0], &Suite::name) != suites().end())
+    throw std::invalid_argument("'" + words[0] + "' is a suite: ./zwang bench --suite " + words[0]);
   if (!read(options, std::move(words))) return done;
   for (const CLI::Option* option : options.get_options())
     if (std::ranges::find(option->results(), "") != option->results().end())

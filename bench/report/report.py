@@ -296,7 +296,7 @@ def asked_for(words):
   ./zwang report before after --out compared.html""")
     listed = {"type": lambda text: text.split(","), "action": "extend", "default": [], "metavar": "a,b,..."}
     options.add_argument("DIR", nargs="+", help="a run's folder, or two to compare")
-    options.add_argument("--out", default="comparison.html", metavar="FILE", help="the page that compares two runs; default: comparison.html")
+    options.add_argument("--out", metavar="FILE", help="the page that compares two runs; default: comparison.html")
     options.add_argument("--figures", **{**listed, "metavar": "svg,pdf"}, help="svg, pdf or svg,pdf: charts as files with their captions, tables")
     options.add_argument("--chart", **listed, help="only these: work-precision, profile, ...; default: all")
     options.add_argument("--solvers", **{**listed, "type": split_solvers}, help="the figures' lines; default: the six best of each class")
@@ -309,8 +309,11 @@ def asked_for(words):
     for name in ("chart", "solvers", "families", "width"):
         if getattr(asked, name) and not asked.figures:
             options.error(f"--{name} needs --figures")
+    if len(asked.DIR) == 1 and asked.out:
+        options.error("--out is for two runs; the page of one stands in its folder")
     if len(asked.DIR) == 2 and asked.figures:
         fail("--figures draws one run, not two", WRONG_USE)
+    asked.out = asked.out or "comparison.html"
     return asked
 
 

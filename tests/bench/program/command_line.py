@@ -126,6 +126,8 @@ MISTAKES = [
     (["report", "empty"], 3, "empty"),
     (["report", "box.h5", "--figures", "pfd"], 2, "did you mean 'pdf'?"),
     (["report"], 2, "DIR"),
+    (["report", "empty", "--out", "page.html"], 2, "--out is for two runs"),
+    (["bench", "quick"], 2, "./zwang bench --suite quick"),
     (["solvers", "--all"], 2, "no option '--all'"),
     (["scenes", "towr"], 2, "did you mean 'tower'"),
     (["scenes", "hand(contacts=4)"], 2, "should be a scene's name alone"),
