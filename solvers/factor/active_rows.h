@@ -15,6 +15,7 @@ namespace zwang {
 class ActiveRows {
  public:
   using Part = Eigen::Ref<Vector>;
+  using Parts = Eigen::Ref<Matrix>;
   virtual ~ActiveRows() = default;
 
   const std::vector<Index>& rows() const { return rows_; }  // of the whitened problem, in the factorization's order
@@ -39,14 +40,21 @@ class ActiveRows {
   // The inequality row with the smallest pivot, if that is below `limit`, else -1. From now to the next reset no row is
   // accepted whose share is not clearly larger.
   virtual Index coarsen(double) { return -1; }
-  // t = argmin |v - G_A' t|; v becomes v - G_A' t.
-  virtual void combine(Vector& v, Part t) = 0;
+  // T = argmin |V - G_A' T|, column by column; V becomes V - G_A' T. Of together() columns at most.
+  virtual void combine(Parts V, Parts T) = 0;
+  virtual Index together() const { return 1; }  // columns that combine() is quickest with
   // From r1 (n) and r2 (|A|), in place: dy = r1 + G_A' dl and dl, with G_A dy = r2.
   virtual void correct(Vector& r1, Part r2) = 0;
 
   // g_row . v and v += factor g_row, over the nonzeros of the row.
-  double dot(Index row, const Vector& v) const { return w_->dot(row, v); }
-  void add(Index row, double factor, Vector& v) const { w_->add(row, factor, v); }
+  template <class Column>
+  double dot(Index row, const Column& v) const {
+    return w_->dot(row, v);
+  }
+  template <class Column>
+  void add(Index row, double factor, Column&& v) const {
+    w_->add(row, factor, v);
+  }
 
  protected:
   void begin(const Whitened& w, const Deadline& deadline) {
@@ -114,12 +122,14 @@ class QrRows : public ActiveRows {
     for (Index j = 0; j < qr_.size(); ++j) smallest = std::min(smallest, qr_.pivot(j));
     return smallest;
   }
-  void combine(Vector& v, Part t) override {
-    deadline_->keep();
-    qr_.split(v);
-    t = qr_.components();
-    v = qr_.remainder();
-    qr_.solve(t);
+  void combine(Parts V, Parts T) override {
+    for (Index c = 0; c < V.cols(); ++c) {
+      deadline_->keep();
+      qr_.split(V.col(c));
+      T.col(c) = qr_.components();
+      V.col(c) = qr_.remainder();
+      qr_.solve(T.col(c));
+    }
   }
   // dy = (I - QQ') r1 + Q R^-T r2,   dl = R^-1 (R^-T r2 - Q' r1).
   void correct(Vector& r1, Part r2) override {

@@ -169,7 +169,7 @@ void CholeskyRows::drop(Index position) {
 }
 
 // The first pass is right to cond(S_A) eps, each more gains as many digits.
-void CholeskyRows::project(Vector& v, Part t, int passes) {
+void CholeskyRows::project(Part v, Part t, int passes) {
   deadline_->keep();
   t.setZero();
   for (int pass = 0; pass < passes && size() > 0; ++pass) {

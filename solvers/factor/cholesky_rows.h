@@ -24,14 +24,16 @@ class CholeskyRows : public ActiveRows {
   void drop(Index position) override;
   double smallest_pivot() const override;
   double contraction() const override { return rounding_over(smallest_pivot() * smallest_pivot()); }
-  void combine(Vector& v, Part t) override { project(v, t, 2); }
+  void combine(Parts V, Parts T) override {
+    for (Index c = 0; c < V.cols(); ++c) project(V.col(c), T.col(c), 2);
+  }
   void correct(Vector& r1, Part r2) override;
 
  private:
   struct Cholmod;
 
   bool factor_row(Index row);
-  void project(Vector& v, Part t, int passes);
+  void project(Part v, Part t, int passes);
 
   Session<Cholmod> factor_;  // opened by reset()
   std::vector<char> inside_;

@@ -67,22 +67,27 @@ double EliminatedRows::smallest_pivot() const {
   return std::min(elimination_.smallest_accepted(), QrRows::smallest_pivot());
 }
 
-void EliminatedRows::combine(Vector& v, Part t) {
-  const Index n = v.size(), q = qr_.size();
-  auto own = t.tail(q);
-  x_.setZero();
-  x_.head(n) = v;
-  elimination_.rotate(x_);
-  elimination_.free(x_, v_);
-  QrRows::combine(v_, own);
+void EliminatedRows::combine(Parts V, Parts T) {
+  const Index n = V.rows(), q = qr_.size();
+  if (X_.rows() != elimination_.padded_size() || X_.cols() < V.cols())
+    X_.resize(elimination_.padded_size(), together());
+  if (V_.rows() != freedom() || V_.cols() < V.cols()) V_.resize(freedom(), together());
+  auto X = X_.leftCols(V.cols());
+  auto free = V_.leftCols(V.cols());
+  auto own = T.bottomRows(q);
+  X.setZero();
+  X.topRows(n) = V;
+  elimination_.rotate(X);
+  elimination_.free(X, free);
+  QrRows::combine(free, own);
 
-  x_.setZero();
-  x_.head(n) = v;
-  for (Index j = 0; j < q; ++j) add((*this)[rank() + j], -own[j], x_);
-  balance(x_, t.head(rank()));
-  range_.setZero();
-  elimination_.join(range_, v_, x_);
-  v = x_.head(n);
+  X.setZero();
+  X.topRows(n) = V;
+  for (Index c = 0; c < V.cols(); ++c)
+    for (Index j = 0; j < q; ++j) add((*this)[rank() + j], -own(j, c), X.col(c));
+  balance(X, T.topRows(rank()));
+  elimination_.join(Matrix::Zero(rank(), V.cols()), free, X);
+  V = X.topRows(n);
 }
 
 // dy = Q [w; v]: w from the equality rows, v as QrRows has it, of what w leaves; then the multipliers of the equality
@@ -116,10 +121,10 @@ void EliminatedRows::lift(const Vector& v, Vector& y) {
   y = x_.head(y.size());
 }
 
-void EliminatedRows::balance(Vector& y, Part t) const {
-  elimination_.rotate(y);
-  elimination_.range(y, t);
-  elimination_.solve(t);
+void EliminatedRows::balance(Parts Y, Parts T) const {
+  elimination_.rotate(Y);
+  elimination_.range(Y, T);
+  elimination_.solve(T);
 }
 
 }  // namespace zwang

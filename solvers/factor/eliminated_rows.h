@@ -23,7 +23,8 @@ class EliminatedRows : public QrRows {
   double append(Index row) override;
   double share(Index row) override;
   double smallest_pivot() const override;
-  void combine(Vector& v, Part t) override;
+  void combine(Parts V, Parts T) override;
+  Index together() const override { return elimination_.together(); }
   void correct(Vector& r1, Part r2) override;
 
   Index rank() const { return elimination_.rank(); }                        // of the equality rows
@@ -42,8 +43,8 @@ class EliminatedRows : public QrRows {
     rows_.push_back(inequalities_[at(j)]);
   }
   void lift(const Vector& v, Vector& y);  // y = y_E + N v
-  // The combination G_E' t of the accepted equality rows nearest to y (padded n, changed).
-  void balance(Vector& y, Part t) const;
+  // The combinations G_E' T of the accepted equality rows nearest to Y (padded n, changed).
+  void balance(Parts Y, Parts T) const;
   Index padded_size() const { return elimination_.padded_size(); }
 
  private:
@@ -57,6 +58,7 @@ class EliminatedRows : public QrRows {
   Vector w_E_;                 // rank: the range part of y_E
   Vector x_, step_, range_;    // padded n; n; rank
   Vector v_;                   // freedom
+  Matrix X_, V_;               // padded n and freedom x together()
   double y_E_norm_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace zwang {
 
@@ -31,10 +32,8 @@ void ExtendedPolish<Real>::prepare(const Problem& p, const Whitened& w) {
   l_.setZero(k);
   b_.resize(k);
   force_.resize(n);
-  mu_.resize(std::min(n, k));
   r1_.resize(n);
   r2_.resize(std::min(n, k));
-  t_.resize(std::min(n, k));
   state_.assign(at(k), State::outside);
   rest_.assign(at(k), Rest{});
   z_number_ = 0;
@@ -127,36 +126,52 @@ Index ExtendedPolish<Real>::violated_row(Real& worst) {
   return entering;
 }
 
-// g_row = G_A' mu + rest as double sees it; returns the length of the rest.
+// g_row = G_A' mu + rest as double sees it, of together() rows at most.
 template <class Real>
-double ExtendedPolish<Real>::express(ActiveRows& active, Index row) {
-  auto t = t_.head(active.size());
-  r1_.setZero();
-  active.add(row, 1, r1_);
-  active.combine(r1_, t);
-  mu_.head(active.size()) = t.template cast<Real>();
-  return r1_.norm();
+void ExtendedPolish<Real>::express(ActiveRows& active, std::span<const Index> rows) {
+  const Index a = active.size(), count = std::ssize(rows), most = active.together();
+  if (V_.rows() != r1_.size() || V_.cols() < count) V_.resize(r1_.size(), most);
+  if (T_.rows() < a || T_.cols() < count) T_.resize(r2_.size(), most), mu_.resize(r2_.size(), most);
+  if (rest_of_.size() < count) rest_of_.resize(most), last_.resize(most);
+  V_.leftCols(count).setZero();
+  for (Index c = 0; c < count; ++c) active.add(rows[at(c)], 1, V_.col(c));
+  active.combine(V_.leftCols(count), T_.topLeftCorner(a, count));
+  mu_.topLeftCorner(a, count) = T_.topLeftCorner(a, count).template cast<Real>();
+  for (Index c = 0; c < count; ++c) {
+    rest_of_[c] = V_.col(c).norm();
+    last_[c] = T_.col(c).head(a).norm();
+  }
 }
 
-// The same in Real, from what double saw. Ends when the next correction would be nothing to mu: among rows of small
-// integers, corrections would otherwise shrink down to 1e-100.
+// The same in Real, from what double saw, of those that are open_. Ends when the next correction would be nothing to
+// mu: among rows of small integers, corrections would otherwise shrink down to 1e-100.
 template <class Real>
-double ExtendedPolish<Real>::express_again(ActiveRows& active, Index row) {
+void ExtendedPolish<Real>::express_again(ActiveRows& active, std::span<const Index> rows) {
   const Index a = active.size();
-  auto t = t_.head(a);
-  double last = t.norm();
-  for (int step = 1;; ++step) {
-    force_.setZero();
-    add_row(row, Real(1) / Real(w_->row_norm[row]), force_);
-    for (Index i = 0; i < a; ++i) add_row(active[i], -mu_[i] / Real(w_->row_norm[active[i]]), force_);
-    r1_ = force_.template cast<double>();
-    w_->factor.solve_lower(r1_);
-    active.combine(r1_, t);
-    mu_.head(a) += t.template cast<Real>();
-    const double change = t.norm(), weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
-    const double next = change < last ? change * (change / last) : change;
-    if (next <= real_eps * weight || (step > 2 && !(change < last / 2))) return r1_.norm();
-    last = change;
+  for (int step = 1; !open_.empty(); ++step) {
+    const Index count = std::ssize(open_);
+    for (Index k = 0; k < count; ++k) {
+      const Index c = open_[at(k)], row = rows[at(c)];
+      force_.setZero();
+      add_row(row, Real(1) / Real(w_->row_norm[row]), force_);
+      for (Index i = 0; i < a; ++i) add_row(active[i], -mu_(i, c) / Real(w_->row_norm[active[i]]), force_);
+      r1_ = force_.template cast<double>();
+      w_->factor.solve_lower(r1_);
+      V_.col(k) = r1_;
+    }
+    active.combine(V_.leftCols(count), T_.topLeftCorner(a, count));
+    std::size_t left = 0;
+    for (Index k = 0; k < count; ++k) {
+      const Index c = open_[at(k)];
+      auto mu = mu_.col(c).head(a);
+      mu += T_.col(k).head(a).template cast<Real>();
+      const double change = T_.col(k).head(a).norm(), last = std::exchange(last_[c], change);
+      const double weight = 1 + mu.template cast<double>().template lpNorm<1>();
+      const double next = change < last ? change * (change / last) : change;
+      rest_of_[c] = V_.col(k).norm();
+      if (!(next <= real_eps * weight || (step > 2 && !(change < last / 2)))) open_[left++] = c;
+    }
+    open_.resize(left);
   }
 }
 
@@ -200,13 +215,14 @@ bool ExtendedPolish<Real>::proves(Solution& s) {
 template <class Real>
 bool ExtendedPolish<Real>::farkas(ActiveRows& active, Index row, Solution& s) {
   using std::abs;
-  express(active, row);
-  express_again(active, row);
+  express(active, {&row, 1});
+  open_.assign(1, 0);
+  express_again(active, {&row, 1});
   const Real sign = w_->equality[at(row)] && violation(row) < 0 ? -1 : 1;
   const auto multiplier = [&](Index i, Real unit) { return sign * unit / Real(w_->row_norm[i]); };
   Real first = abs(multiplier(row, Real(1))), smallest = first, largest = first;
   for (Index i = 0; i < active.size(); ++i) {
-    Real& mu = mu_[i];
+    Real& mu = mu_(i, 0);
     const bool wrong = !w_->equality[at(active[i])] && sign * mu > 0;
     if (wrong && abs(mu) >= tolerances::exchange_part) return false;
     if (wrong || abs(mu) <= tolerances::extended_multiplier * real_eps) mu = 0;
@@ -219,18 +235,18 @@ bool ExtendedPolish<Real>::farkas(ActiveRows& active, Index row, Solution& s) {
     certificate_.setZero(p_->rows());
     certificate_[w_->row[at(row)]] = static_cast<double>(multiplier(row, Real(1)) / unit);
     for (Index i = 0; i < active.size(); ++i)
-      certificate_[w_->row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_[i]) / unit);
+      certificate_[w_->row[at(active[i])]] = static_cast<double>(-multiplier(active[i], mu_(i, 0)) / unit);
     if (proves(s)) return true;
   }
   return false;
 }
 
-// As a row sign (G_A' mu_ + rest) enters.
+// As a row sign (G_A' mu_ + rest) enters, expressed by that column.
 template <class Real>
-Blocking<Real> ExtendedPolish<Real>::blocking(const ActiveRows& active, Real sign) const {
+Blocking<Real> ExtendedPolish<Real>::blocking(const ActiveRows& active, Index column, Real sign) const {
   Blocking<Real> first{.row = -1, .step = std::numeric_limits<double>::infinity()};
   for (Index i = 0; i < active.size(); ++i) {
-    const Real rate = sign * mu_[i];
+    const Real rate = sign * mu_(i, column);
     if (w_->equality[at(active[i])] || rate < tolerances::exchange_part) continue;
     const Real step = std::max(unit(active[i]), Real(0)) / rate;
     if (step < first.step) first = {i, step};
@@ -241,17 +257,18 @@ Blocking<Real> ExtendedPolish<Real>::blocking(const ActiveRows& active, Real sig
 // How far z moves when a row with that share, violated by so much, is obeyed and another gives way to it: until that
 // leaves, and then by what is left of the violation over the share that leaving gave it.
 template <class Real>
-double ExtendedPolish<Real>::detour(const ActiveRows& active, Real sign, double share, double violation) const {
-  const Blocking<Real> first = blocking(active, sign);
+double ExtendedPolish<Real>::detour(const ActiveRows& active, Index column, Real sign, double share,
+                                    double violation) const {
+  const Blocking<Real> first = blocking(active, column, sign);
   if (first.row < 0) return std::numeric_limits<double>::infinity();
-  const double rate = std::abs(static_cast<double>(mu_[first.row]));
+  const double rate = std::abs(static_cast<double>(mu_(first.row, column)));
   return share * static_cast<double>(first.step) + violation / (rate * active.smallest_pivot());
 }
 
 // The violated row depends on the active ones: it takes the place of the one whose multiplier reaches zero first.
 template <class Real>
 bool ExtendedPolish<Real>::exchange(ActiveRows& active, Index row) {
-  const Index leaving = blocking(active, w_->equality[at(row)] && b_[row] < 0 ? -1 : 1).row;
+  const Index leaving = blocking(active, 0, w_->equality[at(row)] && b_[row] < 0 ? -1 : 1).row;
   if (leaving < 0) return false;
   remove(active, leaving);
   if (!active.accepts(active.append(row))) return false;
@@ -280,11 +297,11 @@ void ExtendedPolish<Real>::doubt_active(const ActiveRows& active) {
 
 // What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
 template <class Real>
-double ExtendedPolish<Real>::inherited(const ActiveRows& active) {
+double ExtendedPolish<Real>::inherited(const ActiveRows& active, Index column) {
   using std::abs;
   double sum = 0;
   for (Index i = 0; i < active.size(); ++i)
-    sum += std::abs(static_cast<double>(mu_[i])) *
+    sum += std::abs(static_cast<double>(mu_(i, column))) *
            (std::abs(static_cast<double>(violation(active[i]))) + hidden(active[i]));
   return sum;
 }
@@ -296,46 +313,76 @@ double ExtendedPolish<Real>::inherited(const ActiveRows& active) {
 // enter before, nobody gave way, so it contradicts the others, provably or not. Returns -1 where there is none.
 template <class Real>
 Index ExtendedPolish<Real>::doubt_others(ActiveRows& active, double limit, bool passes_on) {
-  const Index a = active.size();
-  const double needless = tolerances::needless * scale_, touch = epsilon * scale_;
-  const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
-  const double own = error_ > touch ? error_ : 0;  // by which z itself may be off
+  const double touch = epsilon * scale_, needless = tolerances::needless * scale_;
+  hidden_in_z_ = error_ > touch ? error_ : 0;
   share_.assign(at(w_->rows()), unknown);
   touching_.clear();
+  asked_.clear();
   is_blurred_ = false;
   for (Index i = 0; i < w_->rows(); ++i) {
     if (state_[at(i)] == State::inside) continue;
-    const double rounding = hidden(i);
-    const Real v = violation(i), sign = w_->equality[at(i)] && v < 0 ? -1 : 1, most = sign * v + (rounding + own);
+    const Real most = doubt(i).most;
     if (most > -touch && touching_.empty()) touched_ = std::max(0.0, static_cast<double>(most));
     if (most > -touch) touching_.push_back(i);
-    if (!(most + tolerances::wide_violation * rounding > needless * tolerances::rank * real_eps)) continue;
-    const double share = share_[at(i)] = express(active, i);
+    if (most + tolerances::wide_violation * hidden(i) > needless * tolerances::rank * real_eps) asked_.push_back(i);
+  }
+  const auto together = at(passes_on ? 1 : active.together());  // the first that blurs is the last
+  std::span<const Index> left(asked_);
+  Index entering = -1;
+  while (!left.empty() && entering < 0 && !(is_blurred_ && passes_on)) {
+    entering = doubt_these(active, left.first(std::min(together, left.size())), limit, passes_on);
+    left = left.subspan(std::min(together, left.size()));
+  }
+  is_blurred_ = is_blurred_ || (entering < 0 && wedge());
+  return entering;
+}
+
+template <class Real>
+auto ExtendedPolish<Real>::doubt(Index i) -> Doubt {
+  const double rounding = hidden(i);
+  const Real v = violation(i), sign = w_->equality[at(i)] && v < 0 ? -1 : 1;
+  return {sign, sign * v + (rounding + hidden_in_z_), static_cast<double>(sign * v) - tolerances::violation * rounding};
+}
+
+template <class Real>
+Index ExtendedPolish<Real>::doubt_these(ActiveRows& active, std::span<const Index> rows, double limit, bool passes_on) {
+  const Index a = active.size();
+  const double needless = tolerances::needless * scale_;
+  const bool clear = active.smallest_pivot() > tolerances::clear_pivot;
+  express(active, rows);
+  again_.clear();
+  for (Index c = 0; c < std::ssize(rows); ++c) {  // as double sees it
+    const auto [sign, most, over] = doubt(rows[at(c)]);
+    const double share = share_[at(rows[at(c)])] = rest_of_[c];
     if (share > tolerances::clear_share && static_cast<double>(most) <= needless * share) continue;
-    const double over = static_cast<double>(sign * v) - tolerances::violation * rounding;
-    if (!(over > 0) && clear) {  // as double sees it
-      const double rest = share + tolerances::rank * epsilon * (1 + t_.head(a).template lpNorm<1>());
-      const double far = detour(active, sign, rest, static_cast<double>(most));
+    if (!(over > 0) && clear) {
+      const double rest = share + tolerances::rank * epsilon * (1 + T_.col(c).head(a).template lpNorm<1>());
+      const double far = detour(active, c, sign, rest, static_cast<double>(most));
       if (far <= limit) {
         error_ = std::max(error_, far);
         continue;
       }
     }
     is_blurred_ = is_blurred_ || !(over > 0 || share > tolerances::clear_share);
-    if (is_blurred_ && passes_on) return -1;
-    const double rho = express_again(active, i);
-    const double weight = 1 + mu_.head(a).template cast<double>().template lpNorm<1>();
+    if (is_blurred_ && passes_on) break;
+    again_.push_back(c);
+  }
+  open_ = again_;
+  express_again(active, rows);
+  for (const Index c : again_) {
+    const auto [sign, most, over] = doubt(rows[at(c)]);
+    const double rho = rest_of_[c];
+    const double weight = 1 + mu_.col(c).head(a).template cast<double>().template lpNorm<1>();
     const bool combination = !(rho > tolerances::rank * real_eps * weight);
     const bool violated =
-        over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(active);
-    if (violated && state_[at(i)] == State::outside) return i;
+        over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(active, c);
+    if (violated && state_[at(rows[at(c)])] == State::outside) return rows[at(c)];
     is_blurred_ = is_blurred_ || (combination && !violated);
     if (combination && !violated) continue;
     double far = static_cast<double>(most) / rho;
-    if (!violated) far = std::min(far, detour(active, sign, rho, static_cast<double>(most)));
+    if (!violated) far = std::min(far, detour(active, c, sign, rho, static_cast<double>(most)));
     error_ = std::max(error_, std::min(scale_, far));
   }
-  is_blurred_ = is_blurred_ || wedge();
   return -1;
 }
 

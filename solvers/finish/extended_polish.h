@@ -50,6 +50,12 @@ class ExtendedPolish {
     Real violation, terms;
     int at_z = -1;
   };
+  // On which side a row is violated; by how much it may be, by what rounding and z's own error hide; and by how much it
+  // is beyond rounding.
+  struct Doubt {
+    Real sign, most;
+    double over;
+  };
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
   static constexpr double real_eps = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
@@ -63,8 +69,8 @@ class ExtendedPolish {
   bool refine(ActiveRows& active);
   Index pulling_row(const ActiveRows& active) const;
   Index violated_row(Real& worst);
-  double express(ActiveRows& active, Index row);
-  double express_again(ActiveRows& active, Index row);
+  void express(ActiveRows& active, std::span<const Index> rows);
+  void express_again(ActiveRows& active, std::span<const Index> rows);
   bool farkas(ActiveRows& active, Index row, Solution& s);
   bool proves(Solution& s);
   bool exchange(ActiveRows& active, Index row);
@@ -73,11 +79,13 @@ class ExtendedPolish {
     l_[active[position]] = 0;
     active.drop(position);
   }
-  double inherited(const ActiveRows& active);
+  double inherited(const ActiveRows& active, Index column);
   void doubt_active(const ActiveRows& active);
+  Doubt doubt(Index i);
   Index doubt_others(ActiveRows& active, double limit, bool passes_on);
-  Blocking<Real> blocking(const ActiveRows& active, Real sign) const;
-  double detour(const ActiveRows& active, Real sign, double share, double violation) const;
+  Index doubt_these(ActiveRows& active, std::span<const Index> rows, double limit, bool passes_on);
+  Blocking<Real> blocking(const ActiveRows& active, Index column, Real sign) const;
+  double detour(const ActiveRows& active, Index column, Real sign, double share, double violation) const;
   void write(Solution& s) const;
   bool wedge();
   double share(ActiveRows& active, Index row) const {  // of a row outside
@@ -95,8 +103,11 @@ class ExtendedPolish {
   RealVector b_;        // k: violation of the unconstrained motion, unit rows, units of 2^exponent
   RealVector z_, l_;    // n, k: the point, and the multipliers of the rows as given, times 2^-exponent
   RealVector force_;    // n
-  RealVector mu_;       // |A|: the dependent row as a combination of the active ones
-  Vector r1_, r2_, t_;  // whitened residuals and a work vector
+  MatrixX<Real> mu_;    // |A| x together(): dependent rows as combinations of the active ones
+  Vector rest_of_;      // together(): what is left of them
+  Matrix V_, T_;        // n and |A| x together(): of express()
+  Vector last_;         // together(): the last columns of T_ that changed mu_
+  Vector r1_, r2_;      // whitened residuals
   Vector certificate_;  // m: the Farkas vector under test
   std::vector<char> state_;
   std::vector<Rest> rest_;     // k
@@ -108,6 +119,8 @@ class ExtendedPolish {
   double z_u_length_ = 0;
   double error_ = 0;  // estimate of |z - z*|_M for the active set at hand
   bool is_blurred_ = false;
+  std::vector<Index> asked_, again_, open_;  // rows outside to be expressed; of them, columns to be expressed again
+  double hidden_in_z_ = 0;
   std::vector<Index> touching_;  // rows outside that are not open by more than rounding in double
   double touched_ = 0;           // by how much the first of them is violated, at the most
 };

@@ -7,18 +7,19 @@
 
 namespace zwang {
 
-void EqualityElimination::rotate(Vector& x) const {
-  if (sparse_.holds()) return sparse_.rotate(x);
-  for (Index k = 0; k < rank(); ++k) reflect(k, x);
+void EqualityElimination::rotate(Columns X) const {
+  if (sparse_.holds()) return sparse_.rotate(X);
+  for (Index k = 0; k < rank(); ++k) reflect(k, X.col(0));
 }
 
-void EqualityElimination::rotate_back(Vector& x) const {
-  if (sparse_.holds()) return sparse_.rotate_back(x);
-  for (Index k = rank(); k-- > 0;) reflect(k, x);
+void EqualityElimination::rotate_back(Columns X) const {
+  if (sparse_.holds()) return sparse_.rotate_back(X);
+  for (Index k = rank(); k-- > 0;) reflect(k, X.col(0));
 }
 
-void EqualityElimination::solve(Eigen::Ref<Vector> w) const {
-  if (sparse_.holds()) return sparse_.solve(w);
+void EqualityElimination::solve(Columns W) const {
+  if (sparse_.holds()) return sparse_.solve(W);
+  auto w = W.col(0);
   for (Index k = rank(); k-- > 0;) {
     const auto column = R_.col(order_[at(k)]);
     w[k] /= column[k];

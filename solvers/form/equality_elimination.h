@@ -39,23 +39,26 @@ class EqualityElimination {
   void reduce(const Rows& G, const std::vector<Index>& rows, const Deadline& deadline, Matrix& A) const;
   double smallest_accepted() const { return smallest_; }  // 1 when there is none
 
-  // x := Q'x and x := Q x, x of length padded_size() with zeros beyond n.
-  void rotate(Vector& x) const;
-  void rotate_back(Vector& x) const;
-  // Of a rotated vector its parts: w (rank, in pivot order) and v (freedom); and x from them, rotated back.
-  void range(const Vector& rotated, Eigen::Ref<Vector> w) const {
-    for (Index k = 0; k < rank(); ++k) w[k] = rotated[pivot_entry_[at(k)]];
+  // X := Q'X and X := Q X, X of padded_size() rows with zeros beyond n, and together() columns at most.
+  using Columns = Eigen::Ref<Matrix>;
+  Index together() const { return sparse_.holds() ? SparseQr::together : 1; }
+  void rotate(Columns X) const;
+  void rotate_back(Columns X) const;
+  // Of rotated columns their parts: W (rank, in pivot order) and V (freedom); and X from them, rotated back.
+  void range(const Columns& rotated, Columns W) const {
+    for (Index k = 0; k < rank(); ++k) W.row(k) = rotated.row(pivot_entry_[at(k)]);
   }
-  void free(const Vector& rotated, Vector& v) const {
-    for (Index l = 0; l < freedom(); ++l) v[l] = rotated[free_entry_[at(l)]];
+  void free(const Columns& rotated, Columns V) const {
+    for (Index l = 0; l < freedom(); ++l) V.row(l) = rotated.row(free_entry_[at(l)]);
   }
-  void join(const Vector& w, const Vector& v, Vector& x) const {
-    for (Index k = 0; k < rank(); ++k) x[pivot_entry_[at(k)]] = w[k];
-    for (Index l = 0; l < freedom(); ++l) x[free_entry_[at(l)]] = v[l];
-    rotate_back(x);
+  template <class Range, class Free>
+  void join(const Range& W, const Free& V, Columns X) const {
+    for (Index k = 0; k < rank(); ++k) X.row(pivot_entry_[at(k)]) = W.row(k);
+    for (Index l = 0; l < freedom(); ++l) X.row(free_entry_[at(l)]) = V.row(l);
+    rotate_back(X);
   }
-  // w := R^-1 w and w := R^-T w over the first rank() entries.
-  void solve(Eigen::Ref<Vector> w) const;
+  // W := R^-1 W and w := R^-T w over the first rank() rows.
+  void solve(Columns W) const;
   void solve_transposed(Vector& w) const;
 
  private:

@@ -18,7 +18,6 @@ using Long = SuiteSparse_long;
 constexpr Index few_unknowns = 200, few_rows = 16;  // below, reflections in dense columns are as quick
 constexpr double dense_share = 0.05;                // of entries
 constexpr double operations_per_second = 2e9;       // less than a slow core does, against the time that is left
-constexpr Index together = 64;                      // rows that are reduced at once
 
 using Columns = Eigen::SparseMatrix<double, Eigen::ColMajor, Long>;
 using Dense = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
@@ -33,8 +32,8 @@ struct SparseQr::Factors {
   Columns columns;         // G_E'
   SparsityPattern places;  // of the analysis
   double work = 0;         // operations, by the analysis
-  Vector rotated, all, x;  // storage of the calls below
-  Matrix some;
+  Vector all, x;           // storage of the calls below
+  Matrix some, rotated;
 
   Factors() {
     const LibraryMemory::Use use(memory);
@@ -135,8 +134,8 @@ void SparseQr::list_columns() {
   }
 }
 
-void SparseQr::multiply(bool transposed, Eigen::Ref<Vector> x) const {
-  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, x.head(n_), [&](const Answer& y) { x.head(n_) = y.col(0); });
+void SparseQr::multiply(bool transposed, Eigen::Ref<Matrix> X) const {
+  factors_->multiply(transposed ? SPQR_QTX : SPQR_QX, X.topRows(n_), [&](const Answer& Y) { X.topRows(n_) = Y; });
 }
 
 void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) const {
@@ -155,12 +154,14 @@ void SparseQr::reduce(const Rows& G, std::span<const Index> rows, Matrix& A) con
   }
 }
 
-void SparseQr::solve(Eigen::Ref<Vector> w) const {
-  Vector& rotated = factors_->rotated;
-  rotated.setZero(n_);
-  rotated.head(w.size()) = w;
-  factors_->solve(SPQR_RX_EQUALS_B, rotated, [&](const Answer& y) {
-    for (Index k = 0; const Index place : place_) w[k++] = y(place, 0);
+void SparseQr::solve(Eigen::Ref<Matrix> W) const {
+  Matrix& rotated = factors_->rotated;
+  if (rotated.rows() != n_ || rotated.cols() < W.cols()) rotated.resize(n_, W.cols());
+  auto own = rotated.leftCols(W.cols());
+  own.topRows(W.rows()) = W;
+  own.bottomRows(n_ - W.rows()).setZero();
+  factors_->solve(SPQR_RX_EQUALS_B, own, [&](const Answer& Y) {
+    for (Index k = 0; const Index place : place_) W.row(k++) = Y.row(place);
   });
 }
 

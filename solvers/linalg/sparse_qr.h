@@ -32,19 +32,21 @@ class SparseQr {
   const std::vector<Index>& rejected() const { return rejected_; }  // likewise
   double smallest_accepted() const { return smallest_; }            // estimate of R's smallest singular value
 
-  // x := Q'x and x := Q x over the first n entries, the range first; A := N'G' of rows of G.
-  void rotate(Eigen::Ref<Vector> x) const { multiply(true, x); }
-  void rotate_back(Eigen::Ref<Vector> x) const { multiply(false, x); }
+  // X := Q'X and X := Q X over the first n rows, the range first; A := N'G' of rows of G. The library prepares its
+  // blocks of reflections anew for every product, and one of `together` columns costs as much as three or four of one.
+  static constexpr Index together = 64;
+  void rotate(Eigen::Ref<Matrix> X) const { multiply(true, X); }
+  void rotate_back(Eigen::Ref<Matrix> X) const { multiply(false, X); }
   void reduce(const Rows& G, std::span<const Index> rows, Matrix& A) const;
-  // w := R^-1 w and w := R^-T w over the first rank entries.
-  void solve(Eigen::Ref<Vector> w) const;
+  // W := R^-1 W and w := R^-T w over the first rank rows.
+  void solve(Eigen::Ref<Matrix> W) const;
   void solve_transposed(Vector& w) const;
 
  private:
   struct Factors;
 
   bool load(const Rows& G, const std::vector<Index>& rows);
-  void multiply(bool transposed, Eigen::Ref<Vector> x) const;
+  void multiply(bool transposed, Eigen::Ref<Matrix> X) const;
   void list_columns();
   void estimate_smallest();
 

@@ -12,8 +12,8 @@ namespace {
 
 bool SparseQr::factorize(const Rows&, const std::vector<Index>&, double, const Deadline&) { return false; }
 void SparseQr::reduce(const Rows&, std::span<const Index>, Matrix&) const { absent(); }
-void SparseQr::solve(Eigen::Ref<Vector>) const { absent(); }
+void SparseQr::solve(Eigen::Ref<Matrix>) const { absent(); }
 void SparseQr::solve_transposed(Vector&) const { absent(); }
-void SparseQr::multiply(bool, Eigen::Ref<Vector>) const { absent(); }
+void SparseQr::multiply(bool, Eigen::Ref<Matrix>) const { absent(); }
 
 }  // namespace zwang

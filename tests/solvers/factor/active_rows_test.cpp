@@ -93,5 +93,31 @@ TYPED_TEST(ActiveRowsOf, AShareIsTheLengthOutsideTheOthers) {
   EXPECT_LE((t - Vector::Unit(G.rows(), 0)).norm(), this->rounding);
 }
 
+// Equality rows by a sparse QR, which takes many columns at once: redundant rows, and any motion beside them.
+TEST(EliminatedRows, CombinesManyColumnsAtOnce) {
+  const Problem p = make_scenes("random(n=300,m=180,equalities=.8,seed=3)").at(0).problem;
+  const Deadline deadline;
+  Whitened w;
+  ASSERT_TRUE(w.build(p));
+  EliminatedRows rows;
+  rows.sparse = true;
+  rows.reset(w, deadline);
+  ASSERT_GT(rows.together(), 1);
+  for (const Index i : rows.inequalities()) rows.append(i);
+  ASSERT_GT(rows.size(), rows.rank());
+  const Index redundant = std::ssize(rows.rejected()), count = redundant + 3;
+  ASSERT_GT(redundant, 5);
+  ASSERT_LE(count, rows.together());
+  Matrix V = Matrix::Random(300, count), T(rows.size(), count), G(rows.size(), 300);
+  for (Index c = 0; c < redundant; ++c) V.col(c) = Vector(w.G.row(rows.rejected()[at(c)]));
+  for (Index k = 0; k < rows.size(); ++k) G.row(k) = Vector(w.G.row(rows[k]));
+  const Matrix given = V;
+  rows.combine(V, T);
+  EXPECT_LE((G * V).norm(), 1e-12);
+  EXPECT_LE((G.transpose() * T + V - given).norm(), 1e-12);
+  EXPECT_LE(V.leftCols(redundant).norm(), 1e-12);
+  EXPECT_GT(V.rightCols(3).norm(), 1);
+}
+
 }  // namespace
 }  // namespace zwang
